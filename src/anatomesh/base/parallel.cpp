@@ -1,0 +1,26 @@
+#include "anatomesh/base/parallel.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cassert>
+
+namespace anatomesh {
+
+void parallel_for(std::size_t count, std::size_t grain, int threads,
+                  const std::function<void(std::size_t, std::size_t)>& body) {
+    assert(grain > 0 && threads > 0);
+    const std::size_t pieces = (count + grain - 1) / grain;
+    const auto run = [&](std::size_t piece) {
+        body(piece * grain, std::min(count, (piece + 1) * grain));
+    };
+    if (threads == 1 || pieces <= 1) {
+        for (std::size_t piece = 0; piece < pieces; ++piece) run(piece);
+        return;
+    }
+    tbb::task_arena arena(threads);
+    arena.execute([&] { tbb::parallel_for(std::size_t{0}, pieces, run, tbb::simple_partitioner()); });
+}
+
+}  // namespace anatomesh

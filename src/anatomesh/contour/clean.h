@@ -1,0 +1,58 @@
+// clean_contours: from contours as a file gave them to a kept contour set.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/raw_contours.h"
+
+namespace anatomesh {
+
+enum class HoleRule : std::uint8_t {
+    even_odd,  // a contour inside another one is a hole (an island inside a hole, and so on)
+    united     // every contour adds to the structure: holes are filled
+};
+
+struct CleanOptions {
+    double plane_tolerance_mm = 0.05;  // points this far off their plane are accepted as they are. [0, 1]
+    double plane_repair_mm = 1.0;      // points up to this far off are projected, with a warning; beyond: refused
+    double group_tolerance_mm = 0.01;  // contours whose planes differ by less at their own extent share a slice
+    double closing_gap_mm = 2.0;       // an open contour with at most this gap is closed with a warning
+    double max_repair_area_share = 0.05;  // a repair that changes a contour's area by more is refused. [0, 1]
+    HoleRule holes = HoleRule::even_odd;
+};
+
+// How one contour of the input was read. One entry per raw contour, in input order: the log that travels into
+// the report.
+struct ContourLog {
+    std::uint32_t raw_contour = 0;
+    std::string rule;                // "outer", "hole of 12", "exclusive or", "dropped: one point", "repeat of 4" ...
+    std::uint32_t points_in = 0, points_kept = 0;
+    double max_displacement_mm = 0;  // largest move of a kept point
+    double area_change_mm2 = 0;      // of the drawn region, absolute
+};
+
+struct CleanStats {
+    std::uint64_t points_in = 0, points_kept = 0;
+    std::uint32_t contours_in = 0, contours_kept = 0, repaired = 0, dropped = 0;
+    double max_displacement_mm = 0;
+};
+
+struct CleanResult {
+    ContourSet kept;
+    std::vector<ContourLog> log;
+    CleanStats stats;
+};
+
+// Guarantees: the invariants of a kept contour set; a contour that needed no repair keeps every vertex at its
+// exact coordinates; equal output for any order of the input's contours, start index and direction.
+// Same-plane rule, in this order: exact duplicates dropped; even-odd by containment; partial overlaps of one
+// structure united; exclusive or only where the file says CLOSEDPLANAR_XOR. Every repair is counted and warned
+// about, with its displacement and area; above its bound it is an error.
+// Errors: E-CON-*. Complexity: O(n log n) per slice in its points, plus the crossings found.
+Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context);
+
+}  // namespace anatomesh

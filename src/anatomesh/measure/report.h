@@ -1,0 +1,104 @@
+// ModelReport: everything that is said about a model, as plain data; anatomesh_io/report writes it as JSON and HTML.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "anatomesh/base/result.h"
+
+namespace anatomesh {
+
+enum class ClauseState : std::uint8_t { kept, not_promised_yet, broken };
+
+// One clause of the contract (docs/method.md, "The contract of a model"): 1 to 6.
+struct Clause {
+    int number = 0;
+    ClauseState state = ClauseState::not_promised_yet;
+    std::string statement;  // what is promised, one sentence
+    std::string evidence;   // the measured figures, one sentence
+};
+
+// A cell that breaks a bound, with what forces it.
+struct ListedCell {
+    std::uint32_t cell = 0;
+    double value = 0;            // its radius-edge ratio
+    std::array<double, 3> at{};  // centroid, mm
+    std::string forced_by;       // "contour vertices 12, 13 0.21 mm apart in slice k = 7", "" when not known
+};
+
+// Counts of bins of equal width from low to high; values beyond are counted in the end bins.
+struct Histogram {
+    double low = 0, high = 1;
+    std::vector<std::uint64_t> counts;
+};
+
+struct QualityReport {
+    double radius_edge_mean = 0, radius_edge_p99 = 0, radius_edge_max = 0, radius_edge_share_over_2 = 0;
+    double dihedral_min_deg = 0, dihedral_p01_deg = 0, dihedral_median_min_deg = 0, dihedral_max_deg = 0;
+    std::uint64_t dihedral_below_10 = 0, dihedral_below_15 = 0;
+    double edge_min_mm = 0, edge_mean_mm = 0, edge_max_mm = 0;
+    Histogram radius_edge, min_dihedral;
+};
+
+struct StructureReport {
+    std::int32_t number = 0;
+    std::string name;
+    std::array<std::uint8_t, 3> color{200, 200, 200};
+    std::uint64_t tetrahedra = 0, surface_triangles = 0, surface_vertices = 0;
+    double volume_mesh_mm3 = 0;        // sum of its cells
+    double volume_field_mm3 = 0;       // integral of the field's cross-sections
+    double volume_slices_mm3 = 0;      // plain slice integration: area x spacing
+    double area_mm2 = 0;               // of its surface
+    std::uint32_t components = 0;      // of its surface (shells)
+    std::uint32_t pieces = 0;          // of its volume
+    std::int64_t genus = 0;            // summed over its surface's components
+    std::uint64_t open_edges = 0, nonmanifold_edges = 0, nonmanifold_vertices = 0;
+    std::uint64_t contour_vertices = 0, contour_vertices_on_surface = 0;
+};
+
+struct StageReport {
+    std::string name;
+    double seconds = 0;           // the only kind of figure that may differ between runs
+    std::uint64_t points = 0, cells = 0;  // after the stage
+    std::vector<std::pair<std::string, double>> figures;  // what the stage counted: "culled_share" -> 0.38
+};
+
+struct InputReport {
+    std::string file, format, sha256;
+    std::uint64_t bytes = 0;
+};
+
+struct ContourReport {
+    std::string structure, slice, name, rule;
+    std::uint32_t points_in = 0, points_kept = 0;
+    double max_displacement_mm = 0, area_change_mm2 = 0;
+};
+
+struct ModelReport {
+    std::string version, command;
+    std::vector<InputReport> inputs;
+    std::vector<std::pair<std::string, std::string>> options;  // name, value as used (after defaults)
+    std::string space = "LPS", unit = "mm";
+    std::string hole_rule, end_caps;
+
+    std::uint64_t vertices = 0, tetrahedra = 0, surface_triangles = 0;
+    std::uint64_t slices = 0, contours = 0, contour_vertices = 0, traced_points = 0;
+    double epsilon_mm = 0, size_mm = 0, slice_spacing_mm = 0;
+    double share_culled = 0;                       // cells of the Delaunay mesh that were culled
+    double radius_edge_mean_before_refinement = 0; // over the kept cells
+    std::uint64_t islands_left_out = 0;
+
+    std::vector<StructureReport> structures;
+    std::vector<std::vector<std::uint32_t>> regions;  // members by region, indices into structures; [0] empty
+    QualityReport quality;
+    std::vector<Clause> certificate;
+    std::vector<ListedCell> listed_cells;          // radius-edge above 2, worst first, at most 1000
+    std::uint64_t listed_cells_total = 0;
+    std::vector<ContourReport> contour_log;
+    std::vector<StageReport> stages;
+    std::vector<Warning> warnings;
+};
+
+}  // namespace anatomesh

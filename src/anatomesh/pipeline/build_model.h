@@ -1,0 +1,39 @@
+// build_model: from kept contours to a checked tetrahedral model. The whole method, one line a stage.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/field/structure_field.h"
+#include "anatomesh/measure/report.h"
+#include "anatomesh/mesh/tet_mesh.h"
+
+namespace anatomesh {
+
+struct ModelOptions {
+    double size_mm = 0;             // target edge length. 0: from the slice spacing and the contours. [0.01, 1000]
+    EndCaps caps = EndCaps::half;
+    double max_radius_edge = 2.0;   // aimed at for every cell. [1.2, 10]
+    std::uint64_t max_tetrahedra = 1'000'000'000;  // refused above, before the work
+};
+
+struct Model {
+    TetMesh mesh;                          // only cells of a region other than 0; every point is used by a cell
+    RegionTable regions;
+    std::vector<Structure> structures;     // as in the contour set
+    std::vector<std::uint32_t> contour_vertices;  // mesh vertex of every point of the contour set
+    ModelReport report;                    // everything the core can know; inputs and command are the caller's
+};
+
+// Called with the mesh after each stage ("delaunay", "cull", "cut", "refine", "improve"): for looking and dumping.
+using StageObserver = std::function<void(const std::string& stage, const TetMesh& mesh)>;
+
+// Requires: a kept contour set. Guarantees: the clauses of the certificate that are marked kept, checked on the
+// result itself; a broken clause is an Error of kind internal or geometry and no model.
+Result<Model> build_model(const ContourSet& contours, const ModelOptions& options, RunContext& context,
+                          const StageObserver& observer = {});
+
+}  // namespace anatomesh
