@@ -3,13 +3,11 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/contour_set.h"
 #include "anatomesh/geom/box.h"
-#include "anatomesh/mesh/tet_mesh.h"
 
 namespace anatomesh {
 
@@ -30,31 +28,33 @@ struct FieldOptions {
 // Immutable after make_structure_field(); all queries are const and thread-safe.
 class StructureField {
   public:
-    // Signed distance-like value of one structure at p: negative inside, positive outside, zero on its surface;
-    // exactly the sign of the drawn region on every slice plane. |value| is a distance only near the surface.
-    // Clamped to +-clamp. O(1) for parallel slices apart from the nearest few contour segments.
-    virtual double value(std::uint32_t structure, Vec3 p) const = 0;
-
-    // Values of all structures whose neighbourhood holds p are appended to `near` as (structure, value);
-    // structures not listed are outside by at least the clamp.
     struct Near {
         std::uint32_t structure;
         double value;
     };
+
+    // Signed distance-like value of one structure at p: negative inside, positive outside, zero on its surface;
+    // exactly the sign of the drawn region on every slice plane, exactly zero at every contour vertex.
+    // |value| is a distance only near the surface; it never exceeds clamp(). For an exclusive contour set at most
+    // one structure is negative at p, and no gaps are left between structures that share a wall.
+    // O(1) for parallel slices apart from the nearest few contour segments.
+    virtual double value(std::uint32_t structure, Vec3 p) const = 0;
+
+    // Values of all structures whose neighbourhood holds p are appended to `near` as (structure, value), in
+    // order of structure; structures not listed are outside by the clamp.
     virtual void values_near(Vec3 p, std::vector<Near>& near) const = 0;
 
-    // The region at p. For an exclusive contour set at most one structure owns p and no gaps are left between
-    // structures that share a wall; otherwise the set of structures with a negative value.
-    virtual Region region(Vec3 p) const = 0;
+    // The structures that p lies in (value < 0), in order, replace `out`: its region. At most one for an exclusive
+    // contour set; a point where several are equally near belongs to outside, else to the lowest index.
+    virtual void members(Vec3 p, std::vector<std::uint32_t>& out) const = 0;
 
     // Distance-like value whose zero set is the union of all interfaces: how far p is from the nearest change of
-    // region, always >= 0.
+    // region, in [0, clamp()].
     virtual double interface_distance(Vec3 p) const = 0;
 
-    virtual const RegionTable& regions() const = 0;   // every region that the field can answer
-    virtual double slice_spacing() const = 0;         // mm between neighbouring slices (median); > 0
-    virtual double clamp() const = 0;                 // mm
-    virtual Box3 box() const = 0;                     // holds every point with a region other than 0
+    virtual double slice_spacing() const = 0;  // mm between neighbouring slices (median); > 0
+    virtual double clamp() const = 0;          // mm
+    virtual Box3 box() const = 0;              // holds every point with a region other than outside
     virtual ~StructureField() = default;
 };
 
