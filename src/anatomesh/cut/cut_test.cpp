@@ -1,0 +1,126 @@
+// Laws of the cut stage: whatever the labels, every structure's surface ends as a closed 2-manifold.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "anatomesh/cut/relabel.h"
+#include "anatomesh/cut/split_unsound.h"
+#include "anatomesh/delaunay/tetrahedralize.h"
+#include "anatomesh/geom/predicates.h"
+#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/topology.h"
+
+namespace anatomesh {
+namespace {
+
+struct Case {
+    TetMesh mesh;
+    std::vector<CellNeighbors> neighbors;
+    RegionRegistry registry;
+};
+
+// Random points in a ball inside a large box; cells of the ball get random regions, the rest is outside.
+Case random_case(std::uint32_t seed, std::size_t count, const std::vector<std::vector<std::uint32_t>>& sets) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> coordinate(-1, 1);
+    std::vector<Vec3> points;
+    while (points.size() < count) {
+        const Vec3 p{coordinate(random), coordinate(random), coordinate(random)};
+        if (squared_length(p) < 1) points.push_back(p);
+    }
+    for (int corner = 0; corner < 8; ++corner) {
+        points.push_back({corner & 1 ? 9.0 : -9.0, corner & 2 ? 9.0 : -9.0, corner & 4 ? 9.0 : -9.0});
+    }
+    auto made = Tetrahedralization::create(points);
+    EXPECT_TRUE(made.ok());
+    DelaunaySnapshot snapshot;
+    made.value().snapshot(snapshot);
+    Case result;
+    result.mesh.points = made.value().points();
+    result.mesh.cells = snapshot.cells;
+    result.neighbors = snapshot.neighbors;
+    for (const Cell& cell : snapshot.cells) {
+        const bool outer = std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return v >= count; });
+        result.mesh.regions.push_back(outer ? Region{0} : result.registry.intern(sets[random() % sets.size()]));
+    }
+    return result;
+}
+
+double total_volume(const TetMesh& mesh) {
+    double sum = 0;
+    for (const Cell& c : mesh.cells) {
+        sum += signed_volume(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]], mesh.points[c[3]]);
+    }
+    return sum;
+}
+
+void expect_manifold(const Case& result, std::uint32_t structures) {
+    for (const Cell& c : result.mesh.cells) {
+        ASSERT_GT(orient3d(result.mesh.points[c[0]], result.mesh.points[c[1]], result.mesh.points[c[2]], result.mesh.points[c[3]]), 0);
+    }
+    for (std::uint32_t structure = 0; structure < structures; ++structure) {
+        const SurfaceTopology t = surface_topology(structure_surface(result.mesh, result.registry.table(), structure));
+        EXPECT_EQ(t.open_edges, 0u);
+        EXPECT_EQ(t.nonmanifold_edges, 0u);
+        EXPECT_EQ(t.nonmanifold_vertices, 0u);
+    }
+}
+
+void cut_and_check(Case& random, std::uint32_t structures, const ContourOwners& owners, bool relabel_first) {
+    const double volume = total_volume(random.mesh);
+    std::vector<std::uint32_t> unsound;
+    if (relabel_first) {
+        const VertexStars stars(random.mesh.cells, random.mesh.points.size());
+        const RelabelStats stats = relabel(random.mesh.cells, random.neighbors, stars, owners, random.mesh.regions,
+                                           random.registry, unsound);
+        EXPECT_LT(stats.unsound_after, stats.unsound_before);
+    } else {
+        for (std::uint32_t v = 0; v + 8 < random.mesh.points.size(); ++v) unsound.push_back(v);
+    }
+    RunContext context;
+    const auto split = split_unsound(random.mesh, unsound, owners, random.registry, {}, context);
+    ASSERT_TRUE(split.ok()) << to_line(split.error());
+    expect_manifold(random, structures);
+    EXPECT_NEAR(total_volume(random.mesh), volume, 1e-9 * volume);
+}
+
+TEST(Cut, random_labels_of_one_structure_end_as_a_manifold) {
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+        Case random = random_case(seed, 60, {{}, {0}});
+        cut_and_check(random, 1, {}, seed % 2 == 0);
+    }
+}
+
+TEST(Cut, random_labels_of_three_exclusive_structures_end_as_manifolds) {
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+        Case random = random_case(seed, 60, {{}, {0}, {1}, {2}});
+        cut_and_check(random, 3, {}, true);
+    }
+}
+
+TEST(Cut, random_labels_of_overlapping_structures_end_as_manifolds) {
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+        Case random = random_case(seed, 60, {{}, {0}, {0, 1}, {1}});
+        cut_and_check(random, 2, {}, true);
+    }
+}
+
+// Every vertex of the ball is a contour vertex: none may be lost, with labels that lose many at first.
+TEST(Cut, contour_vertices_are_brought_onto_the_surface) {
+    for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+        Case random = random_case(seed, 40, seed % 2 ? std::vector<std::vector<std::uint32_t>>{{}, {}, {}, {0}}
+                                                     : std::vector<std::vector<std::uint32_t>>{{}, {0}, {0}, {0}});
+        std::vector<std::array<std::uint32_t, 2>> pairs;
+        for (std::uint32_t v = 0; v < 40; v += 2) pairs.push_back({v, 0});
+        const ContourOwners owners(pairs, random.mesh.points.size());
+        cut_and_check(random, 1, owners, true);
+        std::vector<std::uint8_t> on_surface(random.mesh.points.size(), 0);
+        for (const Triangle& t : structure_surface(random.mesh, random.registry.table(), 0)) {
+            for (const std::uint32_t v : t) on_surface[v] = 1;
+        }
+        for (const auto& pair : pairs) EXPECT_TRUE(on_surface[pair[0]]);
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh

@@ -1,0 +1,201 @@
+#include "anatomesh/cut/relabel.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace anatomesh {
+
+namespace {
+
+struct Move {
+    std::vector<std::uint32_t> cells;
+    Region region = 0;
+    int change = 0;  // of the sum of defects; negative is better
+};
+
+class Relabeler {
+  public:
+    Relabeler(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
+              const ContourOwners& owners, std::vector<Region>& regions, RegionRegistry& registry)
+        : cells_(cells), neighbors_(neighbors), stars_(stars), regions_(regions), registry_(registry),
+          analyzer_(cells, neighbors, stars, regions, registry.table(), owners) {}
+
+    int defect(std::uint32_t vertex) { return analyzer_.defect(vertex); }
+
+    bool lost(std::uint32_t vertex) {
+        analyzer_.lost_structures(vertex, lost_);
+        return !lost_.empty();
+    }
+
+    // The best move at the vertex that makes the sum fall; its cells are moved. Returns how many.
+    std::size_t improve(std::uint32_t vertex, std::vector<std::uint32_t>& touched) {
+        best_.reset();
+        analyzer_.excess_pieces(vertex, pieces_);
+        for (const StarPiece& piece : pieces_) {
+            if (!piece.largest || pieces_.size() == 2) try_piece(piece);
+        }
+        if (!best_) {
+            for (const StarPiece& piece : pieces_) try_single_cells(piece);
+        }
+        analyzer_.lost_structures(vertex, lost_);
+        const std::vector<std::uint32_t> lost = lost_;
+        for (const std::uint32_t structure : lost) try_regain(vertex, structure);
+        if (!best_) return 0;
+        for (const std::uint32_t c : best_->cells) {
+            regions_[c] = best_->region;
+            touched.insert(touched.end(), cells_[c].begin(), cells_[c].end());
+        }
+        return best_->cells.size();
+    }
+
+  private:
+    // Gives a whole piece to the region with which it shares most facets of the star across its cut.
+    void try_piece(const StarPiece& piece) {
+        if (const std::optional<Region> region = region_beside(piece.cells, piece.structure, piece.inside)) {
+            consider({piece.cells, *region, 0});
+        }
+    }
+
+    void try_single_cells(const StarPiece& piece) {
+        if (piece.cells.size() < 2) return;
+        for (const std::uint32_t c : piece.cells) {
+            if (const auto region = region_beside({c}, piece.structure, piece.inside)) consider({{c}, *region, 0});
+        }
+    }
+
+    // One cell at the vertex, or it and the one behind it, changes sides, joined to cells of that side.
+    void try_regain(std::uint32_t vertex, std::uint32_t structure) {
+        const bool was_inside = registry_.table().contains(regions_[stars_.at(vertex)[0]], structure);
+        for (const std::uint32_t c : stars_.at(vertex)) {
+            const Region region = other_side(regions_[c], structure, was_inside);
+            const int own = static_cast<int>(std::find(cells_[c].begin(), cells_[c].end(), vertex) - cells_[c].begin());
+            const std::uint32_t behind = neighbors_[c][own];
+            if (behind == no_cell) continue;
+            if (inside(behind, structure) != was_inside) {
+                consider({{c}, regions_[behind], 0});
+                consider({{c}, region, 0});
+            } else {
+                for (const std::uint32_t next : neighbors_[behind]) {
+                    if (next == no_cell || inside(next, structure) == was_inside) continue;
+                    consider({{c, behind}, regions_[next], 0});
+                    break;
+                }
+            }
+        }
+    }
+
+    bool inside(std::uint32_t cell, std::uint32_t structure) const {
+        return registry_.table().contains(regions_[cell], structure);
+    }
+
+    // The set of a region with one structure added or taken away.
+    Region other_side(Region region, std::uint32_t structure, bool was_inside) {
+        std::vector<std::uint32_t> members = registry_.table().members[region];
+        if (was_inside) {
+            members.erase(std::find(members.begin(), members.end(), structure));
+        } else {
+            members.insert(std::lower_bound(members.begin(), members.end(), structure), structure);
+        }
+        return registry_.intern(members);
+    }
+
+    std::optional<Region> region_beside(const std::vector<std::uint32_t>& piece, std::uint32_t structure, bool is_inside) {
+        std::vector<std::pair<Region, int>> contacts;
+        for (const std::uint32_t c : piece) {
+            for (const std::uint32_t n : neighbors_[c]) {
+                if (n == no_cell || inside(n, structure) == is_inside) continue;
+                auto place = std::find_if(contacts.begin(), contacts.end(), [&](auto& x) { return x.first == regions_[n]; });
+                if (place == contacts.end()) place = contacts.insert(contacts.end(), {regions_[n], 0});
+                ++place->second;
+            }
+        }
+        if (contacts.empty()) return std::nullopt;
+        return std::max_element(contacts.begin(), contacts.end(), [](auto& a, auto& b) {
+                   return a.second != b.second ? a.second < b.second : a.first > b.first;
+               })->first;
+    }
+
+    void consider(Move move) {
+        around_.clear();
+        for (const std::uint32_t c : move.cells) around_.insert(around_.end(), cells_[c].begin(), cells_[c].end());
+        std::sort(around_.begin(), around_.end());
+        around_.erase(std::unique(around_.begin(), around_.end()), around_.end());
+        for (const std::uint32_t v : around_) move.change -= analyzer_.defect(v);
+        before_.clear();
+        for (const std::uint32_t c : move.cells) {
+            before_.push_back(regions_[c]);
+            regions_[c] = move.region;
+        }
+        for (const std::uint32_t v : around_) move.change += analyzer_.defect(v);
+        for (std::size_t n = 0; n < move.cells.size(); ++n) regions_[move.cells[n]] = before_[n];
+        const bool better = !best_ || move.change < best_->change ||
+                            (move.change == best_->change && move.cells.size() < best_->cells.size());
+        if (move.change < 0 && better) best_ = std::move(move);
+    }
+
+    const std::vector<Cell>& cells_;
+    const std::vector<CellNeighbors>& neighbors_;
+    const VertexStars& stars_;
+    std::vector<Region>& regions_;
+    RegionRegistry& registry_;
+    StarAnalyzer analyzer_;
+    std::optional<Move> best_;
+    std::vector<StarPiece> pieces_;
+    std::vector<std::uint32_t> lost_, around_;
+    std::vector<Region> before_;
+};
+
+}  // namespace
+
+RelabelStats relabel(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
+                     const ContourOwners& owners, std::vector<Region>& regions, RegionRegistry& registry,
+                     std::vector<std::uint32_t>& unsound) {
+    RelabelStats stats;
+    Relabeler relabeler(cells, neighbors, stars, owners, regions, registry);
+
+    // Only vertices of an interface, or of a contour, can be unsound.
+    std::vector<std::uint8_t> suspect;
+    for (std::uint32_t c = 0; c < cells.size(); ++c) {
+        for (const std::uint32_t v : cells[c]) {
+            if (v >= suspect.size()) suspect.resize(v + 1, 0);
+        }
+        for (int i = 0; i < 4; ++i) {
+            const std::uint32_t n = neighbors[c][i];
+            if (n == no_cell || regions[n] == regions[c]) continue;
+            for (const int k : facet_vertices[i]) suspect[cells[c][k]] = 1;
+        }
+    }
+    std::vector<std::uint32_t> queue;
+    for (std::uint32_t v = 0; v < suspect.size(); ++v) {
+        if ((suspect[v] || !owners.at(v).empty()) && relabeler.defect(v) > 0) {
+            queue.push_back(v);
+            stats.lost_before += relabeler.lost(v);
+        }
+    }
+    stats.unsound_before = queue.size();
+
+    while (!queue.empty()) {
+        std::vector<std::uint32_t> next;
+        bool moved = false;
+        for (const std::uint32_t v : queue) {
+            if (relabeler.defect(v) == 0) continue;
+            const std::size_t count = relabeler.improve(v, next);
+            stats.cells_moved += count;
+            moved = moved || count > 0;
+            next.push_back(v);
+        }
+        std::sort(next.begin(), next.end());
+        next.erase(std::unique(next.begin(), next.end()), next.end());
+        queue.clear();
+        for (const std::uint32_t v : next) {
+            if (relabeler.defect(v) > 0) queue.push_back(v);
+        }
+        if (!moved) break;
+    }
+    unsound = std::move(queue);
+    stats.unsound_after = unsound.size();
+    for (const std::uint32_t v : unsound) stats.lost_after += relabeler.lost(v);
+    return stats;
+}
+
+}  // namespace anatomesh

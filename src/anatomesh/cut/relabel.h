@@ -1,0 +1,28 @@
+// relabel: gives cells to other regions until the surface of every structure is a manifold through its contours.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/cut/star.h"
+#include "anatomesh/mesh/region_registry.h"
+
+namespace anatomesh {
+
+struct RelabelStats {
+    std::uint64_t unsound_before = 0, unsound_after = 0;  // vertices
+    std::uint64_t lost_before = 0, lost_after = 0;        // contour vertices off their structure's surface
+    std::uint64_t cells_moved = 0;
+};
+
+// Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect): at an unsound vertex a piece too
+// many is given to the region beside it, or, where a contour vertex is off its surface, one or two cells at it
+// change sides, whenever the sum falls. Vertices are taken in rising order, round by round, until nothing falls.
+// Guarantees: the sum never rises; same result every time. Does not always reach 0: what is left is for
+// split_unsound(). `unsound` receives the vertices left, in rising order.
+RelabelStats relabel(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
+                     const ContourOwners& owners, std::vector<Region>& regions, RegionRegistry& registry,
+                     std::vector<std::uint32_t>& unsound);
+
+}  // namespace anatomesh

@@ -1,0 +1,41 @@
+// split_unsound: the last few non-manifold edges and vertices, by local subdivision that cannot fail to end.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/cut/star.h"
+#include "anatomesh/mesh/region_registry.h"
+
+namespace anatomesh {
+
+struct SplitOptions {
+    double corner = 0.5;     // where the edges at a split vertex are cut, as a share of their length. (0, 1)
+    double spindle = 0.5;    // how far a split edge's spindle reaches towards its ring. (0, 1)
+    int max_passes = 200;    // a pass splits all unsound edges, or vertices, that share no cell
+};
+
+struct SplitStats {
+    std::uint64_t edges_split = 0, vertices_split = 0, vertices_joined = 0;
+    std::uint64_t points_added = 0, cells_added = 0;
+};
+
+// Makes every vertex in `unsound` sound, by three moves, in this order:
+// 1. *Join*: a contour vertex whose cells all lie on one side of its structure is joined to the other side by the
+//    shortest path of cells.
+// 2. *Spindle*: at an edge round which a structure lies in two or more arcs, a spindle of cells along the edge is cut
+//    out of its ring, and one arc of the spindle is given to the region beside it. Each spindle makes one edge
+//    manifold and no other edge non-manifold.
+// 3. *Corner*: at a vertex whose edges are manifold but whose star a structure cuts into several discs, the corners of
+//    the star's cells are cut off, and the corners are given to one side or the other so that one disc stays: the
+//    surface keeps passing through the vertex.
+// Guarantees on success: every vertex of the mesh sound; no vertex moved; facets away from the split cells unchanged;
+// all cells positive (checked exactly); the tetrahedra outside the stars of the unsound vertices untouched.
+// Errors: geometry E-CUT-001 when a vertex stays unsound after max_passes, with its place.
+// Why it ends: relabelling a regular neighbourhood of the singular set (Rourke and Sanderson, Introduction to
+// Piecewise-Linear Topology, 1972, chapter 3).
+Result<SplitStats> split_unsound(TetMesh& mesh, const std::vector<std::uint32_t>& unsound, const ContourOwners& owners,
+                                 RegionRegistry& registry, const SplitOptions& options, RunContext& context);
+
+}  // namespace anatomesh

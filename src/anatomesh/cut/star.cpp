@@ -1,0 +1,158 @@
+#include "anatomesh/cut/star.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace anatomesh {
+
+VertexStars::VertexStars(std::span<const Cell> cells, std::size_t point_count) : start_(point_count + 1, 0) {
+    for (const Cell& cell : cells) {
+        for (const std::uint32_t v : cell) ++start_[v + 1];
+    }
+    for (std::size_t v = 0; v < point_count; ++v) start_[v + 1] += start_[v];
+    cells_.resize(4 * cells.size());
+    std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
+    for (std::uint32_t c = 0; c < cells.size(); ++c) {
+        for (const std::uint32_t v : cells[c]) cells_[next[v]++] = c;
+    }
+}
+
+ContourOwners::ContourOwners(std::vector<std::array<std::uint32_t, 2>> pairs, std::size_t point_count)
+    : start_(point_count + 1, 0) {
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    for (const auto& [vertex, structure] : pairs) {
+        ++start_[vertex + 1];
+        structures_.push_back(structure);
+    }
+    for (std::size_t v = 0; v < point_count; ++v) start_[v + 1] += start_[v];
+}
+
+StarAnalyzer::StarAnalyzer(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
+                           const VertexStars& stars, const std::vector<Region>& regions, const RegionTable& table,
+                           const ContourOwners& owners)
+    : cells_(cells), neighbors_(neighbors), stars_(stars), regions_(regions), table_(table), owners_(owners),
+      local_(cells.size(), 0) {}
+
+void StarAnalyzer::load(std::uint32_t vertex) {
+    star_ = stars_.at(vertex);
+    kinds_.clear();
+    kind_.resize(star_.size());
+    for (std::uint32_t n = 0; n < star_.size(); ++n) {
+        local_[star_[n]] = n;
+        const Region region = regions_[star_[n]];
+        std::size_t k = 0;
+        while (k < kinds_.size() && kinds_[k] != region) ++k;
+        if (k == kinds_.size() && k < 64) kinds_.push_back(region);
+        kind_[n] = static_cast<std::uint8_t>(std::min<std::size_t>(k, 63));
+    }
+    cuts_.clear();
+    cut_structure_.clear();
+    if (kinds_.size() < 2) return;
+    adjacent_.resize(star_.size());
+    for (std::uint32_t n = 0; n < star_.size(); ++n) {
+        int side = 0;
+        for (int i = 0; i < 4; ++i) {
+            if (cells_[star_[n]][i] == vertex) continue;
+            const std::uint32_t across = neighbors_[star_[n]][i];
+            adjacent_[n][side++] = across == no_cell ? n : local_[across];
+        }
+    }
+    find_cuts();
+}
+
+// Every structure in some but not all of the star's regions cuts the star; equal cuts are kept once.
+void StarAnalyzer::find_cuts() {
+    for (std::size_t k = 0; k < kinds_.size(); ++k) {
+        for (const std::uint32_t structure : table_.members[kinds_[k]]) {
+            std::uint64_t cut = 0;
+            for (std::size_t other = 0; other < kinds_.size(); ++other) {
+                if (table_.contains(kinds_[other], structure)) cut |= std::uint64_t{1} << other;
+            }
+            const std::uint64_t all = (std::uint64_t{1} << kinds_.size()) - 1;
+            if (cut == all) continue;
+            bool known = false;
+            for (const std::uint64_t c : cuts_) known = known || c == cut || c == (all & ~cut);
+            if (known) continue;
+            cuts_.push_back(cut);
+            cut_structure_.push_back(structure);
+        }
+    }
+}
+
+// Numbers the pieces of one cut in piece_ and returns how many there are.
+int StarAnalyzer::count_pieces(std::uint32_t cut) {
+    constexpr std::uint32_t none = 0xFFFFFFFFu;
+    piece_.assign(star_.size(), none);
+    int pieces = 0;
+    for (std::uint32_t seed = 0; seed < star_.size(); ++seed) {
+        if (piece_[seed] != none) continue;
+        stack_.assign(1, seed);
+        piece_[seed] = static_cast<std::uint32_t>(pieces);
+        const std::uint64_t side = cuts_[cut] >> kind_[seed] & 1;
+        while (!stack_.empty()) {
+            const std::uint32_t n = stack_.back();
+            stack_.pop_back();
+            for (const std::uint32_t m : adjacent_[n]) {
+                if (piece_[m] != none || (cuts_[cut] >> kind_[m] & 1) != side) continue;
+                piece_[m] = static_cast<std::uint32_t>(pieces);
+                stack_.push_back(m);
+            }
+        }
+        ++pieces;
+    }
+    return pieces;
+}
+
+int StarAnalyzer::defect(std::uint32_t vertex) {
+    load(vertex);
+    int sum = 0;
+    for (std::uint32_t cut = 0; cut < cuts_.size(); ++cut) sum += count_pieces(cut) - 2;
+    for (const std::uint32_t structure : owners_.at(vertex)) {
+        bool in = false, out = false;
+        for (const Region kind : kinds_) (table_.contains(kind, structure) ? in : out) = true;
+        if (!(in && out)) sum += lost_weight;
+    }
+    return sum;
+}
+
+void StarAnalyzer::excess_pieces(std::uint32_t vertex, std::vector<StarPiece>& pieces) {
+    pieces.clear();
+    load(vertex);
+    for (std::uint32_t cut = 0; cut < cuts_.size(); ++cut) {
+        const int count = count_pieces(cut);
+        if (count <= 2) continue;
+        std::vector<StarPiece> found(count);
+        for (std::uint32_t n = 0; n < star_.size(); ++n) {
+            StarPiece& piece = found[piece_[n]];
+            piece.structure = cut_structure_[cut];
+            piece.inside = cuts_[cut] >> kind_[n] & 1;
+            piece.cells.push_back(star_[n]);
+        }
+        for (const bool inside : {false, true}) {
+            std::size_t largest = found.size(), on_side = 0;
+            for (std::size_t n = 0; n < found.size(); ++n) {
+                if (found[n].inside != inside) continue;
+                ++on_side;
+                if (largest == found.size() || found[n].cells.size() > found[largest].cells.size()) largest = n;
+            }
+            if (on_side < 2) continue;
+            found[largest].largest = true;
+            for (const StarPiece& piece : found) {
+                if (piece.inside == inside) pieces.push_back(piece);
+            }
+        }
+    }
+}
+
+void StarAnalyzer::lost_structures(std::uint32_t vertex, std::vector<std::uint32_t>& structures) {
+    structures.clear();
+    load(vertex);
+    for (const std::uint32_t structure : owners_.at(vertex)) {
+        bool in = false, out = false;
+        for (const Region kind : kinds_) (table_.contains(kind, structure) ? in : out) = true;
+        if (!(in && out)) structures.push_back(structure);
+    }
+}
+
+}  // namespace anatomesh

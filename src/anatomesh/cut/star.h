@@ -1,0 +1,93 @@
+// Star analysis: into how many pieces the structures at a vertex cut the cells round it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/mesh/tet_mesh.h"
+
+namespace anatomesh {
+
+using CellNeighbors = std::array<std::uint32_t, 4>;
+
+// The cells at every vertex, cells in rising order. Complexity: O(cells).
+class VertexStars {
+  public:
+    VertexStars(std::span<const Cell> cells, std::size_t point_count);
+    std::span<const std::uint32_t> at(std::uint32_t vertex) const {
+        return {cells_.data() + start_[vertex], start_[vertex + 1] - start_[vertex]};
+    }
+
+  private:
+    std::vector<std::uint32_t> start_, cells_;
+};
+
+// The structures whose contours have a vertex at a mesh vertex: they must have it on their surface.
+class ContourOwners {
+  public:
+    ContourOwners() = default;
+    // pairs (vertex, structure), in any order, repeats allowed.
+    ContourOwners(std::vector<std::array<std::uint32_t, 2>> pairs, std::size_t point_count);
+    std::span<const std::uint32_t> at(std::uint32_t vertex) const {
+        if (vertex + 1 >= start_.size()) return {};
+        return {structures_.data() + start_[vertex], start_[vertex + 1] - start_[vertex]};
+    }
+
+  private:
+    std::vector<std::uint32_t> start_, structures_;
+};
+
+// One piece of a star: facet-connected cells on one side of one structure (or of several that cut the star alike).
+struct StarPiece {
+    std::uint32_t structure = 0;       // one structure that makes this cut
+    bool inside = false;               // whether the piece lies in it
+    bool largest = false;              // of its side
+    std::vector<std::uint32_t> cells;
+};
+
+// Looks at stars of a mesh whose regions change under it. Keeps scratch space: not thread-safe.
+// A vertex is *sound* when every structure cuts its star into at most one piece inside and one outside (then the
+// structure's surface passes through it as one disc or not at all: no non-manifold edge or vertex there) and
+// every structure with a contour vertex there has it on its surface.
+class StarAnalyzer {
+  public:
+    StarAnalyzer(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
+                 const std::vector<Region>& regions, const RegionTable& table, const ContourOwners& owners);
+
+    // 0 for a sound vertex, else the number of pieces too many, plus `lost_weight` for each structure with a
+    // contour vertex here that is not on its surface.
+    int defect(std::uint32_t vertex);
+
+    // Pieces of those sides that have more than one. Empty for a vertex without excess pieces.
+    void excess_pieces(std::uint32_t vertex, std::vector<StarPiece>& pieces);
+
+    // Structures with a contour vertex here that do not have it on their surface.
+    void lost_structures(std::uint32_t vertex, std::vector<std::uint32_t>& structures);
+
+    static constexpr int lost_weight = 3;
+
+  private:
+    void load(std::uint32_t vertex);
+    void find_cuts();
+    int count_pieces(std::uint32_t cut);
+
+    const std::vector<Cell>& cells_;
+    const std::vector<CellNeighbors>& neighbors_;
+    const VertexStars& stars_;
+    const std::vector<Region>& regions_;
+    const RegionTable& table_;
+    const ContourOwners& owners_;
+
+    std::span<const std::uint32_t> star_;
+    std::vector<std::uint32_t> local_;                     // by cell: position in the star
+    std::vector<std::array<std::uint32_t, 3>> adjacent_;   // by position: positions across facets at the vertex
+    std::vector<Region> kinds_;                            // distinct regions of the star
+    std::vector<std::uint8_t> kind_;                       // by position
+    std::vector<std::uint64_t> cuts_;                      // distinct partitions: bit n = kinds_[n] is inside
+    std::vector<std::uint32_t> cut_structure_;             // one structure that makes each
+    std::vector<std::uint32_t> piece_, stack_;             // by position; scratch
+};
+
+}  // namespace anatomesh

@@ -1,0 +1,97 @@
+// PointGrid: points in a hashed uniform grid, for "is there a point nearer than r" while points are being added.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/geom/vec.h"
+
+namespace anatomesh {
+
+// Queries with a radius up to the grid's cell size look at 27 cells; larger ones at more. Memory linear in the
+// points, whatever the extent. The order of visits depends on the points alone.
+class PointGrid {
+  public:
+    // Requires: cell_size > 0.
+    PointGrid(double cell_size, std::size_t expected_points) : inverse_(1.0 / cell_size) {
+        std::size_t capacity = 16;
+        while (capacity < 2 * expected_points) capacity *= 2;
+        heads_.assign(capacity, none);
+        points_.reserve(expected_points);
+        next_.reserve(expected_points);
+    }
+
+    std::size_t size() const { return points_.size(); }
+    Vec3 point(std::uint32_t index) const { return points_[index]; }
+
+    void add(Vec3 p) {
+        if (points_.size() >= heads_.size()) grow();
+        link(static_cast<std::uint32_t>(points_.size()), p);
+        points_.push_back(p);
+    }
+
+    // Calls visit(index, squared_distance) for every point within radius of p.
+    template <class Visit>
+    void for_each_within(Vec3 p, double radius, Visit visit) const {
+        const double squared = radius * radius;
+        const Key low = key({p.x - radius, p.y - radius, p.z - radius});
+        const Key high = key({p.x + radius, p.y + radius, p.z + radius});
+        for (std::int64_t k = low.k; k <= high.k; ++k) {
+            for (std::int64_t j = low.j; j <= high.j; ++j) {
+                for (std::int64_t i = low.i; i <= high.i; ++i) visit_cell({i, j, k}, p, squared, visit);
+            }
+        }
+    }
+
+    bool any_within(Vec3 p, double radius) const {
+        bool found = false;
+        for_each_within(p, radius, [&](std::uint32_t, double) { found = true; });
+        return found;
+    }
+
+  private:
+    static constexpr std::uint32_t none = 0xFFFFFFFFu;
+    struct Key {
+        std::int64_t i, j, k;
+        friend bool operator==(const Key&, const Key&) = default;
+    };
+
+    Key key(Vec3 p) const {
+        return {static_cast<std::int64_t>(std::floor(p.x * inverse_)), static_cast<std::int64_t>(std::floor(p.y * inverse_)),
+                static_cast<std::int64_t>(std::floor(p.z * inverse_))};
+    }
+    std::size_t bucket(Key c) const {
+        std::uint64_t hash = static_cast<std::uint64_t>(c.i) * 0x9E3779B97F4A7C15ull;
+        hash = (hash ^ (hash >> 29)) + static_cast<std::uint64_t>(c.j) * 0xBF58476D1CE4E5B9ull;
+        hash = (hash ^ (hash >> 31)) + static_cast<std::uint64_t>(c.k) * 0x94D049BB133111EBull;
+        return (hash ^ (hash >> 30)) & (heads_.size() - 1);
+    }
+    template <class Visit>
+    void visit_cell(Key c, Vec3 p, double squared, Visit& visit) const {
+        for (std::uint32_t index = heads_[bucket(c)]; index != none; index = next_[index]) {
+            const double distance = squared_length(points_[index] - p);
+            if (distance <= squared && key(points_[index]) == c) visit(index, distance);
+        }
+    }
+    void link(std::uint32_t index, Vec3 p) {
+        std::uint32_t& head = heads_[bucket(key(p))];
+        if (index == next_.size()) {
+            next_.push_back(head);
+        } else {
+            next_[index] = head;
+        }
+        head = index;
+    }
+    void grow() {
+        heads_.assign(heads_.size() * 2, none);
+        for (std::uint32_t index = 0; index < points_.size(); ++index) link(index, points_[index]);
+    }
+
+    double inverse_;
+    std::vector<std::uint32_t> heads_, next_;
+    std::vector<Vec3> points_;
+};
+
+}  // namespace anatomesh

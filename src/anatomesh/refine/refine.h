@@ -1,0 +1,40 @@
+// refine: one round of Delaunay refinement by circumradius / shortest edge.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/delaunay/tetrahedralize.h"
+#include "anatomesh/field/structure_field.h"
+#include "anatomesh/geom/point_grid.h"
+#include "anatomesh/mesh/tet_mesh.h"
+
+namespace anatomesh {
+
+struct RefineOptions {
+    double max_radius_edge = 2.0;    // cells above it are split. [1.2, 10]
+    double min_spacing = 0.75;       // of a point put on an interface from others, in shortest edges of its cell. (0, 1]
+    double surface_pull = 0.35;      // a circumcentre this near an interface is moved onto it, in circumradii. [0, 0.5]
+};
+
+struct RefineStats {
+    std::uint64_t above_bound = 0;       // cells inside with a ratio above the bound, before
+    std::uint64_t circumcenters = 0, surface_points = 0;  // points to insert
+    std::uint64_t refused = 0;           // bad cells for which no allowed point was found
+    double radius_edge_mean = 0;         // over the cells inside, before
+};
+
+// Points that improve the cells inside: the circumcentre of each bad cell; where an interface lies between the cell
+// and its circumcentre, the point where it is crossed; where one passes close to the circumcentre, the nearest point of it.
+// Contour points are never moved. Points found in one round keep out of each other's empty spheres.
+// Terminates when repeated: a circumcentre is farther from every point than twice the shortest edge of its cell,
+// and points on interfaces keep min_spacing; so spacing never falls below a share of the contours' own.
+// Complexity: linear in the cells. Same result at any thread count.
+// Follows: Shewchuk, Delaunay refinement mesh generation, 1997, chapter 4; Boissonnat and Oudot, Graph. Models 67, 2005.
+RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
+                                   const std::vector<Region>& regions, const StructureField& field,
+                                   std::uint32_t structures, const PointGrid& all_points, const RefineOptions& options,
+                                   std::vector<Vec3>& found, RunContext& context);
+
+}  // namespace anatomesh

@@ -1,0 +1,98 @@
+#include "anatomesh/sample/interface_probe.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace anatomesh {
+
+const std::vector<std::uint32_t>& InterfaceProbe::members(Vec3 p) {
+    members_.clear();
+    if (single_) {
+        if (field_.value(0, p) < 0) members_.push_back(0);
+    } else {
+        field_.members(p, members_);
+    }
+    return members_;
+}
+
+double InterfaceProbe::distance(Vec3 p) {
+    return single_ ? std::abs(field_.value(0, p)) : field_.interface_distance(p);
+}
+
+void InterfaceProbe::fix_side(Vec3 p) {
+    if (single_) {
+        sign_ = field_.value(0, p) < 0 ? -1 : 1;
+    } else {
+        side_ = members(p);
+    }
+}
+
+double InterfaceProbe::side_distance(Vec3 p) {
+    if (single_) return sign_ * field_.value(0, p);
+    const double distance = field_.interface_distance(p);
+    return members(p) == side_ ? distance : -distance;
+}
+
+// Illinois method: regula falsi that halves the weight of an end kept twice (Dowell and Jarratt, BIT 11, 1971).
+Vec3 InterfaceProbe::crossing_between(Vec3 p, Vec3 q, double at_p, double at_q, double tolerance) {
+    double low = 0, high = 1;
+    const double span = length(q - p);
+    for (int step = 0; step < 30 && (high - low) * span > tolerance; ++step) {
+        double t = at_p - at_q > 0 ? low + (high - low) * at_p / (at_p - at_q) : 0.5 * (low + high);
+        if (!(t > low && t < high) || step % 4 == 3) t = 0.5 * (low + high);
+        const double value = side_distance(p + t * (q - p));
+        if (std::abs(value) < 0.2 * tolerance) return p + t * (q - p);
+        if (value > 0) {
+            low = t;
+            at_p = value;
+            at_q *= 0.5;
+        } else {
+            high = t;
+            at_q = value;
+            at_p *= 0.5;
+        }
+    }
+    return p + 0.5 * (low + high) * (q - p);
+}
+
+std::optional<Vec3> InterfaceProbe::project(Vec3 p, double max_move, double tolerance) {
+    fix_side(p);
+    const double here = side_distance(p);
+    // Where the distance falls fastest, by differences over a step that stays on this side where it can.
+    const double delta = std::max(tolerance, 0.25 * here);
+    const Vec3 gradient{side_distance(p + Vec3{delta, 0, 0}) - side_distance(p - Vec3{delta, 0, 0}),
+                        side_distance(p + Vec3{0, delta, 0}) - side_distance(p - Vec3{0, delta, 0}),
+                        side_distance(p + Vec3{0, 0, delta}) - side_distance(p - Vec3{0, 0, delta})};
+    const double steepness = length(gradient);
+    if (!(steepness > 0)) return std::nullopt;
+    const Vec3 direction = (-1.0 / steepness) * gradient;
+
+    double near = 0, at_near = here;
+    for (double reach = std::max(1.05 * here, tolerance); near < max_move; reach *= 1.6) {
+        const double far = std::min(reach, max_move);
+        const double at_far = side_distance(p + far * direction);
+        if (at_far <= 0) {
+            return crossing_between(p + near * direction, p + far * direction, at_near, at_far, tolerance);
+        }
+        near = far;
+        at_near = at_far;
+    }
+    return std::nullopt;
+}
+
+std::optional<Vec3> InterfaceProbe::first_crossing(Vec3 p, Vec3 q, double step, double tolerance) {
+    fix_side(p);
+    const int steps = std::max(1, static_cast<int>(std::ceil(length(q - p) / step)));
+    Vec3 near = p;
+    double at_near = side_distance(p);
+    for (int i = 1; i <= steps; ++i) {
+        const Vec3 far = p + (static_cast<double>(i) / steps) * (q - p);
+        const double at_far = side_distance(far);
+        if (at_far < 0) return crossing_between(near, far, at_near, at_far, tolerance);
+        near = far;
+        at_near = at_far;
+    }
+    return std::nullopt;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,43 @@
+// InterfaceProbe: which region a point is in, how far the nearest change of region is, and where.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "anatomesh/field/structure_field.h"
+
+namespace anatomesh {
+
+// Not thread-safe (it keeps scratch space): one per thread, cheap to make. The field must outlive it.
+class InterfaceProbe {
+  public:
+    explicit InterfaceProbe(const StructureField& field, std::uint32_t structure_count)
+        : field_(field), single_(structure_count == 1) {}
+
+    // Sorted structures at p; valid until the next call.
+    const std::vector<std::uint32_t>& members(Vec3 p);
+
+    // Distance-like, >= 0, clamped to the field's clamp.
+    double distance(Vec3 p);
+
+    // The point of the nearest interface in the direction in which the distance falls, at most `max_move` mm away
+    // and on it to within `tolerance` mm along that direction; nothing if there is none there.
+    std::optional<Vec3> project(Vec3 p, double max_move, double tolerance);
+
+    // The first change of region on the way from p to q, looked for in steps of at most `step` mm.
+    std::optional<Vec3> first_crossing(Vec3 p, Vec3 q, double step, double tolerance);
+
+  private:
+    // Positive while the region is the one that `fix_side` was given, negative beyond; zero on the interface.
+    void fix_side(Vec3 p);
+    double side_distance(Vec3 p);
+    Vec3 crossing_between(Vec3 p, Vec3 q, double at_p, double at_q, double tolerance);
+
+    const StructureField& field_;
+    bool single_;
+    double sign_ = 1;                            // single structure: the sign of the value on this side
+    std::vector<std::uint32_t> side_, members_;  // members on this side; scratch
+};
+
+}  // namespace anatomesh

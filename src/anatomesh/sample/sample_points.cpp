@@ -1,0 +1,332 @@
+#include "anatomesh/sample/sample_points.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "anatomesh/base/parallel.h"
+#include "anatomesh/geom/point_grid.h"
+#include "anatomesh/sample/interface_probe.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double surface_spacing = 0.6;     // smallest distance of two surface points, in sizes
+constexpr double protected_spacing = 0.5;   // of a free point from a contour point, in sizes
+constexpr double surface_band = 0.45;       // lattice points this near an interface are moved onto it, in sizes
+constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
+constexpr double position_tolerance = 2e-3; // surface points lie on the interface to within this, in sizes
+
+// The body-centred cubic lattice in half steps: the points whose three indices are all even or all odd.
+// A point belongs to the lattice 2^L times coarser when its indices are all multiples of 2^(L+1), or all odd
+// multiples of 2^L; so coarser lattices are subsets of finer ones.
+struct Lattice {
+    Vec3 low;
+    double step = 1;  // half the cubic spacing
+    std::array<std::uint32_t, 3> size{0, 0, 0};  // points along each axis, in half steps; odd
+
+    Vec3 position(std::uint32_t i, std::uint32_t j, std::uint32_t k) const {
+        return low + Vec3{step * i, step * j, step * k};
+    }
+    // Lattice points in one layer k, row by row; rows hold the points of the layer's parity.
+    std::uint32_t row_size(std::uint32_t parity) const { return (size[0] + 1 - parity) / 2; }
+    std::uint32_t rows(std::uint32_t parity) const { return (size[1] + 1 - parity) / 2; }
+};
+
+int coarsest_level(std::uint32_t i, std::uint32_t j, std::uint32_t k) {
+    const int a = i ? std::countr_zero(i) : 31, b = j ? std::countr_zero(j) : 31, c = k ? std::countr_zero(k) : 31;
+    const int least = std::min({a, b, c});
+    return a == b && b == c ? least : least - 1;
+}
+
+enum class Site : std::uint8_t { outside, inside, near };
+
+struct Sites {
+    std::vector<std::size_t> layer_start;  // by k
+    std::vector<Site> at;                  // lattice points, layer by layer
+};
+
+Sites classify(const Lattice& lattice, const StructureField& field, std::uint32_t structures, double band, int threads) {
+    Sites sites;
+    sites.layer_start.resize(lattice.size[2] + 1, 0);
+    for (std::uint32_t k = 0; k < lattice.size[2]; ++k) {
+        sites.layer_start[k + 1] = sites.layer_start[k] + std::size_t{lattice.row_size(k & 1)} * lattice.rows(k & 1);
+    }
+    sites.at.resize(sites.layer_start.back());
+    parallel_for(lattice.size[2], 1, threads, [&](std::size_t first, std::size_t last) {
+        InterfaceProbe probe(field, structures);
+        for (std::size_t k = first; k < last; ++k) {
+            std::size_t slot = sites.layer_start[k];
+            const std::uint32_t parity = k & 1;
+            for (std::uint32_t j = parity; j < lattice.size[1]; j += 2) {
+                for (std::uint32_t i = parity; i < lattice.size[0]; i += 2) {
+                    const Vec3 p = lattice.position(i, j, static_cast<std::uint32_t>(k));
+                    sites.at[slot++] = probe.distance(p) < band      ? Site::near
+                                       : !probe.members(p).empty() ? Site::inside
+                                                                   : Site::outside;
+                }
+            }
+        }
+    });
+    return sites;
+}
+
+// Reads the site of any lattice point; outside beyond the lattice.
+class SiteReader {
+  public:
+    SiteReader(const Lattice& lattice, const Sites& sites) : lattice_(lattice), sites_(sites) {}
+    Site at(std::int64_t i, std::int64_t j, std::int64_t k) const {
+        if (i < 0 || j < 0 || k < 0 || i >= lattice_.size[0] || j >= lattice_.size[1] || k >= lattice_.size[2]) {
+            return Site::outside;
+        }
+        const std::uint32_t parity = k & 1;
+        return sites_.at[sites_.layer_start[k] + std::size_t(j / 2) * lattice_.row_size(parity) + std::size_t(i / 2)];
+    }
+    // Whether one of the 14 nearest lattice points is inside or near an interface.
+    bool borders(std::int64_t i, std::int64_t j, std::int64_t k) const {
+        for (const int d : {-1, 1}) {
+            for (const int e : {-1, 1}) {
+                for (const int f : {-1, 1}) {
+                    if (at(i + d, j + e, k + f) != Site::outside) return true;
+                }
+            }
+            if (at(i + 2 * d, j, k) != Site::outside || at(i, j + 2 * d, k) != Site::outside ||
+                at(i, j, k + 2 * d) != Site::outside) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+  private:
+    const Lattice& lattice_;
+    const Sites& sites_;
+};
+
+// For the cubic corners of the lattice: how many cubic steps (largest of the three) to the nearest corner that is
+// not deep inside, up to 255. Two sweeps (Borgefors, CVGIP 34, 1986).
+class DepthMap {
+  public:
+    DepthMap(const Lattice& lattice, const SiteReader& sites) {
+        for (int a = 0; a < 3; ++a) size_[a] = (lattice.size[a] + 1) / 2;
+        depth_.resize(std::size_t{size_[0]} * size_[1] * size_[2]);
+        for (std::int64_t k = 0; k < size_[2]; ++k) {
+            for (std::int64_t j = 0; j < size_[1]; ++j) {
+                for (std::int64_t i = 0; i < size_[0]; ++i) {
+                    depth_[index(i, j, k)] = sites.at(2 * i, 2 * j, 2 * k) == Site::inside ? 255 : 0;
+                }
+            }
+        }
+        sweep(1);
+        sweep(-1);
+    }
+    // In cubic steps; of the corner nearest below the half-step indices.
+    int at(std::uint32_t i, std::uint32_t j, std::uint32_t k) const { return depth_[index(i / 2, j / 2, k / 2)]; }
+
+  private:
+    std::size_t index(std::int64_t i, std::int64_t j, std::int64_t k) const {
+        return static_cast<std::size_t>((k * size_[1] + j) * size_[0] + i);
+    }
+    int value(std::int64_t i, std::int64_t j, std::int64_t k) const {
+        return i < 0 || j < 0 || k < 0 || i >= size_[0] || j >= size_[1] || k >= size_[2] ? 0 : depth_[index(i, j, k)];
+    }
+    void sweep(int sign) {
+        const std::int64_t nx = size_[0], ny = size_[1], nz = size_[2];
+        for (std::int64_t a = 0; a < nz; ++a) {
+            for (std::int64_t b = 0; b < ny; ++b) {
+                for (std::int64_t c = 0; c < nx; ++c) {
+                    const std::int64_t k = sign > 0 ? a : nz - 1 - a, j = sign > 0 ? b : ny - 1 - b, i = sign > 0 ? c : nx - 1 - c;
+                    std::uint8_t& depth = depth_[index(i, j, k)];
+                    if (depth == 0) continue;
+                    // The 13 neighbours that the sweep has passed.
+                    int least = value(i - sign, j, k);
+                    for (int e = -1; e <= 1; ++e) {
+                        least = std::min(least, value(i + e, j - sign, k));
+                        for (int f = -1; f <= 1; ++f) least = std::min(least, value(i + e, j + f, k - sign));
+                    }
+                    depth = static_cast<std::uint8_t>(std::min<int>(depth, least + 1));
+                }
+            }
+        }
+    }
+
+    std::array<std::uint32_t, 3> size_{};
+    std::vector<std::uint8_t> depth_;
+};
+
+struct Protected {
+    PointGrid points;       // contour and segment points
+    PointGrid midpoints;    // of the split contour segments
+    std::vector<double> squared_half_lengths;  // of those segments
+    double longest_half = 0;
+
+    bool allows(Vec3 p, double distance) const {
+        if (points.any_within(p, distance)) return false;
+        bool free = true;
+        midpoints.for_each_within(p, longest_half, [&](std::uint32_t segment, double squared) {
+            if (squared < squared_half_lengths[segment]) free = false;
+        });
+        return free;
+    }
+};
+
+// Distinct contour vertices, first appearance first, and the vertex of every point of the set.
+void collect_contour_vertices(const ContourSet& contours, PointSample& sample) {
+    std::vector<std::uint32_t> order(contours.points.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        const Vec3 p = contours.points[a], q = contours.points[b];
+        return p == q ? a < b : lexicographic_less(p, q);
+    });
+    std::vector<std::uint32_t> first(order.size());  // the first point with equal coordinates
+    for (std::size_t n = 0; n < order.size(); ++n) {
+        const bool repeats = n > 0 && contours.points[order[n]] == contours.points[order[n - 1]];
+        first[order[n]] = repeats ? first[order[n - 1]] : order[n];
+    }
+    sample.contour_vertices.resize(order.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) {
+        if (first[i] == i) {
+            sample.contour_vertices[i] = static_cast<std::uint32_t>(sample.points.size());
+            sample.points.push_back(contours.points[i]);
+        } else {
+            sample.contour_vertices[i] = sample.contour_vertices[first[i]];
+        }
+    }
+    sample.stats.contour_points = sample.points.size();
+}
+
+Protected split_segments(const ContourSet& contours, double size, PointSample& sample) {
+    Protected guard{PointGrid(0.5 * size, 2 * sample.points.size()), PointGrid(size, 2 * sample.points.size()), {}, 0};
+    for (const Vec3& p : sample.points) guard.points.add(p);
+    std::vector<std::array<std::uint32_t, 2>> segments;
+    for (const Contour& contour : contours.contours) {
+        for (std::uint32_t n = 0; n < contour.point_count; ++n) {
+            const std::uint32_t a = sample.contour_vertices[contour.first_point + n];
+            const std::uint32_t b = sample.contour_vertices[contour.first_point + (n + 1) % contour.point_count];
+            if (a != b) segments.push_back({std::min(a, b), std::max(a, b)});
+        }
+    }
+    // Walls shared by two structures are drawn twice: once is enough.
+    std::sort(segments.begin(), segments.end());
+    segments.erase(std::unique(segments.begin(), segments.end()), segments.end());
+    for (const auto& [a, b] : segments) {
+        const Vec3 p = sample.points[a], q = sample.points[b];
+        const int pieces = std::max(1, static_cast<int>(std::ceil(length(q - p) / (longest_segment * size))));
+        for (int piece = 0; piece < pieces; ++piece) {
+            const double half = 0.5 * length(q - p) / pieces;
+            guard.midpoints.add(p + ((piece + 0.5) / pieces) * (q - p));
+            guard.squared_half_lengths.push_back(half * half);
+            guard.longest_half = std::max(guard.longest_half, half);
+            if (piece > 0) {
+                const Vec3 inner = p + (static_cast<double>(piece) / pieces) * (q - p);
+                sample.points.push_back(inner);
+                guard.points.add(inner);
+            }
+        }
+    }
+    sample.stats.segment_points = sample.points.size() - sample.stats.contour_points;
+    return guard;
+}
+
+struct LatticePoint {
+    std::uint32_t i, j, k;
+};
+
+// Lattice points moved onto interfaces, each kept if it is far enough from those before it.
+void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>& near, const StructureField& field,
+                        std::uint32_t structures, double size, const Protected& guard, PointGrid& surface,
+                        PointSample& sample, int threads) {
+    std::vector<std::optional<Vec3>> moved(near.size());
+    parallel_for(near.size(), 1024, threads, [&](std::size_t first, std::size_t last) {
+        InterfaceProbe probe(field, structures);
+        for (std::size_t n = first; n < last; ++n) {
+            const Vec3 p = lattice.position(near[n].i, near[n].j, near[n].k);
+            moved[n] = probe.project(p, 2.0 * surface_band * size, position_tolerance * size);
+        }
+    });
+    for (const std::optional<Vec3>& p : moved) {
+        if (!p || surface.any_within(*p, surface_spacing * size) || !guard.allows(*p, protected_spacing * size)) continue;
+        surface.add(*p);
+        sample.points.push_back(*p);
+    }
+    sample.stats.surface_points = surface.size();
+}
+
+void add_lattice_points(const Lattice& lattice, const Sites& sites, double size, double growth, const Protected& guard,
+                        const PointGrid& surface, PointSample& sample) {
+    const SiteReader reader(lattice, sites);
+    const DepthMap depths(lattice, reader);
+    const std::size_t before = sample.points.size();
+    for (std::uint32_t k = 0; k < lattice.size[2]; ++k) {
+        const std::uint32_t parity = k & 1;
+        for (std::uint32_t j = parity; j < lattice.size[1]; j += 2) {
+            for (std::uint32_t i = parity; i < lattice.size[0]; i += 2) {
+                const Site site = reader.at(i, j, k);
+                if (site == Site::near || (site == Site::outside && !reader.borders(i, j, k))) continue;
+                if (site == Site::inside) {
+                    // Deep inside only the points of a coarser lattice are kept.
+                    const double wanted = 1.0 + growth * std::max(0, depths.at(i, j, k) - 2);
+                    if ((1 << (coarsest_level(i, j, k) + 1)) <= wanted) continue;
+                }
+                const Vec3 p = lattice.position(i, j, k);
+                if (surface.any_within(p, protected_spacing * size) || !guard.allows(p, protected_spacing * size)) continue;
+                sample.points.push_back(p);
+            }
+        }
+    }
+    sample.stats.lattice_points = sample.points.size() - before;
+}
+
+}  // namespace
+
+double default_size(const ContourSet& contours, const StructureField& field) {
+    (void)contours;
+    return 0.8 * field.slice_spacing();
+}
+
+Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field, const SampleOptions& options,
+                                  RunContext& context) {
+    PointSample sample;
+    const double size = options.size_mm > 0 ? options.size_mm : default_size(contours, field);
+    sample.stats.size_mm = size;
+    collect_contour_vertices(contours, sample);
+    const Protected guard = split_segments(contours, size, sample);
+
+    // The lattice, two steps larger than the box of the field on every side.
+    const Box3 box = field.box().grown(2 * size);
+    Lattice lattice{box.low, 0.5 * size, {}};
+    const std::array<double, 3> extent{box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
+    double lattice_points = 0.25;
+    for (const double e : extent) lattice_points *= e / lattice.step;
+    if (lattice_points > static_cast<double>(options.max_points)) {
+        return Error{ErrorKind::limit, "E-SMP-001",
+                     "a size of " + std::to_string(size) + " mm would need about " +
+                         std::to_string(static_cast<std::uint64_t>(lattice_points)) + " lattice points, more than " +
+                         std::to_string(options.max_points),
+                     {}, "give a larger --size"};
+    }
+    for (int a = 0; a < 3; ++a) lattice.size[a] = 2 * static_cast<std::uint32_t>(extent[a] / size) + 1;
+
+    const std::uint32_t structures = static_cast<std::uint32_t>(contours.structures.size());
+    const Sites sites = classify(lattice, field, structures, surface_band * size, context.threads);
+    if (context.cancelled()) return cancelled_error();
+
+    std::vector<LatticePoint> near;
+    const SiteReader reader(lattice, sites);
+    for (std::uint32_t k = 0; k < lattice.size[2]; ++k) {
+        for (std::uint32_t j = k & 1; j < lattice.size[1]; j += 2) {
+            for (std::uint32_t i = k & 1; i < lattice.size[0]; i += 2) {
+                if (reader.at(i, j, k) == Site::near) near.push_back({i, j, k});
+            }
+        }
+    }
+    PointGrid surface(surface_spacing * size, near.size());
+    add_surface_points(lattice, near, field, structures, size, guard, surface, sample, context.threads);
+    add_lattice_points(lattice, sites, size, options.growth, guard, surface, sample);
+    return sample;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,51 @@
+// sample_points: the points that the tetrahedralization is made of.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/field/structure_field.h"
+
+namespace anatomesh {
+
+struct SampleOptions {
+    double size_mm = 0;          // edge length aimed at near the surface. 0: default_size(). [0.01, 1000]
+    double growth = 0.5;         // how fast the edge length may grow with the depth inside, mm per mm. [0, 2]
+    std::uint64_t max_points = 400'000'000;  // refused above, before the work
+};
+
+struct SampleStats {
+    double size_mm = 0;                     // the edge length used
+    std::uint64_t contour_points = 0;       // distinct contour vertices
+    std::uint64_t segment_points = 0;       // on long contour segments
+    std::uint64_t surface_points = 0;       // on interfaces between the slices
+    std::uint64_t lattice_points = 0;       // inside and, near the surface, outside
+};
+
+// points[0, contour_points) are the distinct contour vertices at their exact coordinates, in order of first
+// appearance; then the points on segments, on interfaces, and of the lattice, as SampleStats counts them.
+struct PointSample {
+    std::vector<Vec3> points;
+    std::vector<std::uint32_t> contour_vertices;  // of every point of the contour set: its index into points
+    SampleStats stats;
+};
+
+// The edge length that suits the data: a share of the slice spacing, not below what the contours' own vertex
+// spacing asks for.
+double default_size(const ContourSet& contours, const StructureField& field);
+
+// Contour vertices are kept exactly. Long segments get intermediate points. A body-centred cubic lattice fills
+// the inside (coarser with depth) and one layer outside; its points near an interface are moved onto it. No free
+// point lies within half the size of a contour point or in the diametral ball of a contour segment, so that
+// contour segments tend to be edges of the Delaunay tetrahedralization.
+// Points between the slices are there from the start: points on parallel planes alone have Delaunay
+// tetrahedralizations that grow faster than linearly.
+// Errors: limit E-SMP-001 the size would need more points than max_points. Complexity: linear in the lattice
+// points of the box. Same result at any thread count.
+// Lattice: Labelle and Shewchuk, SIGGRAPH 2007 (body-centred cubic). Protection: Shewchuk, Comput. Geom. 22, 2002.
+Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field,
+                                  const SampleOptions& options, RunContext& context);
+
+}  // namespace anatomesh
