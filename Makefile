@@ -1,0 +1,50 @@
+# make            builds build/release/anatomesh
+# make demo       models a real CT skull into demo/ (installs what is missing)
+# make test       builds and runs all tests (installs what is missing)
+# make install PREFIX=/usr/local
+# make bench | format | tidy | clean | dependencies
+PREFIX ?= /usr/local
+JOBS ?= $(shell nproc)
+BUILD := build/release
+PROGRAM := $(BUILD)/anatomesh
+
+.PHONY: all program demo test install bench format tidy clean dependencies
+
+all: program
+
+program:
+	@scripts/install-dependencies.sh --check build
+	@cmake --preset release -DANATOMESH_TESTS=OFF
+	@cmake --build $(BUILD) --parallel $(JOBS)
+	@echo "built $(PROGRAM)"
+
+dependencies:
+	scripts/install-dependencies.sh build test demo bench
+
+demo:
+	@scripts/install-dependencies.sh build demo
+	@$(MAKE) --no-print-directory program
+	@scripts/demo.sh $(PROGRAM)
+
+test:
+	@scripts/install-dependencies.sh build test demo
+	@scripts/test.sh $(BUILD) $(JOBS)
+
+install: program
+	cmake --install $(BUILD) --prefix $(PREFIX)
+
+bench:
+	@scripts/install-dependencies.sh build demo bench
+	@cmake --preset release -DANATOMESH_TESTS=OFF -DANATOMESH_BENCH=ON
+	@cmake --build $(BUILD) --parallel $(JOBS)
+	@bench/run.py --program $(PROGRAM) --build $(BUILD)
+
+format:
+	git ls-files '*.h' '*.cpp' | xargs clang-format -i
+
+tidy:
+	@cmake --preset release >/dev/null
+	git ls-files 'src/*.cpp' 'apps/*.cpp' | grep -v _test.cpp | xargs -P $(JOBS) -n 1 clang-tidy -quiet -p $(BUILD)
+
+clean:
+	rm -rf build demo
