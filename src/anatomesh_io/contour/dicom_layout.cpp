@@ -1,0 +1,331 @@
+#include "anatomesh_io/contour/dicom_layout.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::size_t meta_begin = 132;
+constexpr std::uint32_t undefined_length = 0xFFFFFFFFu;
+constexpr std::uint64_t to_delimiter = ~std::uint64_t{0};  // the end of what has undefined length
+
+// VRs with two reserved bytes and a length of 32 bits, and those with a length of 16.
+constexpr std::string_view long_vrs[] = {"OB", "OD", "OF", "OL", "OV", "OW", "SQ",
+                                         "SV", "UC", "UN", "UR", "UT", "UV"};
+constexpr std::string_view short_vrs[] = {"AE", "AS", "AT", "CS", "DA", "DS", "DT", "FD", "FL", "IS", "LO",
+                                          "LT", "PN", "SH", "SL", "SS", "ST", "TM", "UI", "UL", "US"};
+
+template <std::size_t n>
+bool contains(const std::string_view (&vrs)[n], std::string_view vr) {
+    return std::find(std::begin(vrs), std::end(vrs), vr) != std::end(vrs);
+}
+
+struct Tag {
+    std::uint16_t group = 0, element = 0;
+    friend bool operator==(const Tag&, const Tag&) = default;
+};
+constexpr Tag item{0xFFFE, 0xE000}, item_end{0xFFFE, 0xE00D}, sequence_end{0xFFFE, 0xE0DD};
+
+std::string text_of(Tag tag) {
+    char text[16];
+    std::snprintf(text, sizeof text, "(%04X,%04X)", tag.group, tag.element);
+    return text;
+}
+
+// What the walk is in: a sequence, whose content is items, or an item (or the data set), whose content is
+// elements.
+struct Level {
+    std::uint64_t end;
+    bool is_sequence;
+    bool is_implicit;
+    bool may_be_no_sequence;  // a private element that only looks like one: what is wrong in it is no error
+};
+
+class Walk {
+  public:
+    Walk(std::string_view bytes, std::uint64_t first, bool is_implicit, bool is_big,
+         const std::string& file_name, const std::function<bool(std::uint16_t, std::uint16_t)>& is_sequence,
+         const DicomLimits& limits)
+        : bytes_(bytes),
+          at_(first),
+          is_big_(is_big),
+          file_name_(file_name),
+          is_sequence_(is_sequence),
+          limits_(limits) {
+        levels_.push_back({bytes.size(), false, is_implicit, false});
+    }
+
+    // The whole data set; or, for the meta header, the elements of group 2, with `meta` called for each.
+    template <class Meta>
+    Status walk(Meta meta, bool only_meta) {
+        while (true) {
+            leave_what_has_ended();
+            if (at_ >= bytes_.size()) return levels_.size() == 1 ? Status(Nothing{}) : cut_off();
+            if (only_meta && levels_.size() == 1 && bytes_.size() - at_ >= 2 && number(at_, 2) != 2)
+                return Nothing{};
+            Status step = levels_.back().is_sequence ? step_in_sequence() : step_in_item(meta);
+            if (step.ok()) continue;
+            if (step.error().kind == ErrorKind::limit || !leave_private_element()) return step;
+        }
+    }
+
+    std::uint64_t position() const { return at_; }
+
+  private:
+    void leave_what_has_ended() {
+        while (levels_.size() > 1 && levels_.back().end != to_delimiter && at_ >= levels_.back().end)
+            levels_.pop_back();
+    }
+
+    // Goes on after the private element that turned out to be no sequence, when the walk is in one.
+    bool leave_private_element() {
+        for (std::size_t i = levels_.size(); i-- > 1;) {
+            if (!levels_[i].may_be_no_sequence) continue;
+            at_ = levels_[i].end;
+            levels_.resize(i);
+            return true;
+        }
+        return false;
+    }
+
+    Status step_in_sequence() {
+        tag_at_ = at_;
+        if (!has(8)) return cut_off();
+        read_tag();
+        const auto length = static_cast<std::uint32_t>(number(at_, 4));
+        at_ += 4;
+        if (tag_ == sequence_end && levels_.back().end == to_delimiter) {
+            levels_.pop_back();
+            return Nothing{};
+        }
+        if (tag_ != item) return misplaced("an item is expected");
+        return enter(length, false, levels_.back().is_implicit, false);
+    }
+
+    template <class Meta>
+    Status step_in_item(Meta meta) {
+        tag_at_ = at_;
+        if (!has(8)) return cut_off();
+        read_tag();
+        if (tag_ == item_end && levels_.size() > 1 && levels_.back().end == to_delimiter) {
+            at_ += 4;
+            levels_.pop_back();
+            return Nothing{};
+        }
+        if (tag_.group == 0xFFFE) return misplaced("an element is expected");
+        const bool is_implicit = levels_.back().is_implicit;
+        std::string_view vr;
+        std::uint32_t length = 0;
+        ANATOMESH_CHECK_STATUS(read_vr_and_length(is_implicit, vr, length));
+        if (levels_.size() == 1 && length != undefined_length && length <= bytes_.size() - at_)
+            meta(tag_, bytes_.substr(at_, length));
+        return enter_or_skip(vr, length, is_implicit);
+    }
+
+    Status read_vr_and_length(bool is_implicit, std::string_view& vr, std::uint32_t& length) {
+        if (is_implicit) {
+            length = static_cast<std::uint32_t>(number(at_, 4));
+            at_ += 4;
+            return Nothing{};
+        }
+        vr = bytes_.substr(at_, 2);
+        const bool is_long = contains(long_vrs, vr);
+        if (!is_long && !contains(short_vrs, vr)) return failure("E-DCL-006", "a VR that there is not", {});
+        if (is_long && !has(8)) return cut_off();
+        length = static_cast<std::uint32_t>(is_long ? number(at_ + 4, 4) : number(at_ + 2, 2));
+        at_ += is_long ? 8 : 4;
+        return Nothing{};
+    }
+
+    Status enter_or_skip(std::string_view vr, std::uint32_t length, bool is_implicit) {
+        // A sequence of VR UN holds implicit VRs.
+        if (vr == "SQ") return enter(length, true, false, false);
+        if (is_implicit || vr == "UN") {
+            if (length == undefined_length || is_sequence_(tag_.group, tag_.element))
+                return length == 0 ? Status(Nothing{}) : enter(length, true, true, false);
+            if (tag_.group % 2 == 1 && length >= 8 && has(length) && number(at_, 2) == item.group &&
+                number(at_ + 2, 2) == item.element)
+                return enter(length, true, true, true);
+        }
+        if (length == undefined_length) return misplaced("an undefined length on what is no sequence");
+        if (!has(length)) return too_long(length);
+        at_ += length;
+        return Nothing{};
+    }
+
+    Status enter(std::uint32_t length, bool is_sequence, bool is_implicit, bool may_be_no_sequence) {
+        // A level each for a sequence and its item, and one for the data set.
+        if (levels_.size() >= 2 * limits_.sequence_depth + 1)
+            return Error{ErrorKind::limit, "E-DCL-005",
+                         "sequences nested deeper than " + std::to_string(limits_.sequence_depth), place(),
+                         "the file is damaged, or made to do harm"};
+        if (length != undefined_length && !has(length)) return too_long(length);
+        levels_.push_back({length == undefined_length ? to_delimiter : at_ + length, is_sequence, is_implicit,
+                           may_be_no_sequence});
+        return Nothing{};
+    }
+
+    // Whether so many bytes are left in everything that the walk is in. Only the innermost level of stated
+    // length counts: it ends within all others.
+    bool has(std::uint64_t count) const {
+        std::uint64_t end = bytes_.size();
+        for (std::size_t i = levels_.size(); i-- > 0;) {
+            if (levels_[i].end == to_delimiter) continue;
+            end = levels_[i].end;
+            break;
+        }
+        return at_ <= end && count <= end - at_;
+    }
+
+    std::uint64_t number(std::uint64_t at, std::size_t size) const {
+        std::uint64_t value = 0;
+        for (std::size_t i = 0; i < size; ++i) {
+            const auto byte = static_cast<unsigned char>(bytes_[at + (is_big_ ? i : size - 1 - i)]);
+            value = value << 8 | byte;
+        }
+        return value;
+    }
+    void read_tag() {
+        tag_ = {static_cast<std::uint16_t>(number(at_, 2)), static_cast<std::uint16_t>(number(at_ + 2, 2))};
+        at_ += 4;
+    }
+
+    Place place() const { return {file_name_, {}, {}, {}, {}}; }
+    Error failure(const char* code, const std::string& message, const std::string& value) const {
+        Place where = place();
+        where.value = value;
+        return {ErrorKind::input, code,
+                "tag " + text_of(tag_) + " at byte " + std::to_string(tag_at_) + ": " + message,
+                std::move(where), "copy or export the file anew"};
+    }
+    Error misplaced(const char* message) const { return failure("E-DCL-007", message, {}); }
+    Error too_long(std::uint32_t length) const {
+        return failure("E-DCL-004", "longer than what holds it, or the file is cut off",
+                       std::to_string(length) + " bytes");
+    }
+    Error cut_off() const { return failure("E-DCL-004", "after it, the file or the item is cut off", {}); }
+
+    std::string_view bytes_;
+    std::uint64_t at_, tag_at_ = 0;
+    bool is_big_;
+    Tag tag_;
+    const std::string& file_name_;
+    const std::function<bool(std::uint16_t, std::uint16_t)>& is_sequence_;
+    const DicomLimits& limits_;
+    std::vector<Level> levels_;
+};
+
+Result<std::string> inflate_data_set(std::string_view deflated, const std::string& file_name,
+                                     const DicomLimits& limits) {
+    const auto corrupt = [&] {
+        return Error{ErrorKind::input,
+                     "E-DCL-008",
+                     "the deflated data set is corrupt or cut off",
+                     {file_name, {}, {}, {}, {}},
+                     "copy or export the file anew"};
+    };
+    z_stream stream{};
+    if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) return corrupt();
+    struct End {
+        z_stream& stream;
+        ~End() { inflateEnd(&stream); }
+    } end{stream};
+
+    const std::uint64_t free_bytes = std::uint64_t{16} << 20;
+    const std::uint64_t most =
+        std::min(limits.inflated_bytes, std::max(free_bytes, limits.inflated_ratio * deflated.size()));
+    std::string inflated;
+    std::vector<unsigned char> chunk(std::size_t{1} << 18);
+    int state = Z_OK;
+    while (state != Z_STREAM_END) {
+        if (stream.avail_in == 0) {
+            if (deflated.empty()) return corrupt();
+            const std::size_t size = std::min<std::size_t>(deflated.size(), std::size_t{1} << 30);
+            stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(deflated.data()));
+            stream.avail_in = static_cast<uInt>(size);
+            deflated.remove_prefix(size);
+        }
+        stream.next_out = chunk.data();
+        stream.avail_out = static_cast<uInt>(chunk.size());
+        state = inflate(&stream, Z_NO_FLUSH);
+        if (state != Z_OK && state != Z_STREAM_END) return corrupt();
+        const std::size_t made = chunk.size() - stream.avail_out;
+        if (made > most - inflated.size())
+            return Error{ErrorKind::limit,
+                         "E-DCL-009",
+                         "the deflated data set inflates to more than " + std::to_string(most) + " bytes",
+                         {file_name, {}, {}, {}, {}},
+                         "the file is damaged, or made to do harm"};
+        inflated.append(reinterpret_cast<const char*>(chunk.data()), made);
+    }
+    return inflated;
+}
+
+std::string_view without_padding(std::string_view text) {
+    while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.remove_suffix(1);
+    return text;
+}
+
+}  // namespace
+
+bool is_dicom(std::string_view file) {
+    return file.size() >= meta_begin && file.substr(128, 4) == "DICM";
+}
+
+Result<DicomLayout> check_dicom_layout(std::string_view file, const std::string& file_name,
+                                       const std::function<bool(std::uint16_t, std::uint16_t)>& is_sequence,
+                                       const DicomLimits& limits) {
+    if (!is_dicom(file))
+        return Error{ErrorKind::input,
+                     "E-DCL-001",
+                     "no DICOM file: DICM is not at byte 128",
+                     {file_name, {}, {}, {}, {}},
+                     ""};
+    DicomLayout layout;
+    Walk meta(file, meta_begin, false, false, file_name, is_sequence, limits);
+    ANATOMESH_CHECK_STATUS(meta.walk(
+        [&](Tag tag, std::string_view value) {
+            if (tag == Tag{0x0002, 0x0010}) layout.transfer_syntax = std::string(without_padding(value));
+        },
+        true));
+    layout.data_set = meta.position();
+    const std::string& syntax = layout.transfer_syntax;
+    if (syntax.empty())
+        return Error{ErrorKind::input,
+                     "E-DCL-002",
+                     "the meta header names no transfer syntax",
+                     {file_name, {}, {}, {}, {}},
+                     "export the file anew"};
+
+    const bool is_deflated = syntax == "1.2.840.10008.1.2.1.99";
+    if (syntax == "1.2.840.10008.1.2")
+        layout.encoding = DicomEncoding::implicit_little;
+    else if (syntax == "1.2.840.10008.1.2.2")
+        layout.encoding = DicomEncoding::explicit_big;
+    else if (syntax != "1.2.840.10008.1.2.1" && !is_deflated && !syntax.starts_with("1.2.840.10008.1.2.4.") &&
+             syntax != "1.2.840.10008.1.2.5")
+        return Error{ErrorKind::input,
+                     "E-DCL-003",
+                     "a transfer syntax that is not known",
+                     {file_name, {}, {}, {}, syntax.substr(0, 64)},
+                     "export the file as Explicit VR Little Endian"};
+    std::string_view data = file;
+    std::uint64_t first = layout.data_set;
+    if (is_deflated) {
+        ANATOMESH_TRY(layout.inflated, inflate_data_set(file.substr(layout.data_set), file_name, limits));
+        data = layout.inflated;
+        first = 0;
+    }
+    Walk walk(data, first, layout.encoding == DicomEncoding::implicit_little,
+              layout.encoding == DicomEncoding::explicit_big, file_name, is_sequence, limits);
+    ANATOMESH_CHECK_STATUS(walk.walk([](Tag, std::string_view) {}, false));
+    return layout;
+}
+
+}  // namespace anatomesh

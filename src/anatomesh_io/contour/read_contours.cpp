@@ -1,0 +1,56 @@
+#include "anatomesh_io/contour/read_contours.h"
+
+#include <string_view>
+#include <utility>
+
+#include "anatomesh_io/contour/csl_reader.h"
+#include "anatomesh_io/contour/dicom_layout.h"
+#include "anatomesh_io/contour/json_reader.h"
+#include "anatomesh_io/contour/raw_builder.h"
+#include "anatomesh_io/contour/rtstruct_reader.h"
+#include "anatomesh_io/file/detect.h"
+#include "anatomesh_io/file/input_file.h"
+
+namespace anatomesh {
+
+namespace {
+
+FileFrame file_frame(FrameChoice choice) {
+    return choice == FrameChoice::lps   ? FileFrame::lps
+           : choice == FrameChoice::ras ? FileFrame::ras
+                                        : FileFrame::unknown;
+}
+
+Status read_content(const InputFile& file, RawBuilder& builder) {
+    const std::span<const std::byte> bytes = file.bytes();
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const FileKind kind = detect_bytes(bytes);
+    switch (kind) {
+        case FileKind::dicom_rtstruct:
+            return read_rtstruct(text, builder);
+        case FileKind::csl:
+            return read_csl(text, builder);
+        case FileKind::contour_json:
+            return read_json_contours(text, builder);
+        default:
+            break;
+    }
+    return Error{
+        ErrorKind::input,
+        "E-CIO-008",
+        bytes.empty() ? "the file is empty" : std::string("contours are expected, not: ") + name_of(kind),
+        {file.path, {}, {}, {}, {}},
+        "contours are read from JSON (anatomesh-contours), CSL, VTK XML polydata (.vtp), DICOM RTSTRUCT"};
+}
+
+}  // namespace
+
+Result<RawContours> read_contours(const std::string& path, const ReadContoursOptions& options,
+                                  RunContext& context) {
+    RawBuilder builder(path, options.limits, context);
+    ANATOMESH_TRY(const InputFile file, read_input_file(path, options.file_limits));
+    ANATOMESH_CHECK_STATUS(read_content(file, builder));
+    return builder.finish(file_frame(options.frame));
+}
+
+}  // namespace anatomesh

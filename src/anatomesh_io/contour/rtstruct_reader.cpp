@@ -1,0 +1,318 @@
+#include "anatomesh_io/contour/rtstruct_reader.h"
+
+#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmdata/dcistrmb.h>
+#include <dcmtk/dcmdata/dcspchrs.h>
+#include <dcmtk/dcmdata/dctk.h>
+#include <dcmtk/oflog/oflog.h>
+
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "anatomesh_io/contour/dicom_layout.h"
+#include "anatomesh_io/contour/number_text.h"
+
+namespace anatomesh {
+
+namespace {
+
+void set_up_dcmtk() {
+    static std::once_flag once;
+    std::call_once(once, [] {
+        OFLog::configure(OFLogger::OFF_LOG_LEVEL);
+        // Lists beyond 64 KiB are written as UN where the length field has 16 bits.
+        dcmEnableUnknownVRConversion.set(OFTrue);
+    });
+}
+
+bool is_sequence(std::uint16_t group, std::uint16_t element) {
+    const DcmDataDictionary& dictionary = dcmDataDict.rdlock();
+    const DcmDictEntry* entry = dictionary.findEntry(DcmTagKey(group, element), nullptr);
+    const bool answer = entry && entry->getEVR() == EVR_SQ;
+    dcmDataDict.rdunlock();
+    return answer;
+}
+
+E_TransferSyntax syntax_of(DicomEncoding encoding) {
+    switch (encoding) {
+        case DicomEncoding::implicit_little:
+            return EXS_LittleEndianImplicit;
+        case DicomEncoding::explicit_big:
+            return EXS_BigEndianExplicit;
+        case DicomEncoding::explicit_little:
+            break;
+    }
+    return EXS_LittleEndianExplicit;
+}
+
+std::string_view trimmed(std::string_view text) {
+    const auto is_pad = [](char c) { return c == ' ' || c == '\0'; };
+    while (!text.empty() && is_pad(text.front())) text.remove_prefix(1);
+    while (!text.empty() && is_pad(text.back())) text.remove_suffix(1);
+    return text;
+}
+
+// The characters of an element, whatever its VR says they are; valid as long as the element. Empty when there
+// is none, or no value.
+std::string_view text_of(DcmItem& item, const DcmTagKey& tag) {
+    DcmElement* element = nullptr;
+    if (item.findAndGetElement(tag, element).bad() || !element || element->getLength() == 0) return {};
+    char* text = nullptr;
+    Uint32 length = 0;
+    if (element->getString(text, length).good() && text) return trimmed({text, length});
+    Uint8* bytes = nullptr;
+    if (element->getUint8Array(bytes).good() && bytes)
+        return trimmed({reinterpret_cast<const char*>(bytes), element->getLength()});
+    return {};
+}
+
+// The items of a sequence, one after another (DCMTK's access by index is linear in the index).
+template <class Visit>
+Status for_each_item(DcmItem& parent, const DcmTagKey& tag, Visit visit) {
+    DcmSequenceOfItems* sequence = nullptr;
+    if (parent.findAndGetSequence(tag, sequence).bad() || !sequence) return Nothing{};
+    for (DcmObject* object = sequence->nextInContainer(nullptr); object;
+         object = sequence->nextInContainer(object)) {
+        auto* item = dynamic_cast<DcmItem*>(object);
+        if (!item) continue;
+        ANATOMESH_CHECK_STATUS(visit(*item));
+    }
+    return Nothing{};
+}
+
+class RtStructReader {
+  public:
+    explicit RtStructReader(RawBuilder& builder) : builder_(builder) {}
+
+    Status read(std::string_view file) {
+        set_up_dcmtk();
+        if (!dcmDataDict.isDictionaryLoaded())
+            return Error{ErrorKind::file,
+                         "E-RTS-009",
+                         "the DICOM dictionary was not found on this machine",
+                         {},
+                         "install the data files of DCMTK, or set DCMDICTPATH"};
+        ANATOMESH_CHECK_STATUS(parse(file));
+        ANATOMESH_CHECK_STATUS(check_class());
+        builder_.frame = FileFrame::lps;
+        ANATOMESH_CHECK_STATUS(for_each_item(data_set_, DCM_StructureSetROISequence,
+                                             [&](DcmItem& item) { return read_declaration(item); }));
+        return for_each_item(data_set_, DCM_ROIContourSequence,
+                             [&](DcmItem& item) { return read_roi(item); });
+    }
+
+  private:
+    Status parse(std::string_view file) {
+        ANATOMESH_TRY(DicomLayout layout, check_dicom_layout(file, builder_.file(), is_sequence));
+        std::string_view data = file.substr(layout.data_set);
+        if (!layout.inflated.empty()) data = layout.inflated;
+        DcmInputBufferStream stream;
+        stream.setBuffer(data.data(), static_cast<offile_off_t>(data.size()));
+        stream.setEos();
+        data_set_.transferInit();
+        const OFCondition done = data_set_.read(stream, syntax_of(layout.encoding));
+        data_set_.transferEnd();
+        if (done.good() || done == EC_EndOfStream) return Nothing{};
+        return Error{ErrorKind::input,
+                     "E-RTS-001",
+                     std::string("the DICOM parser refuses it: ") + done.text(),
+                     {builder_.file(), {}, {}, {}, {}},
+                     "copy or export the file anew"};
+    }
+
+    Status check_class() {
+        const std::string_view class_uid = text_of(data_set_, DCM_SOPClassUID);
+        const std::string_view modality = text_of(data_set_, DCM_Modality);
+        if (class_uid == UID_RTStructureSetStorage || (class_uid.empty() && modality == "RTSTRUCT"))
+            return Nothing{};
+        bool changed = false;
+        return Error{
+            ErrorKind::input,
+            "E-RTS-002",
+            "this DICOM object is no structure set (RTSTRUCT)",
+            {builder_.file(), {}, {}, {}, valid_utf8(shown("modality " + std::string(modality)), changed)},
+            "give the RTSTRUCT of the study"};
+    }
+
+    Status read_declaration(DcmItem& item) {
+        Structure structure;
+        structure.name = name_of(item);
+        ANATOMESH_TRY(structure.number, roi_number(item, DCM_ROINumber, structure.name));
+        if (builder_.find_structure(structure.number))
+            return Error{ErrorKind::input,
+                         "E-RTS-004",
+                         "two ROIs have the same number",
+                         {builder_.file(), {}, label_of(structure), {}, std::to_string(structure.number)},
+                         "give every ROI its own number"};
+        ANATOMESH_TRY([[maybe_unused]] const auto index, builder_.add_structure(std::move(structure)));
+        return Nothing{};
+    }
+
+    Status read_roi(DcmItem& item) {
+        ANATOMESH_TRY(const auto number, roi_number(item, DCM_ReferencedROINumber, {}));
+        const bool is_declared = builder_.find_structure(number).has_value();
+        ANATOMESH_TRY(const auto structure, builder_.structure_of(number));
+        const Place place{builder_.file(), {}, label_of(builder_.structures()[structure]), {}, {}};
+        if (!contours_of_.emplace(structure, 0).second)
+            return Error{ErrorKind::input, "E-RTS-004", "two items hold the contours of one ROI", place,
+                         "export the file anew"};
+        if (!is_declared)
+            builder_.context().warn({"W-RTS-001", "the ROI is not declared in StructureSetROISequence", place,
+                                     "its contours are kept, without a name"});
+        read_color(item, structure, place);
+        if (builder_.context().cancelled()) return cancelled_error();
+        return for_each_item(item, DCM_ContourSequence,
+                             [&](DcmItem& contour) { return read_contour(contour, structure, number); });
+    }
+
+    Status read_contour(DcmItem& item, std::uint32_t structure, std::int32_t roi) {
+        const std::uint64_t index = contours_of_[structure]++;
+        // The point count of an error must name this contour: it is begun first.
+        ANATOMESH_CHECK_STATUS(
+            builder_.begin_contour(structure, ContourKind::closed_planar, -1,
+                                   "ROI " + std::to_string(roi) + ", contour " + std::to_string(index)));
+        ANATOMESH_TRY(const auto kind, kind_of(item));
+        builder_.set_kind(builder_.contour_count() - 1, kind);
+        const std::string_view data = text_of(item, DCM_ContourData);
+        if (data.empty())
+            return failure("E-RTS-006", "ContourData is missing or empty", {}, builder_.contour_place());
+        std::uint64_t values = 1;
+        for (const char c : data) values += c == '\\';
+        if (values % 3 != 0)
+            return failure("E-RTS-006", "ContourData does not hold three numbers a point",
+                           std::to_string(values) + " values", builder_.contour_place());
+        ANATOMESH_CHECK_STATUS(builder_.expect_points(values / 3));
+        ANATOMESH_CHECK_STATUS(read_points(data, values / 3));
+        compare_count(item, values / 3);
+        return Nothing{};
+    }
+
+    Status read_points(std::string_view data, std::uint64_t count) {
+        for (std::uint64_t i = 0; i < count; ++i) {
+            double xyz[3];
+            for (double& value : xyz) {
+                const std::size_t end = std::min(data.find('\\'), data.size());
+                const std::string_view word = trimmed(data.substr(0, end));
+                const auto number = parse_number(word);
+                if (!number) {
+                    bool changed = false;
+                    return failure("E-RTS-007", "a coordinate that is no number",
+                                   valid_utf8(shown(word), changed), builder_.point_place(i));
+                }
+                value = *number;
+                data.remove_prefix(std::min(end + 1, data.size()));
+            }
+            ANATOMESH_CHECK_STATUS(builder_.add_point({xyz[0], xyz[1], xyz[2]}));
+        }
+        return Nothing{};
+    }
+
+    Result<ContourKind> kind_of(DcmItem& item) {
+        constexpr std::pair<std::string_view, ContourKind> kinds[] = {
+            {"CLOSED_PLANAR", ContourKind::closed_planar},
+            {"CLOSEDPLANAR_XOR", ContourKind::closed_planar_xor},
+            {"OPEN_PLANAR", ContourKind::open},
+            {"OPEN_NONPLANAR", ContourKind::open},
+            {"POINT", ContourKind::point}};
+        const std::string_view type = text_of(item, DCM_ContourGeometricType);
+        for (const auto& [name, kind] : kinds)
+            if (type == name) return kind;
+        if (!type.empty()) {
+            bool changed = false;
+            return failure("E-RTS-008", "a contour type that there is not", valid_utf8(shown(type), changed),
+                           builder_.contour_place());
+        }
+        builder_.context().warn({"W-RTS-003", "the contour has no type", builder_.contour_place(),
+                                 "it is taken for CLOSED_PLANAR"});
+        return ContourKind::closed_planar;
+    }
+
+    void compare_count(DcmItem& item, std::uint64_t count) {
+        const std::string_view stated = text_of(item, DCM_NumberOfContourPoints);
+        if (stated.empty() || parse_integer<std::uint64_t>(stated) == count) return;
+        bool changed = false;
+        Place place = builder_.contour_place();
+        place.value = valid_utf8(shown(stated), changed);
+        builder_.context().warn(
+            {"W-RTS-002", "NumberOfContourPoints is not the number of points in ContourData",
+             std::move(place), "all " + std::to_string(count) + " points of the data are read"});
+    }
+
+    void read_color(DcmItem& item, std::uint32_t structure, const Place& place) {
+        std::string_view data = text_of(item, DCM_ROIDisplayColor);
+        if (data.empty()) return;
+        std::array<std::uint8_t, 3> color{};
+        std::string_view rest = data;
+        bool is_color = std::count(data.begin(), data.end(), '\\') == 2;
+        for (std::uint8_t& part : color) {
+            const std::size_t end = std::min(rest.find('\\'), rest.size());
+            const auto value = parse_integer<std::uint8_t>(trimmed(rest.substr(0, end)));
+            is_color = is_color && value;
+            part = value.value_or(0);
+            rest.remove_prefix(std::min(end + 1, rest.size()));
+        }
+        if (is_color) {
+            builder_.set_color(structure, color);
+            return;
+        }
+        bool changed = false;
+        Place where = place;
+        where.value = valid_utf8(shown(data), changed);
+        builder_.context().warn(
+            {"W-RTS-005", "the ROI's colour is none", std::move(where), "a grey is used"});
+    }
+
+    Result<std::int32_t> roi_number(DcmItem& item, const DcmTagKey& tag, const std::string& name) {
+        const std::string_view text = text_of(item, tag);
+        if (const auto number = parse_integer<std::int32_t>(text)) return *number;
+        bool changed = false;
+        return failure("E-RTS-003", "the ROI's number is missing or no whole number",
+                       valid_utf8(shown(text), changed), {builder_.file(), {}, name, {}, {}});
+    }
+
+    // The name as UTF-8.
+    std::string name_of(DcmItem& item) {
+        const std::string name(text_of(item, DCM_ROIName));
+        bool is_ascii = true;
+        for (const char c : name) is_ascii = is_ascii && c != '\x1B' && static_cast<unsigned char>(c) < 0x80;
+        if (is_ascii) return name;
+        if (!converter_) {
+            converter_.emplace();
+            can_convert_ = converter_->selectCharacterSet(data_set_).good();
+        }
+        OFString converted;
+        if (can_convert_ && converter_->convertString(name.c_str(), name.size(), converted).good())
+            return std::string(converted.c_str(), converted.size());
+        bool changed = false;
+        std::string valid = valid_utf8(name, changed);
+        builder_.context().warn({"W-RTS-004",
+                                 "the name is not in the file's character set, or that is unknown",
+                                 {builder_.file(), {}, valid, {}, {}},
+                                 "what is no UTF-8 in it is shown as U+FFFD"});
+        return valid;
+    }
+
+    static Error failure(const char* code, const char* message, std::string value, Place place) {
+        place.value = std::move(value);
+        return {ErrorKind::input, code, message, std::move(place),
+                "correct the structure set, or export it anew"};
+    }
+
+    RawBuilder& builder_;
+    DcmDataset data_set_;
+    std::map<std::uint32_t, std::uint64_t> contours_of_;  // contours read so far, by structure
+    std::optional<DcmSpecificCharacterSet> converter_;
+    bool can_convert_ = false;
+};
+
+}  // namespace
+
+Status read_rtstruct(std::string_view file, RawBuilder& builder) {
+    return RtStructReader(builder).read(file);
+}
+
+}  // namespace anatomesh
