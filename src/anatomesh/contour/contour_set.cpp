@@ -1,0 +1,40 @@
+#include "anatomesh/contour/contour_set.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace anatomesh {
+
+bool all_parallel(const ContourSet& set, double tolerance_mm) {
+    if (set.slices.empty()) return true;
+    // Turning a plane by an angle about the middle of the set moves its outermost point by at most the sine
+    // of the angle times half the diagonal.
+    const double reach = set.box().diagonal() / 2;
+    const Vec3 normal = set.slices.front().plane.normal;
+    return std::all_of(set.slices.begin(), set.slices.end(), [&](const Slice& slice) {
+        return length(cross(normal, slice.plane.normal)) * reach <= tolerance_mm;
+    });
+}
+
+double median_spacing(const ContourSet& set) {
+    if (set.slices.size() < 2) return 0;
+    const Vec3 normal = set.slices.front().plane.normal;
+    std::vector<double> positions;
+    positions.reserve(set.slices.size());
+    for (const Slice& slice : set.slices) positions.push_back(dot(slice.plane.origin, normal));
+    std::sort(positions.begin(), positions.end());
+
+    // Positions that differ by rounding alone are one position.
+    const double same = 1e-9 * std::max({1.0, std::abs(positions.front()), std::abs(positions.back())});
+    std::vector<double> gaps;
+    for (std::size_t i = 1; i < positions.size(); ++i) {
+        const double gap = positions[i] - positions[i - 1];
+        if (gap > same) gaps.push_back(gap);
+    }
+    if (gaps.empty()) return 0;
+    const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>((gaps.size() - 1) / 2);
+    std::nth_element(gaps.begin(), middle, gaps.end());
+    return *middle;
+}
+
+}  // namespace anatomesh

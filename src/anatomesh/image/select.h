@@ -1,0 +1,23 @@
+// select_structures: a label map with some of its structures.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/image/image.h"
+
+namespace anatomesh {
+
+// The voxels of each structure, parallel to LabelMap::structures.
+std::vector<std::uint64_t> count_voxels(const LabelMap& labels);
+
+// The structures without a voxel, as indices, ascending.
+std::vector<std::uint32_t> empty_structures(const LabelMap& labels);
+
+// Keeps the structures with these indices, in the order they have in the label map; the voxels of all others
+// become 0. An index may come more than once.
+// Requires: every index < structures.size(); every label is at most structures.size(). Complexity: linear.
+void select_structures(LabelMap& labels, std::span<const std::uint32_t> keep);
+
+}  // namespace anatomesh
