@@ -1,0 +1,97 @@
+// Building blocks of mesh bookkeeping without hashing: things filed under their smallest vertex, and disjoint
+// sets.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/mesh/tet_mesh.h"
+
+namespace anatomesh {
+
+// A facet or an edge filed under its smallest vertex: the rest of its vertices as one number, and whose it
+// is.
+struct Entry {
+    std::uint64_t key;
+    std::uint32_t id;
+
+    friend bool operator<(const Entry& a, const Entry& b) {
+        return a.key != b.key ? a.key < b.key : a.id < b.id;
+    }
+};
+
+// Entries in buckets: those of vertex v are entries[start[v], start[v + 1]), sorted.
+struct Buckets {
+    std::vector<std::size_t> start;
+    std::vector<Entry> entries;
+};
+
+// Count, scan, fill, then sort every bucket. visit(emit) must call emit(vertex, key, id) for the same
+// sequence each time it is called.
+template <class Visit>
+Buckets fill_buckets(std::size_t vertex_count, const Visit& visit) {
+    Buckets buckets;
+    buckets.start.assign(vertex_count + 1, 0);
+    visit([&](std::uint32_t vertex, std::uint64_t, std::uint32_t) { ++buckets.start[vertex + 1]; });
+    for (std::size_t v = 0; v < vertex_count; ++v) buckets.start[v + 1] += buckets.start[v];
+    buckets.entries.resize(buckets.start[vertex_count]);
+    std::vector<std::size_t> next(buckets.start.begin(), buckets.start.end() - 1);
+    visit([&](std::uint32_t vertex, std::uint64_t key, std::uint32_t id) {
+        buckets.entries[next[vertex]++] = {key, id};
+    });
+    for (std::size_t v = 0; v < vertex_count; ++v) {
+        std::sort(buckets.entries.begin() + static_cast<std::ptrdiff_t>(buckets.start[v]),
+                  buckets.entries.begin() + static_cast<std::ptrdiff_t>(buckets.start[v + 1]));
+    }
+    return buckets;
+}
+
+// Sets of numbers that are joined pair by pair (union by smaller root, path halving): the root of a set is
+// its smallest member, whatever the order of the joins.
+class DisjointSets {
+  public:
+    explicit DisjointSets(std::size_t count) : parent_(count) {
+        for (std::size_t i = 0; i < count; ++i) parent_[i] = static_cast<std::uint32_t>(i);
+    }
+    std::uint32_t root(std::uint32_t i) {
+        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    void join(std::uint32_t i, std::uint32_t j) {
+        i = root(i);
+        j = root(j);
+        if (i < j) parent_[j] = i;
+        if (j < i) parent_[i] = j;
+    }
+
+  private:
+    std::vector<std::uint32_t> parent_;
+};
+
+// The vertices of a facet, counter-clockwise seen from outside the cell.
+inline std::array<std::uint32_t, 3> facet_of(const Cell& cell, std::size_t facet) {
+    const auto& f = facet_vertices[facet];
+    return {cell[static_cast<std::size_t>(f[0])], cell[static_cast<std::size_t>(f[1])],
+            cell[static_cast<std::size_t>(f[2])]};
+}
+
+// Facets of all cells in buckets; ids are facet ids. Requires: indices below point_count.
+template <class Cells>
+Buckets facet_buckets(const Cells& cells, std::size_t point_count) {
+    return fill_buckets(point_count, [&](const auto& emit) {
+        for (std::size_t c = 0; c < cells.size(); ++c) {
+            for (std::size_t i = 0; i < 4; ++i) {
+                auto [a, b, d] = facet_of(cells[c], i);
+                if (a > b) std::swap(a, b);
+                if (b > d) std::swap(b, d);
+                if (a > b) std::swap(a, b);
+                emit(a, (std::uint64_t{b} << 32) | d, static_cast<std::uint32_t>(4 * c + i));
+            }
+        }
+    });
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,171 @@
+#include "anatomesh/mesh/topology.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <numeric>
+#include <random>
+
+#include "anatomesh/mesh/brick_mesh_for_test.h"
+#include "anatomesh/mesh/quality.h"
+
+namespace anatomesh {
+namespace {
+
+using testing::brick_mesh;
+
+const RegionTable one_structure{{{}, {0}}};
+
+Region everywhere(int, int, int) {
+    return 1;
+}
+
+SurfaceTopology topology_of(const TetMesh& mesh) {
+    return surface_topology(structure_surface(mesh, one_structure, 0));
+}
+
+TEST(Topology, neighbors_are_mutual_and_share_the_facet) {
+    const TetMesh mesh = brick_mesh({4, 3, 5}, everywhere);
+    const auto neighbors = cell_neighbors(mesh.cells, mesh.points.size());
+    std::size_t boundary = 0;
+    for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
+        for (std::uint32_t i = 0; i < 4; ++i) {
+            const std::uint32_t other = neighbors[4 * c + i];
+            if (other == no_cell) {
+                ++boundary;
+                continue;
+            }
+            const Cell& theirs = mesh.cells[other];
+            EXPECT_EQ(std::count(&neighbors[4 * other], &neighbors[4 * other] + 4, c), 1);
+            for (std::uint32_t v = 0; v < 4; ++v) {
+                const auto found = std::find(theirs.begin(), theirs.end(), mesh.cells[c][v]);
+                EXPECT_EQ(found != theirs.end(), v != i);
+            }
+        }
+    }
+    EXPECT_EQ(boundary, 2u * 2u * (4 * 3 + 3 * 5 + 5 * 4));
+}
+
+TEST(Topology, ball_torus_shell_and_two_balls_have_their_genus_and_components) {
+    const SurfaceTopology ball = topology_of(brick_mesh({3, 3, 3}, everywhere));
+    EXPECT_TRUE(ball.closed_manifold());
+    EXPECT_EQ(ball.components, 1u);
+    EXPECT_EQ(ball.euler, 2);
+    EXPECT_EQ(ball.genus, 0);
+    EXPECT_EQ(ball.triangles, 2u * 54u);
+    EXPECT_EQ(ball.edges, 3u * 54u);
+
+    const auto frame = [](int i, int j, int) { return Region(i == 1 && j == 1 ? 0 : 1); };
+    const SurfaceTopology torus = topology_of(brick_mesh({3, 3, 1}, frame));
+    EXPECT_TRUE(torus.closed_manifold());
+    EXPECT_EQ(torus.components, 1u);
+    EXPECT_EQ(torus.genus, 1);
+
+    const auto two_holes = [](int i, int j, int) { return Region((i == 1 || i == 3) && j == 1 ? 0 : 1); };
+    EXPECT_EQ(topology_of(brick_mesh({5, 3, 1}, two_holes)).genus, 2);
+
+    const auto hollow = [](int i, int j, int k) { return Region(i == 1 && j == 1 && k == 1 ? 0 : 1); };
+    const SurfaceTopology shell = topology_of(brick_mesh({3, 3, 3}, hollow));
+    EXPECT_TRUE(shell.closed_manifold());
+    EXPECT_EQ(shell.components, 2u);
+    EXPECT_EQ(shell.genus, 0);
+
+    const auto apart = [](int i, int, int) { return Region(i == 1 ? 0 : 1); };
+    const TetMesh two = brick_mesh({3, 1, 1}, apart);
+    EXPECT_EQ(topology_of(two).components, 2u);
+    EXPECT_EQ(structure_pieces(two, one_structure, 0), 2u);
+}
+
+TEST(Topology, touching_at_an_edge_or_a_vertex_is_counted) {
+    const auto at_edge = [](int i, int j, int) { return Region(i == j ? 1 : 0); };
+    const TetMesh edge = brick_mesh({2, 2, 1}, at_edge);
+    EXPECT_EQ(topology_of(edge).nonmanifold_edges, 1u);
+    EXPECT_EQ(topology_of(edge).open_edges, 0u);
+    EXPECT_EQ(structure_pieces(edge, one_structure, 0), 2u);
+
+    const auto at_vertex = [](int i, int j, int k) { return Region(i == j && j == k ? 1 : 0); };
+    const SurfaceTopology vertex = topology_of(brick_mesh({2, 2, 2}, at_vertex));
+    EXPECT_EQ(vertex.nonmanifold_edges, 0u);
+    EXPECT_EQ(vertex.nonmanifold_vertices, 1u);
+    EXPECT_EQ(vertex.components, 2u);
+    EXPECT_FALSE(vertex.closed_manifold());
+}
+
+TEST(Topology, a_hole_and_a_turned_triangle_are_counted) {
+    std::vector<Triangle> surface = structure_surface(brick_mesh({2, 2, 2}, everywhere), one_structure, 0);
+    std::swap(surface[5][0], surface[5][1]);
+    EXPECT_EQ(surface_topology(surface).misoriented_edges, 3u);
+    surface.erase(surface.begin() + 5);
+    EXPECT_EQ(surface_topology(surface).open_edges, 3u);
+    EXPECT_EQ(surface_topology(surface).misoriented_edges, 0u);
+    EXPECT_EQ(surface_topology({}).components, 0u);
+    EXPECT_EQ(surface_topology({}).genus, 0);
+}
+
+TEST(Topology, every_count_is_the_same_for_shuffled_triangles) {
+    const auto pattern = [](int i, int j, int k) { return Region((i * 7 + j * 5 + k * 3) % 4 != 0); };
+    std::vector<Triangle> surface = structure_surface(brick_mesh({6, 6, 6}, pattern), one_structure, 0);
+    const SurfaceTopology before = surface_topology(surface);
+    EXPECT_GT(before.nonmanifold_edges, 0u);
+    std::shuffle(surface.begin(), surface.end(), std::mt19937(7));
+    const SurfaceTopology after = surface_topology(surface);
+    EXPECT_EQ(before.edges, after.edges);
+    EXPECT_EQ(before.components, after.components);
+    EXPECT_EQ(before.nonmanifold_edges, after.nonmanifold_edges);
+    EXPECT_EQ(before.nonmanifold_vertices, after.nonmanifold_vertices);
+}
+
+TEST(Topology, interfaces_hold_every_facet_once_and_enclose_the_volumes) {
+    const auto halves = [](int i, int, int) { return Region(i < 2 ? 1 : 3); };
+    const TetMesh mesh = brick_mesh({4, 3, 2}, halves);
+    const SurfaceMesh surface = extract_interfaces(mesh);
+    ASSERT_EQ(surface.triangles.size(), surface.sides.size());
+    EXPECT_EQ(surface.triangles.size(), 2u * (2 * (4 * 3 + 3 * 2 + 2 * 4) + 3 * 2));
+    std::array<double, 4> volume{};
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+        const auto [inner, outer] = surface.sides[t];
+        EXPECT_GT(inner, outer);
+        const Triangle& f = surface.triangles[t];
+        const double part =
+            signed_volume({}, surface.points[f[0]], surface.points[f[1]], surface.points[f[2]]);
+        volume[inner] += part;
+        volume[outer] -= part;
+    }
+    EXPECT_DOUBLE_EQ(volume[1], 12.0);
+    EXPECT_DOUBLE_EQ(volume[3], 12.0);
+    EXPECT_DOUBLE_EQ(volume[0], -24.0);
+}
+
+TEST(Topology, a_structure_is_the_union_of_its_regions) {
+    const auto thirds = [](int i, int, int) { return Region(i + 1); };
+    const TetMesh mesh = brick_mesh({3, 1, 1}, thirds);
+    const RegionTable overlapping{{{}, {0}, {0, 1}, {1}}};
+    for (const std::uint32_t structure : {0u, 1u}) {
+        const auto surface = structure_surface(mesh, overlapping, structure);
+        EXPECT_EQ(surface.size(), 2u * 10u);
+        EXPECT_TRUE(surface_topology(surface).closed_manifold());
+        EXPECT_EQ(structure_pieces(mesh, overlapping, structure), 1u);
+    }
+}
+
+TEST(Topology, is_fast_enough_to_run_after_every_round) {
+    const TetMesh mesh = brick_mesh({37, 37, 37}, everywhere);
+    const auto start = std::chrono::steady_clock::now();
+    const auto neighbors = cell_neighbors(mesh.cells, mesh.points.size());
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    const auto spread = [](int i, int j, int k) { return Region((i + j + k) % 2); };
+    const auto surface = structure_surface(brick_mesh({26, 26, 26}, spread), one_structure, 0);
+    const auto second = std::chrono::steady_clock::now();
+    const SurfaceTopology topology = surface_topology(surface);
+    const std::chrono::duration<double, std::milli> surface_took = std::chrono::steady_clock::now() - second;
+    RecordProperty("neighbors_ms", std::to_string(took.count()));
+    RecordProperty("surface_ms", std::to_string(surface_took.count()));
+    EXPECT_EQ(neighbors.size(), 4 * mesh.cells.size());
+    EXPECT_GT(topology.triangles, 100'000u);
+    // Ten times the figures aimed at, for slow and instrumented builds.
+    EXPECT_LT(took.count(), 3000.0) << mesh.cells.size() << " cells";
+    EXPECT_LT(surface_took.count(), 2000.0) << topology.triangles << " triangles";
+}
+
+}  // namespace
+}  // namespace anatomesh
