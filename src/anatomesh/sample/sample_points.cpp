@@ -280,6 +280,15 @@ void add_lattice_points(const Lattice& lattice, const Sites& sites, double size,
     sample.stats.lattice_points = sample.points.size() - before;
 }
 
+void add_frame(const Box3& box, PointSample& sample) {
+    const Box3 frame = box.grown(box.diagonal());
+    for (int corner = 0; corner < 8; ++corner) {
+        sample.points.push_back({corner & 1 ? frame.high.x : frame.low.x, corner & 2 ? frame.high.y : frame.low.y,
+                                 corner & 4 ? frame.high.z : frame.low.z});
+    }
+    sample.stats.frame_points = 8;
+}
+
 }  // namespace
 
 double default_size(const ContourSet& contours, const StructureField& field) {
@@ -326,6 +335,7 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
     PointGrid surface(surface_spacing * size, near.size());
     add_surface_points(lattice, near, field, structures, size, guard, surface, sample, context.threads);
     add_lattice_points(lattice, sites, size, options.growth, guard, surface, sample);
+    add_frame(box, sample);
     return sample;
 }
 

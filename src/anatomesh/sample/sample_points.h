@@ -22,10 +22,12 @@ struct SampleStats {
     std::uint64_t segment_points = 0;       // on long contour segments
     std::uint64_t surface_points = 0;       // on interfaces between the slices
     std::uint64_t lattice_points = 0;       // inside and, near the surface, outside
+    std::uint64_t frame_points = 0;         // corners of a box far outside, so that no contour lies on the hull
 };
 
 // points[0, contour_points) are the distinct contour vertices at their exact coordinates, in order of first
-// appearance; then the points on segments, on interfaces, and of the lattice, as SampleStats counts them.
+// appearance; then the points on segments, on interfaces, of the lattice and of the frame, as
+// SampleStats counts them.
 struct PointSample {
     std::vector<Vec3> points;
     std::vector<std::uint32_t> contour_vertices;  // of every point of the contour set: its index into points
