@@ -1,0 +1,75 @@
+#include "anatomesh/mesh/box_tree.h"
+
+#include <algorithm>
+#include <array>
+
+namespace anatomesh {
+
+namespace {
+
+struct Item {
+    std::array<double, 3> center;  // three times the center
+    std::uint32_t triangle;
+};
+
+std::size_t longest_axis(std::span<const Item> items) {
+    std::array<double, 3> low = items[0].center, high = items[0].center;
+    for (const Item& item : items) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(low[axis], item.center[axis]);
+            high[axis] = std::max(high[axis], item.center[axis]);
+        }
+    }
+    std::size_t longest = 0;
+    for (std::size_t axis = 1; axis < 3; ++axis) {
+        if (high[axis] - low[axis] > high[longest] - low[longest]) longest = axis;
+    }
+    return longest;
+}
+
+}  // namespace
+
+BoxTree make_box_tree(std::span<const Vec3> points, std::span<const Triangle> triangles) {
+    BoxTree tree;
+    if (triangles.empty()) return tree;
+    std::vector<Item> items(triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const Triangle& f = triangles[t];
+        const Vec3 sum = points[f[0]] + points[f[1]] + points[f[2]];
+        items[t] = {{sum.x, sum.y, sum.z}, static_cast<std::uint32_t>(t)};
+    }
+    tree.nodes.push_back({{}, 0, static_cast<std::uint32_t>(items.size())});
+    // Breadth first: children come after their parents, so boxes can be gathered from the back.
+    for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
+        const std::uint32_t first = tree.nodes[n].first, count = tree.nodes[n].count;
+        if (count <= BoxTree::leaf_size) continue;
+        const auto begin = items.begin() + first;
+        const std::size_t axis = longest_axis({items.data() + first, count});
+        std::nth_element(begin, begin + count / 2, begin + count, [axis](const Item& a, const Item& b) {
+            if (a.center[axis] != b.center[axis]) return a.center[axis] < b.center[axis];
+            return a.triangle < b.triangle;
+        });
+        tree.nodes[n].first = static_cast<std::uint32_t>(tree.nodes.size());
+        tree.nodes[n].count = 0;
+        tree.nodes.push_back({{}, first, count / 2});
+        tree.nodes.push_back({{}, first + count / 2, count - count / 2});
+    }
+    tree.order.reserve(items.size());
+    for (const Item& item : items) tree.order.push_back(item.triangle);
+    for (std::size_t n = tree.nodes.size(); n-- > 0;) {
+        BoxTree::Node& node = tree.nodes[n];
+        if (node.count == 0) {
+            for (const std::uint32_t child : {node.first, node.first + 1}) {
+                node.box.extend(tree.nodes[child].box.low);
+                node.box.extend(tree.nodes[child].box.high);
+            }
+            continue;
+        }
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+            for (const std::uint32_t v : triangles[tree.order[i]]) node.box.extend(points[v]);
+        }
+    }
+    return tree;
+}
+
+}  // namespace anatomesh
