@@ -18,10 +18,18 @@ enum class EndCaps : std::uint8_t {
 
 struct FieldOptions {
     EndCaps caps = EndCaps::half;
-    // Distances are clamped to +-clamp before two slices are blended, so that the surface leaves a contour that
-    // has no counterpart in the next slice at a steep angle. mm; 0: from the slice spacing. Range 0 or [0.1, 100].
+    // Distances are clamped to +-clamp before two slices are blended, so that the surface leaves a contour
+    // that has no counterpart in the next slice at a steep angle. mm; 0: from the slice spacing. Range 0 or
+    // [0.1, 100].
     double clamp_mm = 0;
-    // How far beyond a plane's own contours it still says "outside". mm; 0: found from the data.
+    // Parallel slices: neighbouring contours of a structure further apart than this many local spacings are
+    // not joined; the structure ends on both sides of the gap. Range [1, 1e6].
+    double max_gap_spacings = 2;
+    // Thickness given to a set that is one slice alone, where no spacing can be found. mm; 0: refused. [0,
+    // 1000]
+    double single_slice_mm = 0;
+    // Planes in any position: how far beyond its own contours a plane still says "outside". mm; 0: one
+    // spacing.
     double plane_margin_mm = 0;
 };
 
@@ -33,23 +41,24 @@ class StructureField {
         double value;
     };
 
-    // Signed distance-like value of one structure at p: negative inside, positive outside, zero on its surface;
-    // exactly the sign of the drawn region on every slice plane, exactly zero at every contour vertex.
-    // |value| is a distance only near the surface; it never exceeds clamp(). For an exclusive contour set at most
-    // one structure is negative at p, and no gaps are left between structures that share a wall.
+    // Signed distance-like value of one structure at p: negative inside, positive outside, zero on its
+    // surface; exactly the sign of the drawn region on every slice plane, exactly zero at every contour
+    // vertex. |value| is a distance only near the surface; it never exceeds clamp(). For an exclusive contour
+    // set at most one structure is negative at p, and no gaps are left between structures that share a wall.
     // O(1) for parallel slices apart from the nearest few contour segments.
     virtual double value(std::uint32_t structure, Vec3 p) const = 0;
 
     // Values of all structures whose neighbourhood holds p are appended to `near` as (structure, value), in
-    // order of structure; structures not listed are outside by the clamp.
+    // order of structure; structures not listed are outside by at least half the clamp.
     virtual void values_near(Vec3 p, std::vector<Near>& near) const = 0;
 
-    // The structures that p lies in (value < 0), in order, replace `out`: its region. At most one for an exclusive
-    // contour set; a point where several are equally near belongs to outside, else to the lowest index.
+    // The structures that p lies in, in order, replace `out`: its region. Those with value < 0; for an
+    // exclusive set at most one: the nearest, and the lowest index where several are equally near and outside
+    // is farther.
     virtual void members(Vec3 p, std::vector<std::uint32_t>& out) const = 0;
 
-    // Distance-like value whose zero set is the union of all interfaces: how far p is from the nearest change of
-    // region, in [0, clamp()].
+    // Distance-like value whose zero set is the union of all interfaces: how far p is from the nearest change
+    // of region, in [0, clamp()].
     virtual double interface_distance(Vec3 p) const = 0;
 
     virtual double slice_spacing() const = 0;  // mm between neighbouring slices (median); > 0
@@ -58,12 +67,12 @@ class StructureField {
     virtual ~StructureField() = default;
 };
 
-// Requires: a kept contour set (see ContourSet). The set must outlive nothing: the field copies what it needs.
-// Errors: geometry E-FLD-*: no contours, a single slice without thickness.
-// Parallel slices: shape-based interpolation (Raya and Udupa, IEEE TMI 9, 1990) of exact signed distances to
-// the polygons, clamped. Planes in any position: see docs/method.md.
+// Requires: a kept contour set (see ContourSet). The set must outlive nothing: the field copies what it
+// needs. Errors: geometry E-FLD-*: no contours, a single slice without thickness. Parallel slices:
+// shape-based interpolation (Raya and Udupa, IEEE TMI 9, 1990) of exact signed distances to the polygons,
+// clamped. Planes in any position: see docs/method.md.
 Result<std::shared_ptr<const StructureField>> make_structure_field(const ContourSet& set,
-                                                                  const FieldOptions& options,
-                                                                  RunContext& context);
+                                                                   const FieldOptions& options,
+                                                                   RunContext& context);
 
 }  // namespace anatomesh

@@ -1,0 +1,138 @@
+#include "anatomesh/field/levels.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace anatomesh {
+
+namespace {
+
+double middle(const SliceInterval& interval) {
+    return 0.5 * (interval.low + interval.high);
+}
+
+// Lower median of the gaps within three of gap i: one missing slice does not move it, a change of spacing
+// does.
+double local_spacing(const std::vector<double>& gaps, std::size_t i) {
+    const std::size_t first = i < 3 ? 0 : i - 3, last = std::min(gaps.size(), i + 4);
+    std::vector<double> window(gaps.begin() + static_cast<std::ptrdiff_t>(first),
+                               gaps.begin() + static_cast<std::ptrdiff_t>(last));
+    std::sort(window.begin(), window.end());
+    return window[(window.size() - 1) / 2];
+}
+
+// The slices that say something about a structure, as indices of intervals: those from its first to its last
+// one, or its own alone when at least half its gaps skip slices of the set.
+std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& drawn, bool every_slice) {
+    std::size_t skips = 0;
+    for (std::size_t i = 1; i < drawn.size(); ++i) skips += drawn[i] - drawn[i - 1] >= 2;
+    if (!every_slice && drawn.size() >= 3 && 2 * skips > drawn.size() - 1) return drawn;
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t i = drawn.front(); i <= drawn.back(); ++i) all.push_back(i);
+    return all;
+}
+
+}  // namespace
+
+std::vector<SliceInterval> parallel_intervals(const ContourSet& set, const Plane& frame) {
+    std::vector<SliceInterval> intervals;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        const double position = frame.signed_distance(set.slices[s].plane.origin);
+        SliceInterval interval{s, position, position};
+        bool first = true;
+        for (const Contour& contour : set.contours_of(set.slices[s])) {
+            for (const Vec3& point : set.points_of(contour)) {
+                const double z = frame.signed_distance(point);
+                interval.low = first ? z : std::min(interval.low, z);
+                interval.high = first ? z : std::max(interval.high, z);
+                first = false;
+            }
+        }
+        intervals.push_back(interval);
+    }
+    std::sort(intervals.begin(), intervals.end(), [](const SliceInterval& a, const SliceInterval& b) {
+        return a.low != b.low ? a.low < b.low : a.slice < b.slice;
+    });
+    for (std::size_t i = 0; i + 1 < intervals.size(); ++i) {
+        const double gap = middle(intervals[i + 1]) - middle(intervals[i]);
+        const double thickest =
+            std::max(intervals[i].high - intervals[i].low, intervals[i + 1].high - intervals[i + 1].low);
+        if (!(gap > 0) || thickest > 0.1 * gap) return {};
+    }
+    return intervals;
+}
+
+StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
+                                 const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
+                                 const FieldOptions& options) {
+    assert(!drawn.empty() && spacing > 0);
+    StructureLevels result;
+    const std::vector<std::uint32_t> telling = telling_slices(drawn, every_slice);
+    const bool own_spacing = telling.size() < drawn.back() - drawn.front() + 1u;
+    std::vector<double> gaps;
+    for (std::size_t i = 1; i < telling.size(); ++i) {
+        gaps.push_back(intervals[telling[i]].low - intervals[telling[i - 1]].high);
+    }
+    // Spacing near telling slice i; `towards` is the gap looked at: the one after it at a beginning, else
+    // before.
+    const auto spacing_at = [&](std::size_t towards) {
+        return gaps.empty() ? spacing : local_spacing(gaps, std::min(towards, gaps.size() - 1));
+    };
+
+    // Beyond an end: the next slice of the set where it says something and is near, else an empty level one
+    // spacing away.
+    const auto end_level = [&](std::uint32_t at, int direction, double local) {
+        const bool is_last = direction > 0 ? at + 1 == intervals.size() : at == 0;
+        if (!is_last && !own_spacing) {
+            const SliceInterval& next = intervals[direction > 0 ? at + 1 : at - 1];
+            const double gap = direction > 0 ? next.low - intervals[at].high : intervals[at].low - next.high;
+            if (gap <= options.max_gap_spacings * local) return Level{next.low, next.high, Level::no_slice};
+        }
+        const double z = direction > 0 ? intervals[at].high + local : intervals[at].low - local;
+        return Level{z, z, Level::no_slice};
+    };
+
+    std::vector<std::uint32_t> part;  // the drawn slices of the part at hand
+    const auto close_part = [&](std::size_t last) {
+        StructureLevels::Extent extent;
+        if (options.caps == EndCaps::flat && part.size() > 1) {
+            extent.low = intervals[part.front()].low;
+            extent.high = intervals[part.back()].high;
+        }
+        result.flat_island |= options.caps == EndCaps::flat && part.size() == 1;
+        part.clear();
+        result.levels.push_back(end_level(telling[last], 1, spacing_at(last == 0 ? 0 : last - 1)));
+        extent.until = result.levels.back().high;
+        result.flat.push_back(extent);
+    };
+    std::size_t next_drawn = 0;
+    for (std::size_t i = 0; i < telling.size(); ++i) {
+        const SliceInterval& interval = intervals[telling[i]];
+        const bool is_drawn = next_drawn < drawn.size() && drawn[next_drawn] == telling[i];
+        if (i > 0) {
+            const double gap = gaps[i - 1], local = local_spacing(gaps, i - 1);
+            const std::pair<double, double> ends{intervals[telling[i - 1]].high, interval.low};
+            if (gap > options.max_gap_spacings * local * 1.001) {
+                result.open_gaps.push_back(ends);
+                close_part(i - 1);
+                result.levels.push_back(end_level(telling[i], -1, spacing_at(i)));
+            } else if (gap > 1.5 * local) {
+                result.bridged_gaps.push_back(ends);
+            }
+        }
+        if (i == 0) result.levels.push_back(end_level(telling[0], -1, spacing_at(0)));
+        result.levels.push_back({interval.low, interval.high, is_drawn ? interval.slice : Level::no_slice});
+        if (is_drawn) {
+            part.push_back(telling[i]);
+            ++next_drawn;
+        } else {
+            result.not_drawn.push_back(interval.slice);
+        }
+    }
+    close_part(telling.size() - 1);
+    result.flat.back().until = std::numeric_limits<double>::infinity();
+    return result;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,58 @@
+// Where a structure is known along the common normal of parallel slices: on its slices, and as empty beyond
+// its ends.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/field/structure_field.h"
+
+namespace anatomesh {
+
+// A slice as an interval along the common normal: contour points may lie off their plane by the reader's
+// tolerance, and on all of them the slice's own region must hold.
+struct SliceInterval {
+    std::uint32_t slice = 0;
+    double low = 0, high = 0;
+};
+
+// The slices of a set in rising order along `frame`'s normal, or nothing when they are not parallel: when one
+// is thicker than a tenth of its distance to the next, or two overlap.
+std::vector<SliceInterval> parallel_intervals(const ContourSet& set, const Plane& frame);
+
+// A position at which a structure is known: the region drawn on `slice`, or nothing (no_slice or not drawn
+// there).
+struct Level {
+    double low = 0, high = 0;
+    std::uint32_t slice = no_slice;
+    static constexpr std::uint32_t no_slice = 0xFFFFFFFFu;
+};
+
+// The levels of a structure, rising; between two neighbours it is interpolated, before the first and after
+// the last it is empty. Where a gap is not bridged, two empty levels stand in it.
+struct StructureLevels {
+    std::vector<Level> levels;
+    // Flat ends: part i lives in [flat[i].low, flat[i].high] only (infinite where it ends half a slice
+    // beyond), and the parts divide the axis at flat[i].until.
+    struct Extent {
+        double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+        double until = std::numeric_limits<double>::infinity();
+    };
+    std::vector<Extent> flat;
+    bool flat_island = false;  // a part of one slice that got half ends although flat ones were asked
+    std::vector<std::pair<double, double>> open_gaps, bridged_gaps;  // along the normal, for warnings
+    std::vector<std::uint32_t> not_drawn;  // slices between its first and last on which it is empty
+};
+
+// Levels of a structure drawn on the slices intervals[drawn[..]] (rising, at least one).
+// `every_slice`: each slice of the set says something about it (label maps). Otherwise a structure that is
+// drawn on every n-th slice of the set only was drawn at that spacing, and the slices between say nothing
+// about it. `spacing`: of the set, for a structure whose own spacing cannot be told.
+StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
+                                 const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
+                                 const FieldOptions& options);
+
+}  // namespace anatomesh

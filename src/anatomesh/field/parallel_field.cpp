@@ -1,0 +1,356 @@
+#include "anatomesh/field/parallel_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "anatomesh/base/parallel.h"
+#include "anatomesh/field/distance_map.h"
+#include "anatomesh/field/field_queries.h"
+#include "anatomesh/field/levels.h"
+#include "anatomesh/field/slice_regions.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::int32_t empty_level = -1;
+
+std::string text(double value) {
+    std::array<char, 32> buffer;
+    const auto end =
+        std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, 2);
+    return {buffer.data(), end.ptr};
+}
+
+// A structure along the normal: its levels, each with its distance map, and a table from position to level.
+class Track {
+  public:
+    Track() = default;
+    Track(StructureLevels levels, const std::vector<std::int32_t>& map_of_slice)
+        : flat_(std::move(levels.flat)) {
+        for (const Level& level : levels.levels) {
+            levels_.push_back({level.low, level.high,
+                               level.slice == Level::no_slice ? empty_level : map_of_slice[level.slice]});
+        }
+        is_flat_ =
+            std::any_of(flat_.begin(), flat_.end(), [](const auto& e) { return std::isfinite(e.low); });
+        const double length = high() - low();
+        buckets_.resize(4 * levels_.size());
+        inverse_bucket_ = length > 0 ? static_cast<double>(buckets_.size()) / length : 0;
+        std::uint32_t level = 0;
+        for (std::size_t b = 0; b < buckets_.size(); ++b) {
+            // One bucket early, so that rounding never starts the search beyond the level sought.
+            const double start =
+                low() + (static_cast<double>(b) - 1) * length / static_cast<double>(buckets_.size());
+            while (level + 1 < levels_.size() && levels_[level + 1].low <= start) ++level;
+            buckets_[b] = level;
+        }
+    }
+
+    bool empty() const { return levels_.empty(); }
+    double low() const { return levels_.front().low; }
+    double high() const { return levels_.back().high; }
+
+    // The structure at (q, z): the two levels around z, each with its clamped distance, blended linearly.
+    double blend(const std::vector<std::optional<DistanceMap>>& maps, double clamp, Vec2 q, double z) const {
+        if (levels_.empty() || !(z > low() && z < high())) return clamp;
+        const auto bucket = static_cast<std::size_t>((z - low()) * inverse_bucket_);
+        std::size_t i = buckets_[std::min(bucket, buckets_.size() - 1)];
+        while (i + 1 < levels_.size() && levels_[i + 1].low <= z) ++i;
+        const auto distance = [&](const Known& place) {
+            return place.map == empty_level ? clamp : maps[static_cast<std::size_t>(place.map)]->value(q);
+        };
+        const Known& below = levels_[i];
+        if (z <= below.high) return distance(below);
+        const Known& above = levels_[i + 1];
+        if (below.map == empty_level && above.map == empty_level) return clamp;
+        const double t = (z - below.high) / (above.low - below.high);
+        return (1 - t) * distance(below) + t * distance(above);
+    }
+
+    // How far z lies beyond the flat ends of its part; negative within.
+    double beyond_end(double z) const {
+        if (!is_flat_) return -std::numeric_limits<double>::infinity();
+        std::size_t part = 0;
+        while (z > flat_[part].until) ++part;
+        return std::max(flat_[part].low - z, z - flat_[part].high);
+    }
+
+    // Calls body(z from, z to, map) for the stretch of the axis on which a map has a say.
+    template <class Body>
+    void each_stretch(Body body) const {
+        for (std::size_t i = 0; i < levels_.size(); ++i) {
+            if (levels_[i].map == empty_level) continue;
+            body(i > 0 ? levels_[i - 1].high : low(), i + 1 < levels_.size() ? levels_[i + 1].low : high(),
+                 static_cast<std::size_t>(levels_[i].map));
+        }
+    }
+
+  private:
+    struct Known {
+        double low, high;
+        std::int32_t map;
+    };
+    std::vector<Known> levels_;
+    std::vector<StructureLevels::Extent> flat_;
+    std::vector<std::uint32_t> buckets_;
+    double inverse_bucket_ = 0;
+    bool is_flat_ = false;
+};
+
+class ParallelField final : public FieldQueries<ParallelField> {
+  public:
+    ParallelField(const Plane& frame, double spacing, double clamp, bool partition)
+        : frame_(frame), spacing_(spacing) {
+        clamp_ = clamp;
+        partition_ = partition;
+    }
+
+    double slice_spacing() const override { return spacing_; }
+    Box3 box() const override { return box_; }
+
+    RawValue raw(std::uint32_t structure, Vec3 p) const {
+        assert(structure < tracks_.size());
+        return raw_at(structure, frame_.to_plane(p), frame_.signed_distance(p));
+    }
+
+    double raw_union(Vec3 p) const {
+        return union_.blend(maps_, clamp_, frame_.to_plane(p), frame_.signed_distance(p));
+    }
+
+    template <class Body>
+    void each_raw(Vec3 p, Body body) const {
+        const double z = frame_.signed_distance(p);
+        const double b = (z - low_) * inverse_bucket_;
+        if (!(b >= 0) || b >= static_cast<double>(bucket_begin_.size() - 1)) return;
+        const Vec2 q = frame_.to_plane(p);
+        const auto bucket = static_cast<std::size_t>(b);
+        for (std::uint32_t i = bucket_begin_[bucket]; i < bucket_begin_[bucket + 1]; ++i) {
+            if (near_[i].box.contains(q)) body(near_[i].structure, raw_at(near_[i].structure, q, z));
+        }
+    }
+
+    Status build(const ContourSet& set, const std::vector<SliceInterval>& intervals,
+                 const FieldOptions& options, RunContext& context);
+
+  private:
+    struct NearEntry {
+        std::uint32_t structure;
+        Box2 box;
+    };
+
+    RawValue raw_at(std::uint32_t structure, Vec2 q, double z) const {
+        const Track& track = tracks_[structure];
+        return {track.blend(maps_, clamp_, q, z), track.beyond_end(z)};
+    }
+    Status build_maps(const ContourSet& set, RunContext& context);
+    void build_tracks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
+                      const FieldOptions& options, RunContext& context);
+    void build_near_table();
+    void build_box();
+
+    Plane frame_;
+    double spacing_ = 0;
+    Box3 box_;
+    std::vector<std::optional<DistanceMap>> maps_;
+    std::vector<std::vector<std::int32_t>> map_of_;  // [structure][slice]; the union comes last
+    std::vector<Track> tracks_;
+    Track union_;
+    // Along the normal in buckets: the structures whose neighbourhood reaches into the bucket, rising.
+    double low_ = 0, inverse_bucket_ = 0;
+    std::vector<std::uint32_t> bucket_begin_;
+    std::vector<NearEntry> near_;
+};
+
+Status ParallelField::build_maps(const ContourSet& set, RunContext& context) {
+    std::vector<std::vector<SliceRegion>> regions(set.slices.size());
+    parallel_for(set.slices.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
+            regions[s] = slice_regions(set, static_cast<std::uint32_t>(s), frame_);
+            if (partition_ && !regions[s].empty()) {
+                const auto none = static_cast<std::uint32_t>(set.structures.size());
+                std::vector<Edge2> boundary = union_boundary(regions[s]);
+                if (!boundary.empty())
+                    regions[s].push_back({regions[s].front().slice, none, std::move(boundary)});
+            }
+        }
+    });
+    map_of_.assign(set.structures.size() + 1, std::vector<std::int32_t>());
+    std::vector<SliceRegion*> jobs;
+    for (std::vector<SliceRegion>& slice : regions) {
+        for (SliceRegion& region : slice) {
+            std::vector<std::int32_t>& row = map_of_[region.structure];
+            if (row.empty()) row.assign(set.slices.size(), empty_level);
+            row[region.slice] = static_cast<std::int32_t>(jobs.size());
+            jobs.push_back(&region);
+        }
+    }
+    maps_.resize(jobs.size());
+    parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end && !context.cancelled(); ++i) {
+            maps_[i].emplace(std::move(jobs[i]->edges), clamp_);
+        }
+    });
+    if (context.cancelled()) return cancelled_error();
+    return Nothing{};
+}
+
+void warn_about_levels(const ContourSet& set, std::uint32_t structure, const StructureLevels& levels,
+                       RunContext& context) {
+    const Structure& named = set.structures[structure];
+    const std::string name = named.name.empty() ? std::to_string(named.number) : named.name;
+    const auto warn_gap = [&](const std::pair<double, double>& gap, const char* code, const char* message,
+                              const char* done) {
+        context.warn(
+            {code,
+             message,
+             {set.source, "", name, "", text(gap.first) + " to " + text(gap.second) + " mm along the normal"},
+             done});
+    };
+    for (const auto& gap : levels.open_gaps) {
+        warn_gap(gap, "W-FLD-001", "slices are missing inside the structure",
+                 "the two sides were not joined");
+    }
+    for (const auto& gap : levels.bridged_gaps) {
+        warn_gap(gap, "W-FLD-002", "slices are missing inside the structure", "the gap was bridged");
+    }
+    if (set.drawn && !levels.not_drawn.empty()) {
+        context.warn({"W-FLD-003",
+                      "not drawn on every slice between its first and its last one",
+                      {set.source, set.slices[levels.not_drawn.front()].name, name, "",
+                       std::to_string(levels.not_drawn.size()) + " slices without it"},
+                      "taken as empty there"});
+    }
+    if (levels.flat_island) {
+        context.warn({"W-FLD-004",
+                      "a part drawn on one slice alone cannot end flat",
+                      {set.source, "", name, "", ""},
+                      "it got half a slice on both sides"});
+    }
+}
+
+void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
+                                 const FieldOptions& options, RunContext& context) {
+    tracks_.resize(set.structures.size());
+    for (std::uint32_t s = 0; s < map_of_.size(); ++s) {
+        if (map_of_[s].empty()) continue;
+        std::vector<std::uint32_t> drawn;
+        for (std::uint32_t i = 0; i < intervals.size(); ++i) {
+            if (map_of_[s][intervals[i].slice] != empty_level) drawn.push_back(i);
+        }
+        const bool is_union = s == set.structures.size();
+        StructureLevels levels = structure_levels(intervals, drawn, set.exclusive, spacing_, options);
+        if (!is_union) warn_about_levels(set, s, levels, context);
+        (is_union ? union_ : tracks_[s]) = Track(std::move(levels), map_of_[s]);
+    }
+}
+
+// Buckets as fine as the levels lie; a structure is entered with the box of those maps that have a say there.
+void ParallelField::build_near_table() {
+    double high = -std::numeric_limits<double>::infinity();
+    low_ = -high;
+    std::size_t levels = 0;
+    for (const Track& track : tracks_) {
+        if (track.empty()) continue;
+        low_ = std::min(low_, track.low());
+        high = std::max(high, track.high());
+        track.each_stretch([&](double, double, std::size_t) { ++levels; });
+    }
+    const std::size_t buckets = std::min<std::size_t>(2 * levels + 1, 4096);
+    inverse_bucket_ = static_cast<double>(buckets) / (high - low_);
+    std::vector<std::vector<NearEntry>> entries(buckets);
+    const auto bucket_of = [&](double z) {
+        return static_cast<std::size_t>(
+            std::clamp((z - low_) * inverse_bucket_, 0.0, static_cast<double>(buckets - 1)));
+    };
+    for (std::uint32_t s = 0; s < tracks_.size(); ++s) {
+        tracks_[s].each_stretch([&](double from, double to, std::size_t map) {
+            const Box2& box = maps_[map]->box();
+            for (std::size_t b = bucket_of(from); b <= bucket_of(to); ++b) {
+                if (entries[b].empty() || entries[b].back().structure != s) entries[b].push_back({s, box});
+                entries[b].back().box.extend(box.low);
+                entries[b].back().box.extend(box.high);
+            }
+        });
+    }
+    bucket_begin_.assign(1, 0);
+    for (const auto& list : entries) {
+        near_.insert(near_.end(), list.begin(), list.end());
+        bucket_begin_.push_back(static_cast<std::uint32_t>(near_.size()));
+    }
+}
+
+void ParallelField::build_box() {
+    for (const Track& track : tracks_) {
+        track.each_stretch([&](double from, double to, std::size_t map) {
+            const Box2& region = maps_[map]->region_box();
+            for (const double z : {from, to}) {
+                for (const Vec2 corner : {region.low, region.high, Vec2{region.low.x, region.high.y},
+                                          Vec2{region.high.x, region.low.y}}) {
+                    box_.extend(frame_.to_space(corner) + z * frame_.normal);
+                }
+            }
+        });
+    }
+}
+
+Status ParallelField::build(const ContourSet& set, const std::vector<SliceInterval>& intervals,
+                            const FieldOptions& options, RunContext& context) {
+    ANATOMESH_CHECK_STATUS(build_maps(set, context));
+    if (maps_.empty()) {
+        return Error{ErrorKind::geometry,
+                     "E-FLD-002",
+                     "no contour encloses an area",
+                     {set.source, "", "", "", ""},
+                     ""};
+    }
+    build_tracks(set, intervals, options, context);
+    build_near_table();
+    build_box();
+    return Nothing{};
+}
+
+double median_gap(const std::vector<SliceInterval>& intervals) {
+    std::vector<double> gaps;
+    for (std::size_t i = 1; i < intervals.size(); ++i)
+        gaps.push_back(intervals[i].low - intervals[i - 1].high);
+    if (gaps.empty()) return 0;
+    std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
+    return gaps[gaps.size() / 2];
+}
+
+}  // namespace
+
+bool is_parallel(const ContourSet& set) {
+    return set.slices.empty() || !parallel_intervals(set, set.slices.front().plane).empty();
+}
+
+Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourSet& set,
+                                                                  const FieldOptions& options,
+                                                                  RunContext& context) {
+    const Plane& frame = set.slices.front().plane;
+    const std::vector<SliceInterval> intervals = parallel_intervals(set, frame);
+    assert(!intervals.empty());
+    double spacing = median_gap(intervals);
+    if (spacing <= 0) spacing = options.single_slice_mm;
+    if (spacing <= 0) {
+        return Error{ErrorKind::geometry,
+                     "E-FLD-003",
+                     "one slice alone has no thickness",
+                     {set.source, set.slices.front().name, "", "", ""},
+                     "state the slice thickness"};
+    }
+    std::vector<bool> used(set.structures.size(), false);
+    for (const Contour& contour : set.contours) used[contour.structure] = true;
+    const bool several = std::count(used.begin(), used.end(), true) > 1;
+    const double clamp = options.clamp_mm > 0 ? options.clamp_mm : 2.0 / 3.0 * spacing;
+    auto field = std::make_shared<ParallelField>(frame, spacing, clamp, set.exclusive && several);
+    ANATOMESH_CHECK_STATUS(field->build(set, intervals, options, context));
+    return std::shared_ptr<const StructureField>(std::move(field));
+}
+
+}  // namespace anatomesh
