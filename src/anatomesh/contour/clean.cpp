@@ -1,0 +1,533 @@
+#include "anatomesh/contour/clean.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "anatomesh/contour/plane_grouping.h"
+#include "anatomesh/contour/resolve.h"
+#include "anatomesh/contour/ring.h"
+#include "anatomesh/geom/box.h"
+#include "anatomesh/geom/polygon.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double coordinate_bound_mm = 1e7;
+constexpr double no_width_mm = 1e-6;  // a contour nowhere wider than this has no area
+
+// Shortest text that reads back as the same number, with a decimal point.
+std::string text(double number) {
+    std::array<char, 32> buffer;
+    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number).ptr;
+    std::string result(buffer.data(), end);
+    if (result.find_first_of(".en") == std::string::npos) result += ".0";
+    return result;
+}
+
+// For messages: three significant digits.
+std::string brief(double number) {
+    std::array<char, 32> buffer;
+    const auto end =
+        std::to_chars(buffer.data(), buffer.data() + buffer.size(), number, std::chars_format::general, 3)
+            .ptr;
+    return std::string(buffer.data(), end);
+}
+
+std::string structure_text(const Structure& structure) {
+    return structure.name.empty() ? std::to_string(structure.number) : structure.name;
+}
+
+std::string lowered_without_blanks(const std::string& name) {
+    std::string result;
+    for (char c : name) {
+        if (c == ' ' || c == '\t') continue;
+        result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    }
+    return result;
+}
+
+// A raw contour on its way: without repeated points, turned to its canonical start and direction.
+struct Candidate {
+    std::uint32_t raw = 0;
+    std::vector<Vec3> points;
+};
+
+bool lexicographic_points_less(const std::vector<Vec3>& p, const std::vector<Vec3>& q) {
+    return std::lexicographical_compare(p.begin(), p.end(), q.begin(), q.end(),
+                                        [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); });
+}
+
+// Whether all points lie within `width` of one line.
+bool has_no_width(const std::vector<Vec2>& points, double width) {
+    Vec2 far = points[0];
+    for (Vec2 p : points) {
+        if (squared_length(p - points[0]) > squared_length(far - points[0])) far = p;
+    }
+    const Vec2 along = far - points[0];
+    const double bound = width * length(along);
+    return std::all_of(points.begin(), points.end(),
+                       [&](Vec2 p) { return std::abs(cross(along, p - points[0])) <= bound; });
+}
+
+class Cleaner {
+  public:
+    Cleaner(const RawContours& raw, const CleanOptions& options, RunContext& context)
+        : raw_(raw), options_(options), context_(context) {}
+
+    Result<CleanResult> run() {
+        start_log();
+        note_structure_names();
+        ANATOMESH_CHECK_STATUS(check_coordinates());
+        ANATOMESH_CHECK_STATUS(gather());
+        drop_repeats();
+        group();
+        ANATOMESH_CHECK_STATUS(resolve_slices());
+        return finish();
+    }
+
+  private:
+    Place place_of(std::uint32_t raw) const {
+        const RawContour& contour = raw_.contours[raw];
+        Place place;
+        place.file = raw_.source;
+        place.structure = structure_text(raw_.structures[contour.structure]);
+        place.contour = contour.name.empty() ? std::to_string(raw) : contour.name;
+        return place;
+    }
+
+    void note(std::uint32_t raw, std::string code, std::string message, std::string value, std::string done) {
+        Place place = place_of(raw);
+        place.value = std::move(value);
+        notes_.push_back({raw, {std::move(code), std::move(message), std::move(place), std::move(done)}});
+    }
+
+    void drop(std::uint32_t raw, const std::string& why) { result_.log[raw].rule = "dropped: " + why; }
+
+    std::span<const Vec3> points_of(const RawContour& contour) const {
+        return {raw_.points.data() + contour.first_point, contour.point_count};
+    }
+
+    void start_log() {
+        for (std::size_t c = 0; c < raw_.contours.size(); ++c) {
+            const RawContour& contour = raw_.contours[c];
+            assert(contour.structure < raw_.structures.size());
+            assert(contour.plane < static_cast<std::int64_t>(raw_.planes.size()));
+            assert(std::size_t{contour.first_point} + contour.point_count <= raw_.points.size());
+            ContourLog log;
+            log.raw_contour = static_cast<std::uint32_t>(c);
+            log.points_in = contour.point_count;
+            result_.log.push_back(log);
+            result_.stats.points_in += contour.point_count;
+        }
+        result_.stats.contours_in = static_cast<std::uint32_t>(raw_.contours.size());
+        by_number_.resize(raw_.structures.size());
+        std::iota(by_number_.begin(), by_number_.end(), 0u);
+        std::stable_sort(by_number_.begin(), by_number_.end(), [&](std::uint32_t p, std::uint32_t q) {
+            return raw_.structures[p].number < raw_.structures[q].number;
+        });
+        rank_.resize(by_number_.size());
+        for (std::uint32_t i = 0; i < by_number_.size(); ++i) rank_[by_number_[i]] = i;
+    }
+
+    void note_structure_names() {
+        std::map<std::string, const Structure*> seen;
+        for (const Structure& structure : raw_.structures) {
+            if (structure.name.empty()) continue;
+            const auto [entry, is_new] = seen.try_emplace(lowered_without_blanks(structure.name), &structure);
+            if (is_new) continue;
+            context_.warn({"W-CON-002",
+                           "two structures share a name but for case and blanks: numbers " +
+                               std::to_string(entry->second->number) + " and " +
+                               std::to_string(structure.number),
+                           {raw_.source, "", structure.name, "", ""},
+                           "both kept, told apart by number"});
+        }
+    }
+
+    Status check_coordinates() const {
+        for (std::size_t c = 0; c < raw_.contours.size(); ++c) {
+            const std::span<const Vec3> points = points_of(raw_.contours[c]);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                const Vec3 p = points[i];
+                for (double value : {p.x, p.y, p.z}) {
+                    if (std::abs(value) <= coordinate_bound_mm) continue;
+                    Place place = place_of(static_cast<std::uint32_t>(c));
+                    place.contour += ", point " + std::to_string(i);
+                    place.value = text(value);
+                    if (!std::isfinite(value)) {
+                        return Error{ErrorKind::input, "E-CON-002", "a coordinate is not a finite number",
+                                     std::move(place), "correct or remove the contour"};
+                    }
+                    return Error{ErrorKind::input, "E-CON-003", "a coordinate is beyond 1e7 mm",
+                                 std::move(place), "check the unit of the file: millimetres are expected"};
+                }
+            }
+        }
+        return Nothing{};
+    }
+
+    // Sorts out markers and open polylines, drops repeated points, and brings what is left into canonical
+    // order.
+    Status gather() {
+        for (std::uint32_t c = 0; c < raw_.contours.size(); ++c) {
+            const RawContour& contour = raw_.contours[c];
+            if (contour.kind == ContourKind::point) {
+                note(c, "W-CON-004", "a point marker bounds nothing", "", "left out of the surface");
+                drop(c, "point marker");
+                continue;
+            }
+            if (contour.point_count < 3) {
+                note(c, "W-CON-003", "a contour of fewer than three points bounds nothing",
+                     std::to_string(contour.point_count) + " points", "left out of the surface");
+                drop(c, contour.point_count == 1   ? "one point"
+                        : contour.point_count == 0 ? "no point"
+                                                   : "two points");
+                continue;
+            }
+            if (contour.kind == ContourKind::open && !closes(c)) continue;
+            ANATOMESH_CHECK_STATUS(add_candidate(c));
+        }
+        std::stable_sort(candidates_.begin(), candidates_.end(), [&](const Candidate& p, const Candidate& q) {
+            const std::uint32_t ps = rank_of(p.raw), qs = rank_of(q.raw);
+            if (ps != qs) return ps < qs;
+            return lexicographic_points_less(p.points, q.points);
+        });
+        return Nothing{};
+    }
+
+    std::uint32_t rank_of(std::uint32_t raw) const { return rank_[raw_.contours[raw].structure]; }
+
+    // Whether an open polyline's gap is small: at most the option, and a quarter of the drawn length.
+    bool closes(std::uint32_t c) {
+        const std::span<const Vec3> points = points_of(raw_.contours[c]);
+        double drawn = 0;
+        for (std::size_t i = 1; i < points.size(); ++i) drawn += length(points[i] - points[i - 1]);
+        const double gap = length(points.back() - points.front());
+        if (gap <= options_.closing_gap_mm && gap <= 0.25 * drawn) {
+            note(c, "W-CON-006", "an open contour with a small gap", brief(gap) + " mm",
+                 "closed by a straight edge");
+            result_.log[c].rule = "open, closed over " + brief(gap) + " mm";
+            return true;
+        }
+        note(c, "W-CON-005", "an open contour bounds nothing", "gap " + brief(gap) + " mm",
+             "left out of the surface");
+        drop(c, "open");
+        return false;
+    }
+
+    Status add_candidate(std::uint32_t c) {
+        const std::span<const Vec3> points = points_of(raw_.contours[c]);
+        Candidate candidate{c, {points.begin(), points.end()}};
+        std::size_t repeated = drop_repeated_points(candidate.points);
+        if (candidate.points.size() == 1) {
+            return Error{ErrorKind::input, "E-CON-004", "all points of a contour are equal", place_of(c),
+                         "remove the contour, or mark it as a point"};
+        }
+        // The usual way to say that a contour is closed is no blemish.
+        if (repeated > 0 && points.front() == points.back()) --repeated;
+        if (repeated > 0) {
+            note(c, "W-CON-007", "points equal to their predecessor", std::to_string(repeated) + " points",
+                 "dropped");
+            result_.log[c].rule = "repeated points dropped";
+            ++result_.stats.repaired;
+        }
+        canonicalize_cycle(candidate.points);
+        candidates_.push_back(std::move(candidate));
+        return Nothing{};
+    }
+
+    // Equal candidates of a structure stand together.
+    void drop_repeats() {
+        std::vector<Candidate> kept;
+        for (Candidate& candidate : candidates_) {
+            if (!kept.empty() && rank_of(kept.back().raw) == rank_of(candidate.raw) &&
+                kept.back().points == candidate.points) {
+                // Stable sorting keeps the first of the input.
+                note(candidate.raw, "W-CON-011", "a contour repeats another one of its structure",
+                     "contour " + place_of(kept.back().raw).contour, "dropped");
+                result_.log[candidate.raw].rule = "repeat of " + std::to_string(kept.back().raw);
+                continue;
+            }
+            kept.push_back(std::move(candidate));
+        }
+        candidates_ = std::move(kept);
+    }
+
+    void group() {
+        std::vector<ContourToPlace> contours;
+        for (const Candidate& candidate : candidates_) {
+            contours.push_back({candidate.points, raw_.contours[candidate.raw].plane});
+        }
+        groups_ = group_planes(
+            contours, raw_.planes,
+            {options_.plane_tolerance_mm, options_.plane_repair_mm, options_.group_tolerance_mm});
+        members_.resize(groups_.slices.size());
+        for (std::uint32_t c = 0; c < candidates_.size(); ++c) members_[groups_.slice_of[c]].push_back(c);
+        name_slices();
+    }
+
+    void name_slices() {
+        std::vector<std::set<std::string>> given(groups_.slices.size());
+        for (std::size_t c = 0; c < candidates_.size(); ++c) {
+            const std::int32_t plane = raw_.contours[candidates_[c].raw].plane;
+            if (plane >= 0 && static_cast<std::size_t>(plane) < raw_.plane_names.size() &&
+                !raw_.plane_names[plane].empty()) {
+                given[groups_.slice_of[c]].insert(raw_.plane_names[plane]);
+            }
+        }
+        for (std::size_t s = 0; s < groups_.slices.size(); ++s) {
+            const Plane& plane = groups_.slices[s];
+            const int axis = axis_of(plane);
+            const double position = axis == 0 ? plane.origin.x : axis == 1 ? plane.origin.y : plane.origin.z;
+            names_.push_back(!given[s].empty() ? *given[s].begin()
+                             : axis >= 0       ? std::string(1, "xyz"[axis]) + " = " + text(position)
+                                               : "plane " + std::to_string(s));
+        }
+    }
+
+    // Moves points that are too far off their slice's plane onto it. `range` is how far the others spread
+    // along the normal.
+    Status check_plane(Candidate& candidate, std::uint32_t slice, double& range) {
+        const Plane& plane = groups_.slices[slice];
+        const int axis = axis_of(plane);
+        double moved = 0, low = 0, high = 0;
+        bool any = false;
+        for (Vec3& p : candidate.points) {
+            const double distance = plane.signed_distance(p);
+            if (std::abs(distance) <= options_.plane_tolerance_mm) {
+                low = any ? std::min(low, distance) : distance;
+                high = any ? std::max(high, distance) : distance;
+                any = true;
+                continue;
+            }
+            if (std::abs(distance) > options_.plane_repair_mm)
+                return off_plane(candidate.raw, slice, p, distance);
+            moved = std::max(moved, std::abs(distance));
+            p = p - distance * plane.normal;
+            if (axis == 0) p.x = plane.origin.x;
+            if (axis == 1) p.y = plane.origin.y;
+            if (axis == 2) p.z = plane.origin.z;
+        }
+        if (moved > 0) {
+            note(candidate.raw, "W-CON-009", "points lie off the plane of their contour",
+                 brief(moved) + " mm", "moved onto slice " + names_[slice]);
+            ContourLog& log = result_.log[candidate.raw];
+            log.max_displacement_mm = std::max(log.max_displacement_mm, moved);
+            log.rule = "moved onto its plane";
+            ++result_.stats.repaired;
+            drop_repeated_points(candidate.points);
+        }
+        range = high - low;
+        return Nothing{};
+    }
+
+    Error off_plane(std::uint32_t raw, std::uint32_t slice, Vec3 point, double distance) const {
+        const std::span<const Vec3> points = points_of(raw_.contours[raw]);
+        const auto index = std::find(points.begin(), points.end(), point) - points.begin();
+        Place place = place_of(raw);
+        place.slice = names_[slice];
+        place.contour += ", point " + std::to_string(index);
+        place.value = brief(std::abs(distance)) + " mm";
+        return {ErrorKind::input, "E-CON-005",
+                "a point lies further than " + brief(options_.plane_repair_mm) +
+                    " mm off the plane of its contour",
+                std::move(place), "correct the contour, or raise the bound for projecting points"};
+    }
+
+    Status resolve_slices() {
+        for (std::uint32_t s = 0; s < members_.size(); ++s) {
+            if (context_.cancelled()) return cancelled_error();
+            context_.report("clean", static_cast<double>(s) / static_cast<double>(members_.size()));
+            ANATOMESH_CHECK_STATUS(resolve_slice(s));
+        }
+        return Nothing{};
+    }
+
+    Status resolve_slice(std::uint32_t s) {
+        double range = 0;  // the largest of a contour by itself: rounding, as a rule
+        open_slice(s);
+        // Candidates are in the order of their structures' numbers.
+        const std::vector<std::uint32_t>& members = members_[s];
+        for (std::size_t begin = 0, end = 0; begin < members.size(); begin = end) {
+            const std::uint32_t structure = raw_.contours[candidates_[members[begin]].raw].structure;
+            std::vector<Ring> rings;
+            bool exclusive_or = false;
+            for (; end < members.size(); ++end) {
+                Candidate& candidate = candidates_[members[end]];
+                const RawContour& contour = raw_.contours[candidate.raw];
+                if (contour.structure != structure) break;
+                double own = 0;
+                ANATOMESH_CHECK_STATUS(check_plane(candidate, s, own));
+                range = std::max(range, own);
+                exclusive_or |= contour.kind == ContourKind::closed_planar_xor;
+                add_ring(std::move(candidate), s, rings);
+            }
+            if (rings.empty()) continue;
+            auto resolved = resolve_rings(std::move(rings), groups_.slices[s], exclusive_or, options_,
+                                          [&](std::uint32_t raw) { return place_in(s, raw); });
+            if (!resolved.ok()) return std::move(resolved).error();
+            take(std::move(resolved).value(), structure);
+        }
+        if (groups_.spread_mm[s] > range + 1e-9) {
+            context_.warn({"W-CON-010",
+                           "contours of one slice lie on planes that differ",
+                           {raw_.source, names_[s], "", "", brief(groups_.spread_mm[s]) + " mm"},
+                           "taken as one slice; the points stay where they are"});
+        }
+        close_slice();
+        return Nothing{};
+    }
+
+    void add_ring(Candidate candidate, std::uint32_t s, std::vector<Ring>& rings) {
+        const std::uint32_t raw = candidate.raw;
+        const std::size_t before = candidate.points.size();
+        Ring ring = make_ring(std::move(candidate.points), groups_.slices[s], raw);
+        const std::size_t spikes = remove_spikes(ring);
+        if (ring.size() < 3 || has_no_width(ring.at, no_width_mm)) {
+            note(raw, "W-CON-008", "a contour without area", std::to_string(before) + " points",
+                 "left out of the surface");
+            drop(raw, "no area");
+            return;
+        }
+        if (spikes > 0) {
+            note(raw, "W-CON-012", "the contour turns back on itself", std::to_string(spikes) + " points",
+                 "spikes removed; no other point moves");
+            result_.log[raw].rule = "spikes removed";
+            ++result_.stats.repaired;
+        }
+        rings.push_back(std::move(ring));
+    }
+
+    void add_rule(std::uint32_t raw, const std::string& rule) {
+        std::string& text_so_far = result_.log[raw].rule;
+        text_so_far += text_so_far.empty() ? rule : "; " + rule;
+    }
+
+    Place place_in(std::uint32_t s, std::uint32_t raw) const {
+        Place place = place_of(raw);
+        place.slice = names_[s];
+        return place;
+    }
+
+    void open_slice(std::uint32_t s) {
+        ContourSet& set = result_.kept;
+        set.slices.push_back(
+            {groups_.slices[s], static_cast<std::uint32_t>(set.contours.size()), 0, names_[s]});
+    }
+
+    void take(Resolved resolved, std::uint32_t structure) {
+        for (const RingReading& reading : resolved.readings) {
+            ContourLog& log = result_.log[reading.source];
+            add_rule(reading.source, reading.rule);
+            log.points_kept = reading.points_kept;
+            log.max_displacement_mm = std::max(log.max_displacement_mm, reading.displacement_mm);
+            log.area_change_mm2 += reading.area_change_mm2;
+            result_.stats.repaired += reading.repaired;
+        }
+        for (RingNote& ring_note : resolved.notes) notes_.push_back(std::move(ring_note));
+        // Every ring starts at its smallest vertex, and the rings of a structure are in the order of these.
+        for (Ring& ring : resolved.rings) {
+            const auto first = std::min_element(ring.points.begin(), ring.points.end(),
+                                                [](Vec3 p, Vec3 q) { return lexicographic_less(p, q); });
+            std::rotate(ring.points.begin(), first, ring.points.end());
+        }
+        std::sort(resolved.rings.begin(), resolved.rings.end(),
+                  [](const Ring& p, const Ring& q) { return lexicographic_less(p.points[0], q.points[0]); });
+        ContourSet& set = result_.kept;
+        const auto slice = static_cast<std::uint32_t>(set.slices.size() - 1);
+        for (const Ring& ring : resolved.rings) {
+            set.contours.push_back({structure, slice, static_cast<std::uint32_t>(set.points.size()),
+                                    static_cast<std::uint32_t>(ring.points.size())});
+            set.points.insert(set.points.end(), ring.points.begin(), ring.points.end());
+        }
+    }
+
+    void close_slice() {
+        ContourSet& set = result_.kept;
+        Slice& slice = set.slices.back();
+        slice.contour_count = static_cast<std::uint32_t>(set.contours.size()) - slice.first_contour;
+        if (slice.contour_count == 0) set.slices.pop_back();
+    }
+
+    // Structures in the order of their numbers; those without a contour left out.
+    Status keep_structures() {
+        ContourSet& set = result_.kept;
+        std::vector<char> used(raw_.structures.size(), 0);
+        for (const Contour& contour : set.contours) used[contour.structure] = 1;
+        std::vector<std::uint32_t> new_index(raw_.structures.size(), 0);
+        std::string names;
+        for (std::uint32_t s : by_number_) {
+            const std::string name = structure_text(raw_.structures[s]);
+            names += (names.empty() ? "" : ", ") + name;
+            if (used[s]) {
+                new_index[s] = static_cast<std::uint32_t>(set.structures.size());
+                set.structures.push_back(raw_.structures[s]);
+            } else {
+                context_.warn({"W-CON-001",
+                               "a structure has no contour that bounds a surface",
+                               {raw_.source, "", name, "", ""},
+                               "left out"});
+            }
+        }
+        if (set.structures.empty()) {
+            return Error{ErrorKind::input,
+                         "E-CON-001",
+                         names.empty() ? "no contours, no structures" : "no contours; structures: " + names,
+                         {raw_.source, "", "", "", ""},
+                         "choose a file with closed planar contours"};
+        }
+        for (Contour& contour : set.contours) contour.structure = new_index[contour.structure];
+        return Nothing{};
+    }
+
+    Result<CleanResult> finish() {
+        std::stable_sort(notes_.begin(), notes_.end(),
+                         [](const RingNote& p, const RingNote& q) { return p.source < q.source; });
+        for (RingNote& ring_note : notes_) context_.warn(std::move(ring_note.warning));
+        ANATOMESH_CHECK_STATUS(keep_structures());
+        ContourSet& set = result_.kept;
+        set.frame = raw_.frame;
+        set.pixel_mm = raw_.pixel_mm;
+        set.source = raw_.source;
+        CleanStats& stats = result_.stats;
+        stats.points_kept = set.points.size();
+        stats.contours_kept = static_cast<std::uint32_t>(set.contours.size());
+        for (const ContourLog& log : result_.log) {
+            stats.dropped += log.points_kept == 0;
+            stats.max_displacement_mm = std::max(stats.max_displacement_mm, log.max_displacement_mm);
+        }
+        context_.report("clean", 1);
+        return std::move(result_);
+    }
+
+    const RawContours& raw_;
+    const CleanOptions& options_;
+    RunContext& context_;
+    std::vector<std::uint32_t> by_number_, rank_;  // structures in the order of their numbers, and back
+    std::vector<Candidate> candidates_;
+    PlaneGroups groups_;
+    std::vector<std::vector<std::uint32_t>> members_;  // per slice, of candidates_
+    std::vector<std::string> names_;                   // per slice
+    std::vector<RingNote> notes_;
+    CleanResult result_;
+};
+
+}  // namespace
+
+Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context) {
+    assert(options.plane_tolerance_mm >= 0 && options.plane_repair_mm >= options.plane_tolerance_mm);
+    assert(options.group_tolerance_mm >= 0 && options.closing_gap_mm >= 0);
+    assert(options.max_repair_area_share >= 0 && options.max_repair_area_share <= 1);
+    return Cleaner(raw, options, context).run();
+}
+
+}  // namespace anatomesh

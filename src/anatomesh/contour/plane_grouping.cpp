@@ -1,0 +1,379 @@
+#include "anatomesh/contour/plane_grouping.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr std::array<Vec3, 3> axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+constexpr std::array<int, 3> axis_order{2, 1, 0};  // axial first
+
+Vec3 canonical(Vec3 normal) {
+    const double ax = std::abs(normal.x), ay = std::abs(normal.y), az = std::abs(normal.z);
+    const double leading = az >= ax && az >= ay ? normal.z : ay >= ax ? normal.y : normal.x;
+    return leading < 0 ? -normal : normal;
+}
+
+// Symmetric 3 x 3 matrix: the sums of products of coordinates relative to a mean.
+struct Scatter {
+    double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+
+    void add(Vec3 d) {
+        xx += d.x * d.x, xy += d.x * d.y, xz += d.x * d.z;
+        yy += d.y * d.y, yz += d.y * d.z, zz += d.z * d.z;
+    }
+    void add(const Scatter& other) {
+        xx += other.xx, xy += other.xy, xz += other.xz;
+        yy += other.yy, yz += other.yz, zz += other.zz;
+    }
+};
+
+// Unit eigenvector of the smallest eigenvalue, by Jacobi rotations (Golub and Van Loan, Matrix Computations,
+// section 8.5). Eight sweeps are more than a 3 x 3 matrix needs for full precision.
+Vec3 least_direction(const Scatter& s) {
+    std::array<std::array<double, 3>, 3> a{{{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}}};
+    std::array<std::array<double, 3>, 3> v{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    for (int sweep = 0; sweep < 8; ++sweep) {
+        for (int p = 0; p < 2; ++p) {
+            for (int q = p + 1; q < 3; ++q) {
+                if (a[p][q] == 0) continue;
+                const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+                const double t = (theta >= 0 ? 1 : -1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
+                const double c = 1 / std::sqrt(t * t + 1), sine = t * c;
+                for (int k = 0; k < 3; ++k) {
+                    const double kp = a[k][p], kq = a[k][q];
+                    a[k][p] = c * kp - sine * kq, a[k][q] = sine * kp + c * kq;
+                }
+                for (int k = 0; k < 3; ++k) {
+                    const double pk = a[p][k], qk = a[q][k];
+                    a[p][k] = c * pk - sine * qk, a[q][k] = sine * pk + c * qk;
+                    const double kp = v[k][p], kq = v[k][q];
+                    v[k][p] = c * kp - sine * kq, v[k][q] = sine * kp + c * kq;
+                }
+            }
+        }
+    }
+    int least = 2;
+    for (int k = 1; k >= 0; --k) {
+        if (a[k][k] < a[least][least]) least = k;
+    }
+    return canonical(normalized(Vec3{v[0][least], v[1][least], v[2][least]}));
+}
+
+Scatter scatter_of(std::span<const Vec3> points) {
+    Vec3 mean;
+    for (const Vec3& p : points) mean += p - points[0];
+    mean = points[0] + (1.0 / static_cast<double>(points.size())) * mean;
+    Scatter scatter;
+    for (const Vec3& p : points) scatter.add(p - mean);
+    return scatter;
+}
+
+double lower_median(std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+// Position of a contour along a normal, robust against single points off the plane, and how far those are
+// off.
+struct Fit {
+    double offset = 0, deviation = infinity;
+};
+
+Fit fit_along(std::span<const Vec3> points, Vec3 normal, std::vector<double>& buffer) {
+    buffer.clear();
+    for (const Vec3& p : points) buffer.push_back(dot(p, normal));
+    Fit fit{lower_median(buffer), 0};
+    for (double d : buffer) fit.deviation = std::max(fit.deviation, std::abs(d - fit.offset));
+    return fit;
+}
+
+// Size of the area vector of a closed polygon (Newell).
+double vector_area(std::span<const Vec3> points) {
+    Vec3 sum;
+    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+        sum += cross(points[i] - points[0], points[i + 1] - points[0]);
+    }
+    return 0.5 * length(sum);
+}
+
+// The axis along which the contour lies at one coordinate: all its points, or three quarters of them with the
+// rest within `allowed`. -1 if there is none.
+int axis_position(std::span<const Vec3> points, double allowed, std::vector<double>& buffer) {
+    for (int axis : axis_order) {
+        const Fit fit = fit_along(points, axes[axis], buffer);
+        std::size_t same = 0;
+        for (const Vec3& p : points) same += dot(p, axes[axis]) == fit.offset;
+        if (4 * same >= 3 * points.size() && fit.deviation <= allowed) return axis;
+    }
+    return -1;
+}
+
+struct Orientation {
+    Vec3 normal;
+    bool fixed = false;  // an axis or a declared normal: not to be refined
+    Scatter scatter;     // of its fitted members, pooled
+};
+
+// Assigns an orientation to every contour without a declared plane.
+class OrientationFinder {
+  public:
+    OrientationFinder(std::span<const ContourToPlace> contours, const PlaneGroupingOptions& options)
+        : contours_(contours), options_(options), area_(contours.size()) {
+        for (std::size_t c = 0; c < contours.size(); ++c) {
+            if (contours[c].plane < 0) area_[c] = vector_area(contours[c].points);
+        }
+    }
+
+    void run(std::vector<Orientation>& orientations, std::vector<std::int32_t>& orientation_of) {
+        place_axis_parallel(orientations, orientation_of);
+        std::vector<std::size_t> rest;
+        for (std::size_t c = 0; c < contours_.size(); ++c) {
+            if (orientation_of[c] < 0) rest.push_back(c);
+        }
+        // The largest contour shows its plane best.
+        std::stable_sort(rest.begin(), rest.end(), [&](auto p, auto q) { return area_[p] > area_[q]; });
+        std::vector<std::size_t> damaged;
+        for (std::size_t c : rest) {
+            if (!place(c, true, orientations, orientation_of)) damaged.push_back(c);
+        }
+        for (std::size_t c : damaged) place(c, false, orientations, orientation_of);
+        for (Orientation& orientation : orientations) {
+            if (!orientation.fixed) orientation.normal = least_direction(orientation.scatter);
+        }
+    }
+
+  private:
+    // Contours at one x, y or z, when they make up a tenth of the area: fewer are an accident of a tilted
+    // stack.
+    void place_axis_parallel(std::vector<Orientation>& orientations,
+                             std::vector<std::int32_t>& orientation_of) {
+        std::vector<int> axis_of_contour(contours_.size(), -1);
+        std::array<double, 3> area_along{};
+        double all = 0;
+        for (std::size_t c = 0; c < contours_.size(); ++c) {
+            if (orientation_of[c] >= 0) continue;
+            axis_of_contour[c] = axis_position(contours_[c].points, options_.plane_repair_mm, buffer_);
+            all += area_[c];
+            if (axis_of_contour[c] >= 0) area_along[axis_of_contour[c]] += area_[c];
+        }
+        for (int axis : axis_order) {
+            if (area_along[axis] <= 0 || area_along[axis] < 0.1 * all) continue;
+            orientations.push_back({axes[axis], true, {}});
+            for (std::size_t c = 0; c < contours_.size(); ++c) {
+                if (axis_of_contour[c] == axis) {
+                    orientation_of[c] = static_cast<std::int32_t>(orientations.size()) - 1;
+                }
+            }
+        }
+    }
+
+    struct Own {
+        Orientation orientation;
+        double deviation = infinity;
+    };
+
+    // The orientation that a contour's own points show when they lie on one plane within the tolerance.
+    std::optional<Own> clean_orientation(std::span<const Vec3> points) {
+        for (int axis : axis_order) {
+            const double deviation = fit_along(points, axes[axis], buffer_).deviation;
+            if (deviation <= options_.plane_tolerance_mm) return Own{{axes[axis], true, {}}, deviation};
+        }
+        const Vec3 normal = least_direction(scatter_of(points));
+        const double deviation = fit_along(points, normal, buffer_).deviation;
+        if (deviation > options_.plane_tolerance_mm) return std::nullopt;
+        return Own{{normal, false, {}}, deviation};
+    }
+
+    // The best guess for a contour with points off its plane.
+    Own damaged_orientation(std::span<const Vec3> points) {
+        const int axis = axis_position(points, infinity, buffer_);
+        const Vec3 normal = axis >= 0 ? axes[axis] : least_direction(scatter_of(points));
+        return Own{{normal, true, {}}, fit_along(points, normal, buffer_).deviation};
+    }
+
+    // Puts contour c into the orientation it fits, or into a new one of its own. With `clean_only` a contour
+    // that neither fits one nor lies on a plane of its own is put off: returns false.
+    bool place(std::size_t c, bool clean_only, std::vector<Orientation>& orientations,
+               std::vector<std::int32_t>& orientation_of) {
+        const std::span<const Vec3> points = contours_[c].points;
+        double best = infinity;
+        std::size_t chosen = orientations.size();
+        for (std::size_t o = 0; o < orientations.size(); ++o) {
+            const double deviation = fit_along(points, orientations[o].normal, buffer_).deviation;
+            if (deviation < best) best = deviation, chosen = o;
+        }
+        bool shows_plane = best <= options_.plane_tolerance_mm;
+        if (!shows_plane && (clean_only || best > options_.plane_repair_mm)) {
+            const std::optional<Own> own =
+                clean_only ? clean_orientation(points) : damaged_orientation(points);
+            if (!own) return false;
+            // A few points always lie near some plane: within the repair bound their own one counts only when
+            // it fits far better.
+            const bool far_better = points.size() >= 8 && own->deviation <= 0.1 * best;
+            if (far_better || (best > options_.plane_repair_mm && own->deviation < best)) {
+                chosen = orientations.size();
+                orientations.push_back(own->orientation);
+                shows_plane = clean_only;
+            }
+        }
+        orientation_of[c] = static_cast<std::int32_t>(chosen);
+        if (shows_plane && !orientations[chosen].fixed) orientations[chosen].scatter.add(scatter_of(points));
+        return true;
+    }
+
+    std::span<const ContourToPlace> contours_;
+    const PlaneGroupingOptions& options_;
+    std::vector<double> area_;
+    std::vector<double> buffer_;
+};
+
+// Declared planes whose normals differ by less than the tolerance at their contours' extent share an
+// orientation.
+void place_declared(std::span<const ContourToPlace> contours, std::span<const Plane> declared,
+                    const PlaneGroupingOptions& options, std::vector<Orientation>& orientations,
+                    std::vector<std::int32_t>& orientation_of) {
+    struct Use {
+        Vec3 normal;
+        double radius = 0;
+        std::size_t points = 0;
+        std::vector<std::uint32_t> contours;
+    };
+    std::vector<Use> uses;
+    for (const Plane& plane : declared) uses.push_back({canonical(plane.normal), 0, 0, {}});
+    for (std::size_t c = 0; c < contours.size(); ++c) {
+        if (contours[c].plane < 0) continue;
+        Use& use = uses[static_cast<std::size_t>(contours[c].plane)];
+        Box3 box;
+        for (const Vec3& p : contours[c].points) box.extend(p);
+        use.radius = std::max(use.radius, box.diagonal());
+        use.points += contours[c].points.size();
+        use.contours.push_back(static_cast<std::uint32_t>(c));
+    }
+    // Merge equal normals, then let the most used one speak for its neighbours.
+    std::sort(uses.begin(), uses.end(), [](const Use& p, const Use& q) {
+        return p.normal != q.normal ? lexicographic_less(p.normal, q.normal) : p.points > q.points;
+    });
+    std::vector<Use> merged;
+    for (Use& use : uses) {
+        if (use.contours.empty()) continue;
+        if (merged.empty() || merged.back().normal != use.normal) {
+            merged.push_back(std::move(use));
+            continue;
+        }
+        merged.back().radius = std::max(merged.back().radius, use.radius);
+        merged.back().points += use.points;
+        merged.back().contours.insert(merged.back().contours.end(), use.contours.begin(), use.contours.end());
+    }
+    std::stable_sort(merged.begin(), merged.end(),
+                     [](const Use& p, const Use& q) { return p.points > q.points; });
+    const std::size_t first = orientations.size();
+    for (const Use& use : merged) {
+        std::size_t o = first;
+        while (o < orientations.size() &&
+               length(cross(orientations[o].normal, use.normal)) * use.radius > options.group_tolerance_mm) {
+            ++o;
+        }
+        if (o == orientations.size()) orientations.push_back({use.normal, true, {}});
+        for (std::uint32_t c : use.contours) orientation_of[c] = static_cast<std::int32_t>(o);
+    }
+}
+
+// A contour with its position along its orientation's normal.
+struct Positioned {
+    std::int32_t orientation = 0;
+    double offset = 0;
+    std::uint32_t contour = 0;
+    std::size_t points = 0;
+};
+
+double declared_offset(const ContourToPlace& contour, const Plane& plane, Vec3 normal) {
+    if (cross(plane.normal, normal) == Vec3{}) return dot(plane.origin, normal);
+    Box3 box;
+    for (const Vec3& p : contour.points) box.extend(p);
+    const Vec3 center = 0.5 * (box.low + box.high);
+    return dot(center - plane.signed_distance(center) * plane.normal, normal);
+}
+
+// The offset that half the points of a run of contours reach.
+double common_offset(std::span<const Positioned> run) {
+    std::size_t all = 0, seen = 0;
+    for (const Positioned& p : run) all += p.points;
+    for (const Positioned& p : run) {
+        seen += p.points;
+        if (2 * seen >= all) return p.offset;
+    }
+    return run.back().offset;
+}
+
+Plane plane_at(double offset, Vec3 normal) {
+    // Adding 0.0 turns a negative zero positive.
+    const Vec3 origin = offset * normal;
+    return make_plane({origin.x + 0.0, origin.y + 0.0, origin.z + 0.0}, normal);
+}
+
+}  // namespace
+
+int axis_of(const Plane& plane) {
+    for (int axis : axis_order) {
+        if (plane.normal == axes[axis]) return axis;
+    }
+    return -1;
+}
+
+PlaneGroups group_planes(std::span<const ContourToPlace> contours, std::span<const Plane> declared,
+                         const PlaneGroupingOptions& options) {
+    std::vector<Orientation> orientations;
+    std::vector<std::int32_t> orientation_of(contours.size(), -1);
+    place_declared(contours, declared, options, orientations, orientation_of);
+    OrientationFinder(contours, options).run(orientations, orientation_of);
+
+    // Orientations in a fixed order.
+    std::vector<std::int32_t> order(orientations.size()), rank(orientations.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](auto p, auto q) {
+        return lexicographic_less(orientations[p].normal, orientations[q].normal);
+    });
+    for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<std::int32_t>(i);
+
+    std::vector<Positioned> positioned;
+    std::vector<double> buffer;
+    for (std::size_t c = 0; c < contours.size(); ++c) {
+        const std::int32_t o = orientation_of[c];
+        const Vec3 normal = orientations[o].normal;
+        const double offset = contours[c].plane >= 0
+                                  ? declared_offset(contours[c], declared[contours[c].plane], normal)
+                                  : fit_along(contours[c].points, normal, buffer).offset;
+        positioned.push_back({rank[o], offset, static_cast<std::uint32_t>(c), contours[c].points.size()});
+    }
+    std::stable_sort(positioned.begin(), positioned.end(), [](const Positioned& p, const Positioned& q) {
+        return p.orientation != q.orientation ? p.orientation < q.orientation : p.offset < q.offset;
+    });
+
+    PlaneGroups groups;
+    groups.slice_of.resize(contours.size());
+    for (std::size_t begin = 0, end = 0; begin < positioned.size(); begin = end) {
+        while (end < positioned.size() && positioned[end].orientation == positioned[begin].orientation &&
+               positioned[end].offset - positioned[begin].offset <= options.group_tolerance_mm) {
+            groups.slice_of[positioned[end].contour] = static_cast<std::uint32_t>(groups.slices.size());
+            ++end;
+        }
+        const std::span<const Positioned> run(positioned.data() + begin, end - begin);
+        const Vec3 normal = orientations[order[positioned[begin].orientation]].normal;
+        groups.slices.push_back(plane_at(common_offset(run), normal));
+        groups.spread_mm.push_back(run.back().offset - run.front().offset);
+    }
+    return groups;
+}
+
+}  // namespace anatomesh

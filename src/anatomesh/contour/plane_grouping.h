@@ -1,0 +1,43 @@
+// group_planes: on which plane each contour lies, and which contours share a slice.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/geom/box.h"
+#include "anatomesh/geom/plane.h"
+
+namespace anatomesh {
+
+struct PlaneGroupingOptions {
+    double plane_tolerance_mm = 0.05;  // points this far off their plane still show what plane it is
+    double plane_repair_mm = 1.0;      // a contour further off than this from every known plane gets its own
+    double group_tolerance_mm = 0.01;  // planes closer than this at their contours' extent are one slice
+};
+
+struct ContourToPlace {
+    std::span<const Vec3> points;  // not empty
+    std::int32_t plane = -1;       // index into the declared planes; -1: to be fitted
+};
+
+struct PlaneGroups {
+    std::vector<Plane> slices;            // by normal, then by position along it
+    std::vector<double> spread_mm;        // per slice: how far apart its contours' own planes lie
+    std::vector<std::uint32_t> slice_of;  // per contour
+};
+
+// Declared planes are taken as they are. Otherwise: three quarters of a contour's points at one x, y or z say
+// an axis-parallel plane; else the least-squares plane, refined over all contours of that orientation
+// together, so that a stack that is tilted has one normal. Small or damaged contours join the orientation
+// they fit. Guarantees: every slice's plane is make_plane(origin, normal) with the origin the foot of (0, 0,
+// 0), so that an axial slice has in-plane coordinates equal to x and y; the normal's largest component is
+// positive (ties: z, then y); the result depends on the order of contours only through rounding in the
+// refined normal: give them in a canonical order. Complexity: O(points + contours x orientations).
+PlaneGroups group_planes(std::span<const ContourToPlace> contours, std::span<const Plane> declared,
+                         const PlaneGroupingOptions& options);
+
+// The index (0, 1, 2) of the axis that the normal lies along exactly, or -1.
+int axis_of(const Plane& plane);
+
+}  // namespace anatomesh
