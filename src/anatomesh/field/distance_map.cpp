@@ -35,7 +35,7 @@ DistanceMap::DistanceMap(std::vector<Edge2> edges, double limit, double cell)
     for (const Edge2& edge : edges_) {
         const Vec2 along = edge.b - edge.a;
         const double squared = squared_length(along);
-        lines_.push_back({edge.a, edge.b, along, squared, 1.0 / squared});
+        lines_.push_back({edge.a, edge.b, squared, 1.0 / squared});
         region_box_.extend(edge.a);
         twice_area += cross(edge.a - origin, edge.b - origin);
         scale = std::max({scale, std::abs(edge.a.x), std::abs(edge.a.y)});
@@ -89,7 +89,7 @@ void DistanceMap::choose_grid(double cell) {
     if (cell <= 0) {
         double total = 0;
         for (const Line& line : lines_) total += std::sqrt(line.squared);
-        cell = std::max(0.7 * total / static_cast<double>(lines_.size()), limit_ / 4);
+        cell = std::max(0.5 * total / static_cast<double>(lines_.size()), limit_ / 8);
     }
     const double most = 48.0 * static_cast<double>(lines_.size()) + 4096;
     cell_ = std::max({cell, std::sqrt(width * height / most), std::max(width, height) / most});
@@ -99,13 +99,35 @@ void DistanceMap::choose_grid(double cell) {
 }
 
 DistanceMap::Foot DistanceMap::foot(const Line& line, Vec2 q) const {
-    const Vec2 w = q - line.start;
-    const double along = dot(w, line.along);
+    const Vec2 w = q - line.start, along = line.end - line.start;
+    const double projection = dot(w, along);
     // At an end the difference to the vertex itself is taken: 0 exactly where q is that vertex.
-    if (along <= 0) return {squared_length(w), -1};
-    if (along >= line.squared) return {squared_length(q - line.end), 1};
-    const double across = cross(line.along, w);
+    if (projection <= 0) return {squared_length(w), -1};
+    if (projection >= line.squared) return {squared_length(q - line.end), 1};
+    const double across = cross(along, w);
     return {across * across * line.inverse, 0};
+}
+
+Vec2 DistanceMap::nearest_point(const Line& line, Vec2 q) const {
+    const Vec2 along = line.end - line.start;
+    return line.start + std::clamp(dot(q - line.start, along) * line.inverse, 0.0, 1.0) * along;
+}
+
+// Whether every point x of the cell is farther from `line` than from `best_foot`, a point of another edge.
+// With n the direction from the nearest point of the line to the centre and d its distance, the distance of x
+// from the line is at least d + n (x - centre); what |x - best_foot| exceeds it by is convex, so the corners
+// decide.
+bool DistanceMap::is_never_nearest(const Line& line, Vec2 centre, Vec2 best_foot) const {
+    const Vec2 from_line = centre - nearest_point(line, centre);
+    const double d = length(from_line);
+    if (d <= 1e-6 * cell_) return false;
+    const Vec2 n = (1 / d) * from_line;
+    const double half = 0.5 * cell_, slack = tie_ + 1e-9 * cell_;
+    for (const Vec2 step : {Vec2{-half, -half}, Vec2{half, -half}, Vec2{-half, half}, Vec2{half, half}}) {
+        const double at_least = d + dot(n, step) - slack;
+        if (at_least <= 0 || squared_length(centre + step - best_foot) >= at_least * at_least) return false;
+    }
+    return true;
 }
 
 void DistanceMap::list_candidates() {
@@ -113,6 +135,9 @@ void DistanceMap::list_candidates() {
     const double reach = std::max(limit_ + half_diagonal, 3 * half_diagonal) * (1 + 1e-12) + tie_;
     const std::size_t cell_count = static_cast<std::size_t>(nx_) * ny_;
     const PixelGrid centres{box_.low + Vec2{0.5 * cell_, 0.5 * cell_}, {cell_, cell_}, nx_, ny_};
+    const auto centre_of = [&](std::uint32_t i, std::uint32_t j) {
+        return centres.low + Vec2{i * cell_, j * cell_};
+    };
     const auto each_cell_near = [&](auto&& body) {
         const auto clipped = [&](double v, std::uint32_t n) {
             return static_cast<std::uint32_t>(std::clamp(v, 0.0, static_cast<double>(n)));
@@ -127,16 +152,22 @@ void DistanceMap::list_candidates() {
             const std::uint32_t j1 = clipped(std::floor((high.y + reach) * inverse_cell_) + 1, ny_);
             for (std::uint32_t j = j0; j < j1; ++j) {
                 for (std::uint32_t i = i0; i < i1; ++i) {
-                    const Vec2 centre = centres.low + Vec2{i * cell_, j * cell_};
-                    body(e, static_cast<std::size_t>(j) * nx_ + i, foot(lines_[e], centre).squared_distance);
+                    const Vec2 centre = centre_of(i, j);
+                    body(e, static_cast<std::size_t>(j) * nx_ + i, centre,
+                         foot(lines_[e], centre).squared_distance);
                 }
             }
         }
     };
 
-    std::vector<double> nearest(cell_count, std::numeric_limits<double>::infinity());  // squared
-    each_cell_near(
-        [&](std::uint32_t, std::size_t c, double squared) { nearest[c] = std::min(nearest[c], squared); });
+    struct Nearest {
+        double squared = std::numeric_limits<double>::infinity();
+        std::uint32_t edge = 0;
+    };
+    std::vector<Nearest> nearest(cell_count);
+    each_cell_near([&](std::uint32_t e, std::size_t c, Vec2, double squared) {
+        if (squared < nearest[c].squared) nearest[c] = {squared, e};
+    });
 
     // How far an edge may be from the centre to be listed (squared); negative: the cell is far from the
     // boundary. Where the boundary does not cross the cell, its sign is that of the centre, and edges beyond
@@ -148,16 +179,26 @@ void DistanceMap::list_candidates() {
         std::fill(row + first, row + last, all_inside);
     });
     for (std::size_t c = 0; c < cell_count; ++c) {
-        const double d = std::sqrt(nearest[c]);
+        const double d = std::sqrt(nearest[c].squared);
         const bool is_crossed = d <= half_diagonal * (1 + 1e-9) + tie_;
         if (is_crossed) side[c] = crossed;
         const double most =
-            is_crossed ? 3 * half_diagonal : std::min(d + 2 * half_diagonal, limit_ + half_diagonal);
+            is_crossed ? d + 2 * half_diagonal : std::min(d + 2 * half_diagonal, limit_ + half_diagonal);
         const double padded = most * (1 + 1e-12) + tie_;
         bound[c] = d > padded ? -1 : padded * padded;
     }
+    struct Listed {
+        std::uint32_t cell, edge;
+    };
+    std::vector<Listed> listed;
     std::vector<std::uint32_t> count(cell_count, 0);
-    each_cell_near([&](std::uint32_t, std::size_t c, double squared) { count[c] += squared <= bound[c]; });
+    each_cell_near([&](std::uint32_t e, std::size_t c, Vec2 centre, double squared) {
+        if (squared > bound[c]) return;
+        const Line& best = lines_[nearest[c].edge];
+        if (e != nearest[c].edge && is_never_nearest(lines_[e], centre, nearest_point(best, centre))) return;
+        listed.push_back({static_cast<std::uint32_t>(c), e});
+        ++count[c];
+    });
 
     cells_.resize(cell_count);
     std::size_t size = first_list;
@@ -169,11 +210,10 @@ void DistanceMap::list_candidates() {
     }
     assert(size < std::numeric_limits<std::uint32_t>::max());
     candidates_.assign(size, 0);
-    each_cell_near([&](std::uint32_t e, std::size_t c, double squared) {
-        if (squared > bound[c]) return;
-        std::uint32_t* list = &candidates_[cells_[c]];
-        list[++list[0]] = e;
-    });
+    for (const Listed& entry : listed) {
+        std::uint32_t* list = &candidates_[cells_[entry.cell]];
+        list[++list[0]] = entry.edge;
+    }
     for (std::size_t c = 0; c < cell_count; ++c) {
         if (count[c] > 0) candidates_[cells_[c]] = (count[c] << side_bits) | side[c];
     }

@@ -47,7 +47,7 @@ class DistanceMap {
     enum class Corner : std::uint8_t { convex, reflex, straight, shared };
 
     struct Line {  // an edge made ready for distances
-        Vec2 start, end, along;
+        Vec2 start, end;
         double squared = 0, inverse = 0;  // of the length
     };
     struct Foot {
@@ -58,6 +58,8 @@ class DistanceMap {
     void classify_corners();
     void choose_grid(double cell);
     void list_candidates();
+    bool is_never_nearest(const Line& line, Vec2 centre, Vec2 best_foot) const;
+    Vec2 nearest_point(const Line& line, Vec2 q) const;
     Foot foot(const Line& line, Vec2 q) const;
     int side(std::uint32_t edge, int end, Vec2 q) const;
     int side_by_parity(Vec2 q) const;

@@ -26,6 +26,21 @@ std::string text(double value) {
     return {buffer.data(), end.ptr};
 }
 
+// Between two slices: the mean of their distances, weighted with the nearness of the slice and of its
+// contour. Its zero set is that of (1 - t) s(a) + t s(b) with s(d) = d / (1 + |d| / softness): half-way
+// between the slices it is shape-based interpolation as it stands, yet a contour without a counterpart is
+// left at a steep angle.
+double blend_distances(double a, double b, double t, double softness) {
+    const double weight_a = (1 - t) * (softness + std::abs(b)), weight_b = t * (softness + std::abs(a));
+    return (weight_a * a + weight_b * b) / (weight_a + weight_b);
+}
+
+// Between a slice (distance d, t = 0) and one on which the structure is not drawn at all: it keeps its shape
+// half-way.
+double ending(double d, double t) {
+    return (1 - t) * d + t * std::abs(d);
+}
+
 // A structure along the normal: its levels, each with its distance map, and a table from position to level.
 class Track {
   public:
@@ -55,21 +70,22 @@ class Track {
     double low() const { return levels_.front().low; }
     double high() const { return levels_.back().high; }
 
-    // The structure at (q, z): the two levels around z, each with its clamped distance, blended linearly.
+    // The structure at (q, z): the two levels around z, each with its clamped distance, blended.
     double blend(const std::vector<std::optional<DistanceMap>>& maps, double clamp, Vec2 q, double z) const {
         if (levels_.empty() || !(z > low() && z < high())) return clamp;
         const auto bucket = static_cast<std::size_t>((z - low()) * inverse_bucket_);
         std::size_t i = buckets_[std::min(bucket, buckets_.size() - 1)];
         while (i + 1 < levels_.size() && levels_[i + 1].low <= z) ++i;
-        const auto distance = [&](const Known& place) {
-            return place.map == empty_level ? clamp : maps[static_cast<std::size_t>(place.map)]->value(q);
+        const auto distance = [&](const Known& level) {
+            return maps[static_cast<std::size_t>(level.map)]->value(q);
         };
         const Known& below = levels_[i];
-        if (z <= below.high) return distance(below);
+        if (z <= below.high) return below.map == empty_level ? clamp : distance(below);
         const Known& above = levels_[i + 1];
-        if (below.map == empty_level && above.map == empty_level) return clamp;
         const double t = (z - below.high) / (above.low - below.high);
-        return (1 - t) * distance(below) + t * distance(above);
+        if (above.map == empty_level) return below.map == empty_level ? clamp : ending(distance(below), t);
+        if (below.map == empty_level) return ending(distance(above), 1 - t);
+        return blend_distances(distance(below), distance(above), t, 0.5 * clamp);
     }
 
     // How far z lies beyond the flat ends of its part; negative within.
@@ -347,7 +363,7 @@ Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourS
     std::vector<bool> used(set.structures.size(), false);
     for (const Contour& contour : set.contours) used[contour.structure] = true;
     const bool several = std::count(used.begin(), used.end(), true) > 1;
-    const double clamp = options.clamp_mm > 0 ? options.clamp_mm : 2.0 / 3.0 * spacing;
+    const double clamp = options.clamp_mm > 0 ? options.clamp_mm : 1.5 * spacing;
     auto field = std::make_shared<ParallelField>(frame, spacing, clamp, set.exclusive && several);
     ANATOMESH_CHECK_STATUS(field->build(set, intervals, options, context));
     return std::shared_ptr<const StructureField>(std::move(field));
