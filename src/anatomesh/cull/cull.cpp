@@ -31,25 +31,31 @@ void add_vote(std::vector<Vote>& votes, std::size_t& used, const Members& member
     votes[used++].weight = weight;
 }
 
-// Decides one cell; the winner is copied to `members`.
-class CellJudge {
+// Finds the regions of cells and points; keeps scratch space, one per thread.
+class Judge {
   public:
-    CellJudge(const StructureField& field, std::uint32_t structures) : probe_(field, structures) {}
+    Judge(const StructureField& field, std::uint32_t structures) : probe_(field, structures) {}
 
-    void decide(const std::array<Vec3, 4>& p, Members& members) {
+    // The members at p; nullptr when p lies within tolerance of an interface.
+    const Members* side(Vec3 p, double tolerance) {
+        return probe_.distance(p) <= tolerance ? nullptr : &probe_.members(p);
+    }
+
+    // The winner is copied to `members`. `preferred` is the one region of the vertices off the interfaces, or null.
+    void decide(const std::array<Vec3, 4>& p, const Members* preferred, Members& members) {
         const Vec3 centroid = 0.25 * (p[0] + p[1] + p[2] + p[3]);
-        double reach = 0;
-        for (const Vec3& q : p) reach = std::max(reach, squared_length(q - centroid));
-        const double distance = probe_.distance(centroid);
         members = probe_.members(centroid);
-        if (distance * distance > reach) return;
-
+        if (preferred && members == *preferred) return;
         std::size_t used = 0;
-        add_vote(votes_, used, members, distance);
+        add_vote(votes_, used, members, probe_.distance(centroid));
         for (const Vec3& q : p) {
             const Vec3 half_way = 0.5 * (centroid + q);
-            const double weight = probe_.distance(half_way);
-            add_vote(votes_, used, probe_.members(half_way), weight);
+            const Members& there = probe_.members(half_way);
+            if (preferred && there == *preferred) {
+                members = there;
+                return;
+            }
+            add_vote(votes_, used, there, probe_.distance(half_way));
         }
         std::size_t winner = 0;
         for (std::size_t n = 1; n < used; ++n) {
@@ -64,36 +70,85 @@ class CellJudge {
 };
 
 constexpr std::size_t grain = 4096;
+constexpr std::uint16_t unset = 0xFFFF;
+
+// Numbers of regions that are the same at any thread count: each piece of the work numbers the sets it meets, and the
+// pieces' numbers are joined in order.
+class PieceNumbers {
+  public:
+    explicit PieceNumbers(std::size_t count) : sets_((count + grain - 1) / grain), local_(count, unset) {}
+
+    void set(std::size_t index, const Members& members) {
+        std::vector<Members>& known = sets_[index / grain];
+        auto place = std::find(known.begin(), known.end(), members);
+        if (place == known.end()) place = known.insert(known.end(), members);
+        local_[index] = static_cast<std::uint16_t>(place - known.begin());
+    }
+    void join(RegionRegistry& registry) {
+        for (const std::vector<Members>& piece : sets_) {
+            numbers_.emplace_back();
+            for (const Members& members : piece) numbers_.back().push_back(registry.intern(members));
+        }
+    }
+    bool known(std::size_t index) const { return local_[index] != unset; }
+    Region region(std::size_t index) const { return numbers_[index / grain][local_[index]]; }
+
+  private:
+    std::vector<std::vector<Members>> sets_;
+    std::vector<std::uint16_t> local_;
+    std::vector<std::vector<Region>> numbers_;
+};
+
+// The one region of the vertices off the interfaces; undecided_region when there is none, or more than one.
+Region common_side(const Cell& cell, const std::vector<Region>& sides) {
+    Region common = undecided_region;
+    for (const std::uint32_t v : cell) {
+        if (sides[v] == on_interface || sides[v] == common) continue;
+        if (common != undecided_region) return undecided_region;
+        common = sides[v];
+    }
+    return common;
+}
 
 }  // namespace
 
-CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells, const StructureField& field,
-               std::uint32_t structures, std::vector<Region>& regions, RegionRegistry& registry, RunContext& context) {
-    assert(regions.size() == cells.size());
+void find_sides(const std::vector<Vec3>& points, const StructureField& field, std::uint32_t structures, double tolerance,
+                std::vector<Region>& sides, RegionRegistry& registry, RunContext& context) {
+    const std::size_t first_new = sides.size(), count = points.size() - first_new;
+    PieceNumbers numbers(count);
+    parallel_for(count, grain, context.threads, [&](std::size_t first, std::size_t last) {
+        Judge judge(field, structures);
+        for (std::size_t n = first; n < last; ++n) {
+            if (const Members* members = judge.side(points[first_new + n], tolerance)) numbers.set(n, *members);
+        }
+    });
+    numbers.join(registry);
+    for (std::size_t n = 0; n < count; ++n) sides.push_back(numbers.known(n) ? numbers.region(n) : on_interface);
+}
+
+CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells, const std::vector<Region>& sides,
+               const StructureField& field, std::uint32_t structures, std::vector<Region>& regions,
+               RegionRegistry& registry, RunContext& context) {
+    assert(regions.size() == cells.size() && sides.size() == points.size());
     CullStats stats;
-    // Each piece numbers the sets it meets; the pieces' numbers are then joined in order, so that regions are
-    // numbered the same way at any thread count.
-    std::vector<std::vector<Members>> sets((cells.size() + grain - 1) / grain);
-    std::vector<std::uint16_t> local(cells.size(), 0xFFFF);
+    PieceNumbers numbers(cells.size());
+    const RegionTable& table = registry.table();
     parallel_for(cells.size(), grain, context.threads, [&](std::size_t first, std::size_t last) {
-        CellJudge judge(field, structures);
-        std::vector<Members>& known = sets[first / grain];
+        Judge judge(field, structures);
         Members members;
         for (std::size_t c = first; c < last; ++c) {
             if (regions[c] != undecided_region) continue;
-            judge.decide({points[cells[c][0]], points[cells[c][1]], points[cells[c][2]], points[cells[c][3]]}, members);
-            auto place = std::find(known.begin(), known.end(), members);
-            if (place == known.end()) place = known.insert(known.end(), members);
-            local[c] = static_cast<std::uint16_t>(place - known.begin());
+            const Cell& cell = cells[c];
+            const Region side = common_side(cell, sides);
+            judge.decide({points[cell[0]], points[cell[1]], points[cell[2]], points[cell[3]]},
+                         side == undecided_region ? nullptr : &table.members[side], members);
+            numbers.set(c, members);
         }
     });
-    std::vector<std::vector<Region>> numbers(sets.size());
-    for (std::size_t piece = 0; piece < sets.size(); ++piece) {
-        for (const Members& members : sets[piece]) numbers[piece].push_back(registry.intern(members));
-    }
+    numbers.join(registry);
     for (std::size_t c = 0; c < cells.size(); ++c) {
-        if (local[c] != 0xFFFF) {
-            regions[c] = numbers[c / grain][local[c]];
+        if (numbers.known(c)) {
+            regions[c] = numbers.region(c);
             ++stats.decided;
         }
         stats.culled += regions[c] == 0;

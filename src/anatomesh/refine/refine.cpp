@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/cull/cull.h"
 #include "anatomesh/mesh/quality.h"
 #include "anatomesh/sample/interface_probe.h"
 
@@ -86,6 +87,48 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
         chosen.add(*cell.point);
         found.push_back(*cell.point);
         ++(cell.on_surface ? stats.surface_points : stats.circumcenters);
+    }
+    return stats;
+}
+
+CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
+                                   const std::vector<Region>& sides, const StructureField& field,
+                                   std::uint32_t structures, const PointGrid& all_points, double min_spacing,
+                                   std::vector<Vec3>& found, RunContext& context) {
+    CrossingStats stats;
+    std::vector<std::array<std::uint32_t, 2>> edges;
+    for (const Cell& cell : mesh.cells) {
+        for (const auto& [i, j] : cell_edges) {
+            const std::uint32_t a = std::min(cell[i], cell[j]), b = std::max(cell[i], cell[j]);
+            if (sides[a] != sides[b] && sides[a] != on_interface && sides[b] != on_interface) edges.push_back({a, b});
+        }
+    }
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    stats.crossing_edges = edges.size();
+
+    std::vector<std::optional<Vec3>> crossings(edges.size());
+    parallel_for(edges.size(), 256, context.threads, [&](std::size_t first, std::size_t last) {
+        InterfaceProbe probe(field, structures);
+        for (std::size_t n = first; n < last; ++n) {
+            const Vec3 p = points[edges[n][0]], q = points[edges[n][1]];
+            const double span = length(q - p);
+            const std::optional<Vec3> crossing = probe.first_crossing(p, q, 0.25 * span, 1e-3 * span);
+            if (crossing && !all_points.any_within(*crossing, min_spacing * span)) crossings[n] = crossing;
+        }
+    });
+    double total = 0;
+    for (const auto& [a, b] : edges) total += length(points[b] - points[a]);
+    PointGrid chosen(edges.empty() ? 1.0 : total / static_cast<double>(edges.size()), edges.size());
+    for (std::size_t n = 0; n < edges.size(); ++n) {
+        if (!crossings[n]) {
+            ++stats.refused;
+            continue;
+        }
+        const double span = length(points[edges[n][1]] - points[edges[n][0]]);
+        if (chosen.any_within(*crossings[n], 0.5 * span)) continue;
+        chosen.add(*crossings[n]);
+        found.push_back(*crossings[n]);
     }
     return stats;
 }

@@ -1,4 +1,4 @@
-// refine: one round of Delaunay refinement by circumradius / shortest edge.
+// refine: rounds of Delaunay refinement, of the interfaces and by circumradius / shortest edge.
 #pragma once
 
 #include <cstdint>
@@ -35,6 +35,20 @@ struct RefineStats {
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<Region>& regions, const StructureField& field,
                                    std::uint32_t structures, const PointGrid& all_points, const RefineOptions& options,
+                                   std::vector<Vec3>& found, RunContext& context);
+
+struct CrossingStats {
+    std::uint64_t crossing_edges = 0;  // mesh edges from one region to another with no vertex between
+    std::uint64_t refused = 0;         // of these: a vertex is already too near to the crossing
+};
+
+// Points where mesh edges between vertices of two different regions cross the interface: the contour crosses a cell
+// there, and a cell must have a vertex there before it can be split along it (the cut of the 2006 method).
+// A point keeps `min_spacing` lengths of its edge from every other one.
+// Requires: sides as find_sides() (cull/cull.h) gives them. Complexity: O(cells log cells). Same result at any thread count.
+CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
+                                   const std::vector<Region>& sides, const StructureField& field,
+                                   std::uint32_t structures, const PointGrid& all_points, double min_spacing,
                                    std::vector<Vec3>& found, RunContext& context);
 
 }  // namespace anatomesh

@@ -292,8 +292,13 @@ void add_frame(const Box3& box, PointSample& sample) {
 }  // namespace
 
 double default_size(const ContourSet& contours, const StructureField& field) {
-    (void)contours;
-    return 0.8 * field.slice_spacing();
+    double total = 0;
+    for (const Contour& contour : contours.contours) {
+        const auto points = contours.points_of(contour);
+        for (std::size_t n = 0; n < points.size(); ++n) total += length(points[(n + 1) % points.size()] - points[n]);
+    }
+    const double vertex_spacing = total / static_cast<double>(std::max<std::size_t>(1, contours.points.size()));
+    return std::sqrt(vertex_spacing * field.slice_spacing());
 }
 
 Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field, const SampleOptions& options,

@@ -34,8 +34,8 @@ struct PointSample {
     SampleStats stats;
 };
 
-// The edge length that suits the data: a share of the slice spacing, not below what the contours' own vertex
-// spacing asks for.
+// The edge length that suits the data: the geometric mean of the slice spacing and the mean spacing of the vertices
+// along the contours, that is the side of a square with the surface's area per contour vertex.
 double default_size(const ContourSet& contours, const StructureField& field);
 
 // Contour vertices are kept exactly. Long segments get intermediate points. A body-centred cubic lattice fills
