@@ -85,8 +85,7 @@ std::optional<std::uint32_t> RawBuilder::find_structure(std::int32_t number) con
 
 Result<std::uint32_t> RawBuilder::add_structure(Structure structure) {
     assert(!find_structure(structure.number));
-    if (raw_.structures.size() >= limits_.structures)
-        return over_limit("E-CIO-001", "structures", limits_.structures, {file(), {}, {}, {}, {}});
+    if (raw_.structures.size() >= limits_.structures) return too_many_structures();
     bool changed = false;
     structure.name = valid_utf8(structure.name, changed);
     if (changed)
@@ -158,6 +157,10 @@ Status RawBuilder::add_point(Vec3 point) {
     raw_.points.push_back(point);
     ++contour.point_count;
     return Nothing{};
+}
+
+Error RawBuilder::too_many_structures() const {
+    return over_limit("E-CIO-001", "structures", limits_.structures, {file(), {}, {}, {}, {}});
 }
 
 Place RawBuilder::contour_place() const {

@@ -67,6 +67,7 @@ class RawBuilder {
     const RawContour& contour(std::size_t index) const { return raw_.contours[index]; }
     const std::vector<Structure>& structures() const { return raw_.structures; }
 
+    Error too_many_structures() const;
     // The open contour and its newest point (or the one after it), for messages.
     Place contour_place() const;
     Place point_place(std::uint64_t point) const;

@@ -1,6 +1,8 @@
 #include "anatomesh_io/contour/read_contours.h"
 
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "anatomesh_io/contour/csl_reader.h"
@@ -8,6 +10,7 @@
 #include "anatomesh_io/contour/json_reader.h"
 #include "anatomesh_io/contour/raw_builder.h"
 #include "anatomesh_io/contour/rtstruct_reader.h"
+#include "anatomesh_io/contour/vtp_contours.h"
 #include "anatomesh_io/file/detect.h"
 #include "anatomesh_io/file/input_file.h"
 
@@ -21,7 +24,7 @@ FileFrame file_frame(FrameChoice choice) {
                                         : FileFrame::unknown;
 }
 
-Status read_content(const InputFile& file, RawBuilder& builder) {
+Status read_content(const InputFile& file, const InputLimits& limits, RawBuilder& builder) {
     const std::span<const std::byte> bytes = file.bytes();
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     const FileKind kind = detect_bytes(bytes);
@@ -32,6 +35,8 @@ Status read_content(const InputFile& file, RawBuilder& builder) {
             return read_csl(text, builder);
         case FileKind::contour_json:
             return read_json_contours(text, builder);
+        case FileKind::vtk_polydata:
+            return read_vtp_contours(bytes, file.path, "", 1, limits, builder);
         default:
             break;
     }
@@ -48,8 +53,13 @@ Status read_content(const InputFile& file, RawBuilder& builder) {
 Result<RawContours> read_contours(const std::string& path, const ReadContoursOptions& options,
                                   RunContext& context) {
     RawBuilder builder(path, options.limits, context);
-    ANATOMESH_TRY(const InputFile file, read_input_file(path, options.file_limits));
-    ANATOMESH_CHECK_STATUS(read_content(file, builder));
+    std::error_code unknown;
+    if (std::filesystem::is_directory(path, unknown)) {
+        ANATOMESH_CHECK_STATUS(read_vtp_folder(path, options.file_limits, builder));
+    } else {
+        ANATOMESH_TRY(const InputFile file, read_input_file(path, options.file_limits));
+        ANATOMESH_CHECK_STATUS(read_content(file, options.file_limits, builder));
+    }
     return builder.finish(file_frame(options.frame));
 }
 

@@ -18,8 +18,8 @@ enum class FrameChoice : std::uint8_t {
 
 struct ReadContoursOptions {
     FrameChoice frame = FrameChoice::as_stated;
-    ContourLimits limits;
-    InputLimits file_limits;
+    ContourLimits limits{};
+    InputLimits file_limits{};
 };
 
 // Reads our JSON, CSL, VTK XML polydata (.vtp; also a folder of them, one structure each) and DICOM RTSTRUCT,
