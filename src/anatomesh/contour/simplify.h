@@ -7,13 +7,13 @@
 namespace anatomesh {
 
 struct SimplifyOptions {
-    double epsilon_mm = 0;          // every input vertex stays within this of the kept polygon. 0: keep all. [0, 10]
+    double epsilon_mm = 0;  // every input vertex stays within this of the kept polygon. 0: keep all. [0, 10]
     double min_vertex_spacing_mm = 0;  // aimed at between kept vertices where epsilon allows; 0: none
 };
 
 struct SimplifyStats {
     std::uint64_t points_in = 0, points_kept = 0;
-    double max_distance_mm = 0;     // measured, of an input vertex from the kept polygon
+    double max_distance_mm = 0;  // measured, of an input vertex from the kept segment that spans it
 };
 
 struct SimplifyResult {
@@ -21,12 +21,14 @@ struct SimplifyResult {
     SimplifyStats stats;
 };
 
-// Guarantees: kept vertices are input vertices at their exact coordinates; no contour crosses itself or another
-// contour of its slice that it did not cross before; nesting is unchanged; a chain that two structures share
-// stays shared, vertex for vertex; no contour falls below three vertices. Where a simplification would break one
-// of these, the chain keeps more vertices there.
-// Complexity: O(n log n) expected.
-// Follows: Douglas and Peucker, Cartographica 10, 1973; safety check after Saalfeld, Cartography and GIS 26, 1999.
-Result<SimplifyResult> simplify_contours(const ContourSet& set, const SimplifyOptions& options, RunContext& context);
+// Requires: a kept contour set.
+// Guarantees: kept vertices are input vertices at their exact coordinates; no contour crosses or touches
+// itself or another contour of its slice that it did not cross or touch before; nesting is unchanged; a chain
+// that two contours share stays shared, vertex for vertex; no contour falls below three vertices; the order
+// of a kept contour set. Where a simplification would break one of these, the chain keeps more vertices
+// there. Equal output for any order of the contours and any number of threads. Complexity: O(n log n)
+// expected. Parallel over slices. Errors: none of its own. Follows: see thin_chains() in contour/chains.h.
+Result<SimplifyResult> simplify_contours(const ContourSet& set, const SimplifyOptions& options,
+                                         RunContext& context);
 
 }  // namespace anatomesh

@@ -132,7 +132,7 @@ SliceContours trace_slice(const LabelMap& labels, const GreyImage* grey, const S
     slice.plane = make_plane(axes.position(labels.geometry, {0, 0}, k), axes.normal);
     LabelGrid grid = label_grid(labels, axes, k);
     slice.small = leave_out_small_pieces(grid, settings.min_pixels);
-    slice.cut_by_border = labels_at_border(grid, k == 0 || k + 1 == axes.size[2]);
+    slice.cut_by_border = labels_at_border(grid, axes.size[2] > 1 && (k == 0 || k + 1 == axes.size[2]));
 
     GreySlice values;
     if (grey) {

@@ -34,6 +34,19 @@ struct Cell {
         return count == 3 || (count == 4 && joined_diagonal() == junction);
     }
 
+    // At a junction one label keeps the straight boundary that it would have if all others were one: the
+    // outside, else the label of two corners. Returns the crossed side after its corners, or junction when
+    // all four differ.
+    int straight_side() const {
+        for (int side = 0; side < 4; ++side) {
+            if (corner[side] == 0 && crossed(side)) return side;
+        }
+        for (int side = 0; side < 4; ++side) {
+            if (!crossed(side)) return (side + 1) & 3;
+        }
+        return junction;
+    }
+
     // The side by which a boundary that enters by `side` leaves, or junction.
     int exit(int side) const {
         const int count = crossings();
@@ -186,17 +199,23 @@ class Tracer {
             const double x = c.x - 1.0, y = c.y - 1.0, t = share(c);
             points.push_back(c.vertical ? Vec2{x, y + t} : Vec2{x + t, y});
         }
-        for (const Junction& j : junctions_) {
-            const Cell between = cell(j.x, j.y);
-            Vec2 sum;
-            int count = 0;
-            for (int side = 0; side < 4; ++side) {
-                if (!between.crossed(side)) continue;
-                sum = sum + points[crossing({j.x, j.y, side})];
-                ++count;
-            }
-            points.push_back((1.0 / count) * sum);
+        for (const Junction& j : junctions_) points.push_back(junction_point(j));
+    }
+
+    Vec2 junction_point(const Junction& j) {
+        const std::vector<Vec2>& points = traced_.network.points;
+        const Cell between = cell(j.x, j.y);
+        const int straight = between.straight_side();
+        if (straight != junction) {
+            // The label's corners lie between this crossed side and the last one before it, clockwise.
+            int other = straight;
+            do other = (other + 3) & 3;
+            while (!between.crossed(other));
+            return 0.5 * (points[crossing({j.x, j.y, straight})] + points[crossing({j.x, j.y, other})]);
         }
+        Vec2 sum;
+        for (int side = 0; side < 4; ++side) sum = sum + points[crossing({j.x, j.y, side})];
+        return 0.25 * sum;
     }
 
     // Follows the boundary out of a cell until it meets a junction or `stop`. Appends the points.
