@@ -1,0 +1,154 @@
+// anatomesh info: what is in an image, label map or contour file.
+#include <fmt/format.h>
+
+#include <array>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "anatomesh/contour/clean.h"
+#include "anatomesh/image/select.h"
+#include "answer.h"
+#include "input_options.h"
+#include "read_input.h"
+#include "verbs.h"
+
+namespace anatomesh {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double parallel_tolerance_mm = 0.01;
+
+Json vector_json(Vec3 v) {
+    return Json::array({v.x, v.y, v.z});
+}
+
+// Volume of one voxel, mm3.
+double voxel_volume(const ImageGeometry& geometry) {
+    return std::abs(dot(cross(geometry.step[0], geometry.step[1]), geometry.step[2]));
+}
+
+Result<Json> image_json(const LoadedImage& loaded, RunContext& context) {
+    const ImageGeometry& geometry = loaded.image.geometry;
+    const ImageFacts& facts = loaded.facts;
+    Json json;
+    json["size"] = geometry.size;
+    json["spacing_mm"] = {length(geometry.step[0]), length(geometry.step[1]), length(geometry.step[2])};
+    json["origin_mm"] = vector_json(geometry.origin);
+    json["axes"] = {vector_json(normalized(geometry.step[0])), vector_json(normalized(geometry.step[1])),
+                    vector_json(normalized(geometry.step[2]))};
+    json["voxel_type"] = facts.voxel_type;
+    json["values"] = {{"low", facts.low}, {"high", facts.high}, {"not_finite", facts.not_finite}};
+    json["label_map"] = looks_like_label_map(facts);
+    if (!looks_like_label_map(facts)) return json;
+    ANATOMESH_TRY(const LabelMap labels, to_label_map(loaded, context));
+    const std::vector<std::uint64_t> voxels = count_voxels(labels);
+    json["structures"] = Json::array();
+    for (std::size_t i = 0; i < voxels.size(); ++i) {
+        json["structures"].push_back(
+            {{"number", labels.structures[i].number},
+             {"name", labels.structures[i].name},
+             {"voxels", voxels[i]},
+             {"volume_mm3", static_cast<double>(voxels[i]) * voxel_volume(geometry)}});
+    }
+    return json;
+}
+
+Result<Json> contours_json(const RawContours& raw, RunContext& context) {
+    ANATOMESH_TRY(const CleanResult cleaned, clean_contours(raw, CleanOptions{}, context));
+    const ContourSet& set = cleaned.kept;
+    const Box3 box = set.box();
+    const bool parallel = all_parallel(set, parallel_tolerance_mm);
+    Json json;
+    json["slices"] = set.slices.size();
+    json["parallel"] = parallel;
+    if (parallel) json["slice_spacing_mm"] = median_spacing(set);
+    json["contours"] = set.contours.size();
+    json["points"] = set.points.size();
+    json["contours_in_file"] = raw.contours.size();
+    json["points_in_file"] = raw.points.size();
+    json["low_mm"] = vector_json(box.low);
+    json["high_mm"] = vector_json(box.high);
+    std::vector<std::array<std::uint64_t, 2>> counts(set.structures.size());
+    for (const Contour& contour : set.contours) {
+        ++counts[contour.structure][0];
+        counts[contour.structure][1] += contour.point_count;
+    }
+    json["structures"] = Json::array();
+    for (std::size_t i = 0; i < set.structures.size(); ++i) {
+        json["structures"].push_back({{"number", set.structures[i].number},
+                                      {"name", set.structures[i].name},
+                                      {"color", set.structures[i].color},
+                                      {"contours", counts[i][0]},
+                                      {"points", counts[i][1]}});
+    }
+    return json;
+}
+
+std::string numbers_text(const Json& values) {
+    std::string text;
+    for (const Json& value : values) {
+        text += (text.empty() ? "" : " x ") +
+                (value.is_number_float() ? fmt::format("{:.6g}", value.get<double>()) : value.dump());
+    }
+    return text;
+}
+
+std::string text_of(const Json& answer) {
+    std::string text = fmt::format("{}: {}, {}\n", answer["file"].get<std::string>(),
+                                   answer["kind"].get<std::string>(), answer["space"].get<std::string>());
+    const bool is_image = answer.contains("image");
+    const Json& what = is_image ? answer["image"] : answer["contours"];
+    if (is_image) {
+        text += fmt::format("  {} voxels of {} mm, {}, values {} to {}: a {}\n", numbers_text(what["size"]),
+                            numbers_text(what["spacing_mm"]), what["voxel_type"].get<std::string>(),
+                            what["values"]["low"].get<double>(), what["values"]["high"].get<double>(),
+                            what["label_map"].get<bool>() ? "label map" : "grey image (needs --threshold)");
+    } else {
+        text += fmt::format("  {} slices, {}, {} contours, {} points\n", what["slices"].get<std::uint64_t>(),
+                            what["parallel"].get<bool>() ? fmt::format("parallel, {:.6g} mm apart",
+                                                                       what["slice_spacing_mm"].get<double>())
+                                                         : std::string("not parallel"),
+                            what["contours"].get<std::uint64_t>(), what["points"].get<std::uint64_t>());
+    }
+    if (!what.contains("structures")) return text;
+    text += fmt::format("  {} structures:\n", what["structures"].size());
+    for (const Json& each : what["structures"]) {
+        text += fmt::format("  {:>6}  {:<32} ", each["number"].get<std::int32_t>(),
+                            each["name"].get<std::string>());
+        text += is_image ? fmt::format("{} voxels, {:.1f} mm3\n", each["voxels"].get<std::uint64_t>(),
+                                       each["volume_mm3"].get<double>())
+                         : fmt::format("{} contours, {} points\n", each["contours"].get<std::uint64_t>(),
+                                       each["points"].get<std::uint64_t>());
+    }
+    return text;
+}
+
+Status run_info(const InputOptions& options, Session& session) {
+    ANATOMESH_TRY(const OpenedInput input, open_input(options, session.context));
+    Json answer;
+    answer["file"] = options.input;
+    answer["kind"] = name_of(input.kind);
+    answer["space"] = input.contours && input.contours->frame == Frame::unknown ? "unknown" : "LPS";
+    answer["unit"] = "mm";
+    answer["inputs"] = inputs_json(input.files);
+    if (input.image) {
+        ANATOMESH_TRY(answer["image"], image_json(*input.image, session.context));
+    } else {
+        ANATOMESH_TRY(answer["contours"], contours_json(*input.contours, session.context));
+    }
+    return give_answer(session, answer, text_of(answer));
+}
+
+}  // namespace
+
+Work declare_info(CLI::App& verb) {
+    auto options = std::make_shared<InputOptions>();
+    add_reading_options(verb, *options);
+    return [options](Session& session) { return run_info(*options, session); };
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,89 @@
+#include "input_options.h"
+
+#include <fmt/format.h>
+
+#include "option_values.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double largest_value = 1e15;
+constexpr std::uint32_t largest_count = 1'000'000;
+
+Threshold threshold_of(const std::string& text) {
+    const std::size_t colon = text.find(':');
+    Threshold threshold;
+    threshold.low = strict_number("--threshold", text.substr(0, colon), -largest_value, largest_value);
+    if (colon != std::string::npos) {
+        threshold.high = strict_number("--threshold", text.substr(colon + 1), -largest_value, largest_value);
+    }
+    if (threshold.high < threshold.low) {
+        throw CLI::ValidationError("--threshold",
+                                   fmt::format("in '{}' the upper value is below the lower", text));
+    }
+    return threshold;
+}
+
+// add_count and its kin write to a plain value; an optional one is made when its option is met.
+template <class T>
+T& made(std::optional<T>& value) {
+    return value ? *value : value.emplace();
+}
+
+void add_optional_count(CLI::App& verb, const std::string& name, std::optional<std::uint32_t>& target,
+                        std::uint32_t low, const std::string& description) {
+    const auto read = [name, &target, low](const std::string& text) {
+        made(target) = strict_count(name, text, low, largest_count);
+    };
+    verb.add_option_function<std::string>(name, read, description)->type_name("N");
+}
+
+}  // namespace
+
+void add_reading_options(CLI::App& verb, InputOptions& options) {
+    verb.add_option("INPUT", options.input,
+                    "Image, label map or contour file; its kind is found from its content")
+        ->type_name("FILE")
+        ->required();
+    add_choice(verb, "--frame", options.frame, {"LPS", "RAS"},
+               "Axes of the coordinates in a file that does not say");
+    add_choice(verb, "--use", options.nifti_transform, {"qform", "sform"},
+               "Which transform of a NIfTI image counts when its two disagree");
+    add_text(verb, "--assume-orientation", options.assume_orientation, "AXES",
+             "Where the axes of an image without orientation run to, as RAS");
+    add_optional_count(verb, "--volume", options.volume, 0,
+                       "Which volume of an image that holds several, from 0");
+}
+
+void add_selection_options(CLI::App& verb, InputOptions& options) {
+    add_texts(verb, "--structure", options.structures, "NAME",
+              "Structure to take, by name or number; may be repeated (default: all)");
+    verb.add_option_function<std::string>(
+            "--threshold", [&options](const std::string& text) { options.threshold = threshold_of(text); },
+            "Take the voxels of a grey image from LO up (to HI)")
+        ->type_name("LO[:HI]");
+    add_optional_count(verb, "--keep-largest", options.keep_largest, 1,
+                       "Keep the N largest connected pieces of each structure of the whole image");
+    add_optional_count(verb, "--every", options.every, 1, "Keep every Nth slice");
+    add_count(verb, "--offset", options.offset, 0, largest_count,
+              "The first slice that --every keeps, from 0 (default 0)");
+    verb.add_option_function<std::string>(
+            "--epsilon",
+            [&options](const std::string& text) {
+                options.epsilon_mm = text == "exact" ? 0.0 : strict_number("--epsilon", text, 1e-6, 10);
+            },
+            "Every traced or drawn point stays within MM of the kept polygon (default: 0.15 of the pixel for "
+            "traced "
+            "contours, exact for drawn ones)")
+        ->type_name("MM|exact");
+    verb.add_option_function<std::string>(
+            "--min-area",
+            [&options](const std::string& text) {
+                options.min_area_mm2 = strict_number("--min-area", text, 0, 1e6);
+            },
+            "Leave out traced islands below this area and count them (default: 4 pixels)")
+        ->type_name("MM2");
+}
+
+}  // namespace anatomesh

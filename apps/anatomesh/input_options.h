@@ -1,0 +1,41 @@
+// InputOptions: what the command line says about how to read an input and which part of it to take.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace anatomesh {
+
+struct Threshold {
+    double low = 0, high = std::numeric_limits<double>::infinity();
+};
+
+// Defaults are those of the readers and of tracing; an option that was not given is empty.
+struct InputOptions {
+    std::string input;
+    std::string frame;               // "LPS", "RAS" or empty
+    std::string nifti_transform;     // "qform", "sform" or empty
+    std::string assume_orientation;  // "RAS" or the like, or empty
+    std::optional<std::uint32_t> volume;
+
+    std::vector<std::string> structures;
+    std::optional<Threshold> threshold;
+    std::optional<std::uint32_t> keep_largest;
+    std::optional<std::uint32_t> every;
+    std::uint32_t offset = 0;
+    std::optional<double> epsilon_mm;  // 0: exact
+    std::optional<double> min_area_mm2;
+};
+
+// INPUT and how to place it: --frame, --use, --assume-orientation, --volume.
+void add_reading_options(CLI::App& verb, InputOptions& options);
+
+// Which part of it, and how closely: --structure, --threshold, --keep-largest, --every, --offset, --epsilon,
+// --min-area.
+void add_selection_options(CLI::App& verb, InputOptions& options);
+
+}  // namespace anatomesh

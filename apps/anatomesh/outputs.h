@@ -1,0 +1,22 @@
+// Checks of the outputs of a command before its work begins.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "anatomesh/base/result.h"
+
+namespace anatomesh {
+
+// Every output can be written, no two are the same file, none is an input, also by another name of it (a
+// link), and none lies in an input that is a folder. Errors: those of check_writable(); E-CMD-006 an output
+// is an input; E-FILE-012 two outputs are one.
+Status check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
+
+// "skull.vtu" -> ".vtu", in lower case; empty when there is none.
+std::string extension_of(const std::string& path);
+
+// The path without its extension, and `ending` instead.
+std::string with_ending(const std::string& path, const std::string& ending);
+
+}  // namespace anatomesh

@@ -1,0 +1,165 @@
+#include "program.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "command_words.h"
+#include "limits_text.h"
+#include "option_values.h"
+#include "session.h"
+#include "shell_texts.h"
+#include "signals.h"
+#include "verbs.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr const char* version = ANATOMESH_VERSION;
+constexpr std::uint32_t most_threads = 1024;
+
+constexpr const char* exit_codes =
+    R"(Exit codes: 0 done; 2 the command is wrong; 3 the input is wrong; 4 no correct model can be made of it;
+5 a limit or memory; 6 the file system; 7 a check of the result failed; 130 cancelled.
+Nothing is written unless the exit code is 0.)";
+
+// Thrown by --limits while options are parsed, as --help is by CLI11.
+struct LimitsAsked {};
+
+struct CommonOptions {
+    bool json = false, quiet = false;
+    std::uint32_t threads = 0;
+};
+
+struct VerbEntry {
+    const char* name;
+    const char* description;
+    Work (*declare)(CLI::App&);
+    const char* examples;
+};
+
+const VerbEntry verb_entries[] = {
+    {"info", "Say what is in an image, label map or contour file", declare_info,
+     R"(Examples:
+  anatomesh info liver.nii.gz
+  anatomesh info rtss.dcm --json)"},
+    {"contours", "Write the contours of an image, label map or contour file", declare_contours,
+     R"(Examples:
+  anatomesh contours labels.nii.gz -o organs.vtp
+  anatomesh contours Cranium.inv3 --threshold 226 --keep-largest 1 --every 2 -o skull.json
+  anatomesh contours rtss.dcm --structure GTV -o gtv.csl)"},
+};
+
+Work declare_completion(CLI::App& verb, const CLI::App& app) {
+    auto shell = std::make_shared<std::string>();
+    add_choice(verb, "SHELL", *shell, {"bash", "zsh", "fish"}, "Shell to print the script for")->required();
+    return [shell, &app](Session&) {
+        if (*shell == "bash") return print_answer(bash_completion(app));
+        if (*shell == "zsh") return print_answer(zsh_completion(app));
+        return print_answer(fish_completion(app));
+    };
+}
+
+void add_common(CLI::App& verb, CommonOptions& common) {
+    verb.add_flag("--json", common.json, "Print the answer as one JSON object");
+    verb.add_flag("--quiet", common.quiet, "No progress, no warnings, no summary; errors are always said");
+    add_count(verb, "--threads", common.threads, 1, most_threads, "Threads to use (default: all processors)");
+}
+
+// CLI11 throws for help, version and wrong commands alike.
+int end_of_parsing(const CLI::App& app, const CLI::ParseError& stop, Session& session) {
+    if (stop.get_exit_code() == 0) {
+        const bool is_version = dynamic_cast<const CLI::CallForVersion*>(&stop) != nullptr;
+        const Status printed = print_answer(is_version ? fmt::format("anatomesh {}\n", version) : app.help());
+        if (printed) return 0;
+        print_error(session, printed.error());
+        return exit_code(printed.error());
+    }
+    const Error error{ErrorKind::usage, "E-CMD-001", stop.what(), {}, "see anatomesh --help"};
+    print_error(session, error);
+    return exit_code(error);
+}
+
+int finish(const Status& status, Session& session) {
+    print_warnings(session);
+    if (status) return 0;
+    print_error(session, status.error());
+    return exit_code(status.error());
+}
+
+int run(int argc, const char* const* argv, Session& session) {
+    CLI::App app{"Tetrahedral models of anatomy from contours on medical image slices", "anatomesh"};
+    app.set_version_flag("--version", version, "Print the version");
+    app.add_flag_callback(
+        "--limits", [] { throw LimitsAsked{}; }, "Print every limit with its value");
+    app.footer(exit_codes);
+    app.require_subcommand(1);
+
+    CommonOptions common;
+    std::vector<std::pair<CLI::App*, Work>> verbs;
+    for (const VerbEntry& entry : verb_entries) {
+        CLI::App* verb = app.add_subcommand(entry.name, entry.description);
+        verb->footer(entry.examples);
+        Work work = entry.declare(*verb);
+        add_common(*verb, common);
+        verb->add_flag_callback(
+            "--limits", [] { throw LimitsAsked{}; }, "Print every limit with its value");
+        verbs.emplace_back(verb, std::move(work));
+    }
+    CLI::App* completion = app.add_subcommand("completion", "Print the completion script of a shell");
+    completion->footer(
+        "Example:\n  anatomesh completion bash > ~/.local/share/bash-completion/completions/anatomesh");
+    verbs.emplace_back(completion, declare_completion(*completion, app));
+    CLI::App* manual = app.add_subcommand("manual", "Print the manual page, for man");
+    manual->footer("Example:\n  anatomesh manual | man -l -");
+    verbs.emplace_back(manual, [&app](Session&) { return print_answer(manual_page(app, version)); });
+
+    const std::vector<std::string> words(argv + (argc > 0 ? 1 : 0), argv + argc);
+    // Errors of the words themselves are answered in the form that was asked for.
+    for (const std::string& word : words) session.json = session.json || word == "--json";
+    if (const Status words_are_known = check_words(app, words); !words_are_known)
+        return finish(words_are_known, session);
+    try {
+        app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+    } catch (const CLI::ParseError& stop) {
+        return end_of_parsing(app, stop, session);
+    } catch (const LimitsAsked&) {
+        return finish(print_answer(limits_text()), session);
+    }
+    session.json = common.json;
+    session.quiet = common.quiet;
+    session.context.threads = common.threads > 0 ? static_cast<int>(common.threads) : available_processors();
+    for (const auto& [verb, work] : verbs) {
+        if (verb->parsed()) return finish(work(session), session);
+    }
+    return 0;
+}
+
+}  // namespace
+
+int run_program(int argc, const char* const* argv) {
+    Session session;
+    session.context.cancel = prepare_process();
+    Error error{
+        ErrorKind::internal, "E-CMD-011", "", {}, "please report this with the command and the input"};
+    try {
+        session.command = quoted_command(argc, argv);
+        return run(argc, argv, session);
+    } catch (const std::bad_alloc&) {
+        error = {ErrorKind::limit, "E-CMD-010", "out of memory", {}, "a larger --size or --every needs less"};
+    } catch (const std::exception& unexpected) {
+        error.message = fmt::format("unexpected: {}", unexpected.what());
+    } catch (...) {
+        error.message = "unexpected failure of an unknown kind";
+    }
+    print_error(session, error);
+    return exit_code(error);
+}
+
+}  // namespace anatomesh

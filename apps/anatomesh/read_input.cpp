@@ -1,0 +1,347 @@
+#include "read_input.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "anatomesh/contour/clean.h"
+#include "anatomesh/contour/simplify.h"
+#include "anatomesh/contour/trace.h"
+#include "anatomesh/image/components.h"
+#include "anatomesh/image/select.h"
+#include "anatomesh/image/threshold.h"
+#include "anatomesh_io/contour/number_text.h"
+#include "anatomesh_io/contour/read_contours.h"
+#include "anatomesh_io/file/input_file.h"
+
+namespace anatomesh {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double parallel_tolerance_mm = 0.01;
+
+Error usage_error(const char* code, std::string message, const std::string& file, std::string next_step) {
+    return {ErrorKind::usage, code, std::move(message), {file, "", "", "", ""}, std::move(next_step)};
+}
+
+Error does_not_apply(const std::string& option, const std::string& file, const std::string& why) {
+    return usage_error("E-CMD-008", fmt::format("{} does not apply: {}", option, why), file,
+                       fmt::format("leave out {}", option));
+}
+
+std::string number_text(double value) {
+    std::string text;
+    append_number(text, value);
+    return text;
+}
+
+bool is_image(FileKind kind) {
+    return kind == FileKind::nifti || kind == FileKind::nrrd || kind == FileKind::metaimage ||
+           kind == FileKind::invesalius;
+}
+
+bool is_contour_file(FileKind kind) {
+    return kind == FileKind::contour_json || kind == FileKind::csl || kind == FileKind::vtk_polydata ||
+           kind == FileKind::dicom_rtstruct;
+}
+
+Result<InputReport> file_report(const std::string& path, const std::string& format) {
+    ANATOMESH_TRY(const InputFile file, read_input_file(path, InputLimits{}));
+    return InputReport{path, format, file.sha256(), file.bytes().size()};
+}
+
+// The files of a folder of contour files, in the order of their names.
+Result<std::vector<InputReport>> folder_report(const std::string& folder) {
+    std::vector<std::string> paths;
+    std::error_code error;
+    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+        if (at->is_regular_file(error) && at->path().extension() == ".vtp")
+            paths.push_back(at->path().string());
+    }
+    std::sort(paths.begin(), paths.end());
+    std::vector<InputReport> files;
+    for (const std::string& path : paths) {
+        ANATOMESH_TRY(InputReport report, file_report(path, name_of(FileKind::vtk_polydata)));
+        files.push_back(std::move(report));
+    }
+    return files;
+}
+
+ReadImageOptions image_options(const InputOptions& options) {
+    ReadImageOptions reading;
+    if (options.frame == "LPS") reading.frame = ImageFrame::lps;
+    if (options.frame == "RAS") reading.frame = ImageFrame::ras;
+    if (options.nifti_transform == "qform") reading.nifti_transform = NiftiTransform::qform;
+    if (options.nifti_transform == "sform") reading.nifti_transform = NiftiTransform::sform;
+    reading.assume_orientation = options.assume_orientation;
+    if (options.volume) reading.volume = *options.volume;
+    return reading;
+}
+
+Result<OpenedInput> open_image(const InputOptions& options, FileKind kind, RunContext& context) {
+    ANATOMESH_TRY(LoadedImage image, read_image(options.input, image_options(options), context));
+    OpenedInput opened;
+    opened.kind = kind;
+    for (const InputHash& hash : image.inputs) {
+        std::error_code error;
+        const auto bytes = fs::file_size(hash.path, error);
+        opened.files.push_back({hash.path, name_of(kind), hash.sha256, error ? 0 : bytes});
+    }
+    opened.image = std::move(image);
+    return opened;
+}
+
+Result<OpenedInput> open_contours(const InputOptions& options, FileKind kind, bool folder,
+                                  RunContext& context) {
+    ReadContoursOptions reading;
+    if (options.frame == "LPS") reading.frame = FrameChoice::lps;
+    if (options.frame == "RAS") reading.frame = FrameChoice::ras;
+    ANATOMESH_TRY(RawContours raw, read_contours(options.input, reading, context));
+    OpenedInput opened;
+    opened.kind = kind;
+    opened.contours = std::move(raw);
+    if (folder) {
+        ANATOMESH_TRY(opened.files, folder_report(options.input));
+    } else {
+        ANATOMESH_TRY(InputReport report, file_report(options.input, name_of(kind)));
+        opened.files.push_back(std::move(report));
+    }
+    return opened;
+}
+
+// A grey image needs a threshold; a label map is one already.
+Result<LabelMap> labels_of(const LoadedImage& image, const InputOptions& options, RunContext& context) {
+    if (options.threshold) {
+        return threshold_image(image.image, {options.threshold->low, options.threshold->high}, context);
+    }
+    if (!looks_like_label_map(image.facts)) {
+        return usage_error("E-CMD-007", "this is a grey image, which needs a threshold", options.input,
+                           fmt::format("give --threshold LO[:HI]; the values run from {} to {}",
+                                       number_text(image.facts.low), number_text(image.facts.high)));
+    }
+    return to_label_map(image, context);
+}
+
+Result<InputContours> contours_of_image(OpenedInput input, const InputOptions& options, RunContext& context) {
+    ANATOMESH_TRY(LabelMap labels, labels_of(*input.image, options, context));
+    ANATOMESH_TRY(const auto chosen, find_structures(labels.structures, options.structures, options.input));
+    if (chosen.size() < labels.structures.size()) select_structures(labels, chosen);
+    if (options.keep_largest) keep_largest(labels, *options.keep_largest);
+    if (context.cancelled()) return cancelled_error();
+
+    TraceOptions tracing;
+    tracing.every = options.every.value_or(1);
+    tracing.offset = options.offset;
+    if (options.min_area_mm2) tracing.min_area_mm2 = *options.min_area_mm2;
+    if (options.epsilon_mm) tracing.epsilon_mm = *options.epsilon_mm;
+    const GreyImage* grey = options.threshold ? &input.image->image : nullptr;
+    ANATOMESH_TRY(
+        TraceResult traced,
+        trace_contours(labels, grey, options.threshold ? options.threshold->low : 0, tracing, context));
+
+    InputContours result;
+    result.kept = std::move(traced.kept);
+    result.files = std::move(input.files);
+    result.hole_rule = "a pixel of no structure inside one is a hole";
+    result.traced_points = traced.stats.points_traced;
+    result.islands_left_out = traced.stats.islands_left_out;
+    result.epsilon_mm = traced.stats.epsilon_mm;
+    const double pixel = result.kept.pixel_mm;
+    result.options.emplace_back("min_area_mm2",
+                                number_text(options.min_area_mm2.value_or(4 * pixel * pixel)));
+    return result;
+}
+
+// The contours of the chosen structures, everything else dropped.
+RawContours chosen_contours(const RawContours& raw, const std::vector<std::uint32_t>& chosen) {
+    constexpr std::uint32_t none = 0xFFFFFFFFu;
+    std::vector<std::uint32_t> new_index(raw.structures.size(), none);
+    RawContours out = raw;
+    out.structures.clear();
+    out.contours.clear();
+    for (const std::uint32_t index : chosen) {
+        new_index[index] = static_cast<std::uint32_t>(out.structures.size());
+        out.structures.push_back(raw.structures[index]);
+    }
+    for (RawContour contour : raw.contours) {
+        if (new_index[contour.structure] == none) continue;
+        contour.structure = new_index[contour.structure];
+        out.contours.push_back(std::move(contour));
+    }
+    return out;
+}
+
+std::vector<ContourReport> contour_log(const RawContours& raw, const CleanResult& cleaned) {
+    std::vector<ContourReport> log;
+    log.reserve(cleaned.log.size());
+    for (const ContourLog& entry : cleaned.log) {
+        const RawContour& contour = raw.contours[entry.raw_contour];
+        const Structure& structure = raw.structures[contour.structure];
+        ContourReport line;
+        line.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+        if (contour.plane >= 0 && static_cast<std::size_t>(contour.plane) < raw.plane_names.size()) {
+            line.slice = raw.plane_names[static_cast<std::size_t>(contour.plane)];
+        }
+        line.name = contour.name;
+        line.rule = entry.rule;
+        line.points_in = entry.points_in;
+        line.points_kept = entry.points_kept;
+        line.max_displacement_mm = entry.max_displacement_mm;
+        line.area_change_mm2 = entry.area_change_mm2;
+        log.push_back(std::move(line));
+    }
+    return log;
+}
+
+Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& options, RunContext& context) {
+    const std::string why = "the input holds contours, not an image";
+    if (options.threshold) return does_not_apply("--threshold", options.input, why);
+    if (options.keep_largest) return does_not_apply("--keep-largest", options.input, why);
+    if (options.min_area_mm2) return does_not_apply("--min-area", options.input, why);
+
+    RawContours& all = *input.contours;
+    ANATOMESH_TRY(const auto chosen, find_structures(all.structures, options.structures, options.input));
+    const RawContours raw =
+        chosen.size() < all.structures.size() ? chosen_contours(all, chosen) : std::move(all);
+    ANATOMESH_TRY(CleanResult cleaned, clean_contours(raw, CleanOptions{}, context));
+
+    InputContours result;
+    result.files = std::move(input.files);
+    result.log = contour_log(raw, cleaned);
+    result.hole_rule = "even-odd: a contour inside another of its structure is a hole";
+    result.traced_points = cleaned.stats.points_in;
+    result.kept = std::move(cleaned.kept);
+    if (options.every.value_or(1) > 1) {
+        if (!all_parallel(result.kept, parallel_tolerance_mm)) {
+            return does_not_apply("--every", options.input,
+                                  "the slices are not parallel, so they have no order");
+        }
+        result.kept = every_nth_slice(result.kept, *options.every, options.offset);
+        if (result.kept.contours.empty()) {
+            return usage_error("E-CMD-008", "no slice is left after --every and --offset", options.input,
+                               "choose a smaller --every or --offset");
+        }
+    }
+    if (options.epsilon_mm.value_or(0) > 0) {
+        SimplifyOptions simplifying;
+        simplifying.epsilon_mm = *options.epsilon_mm;
+        ANATOMESH_TRY(SimplifyResult simplified, simplify_contours(result.kept, simplifying, context));
+        result.kept = std::move(simplified.kept);
+        result.epsilon_mm = *options.epsilon_mm;
+    }
+    return result;
+}
+
+// The options that say which part of the input was taken, as used.
+std::vector<std::pair<std::string, std::string>> used_options(const InputOptions& options) {
+    std::vector<std::pair<std::string, std::string>> used;
+    if (!options.frame.empty()) used.emplace_back("frame", options.frame);
+    if (!options.nifti_transform.empty()) used.emplace_back("use", options.nifti_transform);
+    if (!options.assume_orientation.empty())
+        used.emplace_back("assume_orientation", options.assume_orientation);
+    if (options.volume) used.emplace_back("volume", std::to_string(*options.volume));
+    used.emplace_back("structure", options.structures.empty()
+                                       ? "all"
+                                       : fmt::format("{}", fmt::join(options.structures, ", ")));
+    if (options.threshold) {
+        const bool open = options.threshold->high == std::numeric_limits<double>::infinity();
+        used.emplace_back("threshold", number_text(options.threshold->low) +
+                                           (open ? "" : ":" + number_text(options.threshold->high)));
+    }
+    if (options.keep_largest) used.emplace_back("keep_largest", std::to_string(*options.keep_largest));
+    used.emplace_back("every", std::to_string(options.every.value_or(1)));
+    used.emplace_back("offset", std::to_string(options.offset));
+    return used;
+}
+
+}  // namespace
+
+Result<OpenedInput> open_input(const InputOptions& options, RunContext& context) {
+    std::error_code error;
+    const bool folder = fs::is_directory(options.input, error);
+    if (folder) return open_contours(options, FileKind::vtk_polydata, true, context);
+    ANATOMESH_TRY(const FileKind kind, detect(options.input));
+    if (is_image(kind)) return open_image(options, kind, context);
+    if (is_contour_file(kind)) return open_contours(options, kind, false, context);
+    return Error{
+        ErrorKind::input,
+        "E-CMD-012",
+        kind == FileKind::unknown ? std::string("the content is of no known kind")
+                                  : fmt::format("a {} is neither an image nor contours", name_of(kind)),
+        {options.input, "", "", "", ""},
+        "inputs are NIfTI, NRRD, MetaImage, InVesalius projects, contour JSON, CSL, VTK polydata and DICOM "
+        "RTSTRUCT"};
+}
+
+Result<InputContours> contours_of(OpenedInput input, const InputOptions& options, RunContext& context) {
+    if (options.offset >= options.every.value_or(1) && options.offset > 0) {
+        return usage_error("E-CMD-008", "--offset must be less than --every", options.input, "");
+    }
+    ANATOMESH_TRY(InputContours result, input.image ? contours_of_image(std::move(input), options, context)
+                                                    : contours_of_file(std::move(input), options, context));
+    auto used = used_options(options);
+    used.insert(used.end(), result.options.begin(), result.options.end());
+    used.emplace_back("epsilon_mm", result.epsilon_mm > 0 ? number_text(result.epsilon_mm) : "exact");
+    result.options = std::move(used);
+    return result;
+}
+
+Result<std::vector<std::uint32_t>> find_structures(const std::vector<Structure>& all,
+                                                   const std::vector<std::string>& wanted,
+                                                   const std::string& file) {
+    std::vector<bool> taken(all.size(), wanted.empty());
+    for (const std::string& text : wanted) {
+        bool found = false;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (all[i].name == text) found = taken[i] = true;
+        }
+        const auto number = parse_integer<std::int32_t>(text);
+        for (std::size_t i = 0; !found && number && i < all.size(); ++i) {
+            if (all[i].number == *number) found = taken[i] = true;
+        }
+        if (found) continue;
+        constexpr std::size_t most_listed = 100;
+        std::vector<std::string> names;
+        for (const Structure& each : all) {
+            if (names.size() == most_listed) break;
+            names.push_back(each.name.empty() ? fmt::format("{}", each.number)
+                                              : fmt::format("{} ({})", each.name, each.number));
+        }
+        Error error = usage_error(
+            "E-CMD-005", "there is no such structure", file,
+            fmt::format("there are: {}{}", fmt::join(names, ", "), all.size() > most_listed ? ", ..." : ""));
+        error.place.structure = text;
+        return error;
+    }
+    std::vector<std::uint32_t> indices;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (taken[i]) indices.push_back(static_cast<std::uint32_t>(i));
+    }
+    return indices;
+}
+
+ContourSet every_nth_slice(const ContourSet& set, std::uint32_t every, std::uint32_t offset) {
+    ContourSet out = set;
+    out.slices.clear();
+    out.contours.clear();
+    out.points.clear();
+    for (std::size_t s = offset; s < set.slices.size(); s += every) {
+        Slice slice = set.slices[s];
+        slice.first_contour = static_cast<std::uint32_t>(out.contours.size());
+        for (Contour contour : set.contours_of(set.slices[s])) {
+            const auto points = set.points_of(contour);
+            contour.slice = static_cast<std::uint32_t>(out.slices.size());
+            contour.first_point = static_cast<std::uint32_t>(out.points.size());
+            out.points.insert(out.points.end(), points.begin(), points.end());
+            out.contours.push_back(contour);
+        }
+        out.slices.push_back(std::move(slice));
+    }
+    return out;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,61 @@
+// From an input file to kept contours: read, choose, trace or clean, simplify. Used by every verb that takes
+// an image, a label map or a contour file.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/base/result.h"
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/raw_contours.h"
+#include "anatomesh/measure/report.h"
+#include "anatomesh_io/file/detect.h"
+#include "anatomesh_io/image/read_image.h"
+#include "input_options.h"
+
+namespace anatomesh {
+
+// An input as it was read: an image, or contours.
+struct OpenedInput {
+    FileKind kind = FileKind::unknown;
+    std::vector<InputReport> files;
+    std::optional<LoadedImage> image;
+    std::optional<RawContours> contours;
+};
+
+// Reads the input whole. Errors: those of the readers; E-CMD-012 a kind of file that is no image and no
+// contours.
+Result<OpenedInput> open_input(const InputOptions& options, RunContext& context);
+
+// Kept contours, and all that the report says about how they came to be.
+struct InputContours {
+    ContourSet kept;
+    std::vector<InputReport> files;
+    std::vector<ContourReport> log;
+    std::vector<std::pair<std::string, std::string>> options;  // as used, after defaults
+    std::string hole_rule;
+    std::uint64_t traced_points = 0;  // before simplification; of drawn contours, the points in the file
+    std::uint32_t islands_left_out = 0;
+    double epsilon_mm = 0;
+};
+
+// Images: threshold or labels -> chosen structures -> largest pieces -> kept slices -> traced and simplified.
+// Contours: chosen structures -> cleaned -> kept slices -> simplified when --epsilon says so.
+// Errors: usage E-CMD-005 no such structure, E-CMD-007 grey image without a threshold, E-CMD-008 an option
+// that does not apply to this kind of input; those of the stages.
+Result<InputContours> contours_of(OpenedInput input, const InputOptions& options, RunContext& context);
+
+// Positions in `all` of the structures that the user named, ascending; all when `wanted` is empty. A text is
+// a name first, else a number. Error: usage E-CMD-005, listing what there is.
+Result<std::vector<std::uint32_t>> find_structures(const std::vector<Structure>& all,
+                                                   const std::vector<std::string>& wanted,
+                                                   const std::string& file);
+
+// The slices offset, offset + every, ... of a set of parallel slices. Requires: a kept set; every >= 1.
+ContourSet every_nth_slice(const ContourSet& set, std::uint32_t every, std::uint32_t offset);
+
+}  // namespace anatomesh

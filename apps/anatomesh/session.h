@@ -1,0 +1,42 @@
+// Session: what every verb shares while one command runs: the context of the run, and how to talk to the
+// user.
+//
+// Answers go to standard output, everything else to standard error. Text from files is shown with control
+// characters replaced, so that a name cannot drive the terminal.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "anatomesh/base/result.h"
+#include "anatomesh/base/run_context.h"
+
+namespace anatomesh {
+
+struct Session {
+    RunContext context;
+    std::string command;  // the command line, quoted as a shell needs it
+    bool json = false;    // the answer as one JSON object
+    bool quiet = false;   // no progress, no warnings, no summary; errors are always said
+};
+
+// The exit code that an error stands for.
+int exit_code(const Error& error);
+
+// Writes the answer to standard output. A closed pipe ends the output quietly; any other failure is an Error
+// E-CMD-009.
+Status print_answer(std::string_view text);
+
+// One line on standard error, control characters shown as '?'.
+void print_line(const std::string& line);
+
+// The error on standard error, and as a JSON object on standard output when the session answers in JSON.
+void print_error(const Session& session, const Error& error);
+
+// The warnings on standard error, at most five of a code, then how many more; nothing when quiet.
+void print_warnings(const Session& session);
+
+// Same text with control characters replaced by '?'. Newlines are kept.
+std::string printable(std::string_view text);
+
+}  // namespace anatomesh

@@ -1,0 +1,87 @@
+"""Figures of a tetrahedral model recomputed from its file by VTK and numpy alone: no code of the program."""
+import numpy as np
+import vtk
+from vtk.util.numpy_support import vtk_to_numpy
+
+FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # outward for positive cells
+EDGES = np.array([[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]])
+
+
+class Model:
+    """points (n, 3), cells (m, 4), structure (m,) of a .vtu file."""
+
+    def __init__(self, path):
+        reader = vtk.vtkXMLUnstructuredGridReader()
+        reader.SetFileName(str(path))
+        reader.Update()
+        grid = reader.GetOutput()
+        assert grid.GetNumberOfCells() > 0, f"{path}: no cells"
+        assert (vtk_to_numpy(grid.GetCellTypesArray()) == vtk.VTK_TETRA).all()
+        self.points = vtk_to_numpy(grid.GetPoints().GetData()).astype(float)
+        self.cells = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).astype(np.int64).reshape(-1, 4)
+        self.structure = vtk_to_numpy(grid.GetCellData().GetArray("structure")).astype(np.int64)
+
+    def volumes(self):
+        a, b, c, d = (self.points[self.cells[:, i]] for i in range(4))
+        return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+
+    def volume(self, number):
+        return float(self.volumes()[self.structure == number].sum())
+
+    def surface(self, chosen=None):
+        """Outward facets with one chosen cell on them (all cells when None): (k, 3)."""
+        cells = self.cells if chosen is None else self.cells[chosen]
+        facets = cells[:, FACETS].reshape(-1, 3)
+        key = np.sort(facets, axis=1)
+        _, index, count = np.unique(key, axis=0, return_index=True, return_counts=True)
+        assert count.max() <= 2, "a facet in more than two cells"
+        return facets[index[count == 1]]
+
+    def radius_edge(self):
+        a, b, c, d = (self.points[self.cells[:, i]] for i in range(4))
+        b, c, d = b - a, c - a, d - a
+        top = ((b ** 2).sum(1)[:, None] * np.cross(c, d) + (c ** 2).sum(1)[:, None] * np.cross(d, b)
+               + (d ** 2).sum(1)[:, None] * np.cross(b, c))
+        radius = np.linalg.norm(top, axis=1) / (2 * np.abs(np.einsum("ij,ij->i", b, np.cross(c, d))))
+        ends = self.points[self.cells[:, EDGES]]
+        return radius / np.linalg.norm(ends[:, :, 0] - ends[:, :, 1], axis=2).min(1)
+
+
+def topology(triangles):
+    """Of a closed oriented surface: open and non-manifold edges and vertices, shells, genus."""
+    edges = np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    owner = np.tile(np.arange(len(triangles)), 3)
+    key = np.sort(edges, axis=1)
+    _, inverse, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
+    figures = {"open_edges": int((count == 1).sum()), "nonmanifold_edges": int((count > 2).sum())}
+    order = np.argsort(inverse, kind="stable")
+    pairs = order[np.searchsorted(inverse[order], np.nonzero(count == 2)[0])[:, None] + [0, 1]]
+    one, other = owner[pairs[:, 0]], owner[pairs[:, 1]]
+    # The triangles round a vertex form one fan when the corners at it are joined across shared edges.
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+    m = len(triangles)
+    rows, cols = [], []
+    for end in (0, 1):
+        vertex = key[pairs[:, 0], end]
+        first = (triangles[one] == vertex[:, None]).argmax(1) * m + one
+        second = (triangles[other] == vertex[:, None]).argmax(1) * m + other
+        rows.append(first)
+        cols.append(second)
+    rows, cols = np.concatenate(rows), np.concatenate(cols)
+    _, fan = connected_components(coo_matrix((np.ones(len(rows)), (rows, cols)), shape=(3 * m, 3 * m)), directed=False)
+    vertex_of_corner = triangles.T.reshape(-1)
+    fans = np.unique(np.c_[vertex_of_corner, fan], axis=0)
+    _, fan_count = np.unique(fans[:, 0], return_counts=True)
+    figures["nonmanifold_vertices"] = int((fan_count > 1).sum())
+    shells, _ = connected_components(coo_matrix((np.ones(len(one)), (one, other)), shape=(m, m)), directed=False)
+    euler = len(np.unique(triangles)) - len(count) + m
+    figures["shells"] = int(shells)
+    figures["genus"] = int(shells - euler // 2)
+    return figures
+
+
+def share_on_surface(model, triangles, vertices):
+    """Share of `vertices` that are vertices of the surface, coordinate for coordinate."""
+    surface = {tuple(p) for p in model.points[np.unique(triangles)].tolist()}
+    return sum(tuple(v) in surface for v in vertices.tolist()) / len(vertices)

@@ -1,0 +1,25 @@
+# Installs into an empty folder, then configures, builds and runs a small program that finds the package there.
+set(root ${BUILD}/install-test)
+file(REMOVE_RECURSE ${root})
+function(step)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "failed (${result}): ${ARGN}\n${output}")
+  endif()
+endfunction()
+step(${CMAKE_COMMAND} --install ${BUILD} --prefix ${root}/prefix)
+foreach(file bin/anatomesh share/man/man1/anatomesh.1 share/bash-completion/completions/anatomesh
+             share/zsh/site-functions/_anatomesh share/fish/vendor_completions.d/anatomesh.fish
+             include/anatomesh/pipeline/build_model.h)
+  if(NOT EXISTS ${root}/prefix/${file})
+    message(FATAL_ERROR "not installed: ${file}")
+  endif()
+endforeach()
+step(${root}/prefix/bin/anatomesh --version)
+step(${CMAKE_COMMAND} -S ${SOURCE} -B ${root}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
+     -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${root}/prefix)
+step(${CMAKE_COMMAND} --build ${root}/build)
+execute_process(COMMAND ${root}/build/consumer WORKING_DIRECTORY ${root} RESULT_VARIABLE result)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "the program that uses the installed library failed: ${result}")
+endif()
