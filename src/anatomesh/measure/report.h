@@ -1,9 +1,12 @@
-// ModelReport: everything that is said about a model, as plain data; anatomesh_io/report writes it as JSON and HTML.
+// ModelReport: everything that is said about a model, as plain data; anatomesh_io/report writes it as JSON
+// and HTML.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "anatomesh/base/result.h"
@@ -20,12 +23,15 @@ struct Clause {
     std::string evidence;   // the measured figures, one sentence
 };
 
+// How many cells a report lists by number; the rest are counted.
+inline constexpr std::size_t max_listed_cells = 10'000;
+
 // A cell that breaks a bound, with what forces it.
 struct ListedCell {
     std::uint32_t cell = 0;
     double value = 0;            // its radius-edge ratio
     std::array<double, 3> at{};  // centroid, mm
-    std::string forced_by;       // "contour vertices 12, 13 0.21 mm apart in slice k = 7", "" when not known
+    std::string forced_by;  // "contour vertices 12 and 13 0.21 mm apart in slice k = 7", "" when not known
 };
 
 // Counts of bins of equal width from low to high; values beyond are counted in the end bins.
@@ -47,20 +53,21 @@ struct StructureReport {
     std::string name;
     std::array<std::uint8_t, 3> color{200, 200, 200};
     std::uint64_t tetrahedra = 0, surface_triangles = 0, surface_vertices = 0;
-    double volume_mesh_mm3 = 0;        // sum of its cells
-    double volume_field_mm3 = 0;       // integral of the field's cross-sections
-    double volume_slices_mm3 = 0;      // plain slice integration: area x spacing
-    double area_mm2 = 0;               // of its surface
-    std::uint32_t components = 0;      // of its surface (shells)
-    std::uint32_t pieces = 0;          // of its volume
-    std::int64_t genus = 0;            // summed over its surface's components
+    double volume_mesh_mm3 = 0;    // sum of its cells
+    double volume_field_mm3 = 0;   // integral of the field's cross-sections; 0 when not known
+    double volume_slices_mm3 = 0;  // plain slice integration: area x spacing; 0 when not known
+    double area_mm2 = 0;           // of its surface
+    std::uint32_t components = 0;  // of its surface (shells)
+    std::uint32_t pieces = 0;      // of its volume
+    std::int64_t genus = 0;        // summed over its surface's components
     std::uint64_t open_edges = 0, nonmanifold_edges = 0, nonmanifold_vertices = 0;
     std::uint64_t contour_vertices = 0, contour_vertices_on_surface = 0;
+    std::uint64_t contour_segments = 0, contour_segments_on_surface = 0;  // chains of surface edges
 };
 
 struct StageReport {
     std::string name;
-    double seconds = 0;           // the only kind of figure that may differ between runs
+    double seconds = 0;                   // the only kind of figure that may differ between runs
     std::uint64_t points = 0, cells = 0;  // after the stage
     std::vector<std::pair<std::string, double>> figures;  // what the stage counted: "culled_share" -> 0.38
 };
@@ -86,16 +93,17 @@ struct ModelReport {
     std::uint64_t vertices = 0, tetrahedra = 0, surface_triangles = 0;
     std::uint64_t slices = 0, contours = 0, contour_vertices = 0, traced_points = 0;
     double epsilon_mm = 0, size_mm = 0, slice_spacing_mm = 0;
-    double share_culled = 0;                       // cells of the Delaunay mesh that were culled
-    double radius_edge_mean_before_refinement = 0; // over the kept cells
+    double share_culled = 0;                        // cells of the Delaunay mesh that were culled
+    double radius_edge_mean_before_refinement = 0;  // over the kept cells
     std::uint64_t islands_left_out = 0;
 
     std::vector<StructureReport> structures;
     std::vector<std::vector<std::uint32_t>> regions;  // members by region, indices into structures; [0] empty
     QualityReport quality;
     std::vector<Clause> certificate;
-    std::vector<ListedCell> listed_cells;          // radius-edge above 2, worst first, at most 1000
-    std::uint64_t listed_cells_total = 0;
+    std::vector<ListedCell> listed_cells;  // radius-edge above 2, worst first, at most max_listed_cells
+    std::uint64_t listed_cells_total = 0,
+                  listed_cells_forced = 0;  // forced: by the input, with the reason known
     std::vector<ContourReport> contour_log;
     std::vector<StageReport> stages;
     std::vector<Warning> warnings;

@@ -1,0 +1,291 @@
+#include "anatomesh/measure/certificate.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "anatomesh/measure/contour_fidelity.h"
+#include "anatomesh/measure/number_text.h"
+#include "anatomesh/measure/quality_report.h"
+#include "anatomesh/measure/volume.h"
+#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/validity.h"
+
+namespace anatomesh {
+
+namespace {
+
+using Surfaces = std::vector<std::vector<Triangle>>;  // by structure
+
+std::string count_of(std::uint64_t part, std::uint64_t total) {
+    return std::to_string(part) + " of " + std::to_string(total);
+}
+
+double surface_area(const std::vector<Vec3>& points, const std::vector<Triangle>& surface) {
+    double twice = 0;
+    for (const Triangle& f : surface) {
+        twice += length(cross(points[f[1]] - points[f[0]], points[f[2]] - points[f[0]]));
+    }
+    return twice / 2;
+}
+
+void measure_structures(const CertificateInput& input, const Surfaces& surfaces,
+                        std::span<const std::uint32_t> neighbors, ModelReport& report) {
+    const TetMesh& mesh = input.mesh;
+    const std::vector<double> volumes = mesh_volumes(mesh, input.regions, input.structures.size());
+    std::vector<std::uint64_t> cells_of_region(input.regions.members.size(), 0);
+    for (const Region region : mesh.regions) ++cells_of_region[region];
+    report.structures.clear();
+    for (std::uint32_t s = 0; s < input.structures.size(); ++s) {
+        const SurfaceTopology topology = surface_topology(surfaces[s]);
+        StructureReport structure;
+        structure.number = input.structures[s].number;
+        structure.name = input.structures[s].name;
+        structure.color = input.structures[s].color;
+        for (std::size_t r = 0; r < cells_of_region.size(); ++r) {
+            if (input.regions.contains(static_cast<Region>(r), s)) structure.tetrahedra += cells_of_region[r];
+        }
+        structure.surface_triangles = topology.triangles;
+        structure.surface_vertices = topology.vertices;
+        structure.volume_mesh_mm3 = volumes[s];
+        if (!input.field_volumes_mm3.empty()) structure.volume_field_mm3 = input.field_volumes_mm3[s];
+        structure.area_mm2 = surface_area(mesh.points, surfaces[s]);
+        structure.components = topology.components;
+        structure.pieces = structure_pieces(mesh, neighbors, input.regions, s);
+        structure.genus = topology.genus;
+        structure.open_edges = topology.open_edges;
+        structure.nonmanifold_edges = topology.nonmanifold_edges + topology.misoriented_edges;
+        structure.nonmanifold_vertices = topology.nonmanifold_vertices;
+        report.structures.push_back(std::move(structure));
+    }
+    report.regions = input.regions.members;
+}
+
+// The model's structure that a contour structure is, or structures.size() when it has none.
+std::size_t matching_structure(const CertificateInput& input, std::uint32_t contour_structure) {
+    if (input.contours->structures.size() == 1 && input.structures.size() == 1) return 0;
+    const std::int32_t number = input.contours->structures[contour_structure].number;
+    const auto found = std::find_if(input.structures.begin(), input.structures.end(),
+                                    [&](const Structure& structure) { return structure.number == number; });
+    return static_cast<std::size_t>(found - input.structures.begin());
+}
+
+// Counts of contour vertices and segments on the surfaces; the vertex of every contour point.
+struct ContourFindings {
+    StructureFidelity all;
+    std::vector<std::uint32_t> vertex_of;
+};
+
+ContourFindings measure_contours(const CertificateInput& input, const Surfaces& surfaces,
+                                 ModelReport& report) {
+    const ContourSet& contours = *input.contours;
+    report.slices = contours.slices.size();
+    report.contours = contours.contours.size();
+    report.contour_vertices = contours.points.size();
+    report.slice_spacing_mm = median_spacing(contours);
+    Surfaces of_contours(contours.structures.size());
+    std::vector<std::size_t> match(contours.structures.size());
+    for (std::uint32_t s = 0; s < match.size(); ++s) {
+        match[s] = matching_structure(input, s);
+        if (match[s] < surfaces.size()) of_contours[s] = surfaces[match[s]];
+    }
+    ContourFidelity fidelity = contour_fidelity(input.mesh.points, of_contours, contours);
+    const std::vector<double> volumes = slice_volumes(contours);
+    ContourFindings findings;
+    for (std::size_t s = 0; s < match.size(); ++s) {
+        const StructureFidelity& part = fidelity.structures[s];
+        findings.all.vertices += part.vertices;
+        findings.all.vertices_on_surface += part.vertices_on_surface;
+        findings.all.segments += part.segments;
+        findings.all.segments_on_surface += part.segments_on_surface;
+        if (match[s] >= report.structures.size()) continue;
+        StructureReport& structure = report.structures[match[s]];
+        structure.contour_vertices += part.vertices;
+        structure.contour_vertices_on_surface += part.vertices_on_surface;
+        structure.contour_segments += part.segments;
+        structure.contour_segments_on_surface += part.segments_on_surface;
+        if (!volumes.empty()) structure.volume_slices_mm3 += volumes[s];
+    }
+    findings.vertex_of = std::move(fidelity.vertex_of);
+    return findings;
+}
+
+void list_cells(const CertificateInput& input, const CellShapes& shapes, const ContourFindings& findings,
+                ModelReport& report) {
+    report.listed_cells.clear();
+    report.listed_cells_total = shapes.over_bound.size();
+    report.listed_cells_forced = 0;
+    if (shapes.over_bound.empty()) return;
+    const ContourSet none;
+    const ForcedCells forced(input.mesh, input.contours ? *input.contours : none, findings.vertex_of);
+    for (const std::uint32_t c : shapes.over_bound) {
+        ListedCell listed{c, shapes.radius_edge[c], {}, forced.reason(c)};
+        report.listed_cells_forced += !listed.forced_by.empty();
+        if (report.listed_cells.size() == max_listed_cells) continue;
+        Vec3 sum;
+        for (const std::uint32_t v : input.mesh.cells[c]) sum += input.mesh.points[v];
+        listed.at = {sum.x / 4, sum.y / 4, sum.z / 4};
+        report.listed_cells.push_back(std::move(listed));
+    }
+}
+
+Clause clause_vertices(const CertificateInput& input, const StructureFidelity& all) {
+    Clause clause{
+        1, ClauseState::not_promised_yet,
+        "Every vertex of a kept contour is a vertex of its structure's surface, at its exact coordinates.",
+        "not checked: no contours were given"};
+    if (!input.contours) return clause;
+    clause.state = all.vertices_on_surface == all.vertices ? ClauseState::kept : ClauseState::broken;
+    clause.evidence = count_of(all.vertices_on_surface, all.vertices) +
+                      " contour vertices are vertices of their structure's surface, bit for bit";
+    return clause;
+}
+
+Clause clause_segments(const CertificateInput& input, const StructureFidelity& all) {
+    Clause clause{
+        2, ClauseState::not_promised_yet,
+        "Every segment of a kept contour is a chain of surface edges; the cut of the model by the slice's "
+        "plane is the drawn region.",
+        "not checked: no contours were given"};
+    if (!input.contours) return clause;
+    clause.evidence =
+        count_of(all.segments_on_surface, all.segments) + " contour segments (" +
+        percent_text(static_cast<double>(all.segments_on_surface), static_cast<double>(all.segments), 2) +
+        ") are chains of surface edges; the cuts by the slices' planes were not measured";
+    return clause;
+}
+
+Clause clause_validity(const MeshCheck& check, const ModelReport& report) {
+    Clause clause{
+        3, ClauseState::kept,
+        "The surface of every structure is closed, oriented and 2-manifold at edges and vertices; regions "
+        "share their interfaces facet for facet; all tetrahedra are positive, none twice; nothing overlaps.",
+        ""};
+    std::uint64_t open = 0, edges = 0, vertices = 0;
+    for (const StructureReport& structure : report.structures) {
+        open += structure.open_edges;
+        edges += structure.nonmanifold_edges;
+        vertices += structure.nonmanifold_vertices;
+    }
+    if (!check.valid() || open + edges + vertices > 0) clause.state = ClauseState::broken;
+    clause.evidence =
+        std::to_string(report.tetrahedra) + " tetrahedra, " + std::to_string(check.boundary_triangles) +
+        " boundary facets, by exact arithmetic: " + to_line(check) +
+        (check.boundary_checked ? "" : " (crossings of the boundary not checked)") + "; surfaces of " +
+        std::to_string(report.structures.size()) + " structures: " + std::to_string(open) + " open edges, " +
+        std::to_string(edges) + " non-manifold edges, " + std::to_string(vertices) + " non-manifold vertices";
+    return clause;
+}
+
+Clause clause_shape(const ModelReport& report) {
+    const QualityReport& quality = report.quality;
+    const std::uint64_t over = report.listed_cells_total, free = over - report.listed_cells_forced;
+    const auto cells = static_cast<double>(report.tetrahedra);
+    Clause clause{
+        4, ClauseState::kept,
+        "Radius-edge ratio at most 2 for every tetrahedron that the input does not force to be worse; "
+        "dihedral angles of at least 10 degrees are not promised yet.",
+        ""};
+    if (static_cast<double>(free) > certificate_share_over_bound * cells) clause.state = ClauseState::broken;
+    clause.evidence =
+        "radius-edge mean " + fixed_text(quality.radius_edge_mean, 3) + ", maximum " +
+        fixed_text(quality.radius_edge_max, 2) + "; " + std::to_string(over) + " tetrahedra (" +
+        percent_text(static_cast<double>(over), cells, 3) + ") above 2, of them " +
+        std::to_string(report.listed_cells_forced) + " forced by the contours; " +
+        (over <= max_listed_cells ? "all listed"
+                                  : "the worst " + std::to_string(max_listed_cells) + " listed") +
+        "; smallest dihedral angle " + fixed_text(quality.dihedral_min_deg, 2) + " degrees, " +
+        std::to_string(quality.dihedral_below_10) + " tetrahedra below 10, " +
+        std::to_string(quality.dihedral_below_15) + " below 15";
+    return clause;
+}
+
+Clause clause_determinism(const CertificateInput& input) {
+    Clause clause{
+        5, ClauseState::kept,
+        "The same input gives the same bytes, for any number of threads and any order of slices and files "
+        "(but for the report's object `timing`).",
+        "by construction: no stage's result depends on the number of threads, on time or on addresses, and "
+        "slices are put in a fixed order before the first stage"};
+    if (!input.made_by_this_run) {
+        clause.state = ClauseState::not_promised_yet;
+        clause.evidence = "not checked: how this model was made is not known";
+    }
+    return clause;
+}
+
+Clause clause_volume(const CertificateInput& input, const ModelReport& report) {
+    Clause clause{6, ClauseState::not_promised_yet,
+                  "The volume by mesh equals the integral of the field's own cross-sections within 0.2 %.",
+                  "not checked: the field was not at hand"};
+    double total = 0, slices = 0, worst = 0;
+    std::string worst_name;
+    for (const StructureReport& structure : report.structures) {
+        total += structure.volume_mesh_mm3;
+        slices += structure.volume_slices_mm3;
+        const double difference = std::abs(structure.volume_mesh_mm3 - structure.volume_field_mm3);
+        if (difference == 0) continue;
+        const double relative =
+            structure.volume_field_mm3 > 0 ? difference / structure.volume_field_mm3 : HUGE_VAL;
+        if (relative <= worst) continue;
+        worst = relative;
+        worst_name = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+    }
+    const std::string beside =
+        slices > 0 ? ", by plain slice integration " + fixed_text(slices / 1000, 3) : "";
+    const std::string volume =
+        "volume of all structures by mesh " + fixed_text(total / 1000, 3) + " ml" + beside;
+    if (input.field_volumes_mm3.empty()) {
+        clause.evidence += "; " + volume;
+        return clause;
+    }
+    clause.state = worst <= certificate_volume_tolerance ? ClauseState::kept : ClauseState::broken;
+    clause.evidence = "largest difference of a structure " + fixed_text(100 * worst, 3) + " %" +
+                      (worst_name.empty() ? "" : " (" + worst_name + ")") + "; " + volume;
+    return clause;
+}
+
+}  // namespace
+
+void measure_model(const CertificateInput& input, const RunContext& context, ModelReport& report) {
+    const TetMesh& mesh = input.mesh;
+    assert(mesh.regions.size() == mesh.cells.size());
+    assert(input.field_volumes_mm3.empty() || input.field_volumes_mm3.size() == input.structures.size());
+
+    const MeshCheck check = check_mesh(mesh);
+    report.vertices = mesh.points.size();
+    report.tetrahedra = mesh.cells.size();
+    report.certificate.clear();
+    if (check.count(MeshFault::index_out_of_range) > 0 || check.count(MeshFault::point_not_finite) > 0) {
+        // Nothing can be measured on such a mesh.
+        report.certificate.push_back(clause_validity(check, report));
+        report.certificate.back().state = ClauseState::broken;
+        return;
+    }
+    const std::vector<std::uint32_t> neighbors = cell_neighbors(mesh.cells, mesh.points.size());
+    Surfaces surfaces;
+    for (std::uint32_t s = 0; s < input.structures.size(); ++s) {
+        surfaces.push_back(structure_surface(mesh, neighbors, input.regions, s));
+    }
+    report.surface_triangles = extract_interfaces(mesh, neighbors).triangles.size();
+    measure_structures(input, surfaces, neighbors, report);
+    ContourFindings findings;
+    if (input.contours) findings = measure_contours(input, surfaces, report);
+    const CellShapes shapes = measure_shapes(mesh, context);
+    report.quality = shapes.report;
+    list_cells(input, shapes, findings, report);
+
+    report.certificate = {clause_vertices(input, findings.all),
+                          clause_segments(input, findings.all),
+                          clause_validity(check, report),
+                          clause_shape(report),
+                          clause_determinism(input),
+                          clause_volume(input, report)};
+}
+
+bool any_broken(std::span<const Clause> certificate) {
+    return std::any_of(certificate.begin(), certificate.end(),
+                       [](const Clause& clause) { return clause.state == ClauseState::broken; });
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,223 @@
+#include "anatomesh/measure/certificate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "anatomesh/measure/contour_fidelity.h"
+#include "anatomesh/measure/number_text.h"
+#include "anatomesh/measure/quality_report.h"
+#include "anatomesh/measure/volume.h"
+#include "anatomesh/mesh/brick_mesh_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+const RegionTable one_structure{{{}, {0}}};
+
+Region everywhere(int, int, int) {
+    return 1;
+}
+
+// A 4 x 4 x 4 block and, in each of its inner planes, the square that bounds it, with the block's own
+// vertices.
+struct Case {
+    TetMesh mesh = testing::brick_mesh({4, 4, 4}, everywhere);
+    std::vector<Structure> structures{{7, "block", {1, 2, 3}}};
+    ContourSet contours;
+
+    Case() {
+        contours.structures = structures;
+        for (int k = 0; k < 3; ++k) {
+            const double z = k + 1;
+            Slice slice;
+            slice.plane = make_plane({0, 0, z}, {0, 0, 1});
+            slice.first_contour = static_cast<std::uint32_t>(k);
+            slice.contour_count = 1;
+            slice.name = "k = " + std::to_string(k);
+            contours.slices.push_back(slice);
+            contours.contours.push_back(
+                {0, static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(4 * k), 4});
+            for (const Vec2 p : {Vec2{0, 0}, Vec2{4, 0}, Vec2{4, 4}, Vec2{0, 4}}) {
+                contours.points.push_back({p.x, p.y, z});
+            }
+        }
+    }
+
+    ModelReport measure(bool with_contours, std::vector<double> field_volumes = {}) const {
+        ModelReport report;
+        RunContext context;
+        measure_model({mesh, one_structure, structures, with_contours ? &contours : nullptr, field_volumes},
+                      context, report);
+        return report;
+    }
+};
+
+TEST(Certificate, a_sound_model_keeps_what_is_promised) {
+    const ModelReport report = Case().measure(true, {64.0});
+    ASSERT_EQ(report.certificate.size(), 6u);
+    for (const int number : {1, 3, 4, 5, 6}) {
+        const Clause& clause = report.certificate[static_cast<std::size_t>(number - 1)];
+        EXPECT_EQ(clause.number, number);
+        EXPECT_EQ(clause.state, ClauseState::kept) << clause.evidence;
+    }
+    EXPECT_EQ(report.certificate[1].state, ClauseState::not_promised_yet);
+    EXPECT_FALSE(any_broken(report.certificate));
+    EXPECT_EQ(report.certificate[0].evidence,
+              "12 of 12 contour vertices are vertices of their structure's surface, bit for bit");
+
+    const StructureReport& structure = report.structures.at(0);
+    EXPECT_EQ(structure.number, 7);
+    EXPECT_EQ(structure.tetrahedra, 384u);
+    EXPECT_EQ(structure.components, 1u);
+    EXPECT_EQ(structure.pieces, 1u);
+    EXPECT_EQ(structure.genus, 0);
+    EXPECT_NEAR(structure.volume_mesh_mm3, 64.0, 1e-12);
+    EXPECT_DOUBLE_EQ(structure.area_mm2, 96.0);
+    EXPECT_DOUBLE_EQ(structure.volume_slices_mm3, 48.0);
+    EXPECT_EQ(structure.contour_segments, 12u);
+    EXPECT_EQ(structure.contour_segments_on_surface, 12u);  // each a chain of four edges
+    EXPECT_EQ(report.slices, 3u);
+    EXPECT_DOUBLE_EQ(report.slice_spacing_mm, 1.0);
+    EXPECT_EQ(report.listed_cells_total, 0u);
+}
+
+TEST(Certificate, without_contours_and_field_their_clauses_are_not_checked) {
+    const ModelReport report = Case().measure(false);
+    for (const std::size_t clause : {0u, 1u, 5u}) {
+        EXPECT_EQ(report.certificate[clause].state, ClauseState::not_promised_yet);
+        EXPECT_EQ(report.certificate[clause].evidence.rfind("not checked", 0), 0u);
+    }
+    EXPECT_EQ(report.certificate[2].state, ClauseState::kept);
+}
+
+TEST(Certificate, a_contour_vertex_off_by_one_bit_breaks_clause_1) {
+    Case off;
+    off.contours.points[5].y = std::nextafter(0.0, 1.0);
+    const ModelReport report = off.measure(true);
+    EXPECT_EQ(report.certificate[0].state, ClauseState::broken);
+    EXPECT_EQ(report.structures[0].contour_vertices_on_surface, 11u);
+    EXPECT_EQ(report.structures[0].contour_segments_on_surface, 10u);
+    EXPECT_TRUE(any_broken(report.certificate));
+}
+
+TEST(Certificate, a_contour_vertex_inside_the_solid_is_not_on_the_surface) {
+    Case inside;
+    inside.contours.points[5] = {2, 2, 2};
+    EXPECT_EQ(inside.measure(true).structures[0].contour_vertices_on_surface, 11u);
+}
+
+TEST(Certificate, a_structure_that_the_model_lacks_breaks_clause_1) {
+    Case lacking;
+    lacking.contours.structures = {{9, "other", {}}, {7, "block", {}}};
+    const ModelReport report = lacking.measure(true);
+    EXPECT_EQ(report.certificate[0].state, ClauseState::broken);
+    EXPECT_EQ(report.structures[0].contour_vertices, 0u);
+}
+
+TEST(Certificate, faults_of_the_mesh_break_clause_3) {
+    Case twice;
+    twice.mesh.cells.push_back(twice.mesh.cells[5]);
+    twice.mesh.regions.push_back(1);
+    EXPECT_EQ(twice.measure(true).certificate[2].state, ClauseState::broken);
+
+    Case touching;
+    touching.mesh =
+        testing::brick_mesh({2, 2, 2}, [](int i, int j, int k) { return Region(i == j && j == k); });
+    EXPECT_EQ(touching.measure(false).structures[0].nonmanifold_vertices, 1u);
+    EXPECT_EQ(touching.measure(false).certificate[2].state, ClauseState::broken);
+
+    Case lost;
+    lost.mesh.cells[0][0] = 99999;
+    const ModelReport report = lost.measure(true);
+    ASSERT_EQ(report.certificate.size(), 1u);
+    EXPECT_EQ(report.certificate[0].state, ClauseState::broken);
+}
+
+TEST(Certificate, a_volume_off_by_more_than_its_bound_breaks_clause_6) {
+    EXPECT_EQ(Case().measure(true, {64.1}).certificate[5].state, ClauseState::kept);
+    EXPECT_EQ(Case().measure(true, {64.2}).certificate[5].state, ClauseState::broken);
+    EXPECT_EQ(Case().measure(true, {0.0}).certificate[5].state, ClauseState::broken);
+}
+
+TEST(Certificate, flat_cells_are_listed_with_what_forces_them) {
+    Case squeezed;
+    // Squeezed to a thin plate: all cells get a large ratio.
+    for (Vec3& p : squeezed.mesh.points) p.x *= 0.01;
+    for (Vec3& p : squeezed.contours.points) p.x *= 0.01;
+    const ModelReport report = squeezed.measure(true);
+    EXPECT_EQ(report.listed_cells_total, 384u);
+    EXPECT_EQ(report.listed_cells.size(), 384u);
+    EXPECT_GE(report.listed_cells[0].value, report.listed_cells[1].value);
+    EXPECT_EQ(report.certificate[3].state, ClauseState::broken);
+    EXPECT_DOUBLE_EQ(report.quality.radius_edge_share_over_2, 1.0);
+    EXPECT_GT(report.quality.dihedral_below_10, 0u);
+}
+
+TEST(ForcedCells, names_the_contour_vertices_of_the_shortest_edge_and_the_sharp_angle) {
+    TetMesh mesh;
+    mesh.points = {{0, 0, 0}, {0.25, 0, 0}, {0, 3, 0}, {0, 0, 4}};
+    mesh.cells = {{0, 1, 2, 3}};
+    mesh.regions = {1};
+    ContourSet contours;
+    contours.structures = {{1, "s", {}}};
+    contours.slices.resize(2);
+    contours.slices[0].name = "k = 7";
+    contours.slices[1].name = "k = 8";
+    contours.contours = {{0, 0, 0, 3}, {0, 1, 3, 3}};
+    contours.points = {{0, 0, 0}, {0.25, 0, 0}, {9, 9, 0}, {0, 0, 4}, {9, 0, 4}, {9, 1, 4}};
+
+    EXPECT_EQ(
+        ForcedCells(mesh, contours, std::vector<std::uint32_t>{0, 1, no_cell, no_cell, no_cell, no_cell})
+            .reason(0),
+        "contour vertices 0 and 1 0.250 mm apart in slice k = 7");
+    EXPECT_EQ(
+        ForcedCells(mesh, contours, std::vector<std::uint32_t>{no_cell, 1, no_cell, 0, no_cell, no_cell})
+            .reason(0),
+        "contour vertices 1 and 3 0.250 mm apart in slices k = 7 and k = 8");
+    EXPECT_EQ(ForcedCells(mesh, contours,
+                          std::vector<std::uint32_t>{no_cell, no_cell, no_cell, 3, no_cell, no_cell})
+                  .reason(0),
+              "an angle of 6.3 degrees at contour vertex 3 in slice k = 8");
+    EXPECT_EQ(ForcedCells(mesh, {}, {}).reason(0), "");
+}
+
+TEST(Volume, overlapping_structures_get_their_overlap_each) {
+    const TetMesh mesh = testing::brick_mesh({3, 1, 1}, [](int i, int, int) { return Region(i + 1); });
+    const std::vector<double> volumes = mesh_volumes(mesh, {{{}, {0}, {0, 1}, {1}}}, 2);
+    EXPECT_DOUBLE_EQ(volumes[0], 2.0);
+    EXPECT_DOUBLE_EQ(volumes[1], 2.0);
+}
+
+TEST(Volume, slices_that_cross_are_not_integrated) {
+    Case turned;
+    turned.contours.slices[1].plane = make_plane({0, 0, 2}, {0, 1, 1});
+    EXPECT_TRUE(slice_volumes(turned.contours).empty());
+}
+
+TEST(QualityReport, figures_of_cubes_cut_in_six) {
+    RunContext context;
+    const CellShapes shapes = measure_shapes(testing::brick_mesh({3, 3, 3}, everywhere), context);
+    const QualityReport& report = shapes.report;
+    // Each such cell has the cube's circumradius, sqrt(3) / 2, and dihedral angles of 45, 60 and 90 degrees.
+    EXPECT_NEAR(report.radius_edge_mean, std::sqrt(3.0) / 2, 1e-12);
+    EXPECT_NEAR(report.radius_edge_max, std::sqrt(3.0) / 2, 1e-12);
+    EXPECT_NEAR(report.dihedral_min_deg, 45.0, 1e-9);
+    EXPECT_NEAR(report.dihedral_max_deg, 90.0, 1e-9);
+    EXPECT_DOUBLE_EQ(report.edge_min_mm, 1.0);
+    EXPECT_DOUBLE_EQ(report.edge_max_mm, std::sqrt(3.0));
+    EXPECT_EQ(report.radius_edge.counts.size(), 50u);
+    EXPECT_EQ(report.radius_edge.counts[7], 162u);  // 0.85 to 0.90
+    EXPECT_EQ(measure_shapes({}, context).report.edge_max_mm, 0.0);
+}
+
+TEST(NumberText, fixed_and_percent) {
+    EXPECT_EQ(fixed_text(2.5, 2), "2.50");
+    EXPECT_EQ(fixed_text(-0.125, 3), "-0.125");
+    EXPECT_EQ(fixed_text(HUGE_VAL, 2), "inf");
+    EXPECT_EQ(percent_text(1, 8, 1), "12.5 %");
+    EXPECT_EQ(percent_text(0, 0, 1), "0 %");
+}
+
+}  // namespace
+}  // namespace anatomesh

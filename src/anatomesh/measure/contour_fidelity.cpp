@@ -1,0 +1,188 @@
+#include "anatomesh/measure/contour_fidelity.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "anatomesh/measure/number_text.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double small_angle_deg = 60.0;
+
+// The vertices of a surface in lexicographic order, and for each its neighbours along edges.
+class SurfaceGraph {
+  public:
+    SurfaceGraph(std::span<const Vec3> points, const std::vector<Triangle>& triangles) : points_(points) {
+        for (const Triangle& f : triangles) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                edges_.push_back({f[i], f[(i + 1) % 3]});
+                edges_.push_back({f[(i + 1) % 3], f[i]});
+            }
+        }
+        std::sort(edges_.begin(), edges_.end());
+        edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+        for (std::size_t e = 0; e < edges_.size(); ++e) {
+            if (e == 0 || edges_[e].from != edges_[e - 1].from) by_place_.push_back(edges_[e].from);
+        }
+        std::sort(by_place_.begin(), by_place_.end(), [&](std::uint32_t a, std::uint32_t b) {
+            if (points[a] == points[b]) return a < b;
+            return lexicographic_less(points[a], points[b]);
+        });
+    }
+
+    // The vertex with exactly these coordinates, or no_cell.
+    std::uint32_t find(Vec3 p) const {
+        const auto at = std::lower_bound(by_place_.begin(), by_place_.end(), p, [&](std::uint32_t v, Vec3 q) {
+            return lexicographic_less(points_[v], q);
+        });
+        return at != by_place_.end() && points_[*at] == p ? *at : no_cell;
+    }
+
+    // Whether edges lead from a to b along the straight line, each step onwards to the nearest vertex on it.
+    bool chain(std::uint32_t a, std::uint32_t b) const {
+        const Vec3 start = points_[a], way = points_[b] - start;
+        const double whole = squared_length(way);
+        const double size = std::max({std::abs(start.x), std::abs(start.y), std::abs(start.z)});
+        const double tolerance = 1e-6 * std::sqrt(whole) + 1e-12 * size;
+        std::uint32_t current = a;
+        double reached = 0;
+        while (current != b) {
+            std::uint32_t next = no_cell;
+            double next_reached = whole;
+            for (const Edge* edge = first_edge(current); edge != end() && edge->from == current; ++edge) {
+                const Vec3 offset = points_[edge->to] - start;
+                const double along = dot(offset, way);
+                if (along <= reached || along > next_reached) continue;
+                if (length(cross(offset, way)) > tolerance * std::sqrt(whole)) continue;
+                next = edge->to;
+                next_reached = along;
+            }
+            if (next == no_cell) return false;
+            current = next;
+            reached = next_reached;
+        }
+        return true;
+    }
+
+  private:
+    struct Edge {
+        std::uint32_t from, to;
+        friend bool operator==(const Edge&, const Edge&) = default;
+        friend bool operator<(const Edge& a, const Edge& b) {
+            return a.from != b.from ? a.from < b.from : a.to < b.to;
+        }
+    };
+
+    const Edge* end() const { return edges_.data() + edges_.size(); }
+    const Edge* first_edge(std::uint32_t v) const {
+        return edges_.data() + (std::lower_bound(edges_.begin(), edges_.end(), Edge{v, 0}) - edges_.begin());
+    }
+
+    std::span<const Vec3> points_;
+    std::vector<Edge> edges_;
+    std::vector<std::uint32_t> by_place_;
+};
+
+}  // namespace
+
+ContourFidelity contour_fidelity(std::span<const Vec3> points,
+                                 std::span<const std::vector<Triangle>> surfaces,
+                                 const ContourSet& contours) {
+    assert(surfaces.size() == contours.structures.size());
+    ContourFidelity fidelity;
+    fidelity.structures.resize(contours.structures.size());
+    fidelity.vertex_of.assign(contours.points.size(), no_cell);
+    // One structure's graph at a time: there may be hundreds of structures.
+    std::vector<std::uint32_t> order(contours.contours.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return contours.contours[a].structure < contours.contours[b].structure;
+    });
+    for (std::size_t i = 0; i < order.size();) {
+        const std::uint32_t structure = contours.contours[order[i]].structure;
+        const SurfaceGraph graph(points, surfaces[structure]);
+        StructureFidelity& count = fidelity.structures[structure];
+        for (; i < order.size() && contours.contours[order[i]].structure == structure; ++i) {
+            const Contour& contour = contours.contours[order[i]];
+            std::uint32_t* const vertex = fidelity.vertex_of.data() + contour.first_point;
+            for (std::uint32_t p = 0; p < contour.point_count; ++p) {
+                vertex[p] = graph.find(contours.points[contour.first_point + p]);
+                ++count.vertices;
+                count.vertices_on_surface += vertex[p] != no_cell;
+            }
+            for (std::uint32_t p = 0; p < contour.point_count; ++p) {
+                const std::uint32_t a = vertex[p], b = vertex[(p + 1) % contour.point_count];
+                ++count.segments;
+                count.segments_on_surface += a != no_cell && b != no_cell && graph.chain(a, b);
+            }
+        }
+    }
+    return fidelity;
+}
+
+ForcedCells::ForcedCells(const TetMesh& mesh, const ContourSet& contours,
+                         std::span<const std::uint32_t> vertex_of)
+    : mesh_(mesh),
+      contours_(contours),
+      point_at_(mesh.points.size(), no_cell),
+      contour_of_(contours.points.size()) {
+    for (std::uint32_t c = 0; c < contours.contours.size(); ++c) {
+        const Contour& contour = contours.contours[c];
+        for (std::uint32_t p = 0; p < contour.point_count; ++p) contour_of_[contour.first_point + p] = c;
+    }
+    for (std::uint32_t p = 0; p < vertex_of.size(); ++p) {
+        const std::uint32_t v = vertex_of[p];
+        if (v != no_cell && point_at_[v] == no_cell) point_at_[v] = p;
+    }
+}
+
+std::string ForcedCells::slice_name(std::uint32_t point) const {
+    const std::uint32_t slice = contours_.contours[contour_of_[point]].slice;
+    const std::string& name = contours_.slices[slice].name;
+    return name.empty() ? std::to_string(slice) : name;
+}
+
+double ForcedCells::contour_angle(std::uint32_t point) const {
+    const Contour& contour = contours_.contours[contour_of_[point]];
+    const std::uint32_t at = point - contour.first_point, n = contour.point_count;
+    const Vec3 here = contours_.points[point];
+    const Vec3 to = contours_.points[contour.first_point + (at + 1) % n] - here;
+    const Vec3 from = contours_.points[contour.first_point + (at + n - 1) % n] - here;
+    return std::atan2(length(cross(to, from)), dot(to, from)) * 180.0 / std::numbers::pi;
+}
+
+std::string ForcedCells::reason(std::uint32_t cell) const {
+    const Cell& vertices = mesh_.cells[cell];
+    std::uint32_t a = 0, b = 0;
+    double shortest = -1;
+    for (const auto& [i, j] : cell_edges) {
+        const std::uint32_t v = vertices[static_cast<std::size_t>(i)],
+                            w = vertices[static_cast<std::size_t>(j)];
+        const double edge = length(mesh_.points[w] - mesh_.points[v]);
+        if (shortest >= 0 && edge >= shortest) continue;
+        shortest = edge;
+        a = point_at_[v];
+        b = point_at_[w];
+    }
+    if (a != no_cell && b != no_cell) {
+        if (a > b) std::swap(a, b);
+        const std::string one = slice_name(a), two = slice_name(b);
+        return "contour vertices " + std::to_string(a) + " and " + std::to_string(b) + " " +
+               fixed_text(shortest, 3) + " mm apart in " +
+               (one == two ? "slice " + one : "slices " + one + " and " + two);
+    }
+    for (const std::uint32_t v : vertices) {
+        if (point_at_[v] == no_cell) continue;
+        const double angle = contour_angle(point_at_[v]);
+        if (angle >= small_angle_deg) continue;
+        return "an angle of " + fixed_text(angle, 1) + " degrees at contour vertex " +
+               std::to_string(point_at_[v]) + " in slice " + slice_name(point_at_[v]);
+    }
+    return {};
+}
+
+}  // namespace anatomesh

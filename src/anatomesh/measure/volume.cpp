@@ -1,0 +1,74 @@
+#include "anatomesh/measure/volume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "anatomesh/mesh/quality.h"
+
+namespace anatomesh {
+
+namespace {
+
+// Signed area of a contour about the slice's normal.
+double signed_area(std::span<const Vec3> polygon, Vec3 normal) {
+    Vec3 sum;
+    for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
+        sum += cross(polygon[i] - polygon[0], polygon[i + 1] - polygon[0]);
+    }
+    return dot(sum, normal) / 2;
+}
+
+// The thickness that each slice stands for.
+std::vector<double> slice_thickness(const ContourSet& set) {
+    const Vec3 normal = set.slices.front().plane.normal;
+    std::vector<double> position;
+    for (const Slice& slice : set.slices) position.push_back(dot(slice.plane.origin, normal));
+    std::vector<std::size_t> order(position.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return position[a] < position[b]; });
+    const auto gap = [&](std::size_t i) { return position[order[i + 1]] - position[order[i]]; };
+    std::vector<double> thickness(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const double before = i > 0 ? gap(i - 1) : gap(i);
+        const double after = i + 1 < order.size() ? gap(i) : gap(i - 1);
+        thickness[order[i]] = (before + after) / 2;
+    }
+    return thickness;
+}
+
+}  // namespace
+
+std::vector<double> mesh_volumes(const TetMesh& mesh, const RegionTable& regions,
+                                 std::size_t structure_count) {
+    std::vector<double> of_region(regions.members.size(), 0.0);
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+        const auto& [i, j, k, l] = mesh.cells[c];
+        of_region[mesh.regions[c]] +=
+            signed_volume(mesh.points[i], mesh.points[j], mesh.points[k], mesh.points[l]);
+    }
+    std::vector<double> of_structure(structure_count, 0.0);
+    for (std::size_t r = 0; r < of_region.size(); ++r) {
+        for (const std::uint32_t s : regions.members[r]) of_structure[s] += of_region[r];
+    }
+    return of_structure;
+}
+
+std::vector<double> slice_volumes(const ContourSet& set) {
+    if (set.slices.size() < 2 || !all_parallel(set, 0.01)) return {};
+    const std::vector<double> thickness = slice_thickness(set);
+    std::vector<double> volumes(set.structures.size(), 0.0);
+    std::vector<double> areas(set.structures.size());
+    for (std::size_t s = 0; s < set.slices.size(); ++s) {
+        const Slice& slice = set.slices[s];
+        std::fill(areas.begin(), areas.end(), 0.0);
+        for (const Contour& contour : set.contours_of(slice)) {
+            areas[contour.structure] += signed_area(set.points_of(contour), slice.plane.normal);
+        }
+        for (std::size_t i = 0; i < areas.size(); ++i) volumes[i] += std::abs(areas[i]) * thickness[s];
+    }
+    return volumes;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,21 @@
+// Volumes: of cells, and of drawn contours by plain slice integration.
+#pragma once
+
+#include <vector>
+
+#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/mesh/tet_mesh.h"
+
+namespace anatomesh {
+
+// mm^3 per structure: the sum of the cells of its regions. Every structure of an overlap gets it whole.
+std::vector<double> mesh_volumes(const TetMesh& mesh, const RegionTable& regions,
+                                 std::size_t structure_count);
+
+// Plain slice integration, mm^3 per structure: every drawn area times half the gap to the slice before plus
+// half the gap to the slice after; the first and the last slice count their one gap on both sides (half a
+// slice beyond the last contour). Empty when the planes are not parallel (0.01 mm over the set) or there are
+// fewer than two. Requires: a kept contour set (holes run against their outer contours).
+std::vector<double> slice_volumes(const ContourSet& set);
+
+}  // namespace anatomesh
