@@ -275,7 +275,7 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
                                                                  RunContext& context) {
     std::vector<Patch> patches = patches_of(set);
     const Spacings spacings = measure_spacings(set, patches);
-    const double clamp = options.clamp_mm > 0 ? options.clamp_mm : 2.0 / 3.0 * spacings.median;
+    const double clamp = options.clamp_mm > 0 ? options.clamp_mm : 1.5 * spacings.median;
     const double margin = options.plane_margin_mm > 0 ? options.plane_margin_mm : spacings.median;
     std::vector<bool> used(set.structures.size(), false);
     for (const Contour& contour : set.contours) used[contour.structure] = true;

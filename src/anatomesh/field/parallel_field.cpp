@@ -12,6 +12,7 @@
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/levels.h"
 #include "anatomesh/field/slice_regions.h"
+#include "anatomesh/field/volume.h"
 
 namespace anatomesh {
 
@@ -96,6 +97,17 @@ class Track {
         return std::max(flat_[part].low - z, z - flat_[part].high);
     }
 
+    std::size_t pair_count() const { return levels_.empty() ? 0 : levels_.size() - 1; }
+
+    // Two neighbouring levels as the maps drawn there (empty_level: none) and the positions they reach.
+    struct Pair {
+        std::int32_t below, above;
+        double below_low, below_high, above_low;
+    };
+    Pair pair(std::size_t i) const {
+        return {levels_[i].map, levels_[i + 1].map, levels_[i].low, levels_[i].high, levels_[i + 1].low};
+    }
+
     // Calls body(z from, z to, map) for the stretch of the axis on which a map has a say.
     template <class Body>
     void each_stretch(Body body) const {
@@ -150,6 +162,9 @@ class ParallelField final : public FieldQueries<ParallelField> {
         }
     }
 
+    Result<std::vector<StructureVolume>> volumes(std::uint32_t count, const VolumeOptions& options,
+                                                 RunContext& context) const override;
+
     Status build(const ContourSet& set, const std::vector<SliceInterval>& intervals,
                  const FieldOptions& options, RunContext& context);
 
@@ -163,6 +178,10 @@ class ParallelField final : public FieldQueries<ParallelField> {
         const Track& track = tracks_[structure];
         return {track.blend(maps_, clamp_, q, z), track.beyond_end(z)};
     }
+    StructureVolume pair_volume(std::uint32_t structure, const Track::Pair& pair,
+                                const VolumeOptions& options) const;
+    double inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
+    bool is_alone(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
     Status build_maps(const ContourSet& set, RunContext& context);
     void build_tracks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
                       const FieldOptions& options, RunContext& context);
@@ -328,6 +347,97 @@ Status ParallelField::build(const ContourSet& set, const std::vector<SliceInterv
     build_near_table();
     build_box();
     return Nothing{};
+}
+
+// Whether no other structure reaches the column over q between two levels.
+bool ParallelField::is_alone(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const {
+    const double last = static_cast<double>(bucket_begin_.size() - 2);
+    const auto from =
+        static_cast<std::size_t>(std::clamp((pair.below_high - low_) * inverse_bucket_, 0.0, last));
+    const auto to =
+        static_cast<std::size_t>(std::clamp((pair.above_low - low_) * inverse_bucket_, 0.0, last));
+    return std::none_of(
+        near_.begin() + bucket_begin_[from], near_.begin() + bucket_begin_[to + 1],
+        [&](const NearEntry& entry) { return entry.structure != structure && entry.box.contains(q); });
+}
+
+// The share of the column over q between two levels that is inside, less what slice integration gives it: a
+// half for each level on which q is inside.
+double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const {
+    const auto distance = [&](std::int32_t map) {
+        return map == empty_level ? clamp_ : maps_[static_cast<std::size_t>(map)]->value(q);
+    };
+    const double a = distance(pair.below), b = distance(pair.above);
+    if (a < 0 && b < 0) return 0;
+    const double by_slices = 0.5 * (a < 0) + 0.5 * (b < 0);
+    if (!partition_ || is_alone(structure, pair, q)) {
+        if (by_slices == 0 || pair.below == empty_level || pair.above == empty_level) return 0;
+        // The blend vanishes where (1 - t) s(a) + t s(b) does; see blend_distances().
+        const double softness = 0.5 * clamp_;
+        const double sa = a / (softness + std::abs(a)), sb = b / (softness + std::abs(b));
+        const double zero = sa / (sa - sb);
+        return (a < 0 ? zero : 1 - zero) - by_slices;
+    }
+    if (std::min(a, b) > 0.25 * clamp_) return 0;  // what others leave between them is thinner
+    constexpr int sections = 12;
+    int inside = 0;
+    std::vector<std::uint32_t> owners;
+    const Vec3 foot = frame_.to_space(q);
+    for (int k = 0; k < sections; ++k) {
+        const double z = pair.below_high + (k + 0.5) / sections * (pair.above_low - pair.below_high);
+        members(foot + z * frame_.normal, owners);
+        inside += !owners.empty() && owners.front() == structure;
+    }
+    return static_cast<double>(inside) / sections - by_slices;
+}
+
+StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Track::Pair& pair,
+                                           const VolumeOptions& options) const {
+    const double gap = pair.above_low - pair.below_high;
+    if (tracks_[structure].beyond_end(0.5 * (pair.below_high + pair.above_low)) > 0) return {};
+    double area = 0, thickness = 0;
+    Box2 box;
+    for (const std::int32_t map : {pair.below, pair.above}) {
+        if (map == empty_level) continue;
+        const DistanceMap& drawn = *maps_[static_cast<std::size_t>(map)];
+        area += 0.5 * drawn.area();
+        box.extend(drawn.region_box().low);
+        box.extend(drawn.region_box().high);
+        if (map == pair.below) thickness = drawn.area() * (pair.below_high - pair.below_low);
+    }
+    StructureVolume volume{gap * area + thickness, gap * area + thickness};
+    if (box.empty() || (!partition_ && (pair.below == empty_level || pair.above == empty_level)))
+        return volume;
+    if (partition_) box = box.grown(0.25 * clamp_);
+    const double correction =
+        lattice_integral(box, options, [&](Vec2 q) { return inside_share(structure, pair, q); });
+    volume.by_field += gap * correction;
+    return volume;
+}
+
+Result<std::vector<StructureVolume>> ParallelField::volumes(std::uint32_t count, const VolumeOptions& options,
+                                                            RunContext& context) const {
+    struct Job {
+        std::uint32_t structure;
+        Track::Pair pair;
+        StructureVolume volume;
+    };
+    std::vector<Job> jobs;
+    for (std::uint32_t s = 0; s < std::min<std::size_t>(count, tracks_.size()); ++s) {
+        for (std::size_t i = 0; i < tracks_[s].pair_count(); ++i) jobs.push_back({s, tracks_[s].pair(i), {}});
+    }
+    parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
+            jobs[j].volume = pair_volume(jobs[j].structure, jobs[j].pair, options);
+        }
+    });
+    if (context.cancelled()) return cancelled_error();
+    std::vector<StructureVolume> totals(count);
+    for (const Job& job : jobs) {
+        totals[job.structure].by_field += job.volume.by_field;
+        totals[job.structure].by_slices += job.volume.by_slices;
+    }
+    return totals;
 }
 
 double median_gap(const std::vector<SliceInterval>& intervals) {

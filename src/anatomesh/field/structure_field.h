@@ -11,6 +11,8 @@
 
 namespace anatomesh {
 
+struct VolumeOptions;
+
 enum class EndCaps : std::uint8_t {
     half,  // half a slice beyond the last contour: the volume a label map means
     flat   // the structure ends at its last contour; a single-slice island still gets half
@@ -31,6 +33,13 @@ struct FieldOptions {
     // Planes in any position: how far beyond its own contours a plane still says "outside". mm; 0: one
     // spacing.
     double plane_margin_mm = 0;
+};
+
+// The volume of one structure, mm^3.
+struct StructureVolume {
+    double by_field = 0;   // integral of the field's cross-sections
+    double by_slices = 0;  // plain slice integration, drawn area x half the gaps to both neighbours, same
+                           // caps; not a number for planes that are not parallel
 };
 
 // Immutable after make_structure_field(); all queries are const and thread-safe.
@@ -64,6 +73,10 @@ class StructureField {
     virtual double slice_spacing() const = 0;  // mm between neighbouring slices (median); > 0
     virtual double clamp() const = 0;          // mm
     virtual Box3 box() const = 0;              // holds every point with a region other than outside
+
+    // Volume of structures 0 .. count - 1. See volume.h, through which it is called.
+    virtual Result<std::vector<StructureVolume>> volumes(std::uint32_t count, const VolumeOptions& options,
+                                                         RunContext& context) const;
     virtual ~StructureField() = default;
 };
 

@@ -1,0 +1,53 @@
+// field_volumes: the volume that the field itself encloses, to compare a mesh with.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/field/structure_field.h"
+
+namespace anatomesh {
+
+struct VolumeOptions {
+    // Points of the sampling lattice over the box of a structure between two neighbouring slices. [100, 1e8]
+    std::uint32_t points_per_slab = 40000;
+    // Points over the field's box for planes that are not parallel. [1000, 1e9]
+    std::uint32_t points_in_all = 1000000;
+};
+
+// The volume of every structure by the integral of the field's cross-sections.
+// Parallel slices: slice integration of the drawn areas, which are exact, plus the integral of the difference
+// between it and the field, which is not zero only where the two contours differ; along the normal in closed
+// form (where structures of an exclusive set meet: 12 sections), in the plane on a lattice that no straight
+// wall runs along. Planes in any position: a lattice in space. Error: some 0.01 % for organs; it falls with
+// points^-3/4. Guarantees: the same at any thread count. Errors: cancelled.
+inline Result<std::vector<StructureVolume>> field_volumes(const StructureField& field,
+                                                          std::uint32_t structures,
+                                                          const VolumeOptions& options, RunContext& context) {
+    return field.volumes(structures, options, context);
+}
+
+// Integral of f over a box by the points of a square lattice turned by the golden angle, whose rows no
+// straight line of small slope follows. Requires: f vanishes outside the box.
+template <class F>
+double lattice_integral(const Box2& box, const VolumeOptions& options, F&& f) {
+    const Vec2 size = box.high - box.low, centre = 0.5 * (box.low + box.high);
+    const double step = std::sqrt(size.x * size.y / options.points_per_slab);
+    if (!(step > 0)) return 0;
+    // tan of the angle is the golden ratio less one: the slope hardest to approximate by fractions.
+    const double slope = 0.5 * (std::sqrt(5.0) - 1), cosine = 1 / std::sqrt(1 + slope * slope);
+    const Vec2 u{step * cosine, step * slope * cosine}, v{-u.y, u.x};
+    const auto reach = static_cast<std::int64_t>(0.5 * length(size) / step) + 1;
+    double sum = 0;
+    for (std::int64_t j = -reach; j <= reach; ++j) {
+        for (std::int64_t i = -reach; i <= reach; ++i) {
+            const Vec2 q = centre + (static_cast<double>(i) + 0.5) * u + (static_cast<double>(j) + 0.5) * v;
+            if (box.contains(q)) sum += f(q);
+        }
+    }
+    return sum * step * step;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,141 @@
+#include "anatomesh/field/volume.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "anatomesh/field/field_fixtures.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+std::vector<StructureVolume> volumes_of(const ContourSet& set, const FieldOptions& field_options = {},
+                                        const VolumeOptions& options = {}, int threads = 1) {
+    RunContext context;
+    context.threads = threads;
+    const auto field = make_structure_field(set, field_options, context);
+    EXPECT_TRUE(field.ok());
+    const auto volumes =
+        field_volumes(*field.value(), static_cast<std::uint32_t>(set.structures.size()), options, context);
+    EXPECT_TRUE(volumes.ok());
+    return volumes.value();
+}
+
+// The integral by brute force: midpoints of a fine grid in space.
+std::vector<double> by_counting(const ContourSet& set, double step) {
+    RunContext context;
+    const auto field = make_structure_field(set, {}, context).value();
+    const Box3 box = field->box();
+    std::vector<double> totals(set.structures.size(), 0);
+    std::vector<std::uint32_t> inside;
+    for (double z = box.low.z + 0.5 * step; z < box.high.z; z += step) {
+        for (double y = box.low.y + 0.5 * step; y < box.high.y; y += step) {
+            for (double x = box.low.x + 0.5 * step; x < box.high.x; x += step) {
+                field->members({x, y, z}, inside);
+                for (const std::uint32_t s : inside) totals[s] += step * step * step;
+            }
+        }
+    }
+    return totals;
+}
+
+TEST(FieldVolumes, prism_with_half_and_flat_caps_is_exact) {
+    SetBuilder builder;
+    const Ring square{{-20, -20}, {20, -20}, {20, 20}, {-20, 20}};
+    for (const double z : {0.0, 3.0, 6.0, 10.0}) {
+        builder.slice(axial(z));
+        builder.ring(0, square);
+    }
+    const StructureVolume half = volumes_of(builder.set).front();
+    EXPECT_NEAR(half.by_field, 1600 * (10 + 1.5 + 1.5), 1e-6);  // local spacing at both ends: 3
+    EXPECT_NEAR(half.by_slices, half.by_field, 1e-6);
+    FieldOptions options;
+    options.caps = EndCaps::flat;
+    const StructureVolume flat = volumes_of(builder.set, options).front();
+    EXPECT_NEAR(flat.by_field, 16000, 1e-6);
+    EXPECT_NEAR(flat.by_slices, 16000, 1e-6);
+}
+
+// Slices at regular positions integrate a ball's cross-sections almost exactly; the field, between them, must
+// follow.
+TEST(FieldVolumes, ball_and_torus_agree_with_their_formulas) {
+    const double r = 30;
+    const StructureVolume ball_volume = volumes_of(ball(r, -28.5, 3, 720)).front();
+    EXPECT_NEAR(ball_volume.by_slices / (4.0 / 3 * std::numbers::pi * r * r * r), 1, 0.003);
+    EXPECT_NEAR(ball_volume.by_field / ball_volume.by_slices, 1, 0.01);
+
+    SetBuilder torus;  // axis z, radii 30 and 10
+    for (double z = -9.5; z < 10; z += 1) {
+        torus.slice(axial(z));
+        const double half = std::sqrt(100 - z * z);
+        torus.ring(0, circle({}, 30 + half, 720));
+        torus.ring(0, reversed(circle({}, 30 - half, 720)));
+    }
+    const StructureVolume volume = volumes_of(torus.set).front();
+    EXPECT_NEAR(volume.by_field / (2 * std::numbers::pi * std::numbers::pi * 30 * 100), 1, 0.005);
+}
+
+TEST(FieldVolumes, equals_brute_force_counting_of_the_field) {
+    std::mt19937 random(12);
+    SetBuilder builder;
+    for (int k = 0; k < 6; ++k) {
+        builder.slice(axial(2.5 * k));
+        builder.ring(0, star({2.0 * k, 0}, 8, 20, 50, random));
+        builder.ring(0, reversed(star({2.0 * k, 0}, 2, 7, 15, random)));
+        if (k % 3 == 1) builder.ring(0, circle({60, 0}, 3, 30));
+    }
+    const double expected = by_counting(builder.set, 0.2).front();
+    EXPECT_NEAR(volumes_of(builder.set).front().by_field / expected, 1, 5e-4);
+    VolumeOptions fine;
+    fine.points_per_slab = 500000;
+    EXPECT_NEAR(volumes_of(builder.set).front().by_field / volumes_of(builder.set, {}, fine).front().by_field,
+                1, 3e-4);
+}
+
+ContourSet leaning_blocks(bool exclusive) {
+    SetBuilder builder(exclusive);
+    for (int k = 0; k < 6; ++k) {
+        const double wall = 3.0 * k - 6;
+        builder.slice(axial(3.0 * k));
+        builder.ring(0, {{-20, -10}, {wall, -10}, {wall + 3, 0}, {wall, 10}, {-20, 10}});
+        if (exclusive) builder.ring(1, {{wall, -10}, {25, -10}, {25, 10}, {wall, 10}, {wall + 3, 0}});
+    }
+    return builder.set;
+}
+
+TEST(FieldVolumes, walls_along_the_axes_and_shared_walls) {
+    const auto alone = volumes_of(leaning_blocks(false)), pair = volumes_of(leaning_blocks(true));
+    EXPECT_NEAR(alone[0].by_field / by_counting(leaning_blocks(false), 0.2)[0], 1, 1e-3);
+    const std::vector<double> counted = by_counting(leaning_blocks(true), 0.2);
+    for (const std::size_t s : {0u, 1u}) EXPECT_NEAR(pair[s].by_field / counted[s], 1, 1e-3);
+    EXPECT_NEAR(pair[0].by_field + pair[1].by_field, 45 * 20 * 18,
+                0.0005 * 45 * 20 * 18);  // no gap, no overlap
+}
+
+TEST(FieldVolumes, same_at_any_thread_count) {
+    const ContourSet set = ball(30, -28.5, 3, 200);
+    EXPECT_EQ(volumes_of(set, {}, {}, 1).front().by_field, volumes_of(set, {}, {}, 2).front().by_field);
+}
+
+// A ball seen on three crossing stacks: planes in any position.
+TEST(FieldVolumes, ball_on_crossing_planes) {
+    SetBuilder builder;
+    const double r = 20;
+    for (const Vec3 normal : {Vec3{0, 0, 1}, Vec3{0, 1, 0}, Vec3{1, 0.2, 0.1}}) {
+        const Vec3 n = normalized(normal);
+        for (double h = -18; h < r; h += 4) {
+            builder.slice(make_plane(h * n, n));
+            builder.ring(0, circle({}, std::sqrt(r * r - h * h), 180));
+        }
+    }
+    VolumeOptions options;
+    options.points_in_all = 100000;
+    const StructureVolume volume = volumes_of(builder.set, {}, options).front();
+    EXPECT_NEAR(volume.by_field / (4.0 / 3 * std::numbers::pi * r * r * r), 1, 0.03);
+    EXPECT_TRUE(std::isnan(volume.by_slices));
+}
+
+}  // namespace
+}  // namespace anatomesh
