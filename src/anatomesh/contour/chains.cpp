@@ -367,12 +367,30 @@ class Thinner {
             } else if (at_all) {
                 for (std::uint32_t k = span.a; k < span.b; ++k) split.push_back({k, k + 1, true});
             } else {
-                const std::uint32_t middle = farthest(span).first;
-                split.push_back({span.a, middle, true});
-                split.push_back({middle, span.b, true});
+                split_within_bound(span, split);
             }
         }
         spans_.swap(split);
+    }
+
+    // Splits the span once, and its parts as long as they do not keep the bound: a part may lie farther from
+    // its points than the whole did.
+    void split_within_bound(const Span& span, std::vector<Span>& split) {
+        std::uint32_t begin = span.a;
+        ends_.assign({span.b, farthest(span).first});
+        while (!ends_.empty()) {
+            const Span part{begin, ends_.back(), true};
+            if (part.skips()) {
+                const auto [middle, distance] = farthest(part);
+                if (distance > options_.epsilon) {
+                    ends_.push_back(middle);
+                    continue;
+                }
+            }
+            split.push_back(part);
+            begin = part.b;
+            ends_.pop_back();
+        }
     }
 
     // The skipped point farthest from the span, and how far it is.
@@ -404,6 +422,7 @@ class Thinner {
     ShortestPath path_{options_};
     std::vector<Span> spans_;
     SpanGrid grid_;
+    std::vector<std::uint32_t> ends_;  // of the parts of a span still to be looked at, the nearest last
     std::vector<std::uint8_t> marked_;
     std::vector<std::uint32_t> seen_;  // per span: the last one it was checked against
     bool any_marked_ = false;

@@ -159,11 +159,9 @@ std::uint32_t repaint(Pieces& pieces, LabelGrid& grid, std::uint32_t piece, std:
     return piece;
 }
 
-}  // namespace
-
-SmallPieces leave_out_small_pieces(LabelGrid& grid, double min_pixels) {
-    SmallPieces found;
-    if (!(min_pixels > 1)) return found;
+// One pass over all pieces. Returns whether a piece of the outside was repainted: such a piece may hang
+// together across corners, where the piece of a structure that it became does not.
+bool repaint_small_pieces(LabelGrid& grid, double min_pixels, SmallPieces& found) {
     Pieces pieces(grid);
     const std::uint32_t outside = pieces.root(0);  // run 0 is the first border row
 
@@ -176,6 +174,7 @@ SmallPieces leave_out_small_pieces(LabelGrid& grid, double min_pixels) {
     for (std::uint32_t run = 0; run < pieces.run_count(); ++run) {
         if (pieces.root(run) == run) consider(run);
     }
+    const std::uint32_t holes_before = found.holes;
     while (!queue.empty()) {
         const auto [size, piece] = queue.top();
         queue.pop();
@@ -187,6 +186,16 @@ SmallPieces leave_out_small_pieces(LabelGrid& grid, double min_pixels) {
         (label == 0 ? found.hole_pixels : found.island_pixels) += size;
         consider(repaint(pieces, grid, piece, label, surrounding_label(pieces, grid, piece, label)));
     }
+    return found.holes != holes_before;
+}
+
+}  // namespace
+
+SmallPieces leave_out_small_pieces(LabelGrid& grid, double min_pixels) {
+    SmallPieces found;
+    if (!(min_pixels > 1)) return found;
+    // Every repainting removes pixel edges between unlike labels, so the passes come to an end.
+    while (repaint_small_pieces(grid, min_pixels, found)) continue;
     return found;
 }
 
