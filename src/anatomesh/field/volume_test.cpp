@@ -107,8 +107,8 @@ ContourSet leaning_blocks(bool exclusive) {
 
 TEST(FieldVolumes, walls_along_the_axes_and_shared_walls) {
     const auto alone = volumes_of(leaning_blocks(false)), pair = volumes_of(leaning_blocks(true));
-    EXPECT_NEAR(alone[0].by_field / by_counting(leaning_blocks(false), 0.2)[0], 1, 1e-3);
-    const std::vector<double> counted = by_counting(leaning_blocks(true), 0.2);
+    EXPECT_NEAR(alone[0].by_field / by_counting(leaning_blocks(false), 0.125)[0], 1, 1e-3);
+    const std::vector<double> counted = by_counting(leaning_blocks(true), 0.125);
     for (const std::size_t s : {0u, 1u}) EXPECT_NEAR(pair[s].by_field / counted[s], 1, 1e-3);
     EXPECT_NEAR(pair[0].by_field + pair[1].by_field, 45 * 20 * 18,
                 0.0005 * 45 * 20 * 18);  // no gap, no overlap
