@@ -1,0 +1,307 @@
+#include "anatomesh/pipeline/build_model.h"
+
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+#include <optional>
+
+#include "anatomesh/cut/relabel.h"
+#include "anatomesh/cut/split_unsound.h"
+#include "anatomesh/field/volume.h"
+#include "anatomesh/improve/improve.h"
+#include "anatomesh/measure/certificate.h"
+#include "anatomesh/mesh/topology.h"
+#include "anatomesh/pipeline/labelled_mesh.h"
+#include "anatomesh/refine/refine.h"
+#include "anatomesh/sample/sample_points.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
+constexpr double crossing_spacing = 0.3;      // of a crossing point from others, in lengths of its edge
+constexpr int crossing_rounds = 3;
+constexpr int refinement_rounds = 12;
+
+// Everything that one run of the method carries from stage to stage.
+class Builder {
+  public:
+    Builder(const ContourSet& contours, const ModelOptions& options, RunContext& context, const StageObserver& observer)
+        : contours_(contours), options_(options), context_(context), observer_(observer),
+          structures_(static_cast<std::uint32_t>(contours.structures.size())) {}
+
+    Result<Model> run() {
+        ANATOMESH_CHECK_STATUS(make_field());
+        ANATOMESH_CHECK_STATUS(sample());
+        ANATOMESH_CHECK_STATUS(tetrahedralize());
+        ANATOMESH_CHECK_STATUS(cull_cells());
+        ANATOMESH_CHECK_STATUS(refine_cells());
+        ANATOMESH_CHECK_STATUS(cut_cells());
+        ANATOMESH_CHECK_STATUS(improve_cells());
+        drop_outside();
+        ANATOMESH_CHECK_STATUS(certify());
+        return std::move(model_);
+    }
+
+  private:
+    using Clock = std::chrono::steady_clock;
+
+    Status make_field() {
+        FieldOptions options;
+        options.caps = options_.caps;
+        ANATOMESH_TRY(field_, make_structure_field(contours_, options, context_));
+        report().slice_spacing_mm = field_->slice_spacing();
+        return end_stage("field", 0.05);
+    }
+
+    Status sample() {
+        SampleOptions options;
+        options.size_mm = options_.size_mm;
+        ANATOMESH_TRY(sample_, sample_points(contours_, *field_, options, context_));
+        const SampleStats& stats = sample_->stats;
+        figures_ = {{"contour_points", static_cast<double>(stats.contour_points)},
+                    {"segment_points", static_cast<double>(stats.segment_points)},
+                    {"surface_points", static_cast<double>(stats.surface_points)},
+                    {"lattice_points", static_cast<double>(stats.lattice_points)}};
+        report().size_mm = stats.size_mm;
+        // About six cells a point come of a Delaunay mesh; refuse before the work.
+        if (6 * sample_->points.size() > options_.max_tetrahedra || 6 * sample_->points.size() >= no_cell) {
+            return Error{ErrorKind::limit, "E-PIP-001",
+                         "the model would need about " + std::to_string(6 * sample_->points.size()) +
+                             " tetrahedra, more than " + std::to_string(std::min<std::uint64_t>(options_.max_tetrahedra, no_cell)),
+                         {}, "give a larger --size"};
+        }
+        return end_stage("sample", 0.15);
+    }
+
+    Status tetrahedralize() {
+        ANATOMESH_TRY(Tetrahedralization delaunay, Tetrahedralization::create(sample_->points));
+        mesh_.emplace(std::move(delaunay), *field_, structures_, sample_->stats.size_mm,
+                      interface_tolerance * sample_->stats.size_mm);
+        // The mesh's vertex of every contour point, and the structures it must have on its surface.
+        std::vector<std::array<std::uint32_t, 2>> owners;
+        for (const Contour& contour : contours_.contours) {
+            for (std::uint32_t n = contour.first_point; n < contour.first_point + contour.point_count; ++n) {
+                owners.push_back({mesh_->first_vertices()[sample_->contour_vertices[n]], contour.structure});
+            }
+        }
+        owner_pairs_ = std::move(owners);
+        return end_stage("delaunay", 0.35);
+    }
+
+    Status cull_cells() {
+        const CullStats stats = mesh_->update(context_);
+        report().share_culled = static_cast<double>(stats.culled) / static_cast<double>(mesh_->regions().size());
+        figures_ = {{"cells", static_cast<double>(mesh_->regions().size())},
+                    {"culled", static_cast<double>(stats.culled)},
+                    {"culled_share", report().share_culled}};
+        return end_stage("cull", 0.45);
+    }
+
+    Status refine_cells() {
+        double crossing_points = 0, circumcenters = 0, surface_points = 0;
+        for (int round = 0; round < crossing_rounds; ++round) {
+            std::vector<Vec3> found;
+            find_crossing_points(mesh_->points(), mesh_->cells(), mesh_->sides(), *field_, structures_, mesh_->grid(),
+                                 crossing_spacing, found, context_);
+            if (found.empty()) break;
+            crossing_points += static_cast<double>(found.size());
+            ANATOMESH_CHECK_STATUS(grow(found));
+        }
+        RefineOptions options;
+        options.max_radius_edge = options_.max_radius_edge;
+        for (int round = 0; round < refinement_rounds; ++round) {
+            std::vector<Vec3> found;
+            const RefineStats stats = find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), *field_,
+                                                             structures_, mesh_->grid(), options, found, context_);
+            if (round == 0) report().radius_edge_mean_before_refinement = stats.radius_edge_mean;
+            circumcenters += static_cast<double>(stats.circumcenters);
+            surface_points += static_cast<double>(stats.surface_points);
+            // The last few are not worth a round.
+            if (found.size() * 2000 < mesh_->points().size() && round > 2) break;
+            if (found.empty()) break;
+            ANATOMESH_CHECK_STATUS(grow(found));
+        }
+        figures_ = {{"crossing_points", crossing_points}, {"circumcenters", circumcenters}, {"surface_points", surface_points}};
+        return end_stage("refine", 0.6);
+    }
+
+    Status grow(const std::vector<Vec3>& found) {
+        if (context_.cancelled()) return cancelled_error();
+        mesh_->insert(found);
+        mesh_->update(context_);
+        return Nothing{};
+    }
+
+    Status cut_cells() {
+        TetMesh& mesh = model_.mesh;
+        mesh.points = mesh_->points();
+        const ContourOwners owners(owner_pairs_, mesh.points.size());
+        std::vector<std::uint32_t> unsound;
+        RelabelStats relabelled;
+        {
+            const VertexStars stars(mesh_->cells().cells, mesh.points.size());
+            relabelled = relabel(mesh_->cells().cells, mesh_->cells().neighbors, stars, owners, mesh_->regions(),
+                                 mesh_->registry(), unsound);
+        }
+        mesh.cells = mesh_->cells().cells;
+        mesh.regions = mesh_->regions();
+        ANATOMESH_TRY(const SplitStats split, split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
+        model_.regions = mesh_->registry().table();
+        figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
+                    {"cells_moved", static_cast<double>(relabelled.cells_moved)},
+                    {"unsound_after_relabelling", static_cast<double>(relabelled.unsound_after)},
+                    {"edges_split", static_cast<double>(split.edges_split)},
+                    {"vertices_split", static_cast<double>(split.vertices_split)},
+                    {"vertices_joined", static_cast<double>(split.vertices_joined)}};
+        return end_stage("cut", 0.75);
+    }
+
+    Status improve_cells() {
+        // Contour vertices, points on contour segments and the frame stay where they are.
+        std::vector<std::uint8_t> fixed(model_.mesh.points.size(), 0);
+        const SampleStats& stats = sample_->stats;
+        const auto vertices = mesh_->first_vertices();
+        for (std::size_t n = 0; n < stats.contour_points + stats.segment_points; ++n) fixed[vertices[n]] = 1;
+        for (std::size_t n = vertices.size() - stats.frame_points; n < vertices.size(); ++n) fixed[vertices[n]] = 1;
+        ImproveOptions options;
+        options.max_radius_edge = options_.max_radius_edge;
+        options.tolerance_mm = interface_tolerance * stats.size_mm;
+        const ImproveStats improved = improve(model_.mesh, fixed, *field_, structures_, options, context_);
+        figures_ = {{"vertices_onto_interface", static_cast<double>(improved.vertices_onto_interface)},
+                    {"vertices_smoothed", static_cast<double>(improved.vertices_smoothed)},
+                    {"above_bound_before", static_cast<double>(improved.above_bound_before)},
+                    {"above_bound_after", static_cast<double>(improved.above_bound_after)}};
+        return end_stage("improve", 0.85);
+    }
+
+    // Keeps the cells of a region, and the points that they use, in their order.
+    void drop_outside() {
+        TetMesh& mesh = model_.mesh;
+        std::vector<std::uint32_t> vertex(mesh.points.size(), no_cell);
+        std::size_t kept = 0;
+        for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+            if (mesh.regions[c] == 0) continue;
+            for (const std::uint32_t v : mesh.cells[c]) vertex[v] = 0;
+            mesh.cells[kept] = mesh.cells[c];
+            mesh.regions[kept++] = mesh.regions[c];
+        }
+        mesh.cells.resize(kept);
+        mesh.regions.resize(kept);
+        std::uint32_t used = 0;
+        for (std::size_t v = 0; v < vertex.size(); ++v) {
+            if (vertex[v] == no_cell) continue;
+            mesh.points[used] = mesh.points[v];
+            vertex[v] = used++;
+        }
+        mesh.points.resize(used);
+        for (Cell& cell : mesh.cells) {
+            for (std::uint32_t& v : cell) v = vertex[v];
+        }
+        model_.contour_vertices.reserve(sample_->contour_vertices.size());
+        for (const std::uint32_t n : sample_->contour_vertices) {
+            model_.contour_vertices.push_back(vertex[mesh_->first_vertices()[n]]);
+        }
+        compact_regions();
+        model_.structures = contours_.structures;
+    }
+
+    // Keeps the regions that a cell lies in, ordered by their structures, so that their numbers do not depend on the
+    // order in which the method met them.
+    void compact_regions() {
+        std::vector<std::uint8_t> used(model_.regions.members.size(), 0);
+        for (const Region region : model_.mesh.regions) used[region] = 1;
+        std::vector<Region> order;
+        for (std::size_t r = 1; r < used.size(); ++r) {
+            if (used[r]) order.push_back(static_cast<Region>(r));
+        }
+        std::sort(order.begin(), order.end(), [&](Region a, Region b) {
+            const auto &x = model_.regions.members[a], &y = model_.regions.members[b];
+            return x.size() != y.size() ? x.size() < y.size() : x < y;
+        });
+        RegionTable table;
+        std::vector<Region> number(used.size(), 0);
+        for (const Region region : order) {
+            number[region] = static_cast<Region>(table.members.size());
+            table.members.push_back(model_.regions.members[region]);
+        }
+        for (Region& region : model_.mesh.regions) region = number[region];
+        model_.regions = std::move(table);
+    }
+
+    Status certify() {
+        ANATOMESH_TRY(const std::vector<StructureVolume> field_volume, field_volumes(*field_, structures_, {}, context_));
+        std::vector<double> volumes;
+        for (const StructureVolume& volume : field_volume) volumes.push_back(volume.by_field);
+        end_stage_timing("volume");
+        CertificateInput input{model_.mesh, model_.regions, model_.structures};
+        input.contours = &contours_;
+        input.field_volumes_mm3 = volumes;
+        measure_model(input, context_, report());
+        ANATOMESH_CHECK_STATUS(end_stage("certificate", 1.0));
+        for (const Clause& clause : report().certificate) {
+            if (clause.state != ClauseState::broken) continue;
+            return Error{ErrorKind::internal, "E-PIP-002",
+                         "clause " + std::to_string(clause.number) + " of the contract is broken: " + clause.statement +
+                             " (" + clause.evidence + ")",
+                         {}, "try another --size; nothing was written"};
+        }
+        return Nothing{};
+    }
+
+    ModelReport& report() { return model_.report; }
+
+    void end_stage_timing(const std::string& name) {
+        const auto now = Clock::now();
+        StageReport stage;
+        stage.name = name;
+        stage.seconds = std::chrono::duration<double>(now - stage_start_).count();
+        stage.points = mesh_ ? (model_.mesh.points.empty() ? mesh_->points().size() : model_.mesh.points.size())
+                             : (sample_ ? sample_->points.size() : 0);
+        stage.cells = model_.mesh.cells.empty() ? (mesh_ ? mesh_->regions().size() : 0) : model_.mesh.cells.size();
+        stage.figures = std::move(figures_);
+        figures_.clear();
+        report().stages.push_back(std::move(stage));
+        stage_start_ = now;
+    }
+
+    // Notes the stage in the report, shows its mesh, and stops if the user wants it.
+    Status end_stage(const std::string& name, double share_done) {
+        end_stage_timing(name);
+        if (observer_ && mesh_) {
+            if (!model_.mesh.cells.empty()) {
+                observer_(name, model_.mesh);
+            } else if (!mesh_->regions().empty()) {
+                observer_(name, {mesh_->points(), mesh_->cells().cells, mesh_->regions()});
+            }
+            stage_start_ = Clock::now();
+        }
+        context_.report(name, share_done);
+        if (context_.cancelled()) return cancelled_error();
+        return Nothing{};
+    }
+
+    const ContourSet& contours_;
+    const ModelOptions& options_;
+    RunContext& context_;
+    const StageObserver& observer_;
+    std::uint32_t structures_;
+
+    std::shared_ptr<const StructureField> field_;
+    std::optional<PointSample> sample_;
+    std::optional<LabelledMesh> mesh_;
+    std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
+    Model model_;
+    std::vector<std::pair<std::string, double>> figures_;  // of the stage under way
+    Clock::time_point stage_start_ = Clock::now();
+};
+
+}  // namespace
+
+Result<Model> build_model(const ContourSet& contours, const ModelOptions& options, RunContext& context,
+                          const StageObserver& observer) {
+    return Builder(contours, options, context, observer).run();
+}
+
+}  // namespace anatomesh
