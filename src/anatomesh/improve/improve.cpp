@@ -2,13 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
-#include <span>
 
-#include "anatomesh/cut/star.h"
-#include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/quality.h"
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/improve/vertex_mover.h"
 #include "anatomesh/sample/interface_probe.h"
 
 namespace anatomesh {
@@ -19,7 +14,7 @@ class Improver {
   public:
     Improver(TetMesh& mesh, const std::vector<std::uint8_t>& fixed, const StructureField& field,
              std::uint32_t structures, const ImproveOptions& options)
-        : mesh_(mesh), fixed_(fixed), options_(options), stars_(mesh.cells, mesh.points.size()), probe_(field, structures) {
+        : mesh_(mesh), fixed_(fixed), options_(options), mover_(mesh, options.max_radius_edge), probe_(field, structures) {
         find_interface_vertices();
     }
 
@@ -49,63 +44,22 @@ class Improver {
         }
     }
 
-    double ratio(std::uint32_t c) const {
-        const Cell& cell = mesh_.cells[c];
-        return radius_edge_ratio(mesh_.points[cell[0]], mesh_.points[cell[1]], mesh_.points[cell[2]], mesh_.points[cell[3]]);
-    }
-
     std::vector<std::uint32_t> bad_cells() const {
         std::vector<std::uint32_t> bad;
         for (std::uint32_t c = 0; c < mesh_.cells.size(); ++c) {
-            if (mesh_.regions[c] != 0 && ratio(c) > options_.max_radius_edge) bad.push_back(c);
+            if (mesh_.regions[c] != 0 && mover_.ratio(c) > options_.max_radius_edge) bad.push_back(c);
         }
         return bad;
-    }
-
-    // The worst ratio of the cells inside at v.
-    double worst_ratio(std::uint32_t v) const {
-        double worst = 0;
-        for (const std::uint32_t c : stars_.at(v)) {
-            if (mesh_.regions[c] != 0) worst = std::max(worst, ratio(c));
-        }
-        return worst;
-    }
-
-    bool all_positive(std::uint32_t v) const {
-        return std::all_of(stars_.at(v).begin(), stars_.at(v).end(), [&](std::uint32_t c) {
-            const Cell& cell = mesh_.cells[c];
-            return orient3d(mesh_.points[cell[0]], mesh_.points[cell[1]], mesh_.points[cell[2]], mesh_.points[cell[3]]) > 0;
-        });
-    }
-
-    double shortest_edge_at(std::uint32_t v) const {
-        double squared = INFINITY;
-        for (const std::uint32_t c : stars_.at(v)) {
-            for (const std::uint32_t u : mesh_.cells[c]) {
-                if (u != v) squared = std::min(squared, squared_length(mesh_.points[u] - mesh_.points[v]));
-            }
-        }
-        return std::sqrt(squared);
-    }
-
-    // Moves v to p unless a cell would turn over or the worst ratio get worse beyond the bound.
-    bool try_move(std::uint32_t v, Vec3 p, double worst_before) {
-        const Vec3 from = mesh_.points[v];
-        mesh_.points[v] = p;
-        if (worst_ratio(v) <= std::max(worst_before, options_.max_radius_edge) && all_positive(v)) return true;
-        mesh_.points[v] = from;
-        return false;
     }
 
     void pull_onto_interface(std::uint32_t v) {
         const Vec3 from = mesh_.points[v];
         if (probe_.distance(from) <= options_.tolerance_mm) return;
-        const double reach = 2.0 * shortest_edge_at(v);
+        const double reach = 2.0 * mover_.shortest_edge(v);
         const auto target = probe_.project(from, reach, 0.1 * options_.tolerance_mm);
         if (!target) return;
-        const double before = worst_ratio(v);
         for (const double share : {1.0, 0.5, 0.25}) {
-            if (try_move(v, from + share * (*target - from), before)) {
+            if (mover_.try_move(v, from + share * (*target - from))) {
                 ++stats_.vertices_onto_interface;
                 return;
             }
@@ -129,36 +83,27 @@ class Improver {
 
     // Compass search for the place where the worst ratio is least.
     bool smooth(std::uint32_t v) {
-        const double start = worst_ratio(v);
-        if (start <= options_.max_radius_edge) return false;
-        double best = start;
-        for (double step = 0.3 * shortest_edge_at(v); step > 0.02 * shortest_edge_at(v); step *= 0.5) {
+        const double start = mover_.worst_ratio(v), reach = mover_.shortest_edge(v);
+        bool moved = false;
+        for (double step = 0.3 * reach; step > 0.02 * reach && mover_.worst_ratio(v) > options_.max_radius_edge; step *= 0.5) {
             for (int direction = 0; direction < 6; ++direction) {
-                const Vec3 from = mesh_.points[v];
                 const double d = direction % 2 ? -step : step;
-                Vec3 to = from + Vec3{direction / 2 == 0 ? d : 0, direction / 2 == 1 ? d : 0, direction / 2 == 2 ? d : 0};
+                Vec3 to = mesh_.points[v] + Vec3{direction / 2 == 0 ? d : 0, direction / 2 == 1 ? d : 0, direction / 2 == 2 ? d : 0};
                 if (on_interface_[v]) {
                     const auto onto = probe_.project(to, 2 * step, 0.1 * options_.tolerance_mm);
                     if (onto) to = *onto;
                     if (!onto && probe_.distance(to) > options_.tolerance_mm) continue;
                 }
-                mesh_.points[v] = to;
-                const double now = worst_ratio(v);
-                if (now < best && all_positive(v)) {
-                    best = now;
-                } else {
-                    mesh_.points[v] = from;
-                }
+                moved = mover_.try_better(v, to) || moved;
             }
-            if (best <= options_.max_radius_edge) break;
         }
-        return best < start;
+        return moved && mover_.worst_ratio(v) < start;
     }
 
     TetMesh& mesh_;
     const std::vector<std::uint8_t>& fixed_;
     ImproveOptions options_;
-    VertexStars stars_;
+    VertexMover mover_;
     InterfaceProbe probe_;
     std::vector<std::uint8_t> on_interface_;
     ImproveStats stats_;

@@ -8,6 +8,7 @@
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/field/volume.h"
+#include "anatomesh/improve/balance_volumes.h"
 #include "anatomesh/improve/improve.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/mesh/topology.h"
@@ -21,6 +22,7 @@ namespace {
 
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
 constexpr double crossing_spacing = 0.3;      // of a crossing point from others, in lengths of its edge
+constexpr double balance_reach = 0.1;         // no vertex moves further than this for the volume's sake, in sizes
 constexpr int crossing_rounds = 3;
 constexpr int refinement_rounds = 12;
 
@@ -33,6 +35,7 @@ class Builder {
 
     Result<Model> run() {
         ANATOMESH_CHECK_STATUS(make_field());
+        ANATOMESH_CHECK_STATUS(measure_field());
         ANATOMESH_CHECK_STATUS(sample());
         ANATOMESH_CHECK_STATUS(tetrahedralize());
         ANATOMESH_CHECK_STATUS(cull_cells());
@@ -53,6 +56,12 @@ class Builder {
         ANATOMESH_TRY(field_, make_structure_field(contours_, options, context_));
         report().slice_spacing_mm = field_->slice_spacing();
         return end_stage("field", 0.05);
+    }
+
+    Status measure_field() {
+        ANATOMESH_TRY(const std::vector<StructureVolume> volumes, field_volumes(*field_, structures_, {}, context_));
+        for (const StructureVolume& volume : volumes) volumes_mm3_.push_back(volume.by_field);
+        return end_stage("volume", 0.1);
     }
 
     Status sample() {
@@ -169,10 +178,17 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * stats.size_mm;
         const ImproveStats improved = improve(model_.mesh, fixed, *field_, structures_, options, context_);
+        BalanceOptions balance;
+        balance.max_offset_mm = balance_reach * stats.size_mm;
+        const BalanceStats balanced =
+            balance_volumes(model_.mesh, model_.regions, fixed, volumes_mm3_, options_.max_radius_edge, balance);
         figures_ = {{"vertices_onto_interface", static_cast<double>(improved.vertices_onto_interface)},
                     {"vertices_smoothed", static_cast<double>(improved.vertices_smoothed)},
                     {"above_bound_before", static_cast<double>(improved.above_bound_before)},
-                    {"above_bound_after", static_cast<double>(improved.above_bound_after)}};
+                    {"above_bound_after", static_cast<double>(improved.above_bound_after)},
+                    {"largest_volume_offset_mm", balanced.largest_offset_mm},
+                    {"volume_difference_before", balanced.worst_before},
+                    {"volume_difference_after", balanced.worst_after}};
         return end_stage("improve", 0.85);
     }
 
@@ -231,13 +247,9 @@ class Builder {
     }
 
     Status certify() {
-        ANATOMESH_TRY(const std::vector<StructureVolume> field_volume, field_volumes(*field_, structures_, {}, context_));
-        std::vector<double> volumes;
-        for (const StructureVolume& volume : field_volume) volumes.push_back(volume.by_field);
-        end_stage_timing("volume");
         CertificateInput input{model_.mesh, model_.regions, model_.structures};
         input.contours = &contours_;
-        input.field_volumes_mm3 = volumes;
+        input.field_volumes_mm3 = volumes_mm3_;
         measure_model(input, context_, report());
         ANATOMESH_CHECK_STATUS(end_stage("certificate", 1.0));
         for (const Clause& clause : report().certificate) {
@@ -289,6 +301,7 @@ class Builder {
     std::uint32_t structures_;
 
     std::shared_ptr<const StructureField> field_;
+    std::vector<double> volumes_mm3_;  // of the field, by structure
     std::optional<PointSample> sample_;
     std::optional<LabelledMesh> mesh_;
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;

@@ -1,0 +1,59 @@
+#include "anatomesh/improve/vertex_mover.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "anatomesh/geom/predicates.h"
+#include "anatomesh/mesh/quality.h"
+
+namespace anatomesh {
+
+bool VertexMover::try_move(std::uint32_t v, Vec3 p) {
+    const double before = worst_ratio(v);
+    const Vec3 from = mesh_.points[v];
+    mesh_.points[v] = p;
+    if (worst_ratio(v) <= std::max(before, max_radius_edge_) && all_positive(v)) return true;
+    mesh_.points[v] = from;
+    return false;
+}
+
+bool VertexMover::try_better(std::uint32_t v, Vec3 p) {
+    const double before = worst_ratio(v);
+    const Vec3 from = mesh_.points[v];
+    mesh_.points[v] = p;
+    if (worst_ratio(v) < before && all_positive(v)) return true;
+    mesh_.points[v] = from;
+    return false;
+}
+
+double VertexMover::ratio(std::uint32_t cell) const {
+    const Cell& c = mesh_.cells[cell];
+    return radius_edge_ratio(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]], mesh_.points[c[3]]);
+}
+
+double VertexMover::worst_ratio(std::uint32_t v) const {
+    double worst = 0;
+    for (const std::uint32_t c : stars_.at(v)) {
+        if (mesh_.regions[c] != 0) worst = std::max(worst, ratio(c));
+    }
+    return worst;
+}
+
+double VertexMover::shortest_edge(std::uint32_t v) const {
+    double squared = INFINITY;
+    for (const std::uint32_t c : stars_.at(v)) {
+        for (const std::uint32_t u : mesh_.cells[c]) {
+            if (u != v) squared = std::min(squared, squared_length(mesh_.points[u] - mesh_.points[v]));
+        }
+    }
+    return std::sqrt(squared);
+}
+
+bool VertexMover::all_positive(std::uint32_t v) const {
+    return std::all_of(stars_.at(v).begin(), stars_.at(v).end(), [&](std::uint32_t cell) {
+        const Cell& c = mesh_.cells[cell];
+        return orient3d(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]], mesh_.points[c[3]]) > 0;
+    });
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,36 @@
+// VertexMover: moves one vertex of a mesh if the cells round it stay valid and no worse.
+#pragma once
+
+#include <cstdint>
+
+#include "anatomesh/cut/star.h"
+#include "anatomesh/mesh/tet_mesh.h"
+
+namespace anatomesh {
+
+// Connectivity and regions of the mesh must not change while a mover looks at it.
+class VertexMover {
+  public:
+    VertexMover(TetMesh& mesh, double max_radius_edge)
+        : mesh_(mesh), max_radius_edge_(max_radius_edge), stars_(mesh.cells, mesh.points.size()) {}
+
+    // Moves v to p and says true if every cell at v stays positive (exactly) and the worst radius-edge ratio of the
+    // cells inside at v stays below the bound or falls; else leaves it and says false.
+    bool try_move(std::uint32_t v, Vec3 p);
+
+    // As try_move, but only if the worst ratio falls.
+    bool try_better(std::uint32_t v, Vec3 p);
+
+    double ratio(std::uint32_t cell) const;
+    double worst_ratio(std::uint32_t v) const;  // of the cells inside at v
+    double shortest_edge(std::uint32_t v) const;
+
+  private:
+    bool all_positive(std::uint32_t v) const;
+
+    TetMesh& mesh_;
+    double max_radius_edge_;
+    VertexStars stars_;
+};
+
+}  // namespace anatomesh
