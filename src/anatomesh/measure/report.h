@@ -85,6 +85,7 @@ struct ContourReport {
 
 struct ModelReport {
     std::string version, command;
+    std::vector<std::pair<std::string, std::string>> libraries;  // name, version: "CGAL" -> "5.5.1"
     std::vector<InputReport> inputs;
     std::vector<std::pair<std::string, std::string>> options;  // name, value as used (after defaults)
     std::string space = "LPS", unit = "mm";

@@ -1,0 +1,235 @@
+#include "anatomesh_io/report/report_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <tuple>
+
+namespace anatomesh {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+// A volume of 0 means that it is not known.
+Json known(double value) {
+    return value > 0 ? number(value) : Json(nullptr);
+}
+
+const char* state_name(ClauseState state) {
+    switch (state) {
+        case ClauseState::kept:
+            return "kept";
+        case ClauseState::broken:
+            return "broken";
+        case ClauseState::not_promised_yet:
+            break;
+    }
+    return "not promised yet";
+}
+
+Json inputs_json(std::vector<InputReport> inputs) {
+    // The order in which files were named does not matter to the model.
+    std::sort(inputs.begin(), inputs.end(), [](const InputReport& a, const InputReport& b) {
+        return std::tie(a.file, a.sha256) < std::tie(b.file, b.sha256);
+    });
+    Json list = Json::array();
+    for (const InputReport& input : inputs) {
+        list.push_back({{"file", input.file},
+                        {"format", input.format},
+                        {"bytes", input.bytes},
+                        {"sha256", input.sha256}});
+    }
+    return list;
+}
+
+Json options_json(const ModelReport& report) {
+    Json options = Json::object();
+    for (const auto& [name, value] : report.options) {
+        if (name != "threads") options[name] = value;
+    }
+    return options;
+}
+
+Json structures_json(const ModelReport& report) {
+    Json list = Json::array();
+    for (const StructureReport& s : report.structures) {
+        list.push_back({{"number", s.number},
+                        {"name", s.name},
+                        {"color", s.color},
+                        {"tetrahedra", s.tetrahedra},
+                        {"surface_triangles", s.surface_triangles},
+                        {"surface_vertices", s.surface_vertices},
+                        {"volume_mesh_mm3", number(s.volume_mesh_mm3)},
+                        {"volume_field_mm3", known(s.volume_field_mm3)},
+                        {"volume_slices_mm3", known(s.volume_slices_mm3)},
+                        {"area_mm2", number(s.area_mm2)},
+                        {"components", s.components},
+                        {"pieces", s.pieces},
+                        {"genus", s.genus},
+                        {"open_edges", s.open_edges},
+                        {"nonmanifold_edges", s.nonmanifold_edges},
+                        {"nonmanifold_vertices", s.nonmanifold_vertices},
+                        {"contour_vertices", s.contour_vertices},
+                        {"contour_vertices_on_surface", s.contour_vertices_on_surface},
+                        {"contour_segments", s.contour_segments},
+                        {"contour_segments_on_surface", s.contour_segments_on_surface}});
+    }
+    return list;
+}
+
+Json histogram_json(const Histogram& histogram) {
+    return {{"low", histogram.low}, {"high", histogram.high}, {"counts", histogram.counts}};
+}
+
+Json quality_json(const QualityReport& q) {
+    return {
+        {"radius_edge",
+         {{"mean", number(q.radius_edge_mean)},
+          {"p99", number(q.radius_edge_p99)},
+          {"max", number(q.radius_edge_max)},
+          {"share_over_2", number(q.radius_edge_share_over_2)},
+          {"histogram", histogram_json(q.radius_edge)}}},
+        {"dihedral_deg",
+         {{"min", number(q.dihedral_min_deg)},
+          {"p01_of_min", number(q.dihedral_p01_deg)},
+          {"median_of_min", number(q.dihedral_median_min_deg)},
+          {"max", number(q.dihedral_max_deg)},
+          {"tetrahedra_below_10", q.dihedral_below_10},
+          {"tetrahedra_below_15", q.dihedral_below_15},
+          {"histogram_of_min", histogram_json(q.min_dihedral)}}},
+        {"edge_mm",
+         {{"min", number(q.edge_min_mm)}, {"mean", number(q.edge_mean_mm)}, {"max", number(q.edge_max_mm)}}}};
+}
+
+Json certificate_json(const ModelReport& report) {
+    Json list = Json::array();
+    for (const Clause& clause : report.certificate) {
+        list.push_back({{"clause", clause.number},
+                        {"state", state_name(clause.state)},
+                        {"statement", clause.statement},
+                        {"evidence", clause.evidence}});
+    }
+    return list;
+}
+
+Json listed_cells_json(const ModelReport& report) {
+    Json cells = Json::array();
+    for (const ListedCell& cell : report.listed_cells) {
+        cells.push_back({{"cell", cell.cell},
+                         {"radius_edge", number(cell.value)},
+                         {"at_mm", cell.at},
+                         {"forced_by", cell.forced_by}});
+    }
+    return {{"radius_edge_above", 2.0},
+            {"total", report.listed_cells_total},
+            {"forced_by_input", report.listed_cells_forced},
+            {"cells", std::move(cells)}};
+}
+
+Json contour_log_json(const ModelReport& report) {
+    Json list = Json::array();
+    for (const ContourReport& entry : report.contour_log) {
+        list.push_back({{"structure", entry.structure},
+                        {"slice", entry.slice},
+                        {"name", entry.name},
+                        {"rule", entry.rule},
+                        {"points_in", entry.points_in},
+                        {"points_kept", entry.points_kept},
+                        {"max_displacement_mm", number(entry.max_displacement_mm)},
+                        {"area_change_mm2", number(entry.area_change_mm2)}});
+    }
+    return list;
+}
+
+Json stages_json(const ModelReport& report) {
+    Json list = Json::array();
+    for (const StageReport& stage : report.stages) {
+        Json figures = Json::object();
+        for (const auto& [name, value] : stage.figures) figures[name] = number(value);
+        list.push_back({{"name", stage.name},
+                        {"points", stage.points},
+                        {"tetrahedra", stage.cells},
+                        {"figures", std::move(figures)}});
+    }
+    return list;
+}
+
+Json warnings_json(const ModelReport& report) {
+    Json list = Json::array();
+    for (const Warning& warning : report.warnings) {
+        list.push_back({{"code", warning.code},
+                        {"message", warning.message},
+                        {"file", warning.place.file},
+                        {"slice", warning.place.slice},
+                        {"structure", warning.place.structure},
+                        {"contour", warning.place.contour},
+                        {"value", warning.place.value},
+                        {"what_was_done", warning.what_was_done}});
+    }
+    return list;
+}
+
+Json timing_json(const ModelReport& report) {
+    Json stages = Json::array();
+    double total = 0;
+    for (const StageReport& stage : report.stages) {
+        total += stage.seconds;
+        stages.push_back({{"name", stage.name}, {"seconds", number(stage.seconds)}});
+    }
+    Json timing{{"command", report.command}};
+    for (const auto& [name, value] : report.options) {
+        if (name == "threads") timing["threads"] = value;
+    }
+    timing["total_seconds"] = number(total);
+    timing["stages"] = std::move(stages);
+    return timing;
+}
+
+}  // namespace
+
+std::string report_json(const ModelReport& report) {
+    Json versions{{"anatomesh", report.version}};
+    for (const auto& [name, version] : report.libraries) versions[name] = version;
+    const Json json{
+        {"format", "anatomesh-report"},
+        {"format_version", 1},
+        {"versions", std::move(versions)},
+        {"inputs", inputs_json(report.inputs)},
+        {"options", options_json(report)},
+        {"space", report.space},
+        {"unit", report.unit},
+        {"rules", {{"holes", report.hole_rule}, {"end_caps", report.end_caps}}},
+        {"counts",
+         {{"tetrahedra", report.tetrahedra},
+          {"vertices", report.vertices},
+          {"surface_triangles", report.surface_triangles},
+          {"slices", report.slices},
+          {"contours", report.contours},
+          {"contour_vertices", report.contour_vertices},
+          {"traced_points", report.traced_points},
+          {"islands_left_out", report.islands_left_out}}},
+        {"sizes",
+         {{"epsilon_mm", number(report.epsilon_mm)},
+          {"size_mm", number(report.size_mm)},
+          {"slice_spacing_mm", number(report.slice_spacing_mm)}}},
+        {"share_culled", number(report.share_culled)},
+        {"radius_edge_mean_before_refinement", number(report.radius_edge_mean_before_refinement)},
+        {"structures", structures_json(report)},
+        {"regions", report.regions},
+        {"quality", quality_json(report.quality)},
+        {"certificate", certificate_json(report)},
+        {"listed_cells", listed_cells_json(report)},
+        {"warnings", warnings_json(report)},
+        {"contour_log", contour_log_json(report)},
+        {"stages", stages_json(report)},
+        {"timing", timing_json(report)},
+    };
+    return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace anatomesh
