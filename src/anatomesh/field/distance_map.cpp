@@ -89,23 +89,13 @@ void DistanceMap::choose_grid(double cell) {
     if (cell <= 0) {
         double total = 0;
         for (const Line& line : lines_) total += std::sqrt(line.squared);
-        cell = std::max(0.5 * total / static_cast<double>(lines_.size()), limit_ / 8);
+        cell = std::max(0.5 * total / static_cast<double>(lines_.size()), limit_ / 4);
     }
     const double most = 48.0 * static_cast<double>(lines_.size()) + 4096;
     cell_ = std::max({cell, std::sqrt(width * height / most), std::max(width, height) / most});
     inverse_cell_ = 1.0 / cell_;
     nx_ = static_cast<std::uint32_t>(std::floor(width * inverse_cell_)) + 1;
     ny_ = static_cast<std::uint32_t>(std::floor(height * inverse_cell_)) + 1;
-}
-
-DistanceMap::Foot DistanceMap::foot(const Line& line, Vec2 q) const {
-    const Vec2 w = q - line.start, along = line.end - line.start;
-    const double projection = dot(w, along);
-    // At an end the difference to the vertex itself is taken: 0 exactly where q is that vertex.
-    if (projection <= 0) return {squared_length(w), -1};
-    if (projection >= line.squared) return {squared_length(q - line.end), 1};
-    const double across = cross(along, w);
-    return {across * across * line.inverse, 0};
 }
 
 Vec2 DistanceMap::nearest_point(const Line& line, Vec2 q) const {
@@ -130,83 +120,89 @@ bool DistanceMap::is_never_nearest(const Line& line, Vec2 centre, Vec2 best_foot
     return true;
 }
 
-void DistanceMap::list_candidates() {
+// Calls body(edge, cell, its centre, squared distance) for every edge and every cell whose centre may be
+// within reach of it: the limit and a half diagonal, and never less than what a cell on the boundary must
+// see.
+template <class Body>
+void DistanceMap::each_cell_near_an_edge(Body body) const {
     const double half_diagonal = cell_ * std::sqrt(0.5);
     const double reach = std::max(limit_ + half_diagonal, 3 * half_diagonal) * (1 + 1e-12) + tie_;
-    const std::size_t cell_count = static_cast<std::size_t>(nx_) * ny_;
-    const PixelGrid centres{box_.low + Vec2{0.5 * cell_, 0.5 * cell_}, {cell_, cell_}, nx_, ny_};
-    const auto centre_of = [&](std::uint32_t i, std::uint32_t j) {
-        return centres.low + Vec2{i * cell_, j * cell_};
+    const PixelGrid grid = centres();
+    const auto clipped = [](double v, std::uint32_t n) {
+        return static_cast<std::uint32_t>(std::clamp(v, 0.0, static_cast<double>(n)));
     };
-    const auto each_cell_near = [&](auto&& body) {
-        const auto clipped = [&](double v, std::uint32_t n) {
-            return static_cast<std::uint32_t>(std::clamp(v, 0.0, static_cast<double>(n)));
-        };
-        for (std::uint32_t e = 0; e < edges_.size(); ++e) {
-            const Edge2& edge = edges_[e];
-            const Vec2 low = Vec2{std::min(edge.a.x, edge.b.x), std::min(edge.a.y, edge.b.y)} - centres.low;
-            const Vec2 high = Vec2{std::max(edge.a.x, edge.b.x), std::max(edge.a.y, edge.b.y)} - centres.low;
-            const std::uint32_t i0 = clipped(std::ceil((low.x - reach) * inverse_cell_), nx_);
-            const std::uint32_t i1 = clipped(std::floor((high.x + reach) * inverse_cell_) + 1, nx_);
-            const std::uint32_t j0 = clipped(std::ceil((low.y - reach) * inverse_cell_), ny_);
-            const std::uint32_t j1 = clipped(std::floor((high.y + reach) * inverse_cell_) + 1, ny_);
-            for (std::uint32_t j = j0; j < j1; ++j) {
-                for (std::uint32_t i = i0; i < i1; ++i) {
-                    const Vec2 centre = centre_of(i, j);
-                    body(e, static_cast<std::size_t>(j) * nx_ + i, centre,
-                         foot(lines_[e], centre).squared_distance);
-                }
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+        const Edge2& edge = edges_[e];
+        const Vec2 low = Vec2{std::min(edge.a.x, edge.b.x), std::min(edge.a.y, edge.b.y)} - grid.low;
+        const Vec2 high = Vec2{std::max(edge.a.x, edge.b.x), std::max(edge.a.y, edge.b.y)} - grid.low;
+        const std::uint32_t i0 = clipped(std::ceil((low.x - reach) * inverse_cell_), nx_);
+        const std::uint32_t i1 = clipped(std::floor((high.x + reach) * inverse_cell_) + 1, nx_);
+        const std::uint32_t j0 = clipped(std::ceil((low.y - reach) * inverse_cell_), ny_);
+        const std::uint32_t j1 = clipped(std::floor((high.y + reach) * inverse_cell_) + 1, ny_);
+        for (std::uint32_t j = j0; j < j1; ++j) {
+            for (std::uint32_t i = i0; i < i1; ++i) {
+                const Vec2 centre = grid.low + Vec2{i * cell_, j * cell_};
+                body(e, static_cast<std::size_t>(j) * nx_ + i, centre,
+                     foot(lines_[e], centre).squared_distance);
             }
         }
-    };
+    }
+}
 
-    struct Nearest {
-        double squared = std::numeric_limits<double>::infinity();
-        std::uint32_t edge = 0;
-    };
-    std::vector<Nearest> nearest(cell_count);
-    each_cell_near([&](std::uint32_t e, std::size_t c, Vec2, double squared) {
-        if (squared < nearest[c].squared) nearest[c] = {squared, e};
-    });
-
-    // How far an edge may be from the centre to be listed (squared); negative: the cell is far from the
-    // boundary. Where the boundary does not cross the cell, its sign is that of the centre, and edges beyond
-    // the limit are of no use.
-    std::vector<double> bound(cell_count);
+void DistanceMap::list_candidates() {
+    const std::size_t cell_count = static_cast<std::size_t>(nx_) * ny_;
     std::vector<std::uint8_t> side(cell_count, all_outside);
-    fill_even_odd(edges_, centres, [&](std::uint32_t j, std::uint32_t first, std::uint32_t last) {
+    fill_even_odd(edges_, centres(), [&](std::uint32_t j, std::uint32_t first, std::uint32_t last) {
         const auto row = side.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(j) * nx_);
         std::fill(row + first, row + last, all_inside);
     });
+
+    struct Cell {
+        double squared =
+            std::numeric_limits<double>::infinity();  // distance of the nearest edge from the centre
+        double bound =
+            -1;  // how far an edge may be to be listed, squared; negative: the cell is far from all edges
+        std::uint32_t nearest = 0, count = 0;
+    };
+    std::vector<Cell> cells(cell_count);
+    each_cell_near_an_edge([&](std::uint32_t e, std::size_t c, Vec2, double squared) {
+        if (squared >= cells[c].squared) return;
+        cells[c].squared = squared;
+        cells[c].nearest = e;
+    });
+    // Where the boundary does not cross a cell, its sign is that of the centre, and edges beyond the limit
+    // are of no use.
+    const double half_diagonal = cell_ * std::sqrt(0.5);
     for (std::size_t c = 0; c < cell_count; ++c) {
-        const double d = std::sqrt(nearest[c].squared);
+        const double d = std::sqrt(cells[c].squared);
         const bool is_crossed = d <= half_diagonal * (1 + 1e-9) + tie_;
         if (is_crossed) side[c] = crossed;
         const double most =
             is_crossed ? d + 2 * half_diagonal : std::min(d + 2 * half_diagonal, limit_ + half_diagonal);
         const double padded = most * (1 + 1e-12) + tie_;
-        bound[c] = d > padded ? -1 : padded * padded;
+        if (d <= padded) cells[c].bound = padded * padded;
     }
+
     struct Listed {
         std::uint32_t cell, edge;
     };
     std::vector<Listed> listed;
-    std::vector<std::uint32_t> count(cell_count, 0);
-    each_cell_near([&](std::uint32_t e, std::size_t c, Vec2 centre, double squared) {
-        if (squared > bound[c]) return;
-        const Line& best = lines_[nearest[c].edge];
-        if (e != nearest[c].edge && is_never_nearest(lines_[e], centre, nearest_point(best, centre))) return;
+    each_cell_near_an_edge([&](std::uint32_t e, std::size_t c, Vec2 centre, double squared) {
+        Cell& cell = cells[c];
+        if (squared > cell.bound) return;
+        const bool beaten = e != cell.nearest &&
+                            is_never_nearest(lines_[e], centre, nearest_point(lines_[cell.nearest], centre));
+        if (beaten) return;
         listed.push_back({static_cast<std::uint32_t>(c), e});
-        ++count[c];
+        ++cell.count;
     });
 
     cells_.resize(cell_count);
     std::size_t size = first_list;
     for (std::size_t c = 0; c < cell_count; ++c) {
-        cells_[c] = count[c] > 0            ? static_cast<std::uint32_t>(size)
-                    : side[c] == all_inside ? far_inside
-                                            : far_outside;
-        if (count[c] > 0) size += count[c] + 1;
+        const std::uint32_t far = side[c] == all_inside ? far_inside : far_outside;
+        cells_[c] = cells[c].count > 0 ? static_cast<std::uint32_t>(size) : far;
+        if (cells[c].count > 0) size += cells[c].count + 1;
     }
     assert(size < std::numeric_limits<std::uint32_t>::max());
     candidates_.assign(size, 0);
@@ -215,7 +211,7 @@ void DistanceMap::list_candidates() {
         list[++list[0]] = entry.edge;
     }
     for (std::size_t c = 0; c < cell_count; ++c) {
-        if (count[c] > 0) candidates_[cells_[c]] = (count[c] << side_bits) | side[c];
+        if (cells[c].count > 0) candidates_[cells_[c]] = (cells[c].count << side_bits) | side[c];
     }
 }
 

@@ -57,10 +57,23 @@ class DistanceMap {
 
     void classify_corners();
     void choose_grid(double cell);
+    PixelGrid centres() const {
+        return {box_.low + Vec2{0.5 * cell_, 0.5 * cell_}, {cell_, cell_}, nx_, ny_};
+    }
+    template <class Body>
+    void each_cell_near_an_edge(Body body) const;
     void list_candidates();
     bool is_never_nearest(const Line& line, Vec2 centre, Vec2 best_foot) const;
     Vec2 nearest_point(const Line& line, Vec2 q) const;
-    Foot foot(const Line& line, Vec2 q) const;
+    static Foot foot(const Line& line, Vec2 q) {
+        const Vec2 w = q - line.start, along = line.end - line.start;
+        const double projection = dot(w, along);
+        // At an end the difference to the vertex itself is taken: 0 exactly where q is that vertex.
+        if (projection <= 0) return {squared_length(w), -1};
+        if (projection >= line.squared) return {squared_length(q - line.end), 1};
+        const double across = cross(along, w);
+        return {across * across * line.inverse, 0};
+    }
     int side(std::uint32_t edge, int end, Vec2 q) const;
     int side_by_parity(Vec2 q) const;
     int side_of_nearest(Vec2 q, const std::uint32_t* candidates, double squared) const;

@@ -51,11 +51,19 @@ class FieldQueries : public StructureField {
             source().each_raw(p, [&](std::uint32_t s, RawValue raw) { near.push_back({s, clipped(raw)}); });
             return;
         }
-        const Best best = two_best(p);
-        const double all = source().raw_union(p);
+        Best best;
+        const std::size_t first = near.size();
         source().each_raw(p, [&](std::uint32_t s, RawValue raw) {
-            near.push_back({s, owned(raw, best.structure == s ? best.second : best.first, all)});
+            best.take(s, raw);
+            near.push_back({s, raw.value});
         });
+        if (near.size() == first) return;
+        const double all = source().raw_union(p);
+        for (std::size_t i = first; i < near.size(); ++i) {
+            const bool is_best = near[i].structure == best.structure;
+            const double beyond_end = is_best ? best.beyond_end : never;
+            near[i].value = owned({near[i].value, beyond_end}, is_best ? best.second : best.first, all);
+        }
     }
 
     void members(Vec3 p, std::vector<std::uint32_t>& out) const final {
@@ -67,7 +75,8 @@ class FieldQueries : public StructureField {
             return;
         }
         if (!(source().raw_union(p) < 0)) return;
-        const Best best = two_best(p);
+        Best best;
+        source().each_raw(p, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
         if (best.structure != nobody && best.beyond_end < 0) out.push_back(best.structure);
     }
 
@@ -78,11 +87,12 @@ class FieldQueries : public StructureField {
             source().each_raw(p, [&](std::uint32_t, RawValue raw) { consider(clipped(raw)); });
             return nearest;
         }
-        const Best best = two_best(p);
+        Best best;
+        source().each_raw(p, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
+        if (best.structure == nobody) return clamp_;
         const double all = source().raw_union(p);
-        source().each_raw(p, [&](std::uint32_t s, RawValue raw) {
-            consider(owned(raw, best.structure == s ? best.second : best.first, all));
-        });
+        consider(owned({best.first, best.beyond_end}, best.second, all));
+        consider(owned({best.second, never}, best.first, all));
         return nearest;
     }
 
@@ -94,9 +104,20 @@ class FieldQueries : public StructureField {
 
   private:
     static constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
+    static constexpr double never = -std::numeric_limits<double>::infinity();
+
+    // The smallest raw value, of the lowest index where several are equal, and the next smallest.
     struct Best {
         std::uint32_t structure = nobody;
-        double first, second, beyond_end = 0;
+        double first = std::numeric_limits<double>::max(), second = first, beyond_end = never;
+
+        void take(std::uint32_t s, RawValue raw) {
+            if (raw.value < first) {
+                *this = {s, raw.value, first, raw.beyond_end};
+            } else {
+                second = std::min(second, raw.value);
+            }
+        }
     };
 
     const Source& source() const { return static_cast<const Source&>(*this); }
@@ -105,20 +126,7 @@ class FieldQueries : public StructureField {
         return std::clamp(std::max(raw.value, raw.beyond_end), -clamp_, clamp_);
     }
     double owned(RawValue own, double other, double all) const {
-        return clipped({std::max(all, 0.5 * (own.value - other)), own.beyond_end});
-    }
-
-    // The smallest raw value, of the lowest index where several are equal, and the next smallest.
-    Best two_best(Vec3 p) const {
-        Best best{nobody, clamp_, clamp_, 0};
-        source().each_raw(p, [&](std::uint32_t s, RawValue raw) {
-            if (raw.value < best.first) {
-                best = {s, raw.value, best.first, raw.beyond_end};
-            } else {
-                best.second = std::min(best.second, raw.value);
-            }
-        });
-        return best;
+        return clipped({std::max(all, 0.5 * (own.value - std::min(other, clamp_))), own.beyond_end});
     }
 };
 

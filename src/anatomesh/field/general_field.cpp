@@ -113,7 +113,10 @@ class GeneralField final : public FieldQueries<GeneralField> {
         }
         std::sort(structures.begin(), structures.end());
         structures.erase(std::unique(structures.begin(), structures.end()), structures.end());
-        for (const std::uint32_t s : structures) body(s, RawValue{blend(s, near)});
+        for (const std::uint32_t s : structures) {
+            const double value = blend(s, near);
+            if (value < clamp_) body(s, RawValue{value});
+        }
     }
 
     Status build(const ContourSet& set, RunContext& context);

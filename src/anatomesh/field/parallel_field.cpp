@@ -158,7 +158,9 @@ class ParallelField final : public FieldQueries<ParallelField> {
         const Vec2 q = frame_.to_plane(p);
         const auto bucket = static_cast<std::size_t>(b);
         for (std::uint32_t i = bucket_begin_[bucket]; i < bucket_begin_[bucket + 1]; ++i) {
-            if (near_[i].box.contains(q)) body(near_[i].structure, raw_at(near_[i].structure, q, z));
+            if (!near_[i].box.contains(q)) continue;
+            const RawValue raw = raw_at(near_[i].structure, q, z);
+            if (raw.value < clamp_) body(near_[i].structure, raw);
         }
     }
 
@@ -178,8 +180,7 @@ class ParallelField final : public FieldQueries<ParallelField> {
         const Track& track = tracks_[structure];
         return {track.blend(maps_, clamp_, q, z), track.beyond_end(z)};
     }
-    StructureVolume pair_volume(std::uint32_t structure, const Track::Pair& pair,
-                                const VolumeOptions& options) const;
+    StructureVolume pair_volume(std::uint32_t structure, const Track::Pair& pair, double points) const;
     double inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
     bool is_alone(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
     Status build_maps(const ContourSet& set, RunContext& context);
@@ -392,7 +393,7 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
 }
 
 StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Track::Pair& pair,
-                                           const VolumeOptions& options) const {
+                                           double points) const {
     const double gap = pair.above_low - pair.below_high;
     if (tracks_[structure].beyond_end(0.5 * (pair.below_high + pair.above_low)) > 0) return {};
     double area = 0, thickness = 0;
@@ -410,7 +411,7 @@ StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Track:
         return volume;
     if (partition_) box = box.grown(0.25 * clamp_);
     const double correction =
-        lattice_integral(box, options, [&](Vec2 q) { return inside_share(structure, pair, q); });
+        lattice_integral(box, points, [&](Vec2 q) { return inside_share(structure, pair, q); });
     volume.by_field += gap * correction;
     return volume;
 }
@@ -426,9 +427,12 @@ Result<std::vector<StructureVolume>> ParallelField::volumes(std::uint32_t count,
     for (std::uint32_t s = 0; s < std::min<std::size_t>(count, tracks_.size()); ++s) {
         for (std::size_t i = 0; i < tracks_[s].pair_count(); ++i) jobs.push_back({s, tracks_[s].pair(i), {}});
     }
+    const double points =
+        std::min<double>(options.points_per_slab,
+                         std::max(4000.0, options.points_in_slabs / static_cast<double>(jobs.size() + 1)));
     parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
-            jobs[j].volume = pair_volume(jobs[j].structure, jobs[j].pair, options);
+            jobs[j].volume = pair_volume(jobs[j].structure, jobs[j].pair, points);
         }
     });
     if (context.cancelled()) return cancelled_error();

@@ -20,9 +20,9 @@ enum class EndCaps : std::uint8_t {
 
 struct FieldOptions {
     EndCaps caps = EndCaps::half;
-    // Distances are clamped to +-clamp before two slices are blended, so that the surface leaves a contour
-    // that has no counterpart in the next slice at a steep angle. mm; 0: from the slice spacing. Range 0 or
-    // [0.1, 100].
+    // Distances in a slice are clamped to +-clamp; half of it is the softness of the blend between two
+    // slices, so that the surface leaves a contour that has no counterpart in the next slice at a steep
+    // angle. mm; 0: 1.5 slice spacings. Range 0 or [0.1, 100].
     double clamp_mm = 0;
     // Parallel slices: neighbouring contours of a structure further apart than this many local spacings are
     // not joined; the structure ends on both sides of the gap. Range [1, 1e6].
@@ -81,9 +81,9 @@ class StructureField {
 };
 
 // Requires: a kept contour set (see ContourSet). The set must outlive nothing: the field copies what it
-// needs. Errors: geometry E-FLD-*: no contours, a single slice without thickness. Parallel slices:
-// shape-based interpolation (Raya and Udupa, IEEE TMI 9, 1990) of exact signed distances to the polygons,
-// clamped. Planes in any position: see docs/method.md.
+// needs. Errors: geometry E-FLD-001 no contours, E-FLD-002 none encloses an area, E-FLD-003 a single slice
+// without thickness. Parallel slices: shape-based interpolation (Raya and Udupa, IEEE TMI 9, 1990) of exact
+// signed distances to the polygons, clamped. Planes in any position: see docs/method.md.
 Result<std::shared_ptr<const StructureField>> make_structure_field(const ContourSet& set,
                                                                    const FieldOptions& options,
                                                                    RunContext& context);

@@ -18,9 +18,7 @@ Result<std::vector<StructureVolume>> StructureField::volumes(std::uint32_t count
     const double step = std::cbrt(size.x * size.y * size.z / options.points_in_all);
     const auto layers = static_cast<std::size_t>(std::ceil(size.z / step));
     const double height = size.z / static_cast<double>(layers);
-    VolumeOptions layer_options = options;
-    layer_options.points_per_slab = static_cast<std::uint32_t>(
-        std::max(100.0, static_cast<double>(options.points_in_all) / static_cast<double>(layers)));
+    const double points_per_layer = static_cast<double>(options.points_in_all) / static_cast<double>(layers);
     std::vector<std::vector<std::uint64_t>> counts(layers, std::vector<std::uint64_t>(count, 0));
     std::vector<double> per_point(layers, 0);
     parallel_for(layers, 1, context.threads, [&](std::size_t begin, std::size_t end) {
@@ -33,7 +31,7 @@ Result<std::vector<StructureVolume>> StructureField::volumes(std::uint32_t count
                              step * (turn * 0.5698402909980532 - std::floor(turn * 0.5698402909980532))};
             const Box2 layer{{all.low.x, all.low.y}, {all.high.x, all.high.y}};
             std::uint64_t points = 0;
-            lattice_integral(layer, layer_options, [&](Vec2 q) {
+            lattice_integral(layer, points_per_layer, [&](Vec2 q) {
                 ++points;
                 members({q.x + shift.x, q.y + shift.y, z}, inside);
                 for (const std::uint32_t s : inside) {

@@ -11,8 +11,11 @@
 namespace anatomesh {
 
 struct VolumeOptions {
-    // Points of the sampling lattice over the box of a structure between two neighbouring slices. [100, 1e8]
+    // Points of the sampling lattice over the box of a structure between two neighbouring slices, at most.
+    // [100, 1e8]
     std::uint32_t points_per_slab = 40000;
+    // Points in all slabs of all structures: fewer a slab where there are many of them, but 4000. [1e4, 4e9]
+    std::uint32_t points_in_slabs = 8000000;
     // Points over the field's box for planes that are not parallel. [1000, 1e9]
     std::uint32_t points_in_all = 1000000;
 };
@@ -32,9 +35,9 @@ inline Result<std::vector<StructureVolume>> field_volumes(const StructureField& 
 // Integral of f over a box by the points of a square lattice turned by the golden angle, whose rows no
 // straight line of small slope follows. Requires: f vanishes outside the box.
 template <class F>
-double lattice_integral(const Box2& box, const VolumeOptions& options, F&& f) {
+double lattice_integral(const Box2& box, double points, F&& f) {
     const Vec2 size = box.high - box.low, centre = 0.5 * (box.low + box.high);
-    const double step = std::sqrt(size.x * size.y / options.points_per_slab);
+    const double step = std::sqrt(size.x * size.y / points);
     if (!(step > 0)) return 0;
     // tan of the angle is the golden ratio less one: the slope hardest to approximate by fractions.
     const double slope = 0.5 * (std::sqrt(5.0) - 1), cosine = 1 / std::sqrt(1 + slope * slope);
