@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "anatomesh_io/file/atomic_file.h"
+#include "anatomesh_io/mesh/mesh_file.h"
 
 namespace anatomesh {
 
@@ -19,6 +20,17 @@ bool same_file(const std::string& a, const std::string& b) {
     if (error) return a == b;
     const fs::path canonical_b = fs::weakly_canonical(b, error);
     return error ? a == b : canonical_a == canonical_b;
+}
+
+constexpr const char* model_extensions = ".vtu, .msh, .mesh, .inp";
+constexpr const char* surface_extensions = ".vtp, .stl, .ply, .obj";
+
+Error unknown_extension(const std::string& path, const std::string& known) {
+    return {ErrorKind::usage,
+            "E-CMD-004",
+            "the extension names no format that can be written here",
+            {path, "", "", "", ""},
+            "the extensions are " + known};
 }
 
 bool lies_in(const std::string& path, const std::string& folder) {
@@ -56,10 +68,15 @@ Status check_outputs(const std::vector<std::string>& inputs, const std::vector<s
     return Nothing{};
 }
 
-std::string extension_of(const std::string& path) {
-    std::string extension = fs::path(path).extension().string();
-    for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    return extension;
+Status check_mesh_output(const std::string& path, bool surfaces_too) {
+    if (model_format_of(path) || (surfaces_too && surface_format_of(path))) return Nothing{};
+    return unknown_extension(path, std::string(model_extensions) + (surfaces_too ? ", " : "") +
+                                       (surfaces_too ? surface_extensions : ""));
+}
+
+Status check_surface_output(const std::string& path) {
+    if (surface_format_of(path)) return Nothing{};
+    return unknown_extension(path, surface_extensions);
 }
 
 std::string with_ending(const std::string& path, const std::string& ending) {

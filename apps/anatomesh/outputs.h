@@ -13,8 +13,10 @@ namespace anatomesh {
 // is an input; E-FILE-012 two outputs are one.
 Status check_outputs(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
-// "skull.vtu" -> ".vtu", in lower case; empty when there is none.
-std::string extension_of(const std::string& path);
+// The extension of the path is that of a model, or of a surface where those are allowed.
+// Error: usage E-CMD-004, listing the extensions there are.
+Status check_mesh_output(const std::string& path, bool surfaces_too);
+Status check_surface_output(const std::string& path);
 
 // The path without its extension, and `ending` instead.
 std::string with_ending(const std::string& path, const std::string& ending);

@@ -54,6 +54,23 @@ const VerbEntry verb_entries[] = {
   anatomesh contours labels.nii.gz -o organs.vtp
   anatomesh contours Cranium.inv3 --threshold 226 --keep-largest 1 --every 2 -o skull.json
   anatomesh contours rtss.dcm --structure GTV -o gtv.csl)"},
+    {"model", "Make a tetrahedral model and its report", declare_model,
+     R"(Examples:
+  anatomesh model labels.nii.gz -o organs.vtu
+  anatomesh model rtss.dcm --structure Liver --structure GTV -o liver.vtu --surface liver.stl
+  anatomesh model Cranium.inv3 --threshold 226 --keep-largest 1 -o skull.vtu --html skull.html)"},
+    {"check", "Check a model: topology, orientation, quality, contours on its surface", declare_check,
+     R"(Examples:
+  anatomesh check skull.vtu
+  anatomesh check skull.vtu --contours skull.json --json)"},
+    {"compare", "Measure the two-sided distance of two surfaces or models in mm", declare_compare,
+     R"(Examples:
+  anatomesh compare skull.vtu reference.stl
+  anatomesh compare before.vtu after.vtu --json)"},
+    {"convert", "Write a model in another format", declare_convert,
+     R"(Examples:
+  anatomesh convert skull.vtu -o skull.msh
+  anatomesh convert skull.vtu -o skull.inp)"},
 };
 
 Work declare_completion(CLI::App& verb, const CLI::App& app) {

@@ -37,35 +37,28 @@ void write_to_terminal(const std::string& text) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(StageShares shares)
-    : shares_(std::move(shares)), terminal_(isatty(STDERR_FILENO) == 1) {}
+ProgressBar::ProgressBar() : terminal_(isatty(STDERR_FILENO) == 1) {}
 
 ProgressBar::~ProgressBar() {
     if (drawn_) write_to_terminal("\r\x1b[K");
 }
 
-double ProgressBar::whole_share(const std::string& stage, double share) const {
-    double before = 0, all = 0, own = -1;
-    for (const auto& [name, weight] : shares_) {
-        if (name == stage) {
-            before = all;
-            own = weight;
-        }
-        all += weight;
-    }
-    return own < 0 ? -1.0 : (before + own * std::clamp(share, 0.0, 1.0)) / all;
+void ProgressBar::begin(const std::string& part, double from, double to) {
+    part_ = part;
+    from_ = from;
+    to_ = to;
+    update(0);
 }
 
-void ProgressBar::update(const std::string& stage, double share) {
+void ProgressBar::update(double share) {
     if (!terminal_) return;
     const auto now = Clock::now();
     using Seconds = std::chrono::duration<double>;
     const double elapsed = Seconds(now - start_).count();
     // Nothing for short work; ten pictures a second are enough for long work.
     if (elapsed < 1.0 || (drawn_ && Seconds(now - last_).count() < 0.1)) return;
-    const double whole = whole_share(stage, share);
-    std::string line = fmt::format("{} {:3.0f} %  {}", bar_text(whole < 0 ? share : whole),
-                                   100 * std::clamp(whole < 0 ? share : whole, 0.0, 1.0), stage);
+    const double whole = from_ + (to_ - from_) * std::clamp(share, 0.0, 1.0);
+    std::string line = fmt::format("{} {:3.0f} %  {}", bar_text(whole), 100 * whole, part_);
     if (whole > 0.02) line += fmt::format(", {} left", time_text(elapsed * (1 - whole) / whole));
     if (line.size() >= terminal_width()) line.resize(terminal_width() - 1);
     write_to_terminal("\r\x1b[K" + line);

@@ -3,32 +3,27 @@
 
 #include <chrono>
 #include <string>
-#include <utility>
-#include <vector>
 
 namespace anatomesh {
 
-// Stages of the work with their usual share of the time, in order. Shares need not sum to 1.
-using StageShares = std::vector<std::pair<std::string, double>>;
-
-// Silent for the first second and when standard error is no terminal. A stage that is not in the list shows
-// its own progress without a time left. The destructor wipes the line.
+// Silent for the first second and when standard error is no terminal. The destructor wipes the line.
 class ProgressBar {
   public:
-    explicit ProgressBar(StageShares shares);
+    ProgressBar();
     ~ProgressBar();
     ProgressBar(const ProgressBar&) = delete;
     ProgressBar& operator=(const ProgressBar&) = delete;
 
-    // `share` of the stage is done, 0 to 1.
-    void update(const std::string& stage, double share);
+    // Begins a part of the work, which usually takes the time from share `from` to share `to` of the whole.
+    void begin(const std::string& part, double from, double to);
+    // `share` of the part is done, 0 to 1.
+    void update(double share);
 
   private:
     using Clock = std::chrono::steady_clock;
 
-    double whole_share(const std::string& stage, double share) const;  // of all work; negative when not known
-
-    StageShares shares_;
+    std::string part_;
+    double from_ = 0, to_ = 1;
     bool terminal_;
     bool drawn_ = false;
     Clock::time_point start_ = Clock::now();

@@ -1,0 +1,65 @@
+// anatomesh convert: a model in another format, or its surface.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "answer.h"
+#include "mesh_input.h"
+#include "option_values.h"
+#include "outputs.h"
+#include "verbs.h"
+
+namespace anatomesh {
+
+namespace {
+
+struct ConvertOptions {
+    std::string input, output;
+};
+
+Status run_convert(const ConvertOptions& options, Session& session) {
+    const bool to_model = model_format_of(options.output).has_value();
+    ANATOMESH_CHECK_STATUS(check_mesh_output(options.output, true));
+    ANATOMESH_CHECK_STATUS(check_outputs({options.input}, {options.output}));
+    ANATOMESH_TRY(const MeshInput input, read_mesh(options.input, session.context));
+    nlohmann::ordered_json answer{{"input", options.input}, {"output", options.output}};
+    if (to_model && !input.model) {
+        return Error{ErrorKind::usage,
+                     "E-CMD-008",
+                     "a surface has no tetrahedra to write as a model",
+                     {options.input, "", "", "", ""},
+                     "write it as .vtp, .stl, .ply or .obj"};
+    }
+    if (session.context.cancelled()) return cancelled_error();
+    std::string what;
+    if (to_model) {
+        ANATOMESH_CHECK_STATUS(write_model(options.output, *input.model, session.context));
+        answer["vertices"] = input.model->mesh.points.size();
+        answer["tetrahedra"] = input.model->mesh.cells.size();
+        what = fmt::format("{} tetrahedra", input.model->mesh.cells.size());
+    } else {
+        const SurfaceFile surface = surface_of(input);
+        ANATOMESH_CHECK_STATUS(write_surface(options.output, surface, session.context));
+        answer["vertices"] = surface.surface.points.size();
+        answer["triangles"] = surface.surface.triangles.size();
+        what = fmt::format("{} triangles", surface.surface.triangles.size());
+    }
+    return give_summary(session, answer, fmt::format("{}: {}\n", options.output, what));
+}
+
+}  // namespace
+
+Work declare_convert(CLI::App& verb) {
+    auto options = std::make_shared<ConvertOptions>();
+    verb.add_option("MODEL", options->input, "Model or surface; its kind is found from its content")
+        ->type_name("FILE")
+        ->required();
+    add_text(verb, "-o,--output", options->output, "OTHER",
+             "File to write: .vtu, .msh, .mesh, .inp, or .vtp, .stl, .ply, .obj for the surface")
+        ->required();
+    return [options](Session& session) { return run_convert(*options, session); };
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,25 @@
+// Inputs of the verbs that take a model or a surface.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "anatomesh/base/result.h"
+#include "anatomesh/base/run_context.h"
+#include "anatomesh_io/mesh/mesh_file.h"
+
+namespace anatomesh {
+
+// One of the two.
+struct MeshInput {
+    std::optional<ModelFile> model;
+    std::optional<SurfaceFile> surface;
+};
+
+// By content. Errors: those of the readers; E-CMD-012 a kind of file that is neither.
+Result<MeshInput> read_mesh(const std::string& path, RunContext& context);
+
+// The surface of a model: every interface between two regions; a surface as it is.
+SurfaceFile surface_of(const MeshInput& input);
+
+}  // namespace anatomesh

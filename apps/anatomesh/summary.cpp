@@ -1,0 +1,70 @@
+#include "summary.h"
+
+#include <fmt/format.h>
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::size_t most_structures = 20;
+
+const char* state_text(ClauseState state) {
+    switch (state) {
+        case ClauseState::kept:
+            return "kept";
+        case ClauseState::not_promised_yet:
+            return "not promised yet";
+        case ClauseState::broken:
+            return "BROKEN";
+    }
+    return "";
+}
+
+std::string structure_line(const StructureReport& structure) {
+    return fmt::format("  {:>6}  {:<28} {:>9} tetrahedra, {:.1f} mm3, {} shells, genus {}\n",
+                       structure.number, structure.name, structure.tetrahedra, structure.volume_mesh_mm3,
+                       structure.components, structure.genus);
+}
+
+}  // namespace
+
+std::string report_summary(const ModelReport& report) {
+    std::string text = fmt::format("  {} tetrahedra, {} vertices, {} triangles, {} {}\n", report.tetrahedra,
+                                   report.vertices, report.surface_triangles, report.space, report.unit);
+    for (std::size_t i = 0; i < report.structures.size() && i < most_structures; ++i) {
+        text += structure_line(report.structures[i]);
+    }
+    if (report.structures.size() > most_structures) {
+        text += fmt::format("  and {} more structures\n", report.structures.size() - most_structures);
+    }
+    const QualityReport& quality = report.quality;
+    text += fmt::format(
+        "  radius-edge mean {:.3f}, above 2: {:.3f} %; dihedral angles {:.2f} to {:.2f} degrees\n",
+        quality.radius_edge_mean, 100 * quality.radius_edge_share_over_2, quality.dihedral_min_deg,
+        quality.dihedral_max_deg);
+    return text;
+}
+
+std::string certificate_line(const ModelReport& report) {
+    std::string text = "  certificate:";
+    for (const ClauseState state : {ClauseState::kept, ClauseState::not_promised_yet, ClauseState::broken}) {
+        std::string numbers;
+        for (const Clause& clause : report.certificate) {
+            if (clause.state == state)
+                numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", clause.number);
+        }
+        if (!numbers.empty()) text += fmt::format(" clauses {} {};", numbers, state_text(state));
+    }
+    text.back() = '\n';
+    return text;
+}
+
+std::string certificate_text(const ModelReport& report) {
+    std::string text;
+    for (const Clause& clause : report.certificate) {
+        text += fmt::format("  clause {} {}: {}\n", clause.number, state_text(clause.state), clause.evidence);
+    }
+    return text;
+}
+
+}  // namespace anatomesh
