@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
-#include <numeric>
 #include <optional>
 
 #include "anatomesh/geom/predicates.h"
+#include "anatomesh/mesh/quality.h"
 #include "anatomesh/mesh/topology.h"
 
 namespace anatomesh {
@@ -232,7 +231,30 @@ class Splitter {
                 return true;
             }
         }
-        return false;
+        return start_piece(vertex, structure, was_inside);
+    }
+
+    // Nothing of the other side is near: the largest cell at the vertex starts a piece of it.
+    bool start_piece(std::uint32_t vertex, std::uint32_t structure, bool was_inside) {
+        std::uint32_t largest = no_cell;
+        double most = 0;
+        for (const std::uint32_t c : stars_->at(vertex)) {
+            const Cell& cell = patch_.cells[c];
+            const double volume = signed_volume(patch_.points[cell[0]], patch_.points[cell[1]], patch_.points[cell[2]], patch_.points[cell[3]]);
+            if (volume <= most) continue;
+            most = volume;
+            largest = c;
+        }
+        if (largest == no_cell) return false;
+        std::vector<std::uint32_t> members = registry_.table().members[patch_.regions[largest]];
+        if (was_inside) {
+            members.erase(std::find(members.begin(), members.end(), structure));
+        } else {
+            members.insert(std::lower_bound(members.begin(), members.end(), structure), structure);
+        }
+        patch_.regions[largest] = registry_.intern(members);
+        ++stats_.vertices_joined;
+        return true;
     }
 
     // Move 2 on every non-manifold edge whose ring shares no cell with one before it.

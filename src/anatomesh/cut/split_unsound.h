@@ -23,7 +23,7 @@ struct SplitStats {
 
 // Makes every vertex in `unsound` sound, by three moves, in this order:
 // 1. *Join*: a contour vertex whose cells all lie on one side of its structure is joined to the other side by the
-//    shortest path of cells.
+//    shortest path of cells; with none near, one cell at it starts a piece of that side.
 // 2. *Spindle*: at an edge round which a structure lies in two or more arcs, a spindle of cells along the edge is cut
 //    out of its ring, and one arc of the spindle is given to the region beside it. Each spindle makes one edge
 //    manifold and no other edge non-manifold.

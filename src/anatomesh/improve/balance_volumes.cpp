@@ -1,6 +1,7 @@
 #include "anatomesh/improve/balance_volumes.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <map>
@@ -27,10 +28,46 @@ Signs signs_between(const RegionTable& table, Region inner, Region outer) {
     return signs;
 }
 
-// The vertices that may move: those of exactly one interface, with its facets there.
-struct FreeVertex {
-    std::uint32_t vertex;
-    Region inner, outer;
+// A facet between two regions, outward from the inner one (the one with the larger number).
+struct Facet {
+    Triangle triangle;
+    std::uint32_t interface;  // index into the interfaces
+};
+
+struct Interface {
+    Signs signs;
+    double free_area = 0;  // thirds of its facets at free vertices, mm^2
+    double offset = 0;     // how far it is to move outward, mm
+};
+
+// The displacement that moves all planes through a vertex by their offsets, as well as can be in the least squares
+// weighed by area; exact for one plane, or up to three different ones.
+class PlaneFit {
+  public:
+    void add(Vec3 normal, double area, double offset) {
+        const std::array<double, 3> n{normal.x, normal.y, normal.z};
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) matrix_[i][j] += area * n[i] * n[j];
+            right_[i] += area * offset * n[i];
+        }
+        area_ += area;
+    }
+    // A little stiffness keeps flat places from sliding along themselves.
+    Vec3 solve() const {
+        std::array<std::array<double, 3>, 3> a = matrix_;
+        for (int i = 0; i < 3; ++i) a[i][i] += stiffness * area_;
+        const Vec3 c0{a[0][0], a[1][0], a[2][0]}, c1{a[0][1], a[1][1], a[2][1]}, c2{a[0][2], a[1][2], a[2][2]};
+        const Vec3 b{right_[0], right_[1], right_[2]};
+        const double determinant = dot(c0, cross(c1, c2));
+        if (!(determinant > 0)) return {};
+        return {dot(b, cross(c1, c2)) / determinant, dot(c0, cross(b, c2)) / determinant, dot(c0, cross(c1, b)) / determinant};
+    }
+
+  private:
+    static constexpr double stiffness = 0.01;
+    std::array<std::array<double, 3>, 3> matrix_{};
+    std::array<double, 3> right_{};
+    double area_ = 0;
 };
 
 class Balancer {
@@ -47,8 +84,8 @@ class Balancer {
         std::vector<double> missing = missing_volumes();
         stats.worst_before = worst(missing);
         for (int round = 0; round < options_.rounds && worst(missing) > options_.tolerance; ++round) {
-            const std::vector<double> numbers = solve(missing);
-            stats.moves += move_all(numbers);
+            find_offsets(missing);
+            stats.moves += move_all();
             missing = missing_volumes();
         }
         stats.worst_after = worst(missing);
@@ -57,53 +94,41 @@ class Balancer {
     }
 
   private:
-    // Facets between regions, by vertex; a vertex of one interface alone, and not fixed, is free.
+    // Facets between regions, by vertex; the vertices of such facets that are not fixed are free.
     void collect(const std::vector<std::uint8_t>& fixed) {
         const std::vector<std::uint32_t> neighbors = cell_neighbors(mesh_.cells, mesh_.points.size());
-        std::vector<std::uint32_t> pair(mesh_.points.size(), 0);  // 0 none, 0xFFFFFFFF several
+        std::map<std::pair<Region, Region>, std::uint32_t> numbers;
+        std::vector<Facet> all;
+        for (std::size_t c = 0; c < mesh_.cells.size(); ++c) {
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t n = neighbors[4 * c + i];
+                const Region inner = mesh_.regions[c], outer = n == no_cell ? Region{0} : mesh_.regions[n];
+                if (inner <= outer) continue;
+                const auto [place, added] = numbers.try_emplace({inner, outer}, static_cast<std::uint32_t>(interfaces_.size()));
+                if (added) interfaces_.push_back({signs_between(regions_, inner, outer), 0, 0});
+                const auto& f = facet_vertices[i];
+                all.push_back({{mesh_.cells[c][f[0]], mesh_.cells[c][f[1]], mesh_.cells[c][f[2]]}, place->second});
+            }
+        }
         start_.assign(mesh_.points.size() + 1, 0);
-        const auto each_facet = [&](auto visit) {
-            for (std::size_t c = 0; c < mesh_.cells.size(); ++c) {
-                for (int i = 0; i < 4; ++i) {
-                    const std::uint32_t n = neighbors[4 * c + i];
-                    const Region outer = n == no_cell ? Region{0} : mesh_.regions[n];
-                    if (mesh_.regions[c] > outer) visit(c, i, mesh_.regions[c], outer);
-                }
-            }
-        };
-        each_facet([&](std::size_t c, int i, Region inner, Region outer) {
-            const std::uint32_t key = std::uint32_t{inner} << 16 | outer;
-            for (const int k : facet_vertices[i]) {
-                const std::uint32_t v = mesh_.cells[c][k];
-                pair[v] = pair[v] == 0 || pair[v] == key ? key : 0xFFFFFFFFu;
-                ++start_[v + 1];
-            }
-        });
-        for (std::size_t v = 0; v < mesh_.points.size(); ++v) start_[v + 1] += start_[v];
+        for (const Facet& facet : all) {
+            for (const std::uint32_t v : facet.triangle) ++start_[v + 1];
+        }
+        for (std::size_t v = 0; v < mesh_.points.size(); ++v) {
+            if (start_[v + 1] > 0 && !fixed[v]) free_.push_back(static_cast<std::uint32_t>(v));
+            start_[v + 1] += start_[v];
+        }
         facets_.resize(start_.back());
         std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
-        each_facet([&](std::size_t c, int i, Region, Region) {
-            Triangle t{};
-            for (int k = 0; k < 3; ++k) t[k] = mesh_.cells[c][facet_vertices[i][k]];
-            for (const std::uint32_t v : t) facets_[next[v]++] = t;
-        });
-        for (std::uint32_t v = 0; v < mesh_.points.size(); ++v) {
-            if (fixed[v] || pair[v] == 0 || pair[v] == 0xFFFFFFFFu) continue;
-            free_.push_back({v, static_cast<Region>(pair[v] >> 16), static_cast<Region>(pair[v] & 0xFFFF)});
+        for (const Facet& facet : all) {
+            for (const std::uint32_t v : facet.triangle) facets_[next[v]++] = facet;
         }
     }
 
-    // A third of the areas at v, as an area vector and as a number.
-    std::pair<Vec3, double> area_at(std::uint32_t v) const {
-        Vec3 vector;
-        double area = 0;
-        for (std::uint32_t n = start_[v]; n < start_[v + 1]; ++n) {
-            const Triangle& t = facets_[n];
-            const Vec3 a = (1.0 / 6.0) * cross(mesh_.points[t[1]] - mesh_.points[t[0]], mesh_.points[t[2]] - mesh_.points[t[0]]);
-            vector += a;
-            area += length(a);
-        }
-        return {vector, area};
+    // A third of a facet's area, as a vector along its outward normal.
+    Vec3 third_of_area(const Facet& facet) const {
+        const auto& [a, b, c] = facet.triangle;
+        return (1.0 / 6.0) * cross(mesh_.points[b] - mesh_.points[a], mesh_.points[c] - mesh_.points[a]);
     }
 
     std::vector<double> missing_volumes() const {
@@ -125,20 +150,21 @@ class Balancer {
         return worst;
     }
 
-    // Conjugate gradients for sum over interfaces of area x signs x (signs . numbers) = missing; (Hestenes and Stiefel,
+    // Gives every interface its offset. Conjugate gradients for sum over interfaces of area x signs x (signs . numbers) = missing; (Hestenes and Stiefel,
     // J. Res. Natl. Bur. Stand. 49, 1952).
-    std::vector<double> solve(const std::vector<double>& missing) const {
-        std::map<std::pair<Region, Region>, double> areas;
-        for (const FreeVertex& f : free_) areas[{f.inner, f.outer}] += area_at(f.vertex).second;
-        std::vector<std::pair<Signs, double>> interfaces;
-        for (const auto& [sides, area] : areas) interfaces.emplace_back(signs_between(regions_, sides.first, sides.second), area);
-
+    void find_offsets(const std::vector<double>& missing) {
+        for (Interface& interface : interfaces_) interface.free_area = 0;
+        for (const std::uint32_t v : free_) {
+            for (std::uint32_t n = start_[v]; n < start_[v + 1]; ++n) {
+                interfaces_[facets_[n].interface].free_area += length(third_of_area(facets_[n]));
+            }
+        }
         const auto multiply = [&](const std::vector<double>& x) {
             std::vector<double> y(x.size(), 0);
-            for (const auto& [signs, area] : interfaces) {
+            for (const Interface& interface : interfaces_) {
                 double offset = 0;
-                for (const auto& [s, sign] : signs) offset += sign * x[s];
-                for (const auto& [s, sign] : signs) y[s] += area * sign * offset;
+                for (const auto& [s, sign] : interface.signs) offset += sign * x[s];
+                for (const auto& [s, sign] : interface.signs) y[s] += interface.free_area * sign * offset;
             }
             return y;
         };
@@ -150,8 +176,8 @@ class Balancer {
         // Structures without a free facet cannot be met and would spoil the residual.
         std::vector<double> residual = missing;
         std::vector<std::uint8_t> has_area(missing.size(), 0);
-        for (const auto& [signs, area] : interfaces) {
-            for (const auto& [s, sign] : signs) has_area[s] = 1;
+        for (const Interface& interface : interfaces_) {
+            for (const auto& [s, sign] : interface.signs) has_area[s] = interface.free_area > 0 || has_area[s];
         }
         for (std::size_t s = 0; s < residual.size(); ++s) {
             if (!has_area[s]) residual[s] = 0;
@@ -172,23 +198,25 @@ class Balancer {
             for (std::size_t n = 0; n < x.size(); ++n) direction[n] = residual[n] + next / square * direction[n];
             square = next;
         }
-        return x;
+        for (Interface& interface : interfaces_) {
+            interface.offset = 0;
+            for (const auto& [s, sign] : interface.signs) interface.offset += sign * x[s];
+        }
     }
 
-    std::uint64_t move_all(const std::vector<double>& numbers) {
+    std::uint64_t move_all() {
         std::uint64_t moves = 0;
-        for (const FreeVertex& f : free_) {
-            double offset = 0;
-            for (const auto& [s, sign] : signs_between(regions_, f.inner, f.outer)) offset += sign * numbers[s];
-            const auto [vector, area] = area_at(f.vertex);
-            const double squared = squared_length(vector);
-            // On a sharp ridge the normal says little: such a vertex stays.
-            if (offset == 0 || !(squared > 0.1 * area * area)) continue;
-            const Vec3 step = (offset * area / squared) * vector;
-            const Vec3 total = moved_[f.vertex] + step;
-            if (length(total) > options_.max_offset_mm) continue;
-            if (!mover_.try_move(f.vertex, mesh_.points[f.vertex] + step)) continue;
-            moved_[f.vertex] = total;
+        for (const std::uint32_t v : free_) {
+            PlaneFit fit;
+            for (std::uint32_t n = start_[v]; n < start_[v + 1]; ++n) {
+                const Vec3 vector = third_of_area(facets_[n]);
+                const double area = length(vector);
+                if (area > 0) fit.add((1.0 / area) * vector, area, interfaces_[facets_[n].interface].offset);
+            }
+            const Vec3 step = fit.solve(), total = moved_[v] + step;
+            if (length(total) > options_.max_offset_mm || squared_length(step) == 0) continue;
+            if (!mover_.try_move(v, mesh_.points[v] + step)) continue;
+            moved_[v] = total;
             ++moves;
         }
         return moves;
@@ -200,8 +228,9 @@ class Balancer {
     BalanceOptions options_;
     VertexMover mover_;
     std::vector<std::uint32_t> start_;
-    std::vector<Triangle> facets_;  // by vertex
-    std::vector<FreeVertex> free_;
+    std::vector<Facet> facets_;  // by vertex
+    std::vector<Interface> interfaces_;
+    std::vector<std::uint32_t> free_;
     std::vector<Vec3> moved_;
 };
 

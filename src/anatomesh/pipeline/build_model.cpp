@@ -23,7 +23,9 @@ namespace {
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
 constexpr double crossing_spacing = 0.3;      // of a crossing point from others, in lengths of its edge
 constexpr double balance_reach = 0.1;         // no vertex moves further than this for the volume's sake, in sizes
+constexpr double surface_deviation = 0.05;    // of the middle of an interface facet from the interface, in sizes
 constexpr int crossing_rounds = 3;
+constexpr int deviation_rounds = 2;
 constexpr int refinement_rounds = 12;
 
 // Everything that one run of the method carries from stage to stage.
@@ -109,7 +111,7 @@ class Builder {
     }
 
     Status refine_cells() {
-        double crossing_points = 0, circumcenters = 0, surface_points = 0;
+        double crossing_points = 0, deviation_points = 0, circumcenters = 0, surface_points = 0;
         for (int round = 0; round < crossing_rounds; ++round) {
             std::vector<Vec3> found;
             find_crossing_points(mesh_->points(), mesh_->cells(), mesh_->sides(), *field_, structures_, mesh_->grid(),
@@ -118,12 +120,22 @@ class Builder {
             crossing_points += static_cast<double>(found.size());
             ANATOMESH_CHECK_STATUS(grow(found));
         }
+        DeviationOptions deviation;
+        deviation.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
+        for (int round = 0; round < deviation_rounds; ++round) {
+            std::vector<Vec3> found;
+            find_deviation_points(mesh_->points(), mesh_->cells(), mesh_->regions(), *field_, structures_, mesh_->grid(),
+                                  sample_->guard, deviation, found, context_);
+            if (found.empty()) break;
+            deviation_points += static_cast<double>(found.size());
+            ANATOMESH_CHECK_STATUS(grow(found));
+        }
         RefineOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         for (int round = 0; round < refinement_rounds; ++round) {
             std::vector<Vec3> found;
-            const RefineStats stats = find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), *field_,
-                                                             structures_, mesh_->grid(), options, found, context_);
+            const RefineStats stats = find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), mesh_->sides(),
+                                                             *field_, structures_, mesh_->grid(), options, found, context_);
             if (round == 0) report().radius_edge_mean_before_refinement = stats.radius_edge_mean;
             circumcenters += static_cast<double>(stats.circumcenters);
             surface_points += static_cast<double>(stats.surface_points);
@@ -132,7 +144,10 @@ class Builder {
             if (found.empty()) break;
             ANATOMESH_CHECK_STATUS(grow(found));
         }
-        figures_ = {{"crossing_points", crossing_points}, {"circumcenters", circumcenters}, {"surface_points", surface_points}};
+        figures_ = {{"crossing_points", crossing_points},
+                    {"deviation_points", deviation_points},
+                    {"circumcenters", circumcenters},
+                    {"surface_points", surface_points}};
         return end_stage("refine", 0.6);
     }
 

@@ -7,6 +7,7 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/cull/cull.h"
 #include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/surface_mesh.h"
 #include "anatomesh/sample/interface_probe.h"
 
 namespace anatomesh {
@@ -15,10 +16,37 @@ namespace {
 
 struct BadCell {
     std::uint32_t cell;
-    double ratio, radius;
+    double ratio;
+    bool flat;
+    double radius = 0;
     std::optional<Vec3> point;
     bool on_surface = false;
 };
+
+// Six volumes in cubes of the longest edge; 0.71 for the regular cell.
+double flatness_of(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+    const double longest = std::max({squared_length(b - a), squared_length(c - a), squared_length(d - a),
+                                     squared_length(c - b), squared_length(d - b), squared_length(d - c)});
+    return 6 * signed_volume(a, b, c, d) / (longest * std::sqrt(longest));
+}
+
+Vec3 triangle_circumcenter(Vec3 a, Vec3 b, Vec3 c) {
+    const Vec3 u = b - a, v = c - a, n = cross(u, v);
+    return a + (1.0 / (2.0 * squared_length(n))) * (squared_length(v) * cross(n, u) + squared_length(u) * cross(v, n));
+}
+
+Vec3 largest_facet_center(const std::array<Vec3, 4>& p) {
+    double largest = -1;
+    Vec3 center;
+    for (const auto& f : facet_vertices) {
+        const Vec3 a = p[f[0]], b = p[f[1]], c = p[f[2]];
+        const double area = squared_length(cross(b - a, c - a));
+        if (area <= largest) continue;
+        largest = area;
+        center = triangle_circumcenter(a, b, c);
+    }
+    return center;
+}
 
 double shortest_edge(const std::vector<Vec3>& points, const Cell& cell) {
     double squared = squared_length(points[cell[0]] - points[cell[1]]);
@@ -31,7 +59,8 @@ void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfacePr
                   const RefineOptions& options, BadCell& bad) {
     const Vec3 a = points[cell[0]], b = points[cell[1]], c = points[cell[2]], d = points[cell[3]];
     const double shortest = shortest_edge(points, cell);
-    const Vec3 center = circumcenter(a, b, c, d), centroid = 0.25 * (a + b + c + d);
+    const Vec3 center = bad.flat ? largest_facet_center({a, b, c, d}) : circumcenter(a, b, c, d);
+    const Vec3 centroid = 0.25 * (a + b + c + d);
     bad.radius = length(center - a);
     const double tolerance = 1e-3 * shortest;
     // The interface between the cell and its circumcentre, or close to that.
@@ -39,33 +68,41 @@ void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfacePr
     if (!on_surface && probe.distance(center) < options.surface_pull * bad.radius) {
         on_surface = probe.project(center, options.surface_pull * bad.radius, tolerance);
     }
-    if (on_surface && !all_points.any_within(*on_surface, options.min_spacing * shortest)) {
-        bad.point = on_surface;
-        bad.on_surface = true;
-    } else if (!on_surface) {
-        bad.point = center;
-    }
+    bad.on_surface = on_surface.has_value();
+    if (!on_surface) on_surface = center;
+    // The circumcentre of a cell that is not flat is far from every vertex by itself.
+    const bool far = !bad.on_surface && !bad.flat;
+    if (far || !all_points.any_within(*on_surface, options.min_spacing * shortest)) bad.point = on_surface;
 }
 
 }  // namespace
 
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<Region>& regions, const StructureField& field,
-                                   std::uint32_t structures, const PointGrid& all_points, const RefineOptions& options,
-                                   std::vector<Vec3>& found, RunContext& context) {
+                                   const std::vector<Region>& regions, const std::vector<Region>& sides,
+                                   const StructureField& field, std::uint32_t structures, const PointGrid& all_points,
+                                   const RefineOptions& options, std::vector<Vec3>& found, RunContext& context) {
     RefineStats stats;
     std::vector<BadCell> bad;
     std::uint64_t inside = 0;
     for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
-        if (regions[c] == 0) continue;
         const Cell& cell = mesh.cells[c];
-        const double ratio = radius_edge_ratio(points[cell[0]], points[cell[1]], points[cell[2]], points[cell[3]]);
-        ++inside;
-        stats.radius_edge_mean += std::isfinite(ratio) ? ratio : 0;
-        if (ratio > options.max_radius_edge) bad.push_back({c, ratio, 0, std::nullopt});
+        const bool is_inside = regions[c] != 0;
+        if (!is_inside && std::none_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return sides[v] == on_interface; })) {
+            continue;
+        }
+        const Vec3 p = points[cell[0]], q = points[cell[1]], r = points[cell[2]], s = points[cell[3]];
+        const bool flat = flatness_of(p, q, r, s) < options.flatness;
+        if (!is_inside && !flat) continue;
+        const double ratio = radius_edge_ratio(p, q, r, s);
+        stats.flat += flat;
+        if (is_inside && !flat) {
+            ++inside;
+            stats.radius_edge_mean += ratio;
+            stats.above_bound += ratio > options.max_radius_edge;
+        }
+        if (flat || ratio > options.max_radius_edge) bad.push_back({c, flat ? 0 : ratio, flat, 0, std::nullopt, false});
     }
-    stats.radius_edge_mean /= std::max<std::uint64_t>(1, inside);
-    stats.above_bound = bad.size();
+    stats.radius_edge_mean /= static_cast<double>(std::max<std::uint64_t>(1, inside));
 
     parallel_for(bad.size(), 256, context.threads, [&](std::size_t first, std::size_t last) {
         InterfaceProbe probe(field, structures);
@@ -129,6 +166,57 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
         if (chosen.any_within(*crossings[n], 0.5 * span)) continue;
         chosen.add(*crossings[n]);
         found.push_back(*crossings[n]);
+    }
+    return stats;
+}
+
+DeviationStats find_deviation_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
+                                     const std::vector<Region>& regions, const StructureField& field,
+                                     std::uint32_t structures, const PointGrid& all_points, const SegmentGuard& guard,
+                                     const DeviationOptions& options, std::vector<Vec3>& found, RunContext& context) {
+    DeviationStats stats;
+    std::vector<Triangle> facets;
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+        for (int i = 0; i < 4; ++i) {
+            const std::uint32_t n = mesh.neighbors[c][i];
+            if (n == no_cell || regions[c] <= regions[n]) continue;
+            const auto& f = facet_vertices[i];
+            facets.push_back({mesh.cells[c][f[0]], mesh.cells[c][f[1]], mesh.cells[c][f[2]]});
+        }
+    }
+    struct Candidate {
+        std::optional<Vec3> point;
+        double longest = 0;
+        bool deviates = false;
+    };
+    std::vector<Candidate> candidates(facets.size());
+    parallel_for(facets.size(), 1024, context.threads, [&](std::size_t first, std::size_t last) {
+        InterfaceProbe probe(field, structures);
+        for (std::size_t n = first; n < last; ++n) {
+            const Vec3 a = points[facets[n][0]], b = points[facets[n][1]], c = points[facets[n][2]];
+            const Vec3 middle = (1.0 / 3.0) * (a + b + c);
+            if (probe.distance(middle) <= options.max_deviation_mm) continue;
+            Candidate& candidate = candidates[n];
+            candidate.deviates = true;
+            candidate.longest = std::sqrt(std::max({squared_length(b - a), squared_length(c - b), squared_length(a - c)}));
+            candidate.point = probe.project(middle, candidate.longest, 0.02 * options.max_deviation_mm);
+            if (candidate.point && (all_points.any_within(*candidate.point, options.min_spacing * candidate.longest) ||
+                                    !guard.outside_balls(*candidate.point))) {
+                candidate.point.reset();
+            }
+        }
+    });
+    double total = 0;
+    for (const Candidate& candidate : candidates) {
+        stats.deviating += candidate.deviates;
+        stats.refused += candidate.deviates && !candidate.point;
+        total += candidate.longest;
+    }
+    PointGrid chosen(stats.deviating ? total / static_cast<double>(stats.deviating) : 1.0, stats.deviating);
+    for (const Candidate& candidate : candidates) {
+        if (!candidate.point || chosen.any_within(*candidate.point, 0.5 * candidate.longest)) continue;
+        chosen.add(*candidate.point);
+        found.push_back(*candidate.point);
     }
     return stats;
 }

@@ -9,17 +9,20 @@
 #include "anatomesh/field/structure_field.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/sample/segment_guard.h"
 
 namespace anatomesh {
 
 struct RefineOptions {
     double max_radius_edge = 2.0;    // cells above it are split. [1.2, 10]
+    double flatness = 0.004;         // cells with six volumes below this many cubes of their longest edge are split. [0, 0.1]
     double min_spacing = 0.75;       // of a point put on an interface from others, in shortest edges of its cell. (0, 1]
     double surface_pull = 0.35;      // a circumcentre this near an interface is moved onto it, in circumradii. [0, 0.5]
 };
 
 struct RefineStats {
     std::uint64_t above_bound = 0;       // cells inside with a ratio above the bound, before
+    std::uint64_t flat = 0;              // cells inside or at an interface that are nearly flat, before
     std::uint64_t circumcenters = 0, surface_points = 0;  // points to insert
     std::uint64_t refused = 0;           // bad cells for which no allowed point was found
     double radius_edge_mean = 0;         // over the cells inside, before
@@ -27,15 +30,16 @@ struct RefineStats {
 
 // Points that improve the cells inside: the circumcentre of each bad cell; where an interface lies between the cell
 // and its circumcentre, the point where it is crossed; where one passes close to the circumcentre, the nearest point of it.
+// A nearly flat cell, whose own circumcentre rounding spoils, takes that of its largest facet.
 // Contour points are never moved. Points found in one round keep out of each other's empty spheres.
 // Terminates when repeated: a circumcentre is farther from every point than twice the shortest edge of its cell,
 // and points on interfaces keep min_spacing; so spacing never falls below a share of the contours' own.
 // Complexity: linear in the cells. Same result at any thread count.
 // Follows: Shewchuk, Delaunay refinement mesh generation, 1997, chapter 4; Boissonnat and Oudot, Graph. Models 67, 2005.
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<Region>& regions, const StructureField& field,
-                                   std::uint32_t structures, const PointGrid& all_points, const RefineOptions& options,
-                                   std::vector<Vec3>& found, RunContext& context);
+                                   const std::vector<Region>& regions, const std::vector<Region>& sides,
+                                   const StructureField& field, std::uint32_t structures, const PointGrid& all_points,
+                                   const RefineOptions& options, std::vector<Vec3>& found, RunContext& context);
 
 struct CrossingStats {
     std::uint64_t crossing_edges = 0;  // mesh edges from one region to another with no vertex between
@@ -50,5 +54,24 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
                                    const std::vector<Region>& sides, const StructureField& field,
                                    std::uint32_t structures, const PointGrid& all_points, double min_spacing,
                                    std::vector<Vec3>& found, RunContext& context);
+
+struct DeviationOptions {
+    double max_deviation_mm = 0.1;  // of the middle of an interface facet from the field's interface. > 0
+    double min_spacing = 0.27;      // of a new point from others, in longest edges of its facet. (0, 1]
+};
+
+struct DeviationStats {
+    std::uint64_t deviating = 0;  // interface facets with their middle off the field's interface
+    std::uint64_t refused = 0;    // of these: no interface found near, a vertex too close to it, or a contour segment
+};
+
+// Points on the field's interface at the middle of those facets of the mesh's interfaces that are too far from it:
+// where the surface is curved, or a structure is small, it needs more points than its contours give.
+// Complexity: linear in the interface facets. Same result at any thread count.
+// Follows: the distance criterion of Boissonnat and Oudot, Graph. Models 67, 2005.
+DeviationStats find_deviation_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
+                                     const std::vector<Region>& regions, const StructureField& field,
+                                     std::uint32_t structures, const PointGrid& all_points, const SegmentGuard& guard,
+                                     const DeviationOptions& options, std::vector<Vec3>& found, RunContext& context);
 
 }  // namespace anatomesh

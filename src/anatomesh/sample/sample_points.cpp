@@ -157,22 +157,6 @@ class DepthMap {
     std::vector<std::uint8_t> depth_;
 };
 
-struct Protected {
-    PointGrid points;       // contour and segment points
-    PointGrid midpoints;    // of the split contour segments
-    std::vector<double> squared_half_lengths;  // of those segments
-    double longest_half = 0;
-
-    bool allows(Vec3 p, double distance) const {
-        if (points.any_within(p, distance)) return false;
-        bool free = true;
-        midpoints.for_each_within(p, longest_half, [&](std::uint32_t segment, double squared) {
-            if (squared < squared_half_lengths[segment]) free = false;
-        });
-        return free;
-    }
-};
-
 // Distinct contour vertices, first appearance first, and the vertex of every point of the set.
 void collect_contour_vertices(const ContourSet& contours, PointSample& sample) {
     std::vector<std::uint32_t> order(contours.points.size());
@@ -198,9 +182,9 @@ void collect_contour_vertices(const ContourSet& contours, PointSample& sample) {
     sample.stats.contour_points = sample.points.size();
 }
 
-Protected split_segments(const ContourSet& contours, double size, PointSample& sample) {
-    Protected guard{PointGrid(0.5 * size, 2 * sample.points.size()), PointGrid(size, 2 * sample.points.size()), {}, 0};
-    for (const Vec3& p : sample.points) guard.points.add(p);
+SegmentGuard split_segments(const ContourSet& contours, double size, PointSample& sample) {
+    SegmentGuard guard(size, 2 * sample.points.size());
+    for (const Vec3& p : sample.points) guard.add_point(p);
     std::vector<std::array<std::uint32_t, 2>> segments;
     for (const Contour& contour : contours.contours) {
         for (std::uint32_t n = 0; n < contour.point_count; ++n) {
@@ -215,16 +199,15 @@ Protected split_segments(const ContourSet& contours, double size, PointSample& s
     for (const auto& [a, b] : segments) {
         const Vec3 p = sample.points[a], q = sample.points[b];
         const int pieces = std::max(1, static_cast<int>(std::ceil(length(q - p) / (longest_segment * size))));
-        for (int piece = 0; piece < pieces; ++piece) {
-            const double half = 0.5 * length(q - p) / pieces;
-            guard.midpoints.add(p + ((piece + 0.5) / pieces) * (q - p));
-            guard.squared_half_lengths.push_back(half * half);
-            guard.longest_half = std::max(guard.longest_half, half);
-            if (piece > 0) {
-                const Vec3 inner = p + (static_cast<double>(piece) / pieces) * (q - p);
-                sample.points.push_back(inner);
-                guard.points.add(inner);
+        Vec3 from = p;
+        for (int piece = 1; piece <= pieces; ++piece) {
+            const Vec3 to = piece == pieces ? q : p + (static_cast<double>(piece) / pieces) * (q - p);
+            guard.add_segment(from, to);
+            if (piece < pieces) {
+                sample.points.push_back(to);
+                guard.add_point(to);
             }
+            from = to;
         }
     }
     sample.stats.segment_points = sample.points.size() - sample.stats.contour_points;
@@ -237,7 +220,7 @@ struct LatticePoint {
 
 // Lattice points moved onto interfaces, each kept if it is far enough from those before it.
 void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>& near, const StructureField& field,
-                        std::uint32_t structures, double size, const Protected& guard, PointGrid& surface,
+                        std::uint32_t structures, double size, const SegmentGuard& guard, PointGrid& surface,
                         PointSample& sample, int threads) {
     std::vector<std::optional<Vec3>> moved(near.size());
     parallel_for(near.size(), 1024, threads, [&](std::size_t first, std::size_t last) {
@@ -255,7 +238,7 @@ void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>&
     sample.stats.surface_points = surface.size();
 }
 
-void add_lattice_points(const Lattice& lattice, const Sites& sites, double size, double growth, const Protected& guard,
+void add_lattice_points(const Lattice& lattice, const Sites& sites, double size, double growth, const SegmentGuard& guard,
                         const PointGrid& surface, PointSample& sample) {
     const SiteReader reader(lattice, sites);
     const DepthMap depths(lattice, reader);
@@ -303,11 +286,12 @@ double default_size(const ContourSet& contours, const StructureField& field) {
 
 Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field, const SampleOptions& options,
                                   RunContext& context) {
-    PointSample sample;
     const double size = options.size_mm > 0 ? options.size_mm : default_size(contours, field);
+    PointSample sample{{}, {}, SegmentGuard(size, 0), {}};
     sample.stats.size_mm = size;
     collect_contour_vertices(contours, sample);
-    const Protected guard = split_segments(contours, size, sample);
+    sample.guard = split_segments(contours, size, sample);
+    const SegmentGuard& guard = sample.guard;
 
     // The lattice, two steps larger than the box of the field on every side.
     const Box3 box = field.box().grown(2 * size);

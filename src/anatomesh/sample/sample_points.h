@@ -7,6 +7,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/contour_set.h"
 #include "anatomesh/field/structure_field.h"
+#include "anatomesh/sample/segment_guard.h"
 
 namespace anatomesh {
 
@@ -31,6 +32,7 @@ struct SampleStats {
 struct PointSample {
     std::vector<Vec3> points;
     std::vector<std::uint32_t> contour_vertices;  // of every point of the contour set: its index into points
+    SegmentGuard guard;                           // of the contour points and the split segments
     SampleStats stats;
 };
 
