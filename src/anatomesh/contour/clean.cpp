@@ -391,6 +391,7 @@ class Cleaner {
         const std::uint32_t raw = candidate.raw;
         const std::size_t before = candidate.points.size();
         Ring ring = make_ring(std::move(candidate.points), groups_.slices[s], raw);
+        ring.plane = raw_.contours[raw].plane;
         const std::size_t spikes = remove_spikes(ring);
         if (ring.size() < 3 || has_no_width(ring.at, no_width_mm)) {
             note(raw, "W-CON-008", "a contour without area", std::to_string(before) + " points",

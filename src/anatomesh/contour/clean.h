@@ -18,18 +18,24 @@ enum class HoleRule : std::uint8_t {
 
 struct CleanOptions {
     double plane_tolerance_mm = 0.05;  // points this far off their plane are accepted as they are. [0, 1]
-    double plane_repair_mm = 1.0;      // points up to this far off are projected, with a warning; beyond: refused
-    double group_tolerance_mm = 0.01;  // contours whose planes differ by less at their own extent share a slice
-    double closing_gap_mm = 2.0;       // an open contour with at most this gap is closed with a warning
+    double plane_repair_mm = 1.0;  // points up to this far off are projected, with a warning; beyond: refused
+    double group_tolerance_mm =
+        0.01;                     // contours whose planes differ by less at their own extent share a slice
+    double closing_gap_mm = 2.0;  // an open contour with at most this gap is closed with a warning
     double max_repair_area_share = 0.05;  // a repair that changes a contour's area by more is refused. [0, 1]
+    double corridor_mm =
+        0.05;  // a keyhole's corridor narrower than this is closed: outer and holes apart. [0, 1]
+    double separation_mm = 0.05;  // rings that share a vertex are moved apart there by at most this. (0, 1]
     HoleRule holes = HoleRule::even_odd;
+    bool unite_repeated_planes =
+        false;  // contours that contradict each other on a plane given twice: unite them
 };
 
 // How one contour of the input was read. One entry per raw contour, in input order: the log that travels into
 // the report.
 struct ContourLog {
     std::uint32_t raw_contour = 0;
-    std::string rule;                // "outer", "hole of 12", "exclusive or", "dropped: one point", "repeat of 4" ...
+    std::string rule;  // "outer", "hole of 12", "exclusive or", "dropped: one point", "repeat of 4" ...
     std::uint32_t points_in = 0, points_kept = 0;
     double max_displacement_mm = 0;  // largest move of a kept point
     double area_change_mm2 = 0;      // of the drawn region, absolute
@@ -47,12 +53,17 @@ struct CleanResult {
     CleanStats stats;
 };
 
-// Guarantees: the invariants of a kept contour set; a contour that needed no repair keeps every vertex at its
-// exact coordinates; equal output for any order of the input's contours, start index and direction.
-// Same-plane rule, in this order: exact duplicates dropped; even-odd by containment; partial overlaps of one
-// structure united; exclusive or only where the file says CLOSEDPLANAR_XOR. Every repair is counted and warned
-// about, with its displacement and area; above its bound it is an error.
-// Errors: E-CON-*. Complexity: O(n log n) per slice in its points, plus the crossings found.
+// Guarantees: the invariants of a kept contour set, and no vertex is shared by two contours of one structure
+// in one slice; a contour that needed no repair keeps every vertex at its exact coordinates; equal contours
+// out for any order of the input's contours and structures, start index and direction. Structures come by
+// number, without those that have no contour; declared planes only say where contours lie (the planes' frames
+// are made anew). Same-plane rule, in this order: exact duplicates dropped; even-odd by containment; partial
+// overlaps of one structure united; exclusive or only where the file says CLOSEDPLANAR_XOR. A contour that
+// crosses itself is read by the even-odd rule. Where two rings have to share a vertex the larger keeps it,
+// and the other's copy moves into the smaller one's own polygon by at most separation_mm: a shared vertex
+// would make every surface non-manifold. Every repair is counted and warned about, with its displacement and
+// area; above its bound it is an error. Errors: E-CON-001..008, warnings: W-CON-001..020. Complexity: O(n log
+// n) per slice in its points, plus the crossings found.
 Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context);
 
 }  // namespace anatomesh

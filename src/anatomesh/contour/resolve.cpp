@@ -1,52 +1,304 @@
 #include "anatomesh/contour/resolve.h"
 
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <cstddef>
+#include <map>
+#include <optional>
+#include <set>
 #include <utility>
 
+#include "anatomesh/contour/combine.h"
 #include "anatomesh/contour/nesting.h"
+#include "anatomesh/contour/separate.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {
 
 namespace {
 
-std::string nesting_rule(const std::vector<Ring>& rings, const Nesting& nesting, std::size_t r) {
-    if (nesting.depth[r] == 0) return "outer";
-    const std::string parent = std::to_string(rings[static_cast<std::size_t>(nesting.parent[r])].source);
-    return nesting.depth[r] % 2 == 1 ? "hole of " + parent : "island in hole " + parent;
+constexpr double no_share = 1e-9;  // of an area: rounding of the area itself
+constexpr std::size_t most_crossings = 4'000'000;
+
+std::string brief(double number) {
+    std::array<char, 32> buffer;
+    const auto end =
+        std::to_chars(buffer.data(), buffer.data() + buffer.size(), number, std::chars_format::general, 3)
+            .ptr;
+    return std::string(buffer.data(), end);
 }
 
-// Orients rings that keep apart by their depth, and says so where the source has no other reading yet.
-Resolved finish(std::vector<Ring> rings, const RingEdges& edges, const CleanOptions& options) {
-    const Nesting nesting = nest(edges, rings);
-    Resolved resolved;
-    for (std::size_t r = 0; r < rings.size(); ++r) {
-        const bool filled = options.holes == HoleRule::united && nesting.depth[r] > 0;
-        resolved.readings.push_back(
-            {rings[r].source,
-             filled ? "dropped: inside another, holes are filled" : nesting_rule(rings, nesting, r),
-             filled ? 0 : static_cast<std::uint32_t>(rings[r].size()), 0, 0, false});
-    }
-    for (std::size_t r = 0; r < rings.size(); ++r) {
-        if (options.holes == HoleRule::united && nesting.depth[r] > 0) continue;
-        const bool counter_clockwise = signed_area(rings[r].at) > 0;
-        if (counter_clockwise != (nesting.depth[r] % 2 == 0)) reverse_ring(rings[r]);
-        resolved.rings.push_back(std::move(rings[r]));
-        resolved.depth.push_back(nesting.depth[r]);
-    }
-    return resolved;
+void append(std::string& rule, const std::string& more) {
+    rule += rule.empty() ? more : "; " + more;
 }
+
+class Resolver {
+  public:
+    Resolver(std::vector<Ring> rings, const Plane& plane, bool exclusive_or, const CleanOptions& options,
+             const PlaceOfSource& place_of)
+        : rings_(std::move(rings)),
+          plane_(plane),
+          exclusive_or_(exclusive_or),
+          options_(options),
+          place_of_(place_of) {
+        for (const Ring& ring : rings_) {
+            readings_[ring.source].source = ring.source;
+            readings_[ring.source].points_kept = static_cast<std::uint32_t>(ring.size());
+        }
+    }
+
+    Result<Resolved> run() {
+        open_corridors();
+        const RingEdges edges(rings_);
+        if (!several_planes() && keep_apart(edges, rings_)) {
+            read_nesting(nest(edges, rings_));
+            return finish(edges);
+        }
+        // Repeats on coincident planes are taken away one by one; everything else is settled in one go.
+        std::optional<Combined> combined;
+        for (bool again = true; again;) {
+            combined = combine_rings(rings_, plane_, rule(), options_.max_repair_area_share, most_crossings);
+            if (!combined) {
+                return Error{ErrorKind::limit, "E-CON-008", "the contours cross too often to be repaired",
+                             place_of_(rings_.front().source), "repair the contours"};
+            }
+            ANATOMESH_TRY(again, drop_plane_repeat(*combined));
+        }
+        ANATOMESH_CHECK_STATUS(read_fates(*combined));
+        rings_ = std::move(combined->rings);
+        ANATOMESH_CHECK_STATUS(separate());
+        return finish(RingEdges(rings_));
+    }
+
+  private:
+    CombineRule rule() const {
+        if (exclusive_or_) return CombineRule::exclusive_or;
+        return options_.holes == HoleRule::united ? CombineRule::unite : CombineRule::nest_and_unite;
+    }
+
+    std::string number(std::uint32_t ring) const { return std::to_string(rings_[ring].source); }
+
+    void note(std::uint32_t source, std::string code, std::string message, std::string value,
+              std::string done) {
+        Place place = place_of_(source);
+        place.value = std::move(value);
+        notes_.push_back({source, {std::move(code), std::move(message), std::move(place), std::move(done)}});
+    }
+
+    bool several_planes() const {
+        return std::any_of(rings_.begin(), rings_.end(),
+                           [&](const Ring& ring) { return ring.plane != rings_.front().plane; });
+    }
+
+    void open_corridors() {
+        for (Ring& ring : rings_) {
+            const std::size_t before = ring.size();
+            const double moved = close_corridors(ring, options_.corridor_mm);
+            if (moved == 0) continue;
+            note(ring.source, "W-CON-013", "the contour runs back along itself in a narrow corridor",
+                 brief(moved) + " mm", "corridor closed");
+            RingReading& reading = readings_[ring.source];
+            reading.repaired = true;
+            reading.displacement_mm = moved;
+            reading.points_kept -= static_cast<std::uint32_t>(before - ring.size());
+            append(reading.rule, "corridor closed");
+        }
+        std::erase_if(rings_, [&](const Ring& ring) {
+            if (ring.size() >= 3) return false;
+            readings_[ring.source].points_kept = 0;
+            append(readings_[ring.source].rule, "dropped: no area");
+            return true;
+        });
+    }
+
+    // A contour on the twin of a plane given twice: nearly the same as one there already is dropped (returns
+    // true); one that contradicts it is an error.
+    Result<bool> drop_plane_repeat(const Combined& combined) {
+        for (std::uint32_t r = 0; r < rings_.size(); ++r) {
+            for (std::uint32_t q = 0; q < r; ++q) {
+                if (rings_[r].plane == rings_[q].plane) continue;
+                const double common = combined.common_area(q, r);
+                const double small = std::min(combined.fates[q].area_mm2, combined.fates[r].area_mm2);
+                const double all = combined.fates[q].area_mm2 + combined.fates[r].area_mm2 - common;
+                if (common <= no_share * small) continue;
+                if (all - common <= options_.max_repair_area_share * all) {
+                    note(rings_[r].source, "W-CON-018",
+                         "a plane is given twice, with nearly the same contour " + number(q),
+                         brief(all - common) + " mm2", "dropped");
+                    RingReading& reading = readings_[rings_[r].source];
+                    reading.rule = "near repeat of " + number(q);
+                    reading.points_kept = 0;
+                    reading.area_change_mm2 = all - common;
+                    rings_.erase(rings_.begin() + r);
+                    return true;
+                }
+                if (small - common <= no_share * small) continue;  // one inside the other: a hole
+                if (options_.unite_repeated_planes) continue;
+                Place place = place_of_(rings_[r].source);
+                place.value = brief(all - common) + " mm2";
+                return Error{ErrorKind::geometry, "E-CON-007",
+                             "a plane is given twice and its contours contradict each other: contour " +
+                                 place_of_(rings_[q].source).contour + " of plane " +
+                                 std::to_string(rings_[q].plane) + " and this one of plane " +
+                                 std::to_string(rings_[r].plane),
+                             std::move(place), "remove one of the two planes, or have them united"};
+            }
+        }
+        return false;
+    }
+
+    Status read_fates(const Combined& combined) {
+        for (std::uint32_t r = 0; r < rings_.size(); ++r) {
+            const RingFate& fate = combined.fates[r];
+            RingReading& reading = readings_[rings_[r].source];
+            reading.points_kept = fate.points_kept;
+            ANATOMESH_CHECK_STATUS(read_self(r, fate, reading));
+            if (exclusive_or_) {
+                append(reading.rule, "exclusive or");
+                continue;
+            }
+            const std::string parent = fate.parent < 0 ? "" : number(static_cast<std::uint32_t>(fate.parent));
+            append(reading.rule, fate.parent < 0 || fate.level == 0 ? "outer"
+                                 : fate.level % 2 == 1              ? "hole of " + parent
+                                                                    : "island in hole " + parent);
+            if (fate.protruding_area_mm2 > 0 && fate.level > 0) {
+                note(rings_[r].source, "W-CON-017",
+                     "a contour inside contour " + parent + " reaches beyond it",
+                     brief(fate.protruding_area_mm2) + " mm2", "cut off");
+                reading.area_change_mm2 += fate.protruding_area_mm2;
+                reading.repaired = true;
+            }
+            if (fate.shares_edge) {
+                note(rings_[r].source, "W-CON-016", "contours of one structure share an edge", "",
+                     "joined along it");
+                reading.repaired = true;
+            }
+        }
+        if (!exclusive_or_) read_groups(combined);
+        return Nothing{};
+    }
+
+    // What a contour did by itself.
+    Status read_self(std::uint32_t r, const RingFate& fate, RingReading& reading) {
+        const std::uint32_t source = rings_[r].source;
+        if (fate.ambiguous_area_mm2 > no_share * fate.area_mm2) {
+            const double share = std::min(1.0, fate.ambiguous_area_mm2 / fate.area_mm2);
+            const std::string value = brief(fate.ambiguous_area_mm2) + " mm2, " + brief(100 * share) + " %";
+            if (share > options_.max_repair_area_share) {
+                Place place = place_of_(source);
+                place.value = value;
+                return Error{
+                    ErrorKind::geometry, "E-CON-006",
+                    "the contour crosses itself, and what it bounds is ambiguous by more than the bound",
+                    std::move(place), "redraw the contour, or raise the bound for repairs"};
+            }
+            note(source, "W-CON-014", "the contour crosses itself", value, "read by the even-odd rule");
+            append(reading.rule, "self-crossing, even-odd");
+            reading.area_change_mm2 += fate.ambiguous_area_mm2;
+            reading.repaired = true;
+        } else if (fate.retraces_itself) {
+            append(reading.rule, "keyhole, opened");
+        } else if (fate.touches_itself) {
+            note(source, "W-CON-015", "the contour touches itself", "", "split there");
+            append(reading.rule, "split where it touches itself");
+            reading.repaired = true;
+        }
+        return Nothing{};
+    }
+
+    // One warning for every group of united contours, at its first.
+    void read_groups(const Combined& combined) {
+        std::map<std::uint32_t, std::set<std::uint32_t>> groups;
+        for (const RingOverlap& overlap : combined.overlaps) {
+            auto& group = groups[combined.fates[overlap.first].group];
+            group.insert(overlap.first);
+            group.insert(overlap.second);
+        }
+        for (const auto& [group, rings] : groups) {
+            const double area = combined.overlap_of_group_mm2[group];
+            std::string others;
+            std::uint32_t first = rings_[*rings.begin()].source;
+            for (std::uint32_t r : rings) first = std::min(first, rings_[r].source);
+            std::set<std::uint32_t> sources;
+            for (std::uint32_t r : rings) sources.insert(rings_[r].source);
+            for (std::uint32_t source : sources) {
+                if (source != first) others += (others.empty() ? "" : ", ") + std::to_string(source);
+                RingReading& reading = readings_[source];
+                append(reading.rule, "united with others");
+                reading.repaired = true;
+                if (source == first) reading.area_change_mm2 += area;
+            }
+            note(first, "W-CON-019", "the contour overlaps others of its structure: " + others,
+                 brief(area) + " mm2", "united");
+        }
+    }
+
+    Status separate() {
+        std::vector<Separation> done;
+        if (!separate_rings(rings_, plane_, options_.separation_mm, done)) {
+            return Error{ErrorKind::geometry, "E-CON-008",
+                         "contours touch where there is no room to part them",
+                         place_of_(rings_.front().source), "redraw the contours"};
+        }
+        for (const Separation& separation : done) {
+            const std::uint32_t source = rings_[separation.ring].source;
+            note(source, "W-CON-020", "two rings of one structure touch at a vertex",
+                 std::to_string(separation.vertices) + " vertices",
+                 "moved apart by " + brief(separation.displacement_mm) + " mm");
+            RingReading& reading = readings_[source];
+            reading.displacement_mm = std::max(reading.displacement_mm, separation.displacement_mm);
+            reading.repaired = true;
+        }
+        return Nothing{};
+    }
+
+    void read_nesting(const Nesting& nesting) {
+        for (std::size_t r = 0; r < rings_.size(); ++r) {
+            RingReading& reading = readings_[rings_[r].source];
+            if (nesting.depth[r] == 0) {
+                append(reading.rule, "outer");
+            } else if (options_.holes == HoleRule::united && !exclusive_or_) {
+                append(reading.rule, "dropped: inside another, holes are filled");
+                reading.points_kept = 0;
+            } else {
+                append(reading.rule, (nesting.depth[r] % 2 == 1 ? "hole of " : "island in hole ") +
+                                         number(static_cast<std::uint32_t>(nesting.parent[r])));
+            }
+        }
+    }
+
+    // Orients the rings, which keep apart, by their depth.
+    Resolved finish(const RingEdges& edges) {
+        const Nesting nesting = nest(edges, rings_);
+        Resolved resolved;
+        for (std::size_t r = 0; r < rings_.size(); ++r) {
+            if (options_.holes == HoleRule::united && !exclusive_or_ && nesting.depth[r] > 0) continue;
+            const bool counter_clockwise = signed_area(rings_[r].at) > 0;
+            if (counter_clockwise != (nesting.depth[r] % 2 == 0)) reverse_ring(rings_[r]);
+            resolved.rings.push_back(std::move(rings_[r]));
+            resolved.depth.push_back(nesting.depth[r]);
+        }
+        for (auto& [source, reading] : readings_) resolved.readings.push_back(std::move(reading));
+        resolved.notes = std::move(notes_);
+        return resolved;
+    }
+
+    std::vector<Ring> rings_;
+    const Plane& plane_;
+    const bool exclusive_or_;
+    const CleanOptions& options_;
+    const PlaceOfSource& place_of_;
+    std::map<std::uint32_t, RingReading> readings_;  // by source
+    std::vector<RingNote> notes_;
+};
 
 }  // namespace
 
-Result<Resolved> resolve_rings(std::vector<Ring> rings, const Plane&, bool, const CleanOptions& options,
-                               const PlaceOfSource& place_of) {
-    const RingEdges edges(rings);
-    if (!keep_apart(edges, rings)) {
-        return Error{ErrorKind::geometry, "E-CON-006", "contours of one structure cross in one slice",
-                     place_of(rings.front().source), "repair the contours"};
-    }
-    return finish(std::move(rings), edges, options);
+Result<Resolved> resolve_rings(std::vector<Ring> rings, const Plane& plane, bool exclusive_or,
+                               const CleanOptions& options, const PlaceOfSource& place_of) {
+    return Resolver(std::move(rings), plane, exclusive_or, options, place_of).run();
 }
 
 }  // namespace anatomesh

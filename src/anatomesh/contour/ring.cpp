@@ -101,6 +101,7 @@ std::size_t remove_spikes(Ring& ring) {
     if (end - begin == n) return 0;
     Ring result;
     result.source = ring.source;
+    result.plane = ring.plane;
     for (std::size_t k = begin; k < end; ++k) result.push_back(ring.at[kept[k]], ring.points[kept[k]]);
     ring = std::move(result);
     return n - (end - begin);

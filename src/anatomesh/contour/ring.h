@@ -15,6 +15,7 @@ struct Ring {
     std::vector<Vec2> at;
     std::vector<Vec3> points;
     std::uint32_t source = 0;  // the contour it came from; combined rings: the smallest
+    std::int32_t plane = -1;   // the declared plane it came on, if any
 
     std::size_t size() const { return at.size(); }
     void push_back(Vec2 in_plane, Vec3 in_space) {

@@ -1,0 +1,218 @@
+#include "anatomesh/contour/separate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <compare>
+#include <cstddef>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "anatomesh/contour/nesting.h"
+#include "anatomesh/geom/polygon.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double hair_mm = 1e-6;
+constexpr std::size_t crowd = 64;
+
+std::size_t following(const Ring& ring, std::size_t i) {
+    return i + 1 < ring.size() ? i + 1 : 0;
+}
+std::size_t preceding(const Ring& ring, std::size_t i) {
+    return i > 0 ? i - 1 : ring.size() - 1;
+}
+
+// Edges e and f (named by their first vertices) that run back along each other.
+using EdgePair = std::pair<std::uint32_t, std::uint32_t>;
+
+class CorridorFinder {
+  public:
+    CorridorFinder(const Ring& ring, double width) : ring_(ring), width_(width) {
+        orientation_ = signed_area(ring.at) >= 0 ? 1 : -1;
+    }
+
+    // The pairs (e, f), e < f, of all corridors.
+    std::vector<EdgePair> run() {
+        find_pairs();
+        std::vector<EdgePair> kept;
+        for (const EdgePair& pair : pairs_) {
+            if (chain_length(pair) >= 10 * width_) kept.push_back(pair);
+        }
+        return kept;
+    }
+
+  private:
+    double edge_length(std::size_t e) const { return length(ring_.at[following(ring_, e)] - ring_.at[e]); }
+
+    // A long edge, in the cell of its last vertex.
+    struct Entry {
+        std::int64_t x, y;
+        std::uint32_t edge;
+        friend auto operator<=>(const Entry&, const Entry&) = default;
+    };
+
+    void find_pairs() {
+        std::vector<Entry> entries;
+        for (std::uint32_t f = 0; f < ring_.size(); ++f) {
+            if (edge_length(f) < 2 * width_) continue;
+            const auto [x, y] = cell_of(ring_.at[following(ring_, f)]);
+            entries.push_back({x, y, f});
+        }
+        std::sort(entries.begin(), entries.end());
+        // The partner of an edge ends in the cell where the edge begins, or beside it.
+        for (std::uint32_t e = 0; e < ring_.size(); ++e) {
+            if (edge_length(e) < 2 * width_) continue;
+            const auto [x, y] = cell_of(ring_.at[e]);
+            for (std::int64_t column = x - 1; column <= x + 1; ++column) {
+                auto entry = std::lower_bound(entries.begin(), entries.end(), Entry{column, y - 1, 0});
+                for (std::size_t seen = 0; seen < crowd && entry != entries.end(); ++entry, ++seen) {
+                    if (entry->x != column || entry->y > y + 1) break;
+                    if (e < entry->edge && runs_back(e, entry->edge)) pairs_.push_back({e, entry->edge});
+                }
+            }
+        }
+        std::sort(pairs_.begin(), pairs_.end());
+    }
+
+    std::pair<std::int64_t, std::int64_t> cell_of(Vec2 p) const {
+        const double size = std::max(width_, hair_mm);
+        return {static_cast<std::int64_t>(std::floor(p.x / size)),
+                static_cast<std::int64_t>(std::floor(p.y / size))};
+    }
+
+    bool runs_back(std::uint32_t e, std::uint32_t f) const {
+        const Vec2 a = ring_.at[e], b = ring_.at[following(ring_, e)];
+        const Vec2 c = ring_.at[f], d = ring_.at[following(ring_, f)];
+        const double gap = std::max(length(d - a), length(c - b));
+        if (gap > width_ || gap == 0) return false;
+        // On which side of e the other lies: the inside of the ring or the outside.
+        const double side = orientation_ * (cross(b - a, d - a) + cross(b - a, c - a));
+        return side <= 0 || gap <= hair_mm;
+    }
+
+    bool contains(std::uint32_t e, std::uint32_t f) const {
+        return std::binary_search(pairs_.begin(), pairs_.end(), EdgePair{std::min(e, f), std::max(e, f)});
+    }
+
+    // Length of the run of pairs that this one is part of.
+    double chain_length(EdgePair pair) const {
+        double sum = edge_length(pair.first);
+        for (const bool forward : {true, false}) {
+            std::size_t e = pair.first, f = pair.second;
+            for (std::size_t steps = 0; steps < ring_.size() && sum < 10 * width_; ++steps) {
+                e = forward ? following(ring_, e) : preceding(ring_, e);
+                f = forward ? preceding(ring_, f) : following(ring_, f);
+                if (!contains(static_cast<std::uint32_t>(e), static_cast<std::uint32_t>(f))) break;
+                sum += edge_length(e);
+            }
+        }
+        return sum;
+    }
+
+    const Ring& ring_;
+    const double width_;
+    double orientation_ = 1;
+    std::vector<EdgePair> pairs_;
+};
+
+// A ring's vertex that another ring has too.
+struct Shared {
+    std::uint32_t ring = 0, position = 0;
+    Vec2 from, direction;  // unit, into the ring's polygon
+    double most = 0;       // how far it may move
+    int rank = 0;          // 0: the smallest ring there, 1 the next larger ...
+};
+
+// Unit bisector of the polygon's angle at a vertex.
+Vec2 inward(const Ring& ring, std::size_t i, double orientation) {
+    const Vec2 p = ring.at[i], before = ring.at[preceding(ring, i)] - p,
+               after = ring.at[following(ring, i)] - p;
+    const Vec2 to_before = (1 / length(before)) * before, to_after = (1 / length(after)) * after;
+    // The inner normals of both edges: their sum halves the angle, convex or not.
+    Vec2 sum = orientation * (Vec2{to_before.y, -to_before.x} + Vec2{-to_after.y, to_after.x});
+    if (length(sum) < 1e-6) sum = to_before + to_after;  // a needle: straight into it
+    return (1 / length(sum)) * sum;
+}
+
+std::vector<Shared> find_shared(const std::vector<Ring>& rings, double distance) {
+    struct Visit {
+        Vec2 at;
+        std::uint32_t ring, position;
+    };
+    std::vector<double> area;
+    std::vector<Visit> visits;
+    for (std::uint32_t r = 0; r < rings.size(); ++r) {
+        area.push_back(signed_area(rings[r].at));
+        for (std::uint32_t i = 0; i < rings[r].size(); ++i) visits.push_back({rings[r].at[i], r, i});
+    }
+    std::sort(visits.begin(), visits.end(), [&](const Visit& p, const Visit& q) {
+        if (!(p.at == q.at)) return lexicographic_less(p.at, q.at);
+        const double p_area = std::abs(area[p.ring]), q_area = std::abs(area[q.ring]);
+        return p_area != q_area ? p_area > q_area : p.ring < q.ring;
+    });
+    std::vector<Shared> shared;
+    for (std::size_t v = 1; v < visits.size(); ++v) {
+        if (!(visits[v].at == visits[v - 1].at)) continue;
+        const Ring& ring = rings[visits[v].ring];
+        const std::size_t i = visits[v].position;
+        const double room = std::min(length(ring.at[preceding(ring, i)] - ring.at[i]),
+                                     length(ring.at[following(ring, i)] - ring.at[i]));
+        shared.push_back({visits[v].ring, visits[v].position, ring.at[i],
+                          inward(ring, i, area[visits[v].ring] >= 0 ? 1.0 : -1.0),
+                          std::min(distance, 0.25 * room), 0});
+    }
+    for (std::size_t s = shared.size(); s-- > 1;) {
+        if (shared[s - 1].from == shared[s].from) shared[s - 1].rank = shared[s].rank + 1;
+    }
+    return shared;
+}
+
+}  // namespace
+
+double close_corridors(Ring& ring, double width) {
+    if (ring.size() < 3) return 0;
+    double most = 0;
+    const auto take = [&](std::size_t to, std::size_t from) {
+        most = std::max(most, length(ring.at[to] - ring.at[from]));
+        ring.at[to] = ring.at[from];
+        ring.points[to] = ring.points[from];
+    };
+    for (const auto& [e, f] : CorridorFinder(ring, width).run()) {
+        take(following(ring, f), e);
+        take(f, following(ring, e));
+    }
+    if (most > 0) remove_spikes(ring);
+    return most;
+}
+
+bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distance,
+                    std::vector<Separation>& done) {
+    const std::vector<Shared> shared = find_shared(rings, distance);
+    if (shared.empty()) return true;
+    // Where more than two meet, one inside the other, the larger must move less than the smaller: how much
+    // less depends on the angles, so ever smaller shares and moves are tried.
+    for (double share : {0.5, 0.05, 0.005}) {
+        for (double scale = 1; scale > 1e-3; scale *= 0.5) {
+            std::map<std::uint32_t, Separation> by_ring;
+            for (const Shared& s : shared) {
+                const double move = scale * std::pow(share, s.rank) * s.most;
+                const Vec3 point = plane.to_space(s.from + move * s.direction);
+                rings[s.ring].points[s.position] = point;
+                rings[s.ring].at[s.position] = plane.to_plane(point);
+                Separation& separation = by_ring[s.ring];
+                separation.ring = s.ring;
+                ++separation.vertices;
+                separation.displacement_mm = std::max(separation.displacement_mm, move);
+            }
+            if (!keep_apart(RingEdges(rings), rings)) continue;
+            for (const auto& [ring, separation] : by_ring) done.push_back(separation);
+            return true;
+        }
+    }
+    return false;
+}
+
+}  // namespace anatomesh

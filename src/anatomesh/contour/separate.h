@@ -1,0 +1,31 @@
+// Closing corridors and moving rings apart: the two repairs of rings that may move a vertex.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/contour/ring.h"
+
+namespace anatomesh {
+
+// A keyhole contour joins a hole to its outer contour by two edges that run back along each other. Where two
+// such edges (each at least twice, a chain of them ten times the width long) lie at most `width` apart with
+// the outside between them, the second takes the first's vertices, so that the corridor has width 0; with the
+// inside between them only below 1e-6 mm (a hair). Returns the largest move, 0 when there was nothing to do.
+// Complexity: O(n log n); of vertices crowded within the width 64 are looked at.
+double close_corridors(Ring& ring, double width);
+
+// What separate_rings did at one ring.
+struct Separation {
+    std::uint32_t ring = 0;      // index into the rings
+    std::uint32_t vertices = 0;  // moved
+    double displacement_mm = 0;  // the largest move
+};
+
+// Where rings share a vertex, all but the largest move their copy along the bisector of their own polygon's
+// angle, by at most `distance` and a quarter of the shorter edge there; less where that would make rings
+// meet. Requires: simple rings that meet in common vertices only. Returns false when no room was found.
+bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distance,
+                    std::vector<Separation>& done);
+
+}  // namespace anatomesh
