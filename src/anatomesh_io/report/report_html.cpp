@@ -86,7 +86,7 @@ std::string tiles(const ModelReport& report) {
                        tile(grouped(report.surface_triangles), "surface triangles");
     if (report.contour_vertices > 0) html += tile(grouped(report.contour_vertices), "contour vertices");
     if (report.slices > 0) html += tile(grouped(report.slices), "slices");
-    html += tile(grouped(report.quality.radius_edge_mean, 2), "mean radius-edge ratio");
+    html += tile(grouped(report.quality.radius_edge_mean, 2), "mean radius-edge");
     if (!report.stages.empty()) html += tile(grouped(total_seconds(report), 2) + " s", "all stages");
     return html + "</div>\n";
 }
@@ -213,9 +213,11 @@ std::string stage_figures(const StageReport& stage) {
 std::string stages(const ModelReport& report) {
     if (report.stages.empty()) return {};
     const double total = total_seconds(report);
+    double longest = 0;
+    for (const StageReport& stage : report.stages) longest = std::max(longest, stage.seconds);
     std::string rows;
     for (const StageReport& stage : report.stages) {
-        const double share = total > 0 ? 100 * stage.seconds / total : 0;
+        const double share = longest > 0 ? 100 * stage.seconds / longest : 0;
         rows += row(cell(escape_html(stage.name)) + number_cell(grouped(stage.seconds, 3)) +
                     "<td style=\"width:22%\"><div class=\"bar\" style=\"width:" + fixed_text(share, 1) +
                     "%\"></div></td>" + number_cell(stage.points ? grouped(stage.points) : "") +

@@ -26,9 +26,9 @@ section,.card{background:var(--card);border:1px solid var(--line);border-radius:
 .scroll{overflow-x:auto}
 table{border-collapse:collapse;width:100%;font-size:13.5px;font-variant-numeric:tabular-nums}
 th,td{text-align:left;padding:6px 10px;border-bottom:1px solid var(--line);vertical-align:top}
-th{font-weight:600;color:var(--soft);font-size:12.5px;white-space:nowrap}
+th{font-weight:600;color:var(--soft);font-size:12.5px;vertical-align:bottom;line-height:1.3}
 tbody tr:last-child td,tbody tr:last-child th{border-bottom:0}
-td.n,th.n{text-align:right;white-space:nowrap}td.text{overflow-wrap:anywhere;min-width:120px}
+td.n,th.n{text-align:right}td.n{white-space:nowrap}td.text{overflow-wrap:anywhere;min-width:150px}
 td.sum{font-weight:600}.mono{font-family:ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;font-size:12.5px}
 .state{display:inline-block;padding:1px 9px;border-radius:10px;font-size:12.5px;font-weight:600;white-space:nowrap}
 .kept{color:var(--good);background:var(--good-soft)}.wait{color:var(--wait);background:var(--wait-soft)}.broken{color:var(--bad);background:var(--bad-soft)}

@@ -68,7 +68,7 @@ float shine=pow(max(dot(m,normalize(vec3(-.2,.3,.93))),0.),28.);
 vec3 lit=base*(.2+.12*m.y+.74*key+.2*fill)+vec3(.05)*shine;
 if(back)lit=base*vec3(.42,.36,.34)*(.35+.65*m.z);
 lit=mix(lit,base*.92,flatness);
-vec3 w=fwidth(b),t=smoothstep(w*.35,w*1.25,b);float e=1.-min(t.x,min(t.y,t.z));
+vec3 w=fwidth(b),t=smoothstep(w*.15,w*.85,b);float e=1.-min(t.x,min(t.y,t.z));
 o=vec4(mix(pow(lit,vec3(1./2.2)),edgeColor,e*edges),1.);}`);
 segments=program(head+`in vec3 position;in vec3 color;out vec3 c;out float side;
 void main(){gl_Position=view*vec4(position,1.);gl_Position.z-=nudge;c=color;side=dot(clip.xyz,position)-clip.w;}`,
@@ -129,6 +129,8 @@ function setPlane(){
   plane.value=state.axis<3?d:(2*state.place-1)*reach;
   plane.n=state.flip?n.map(x=>-x):n;plane.d=state.flip?-d:d;
 }
+// What is nearer to the eye than the plane is cut away.
+function faceMe(){state.flip=state.axis<3&&camera()[2][state.axis]<0;}
 const four=[[1,2,3],[0,3,2],[0,1,3],[0,2,1]];
 function buildCut(){
   setPlane();
@@ -147,7 +149,7 @@ function buildCut(){
   cut.end();
   $('cut-note').textContent=state.mode==='surface'?'':planeName()+', '+hit.toLocaleString('en')+' tetrahedra cut';
 }
-function planeName(){const v=plane.value.toFixed(1)+' mm';return state.axis<3?'plane '+'xyz'[state.axis]+' = '+v:'plane facing you, '+v+' from the middle';}
+function planeName(){const v=(Math.round(10*plane.value)/10+0).toFixed(1)+' mm';return state.axis<3?'plane '+'xyz'[state.axis]+' = '+v:'plane facing you, '+v+' from the middle';}
 // The polygon in which the plane cuts a cell: a triangle, or a quadrangle in cyclic order.
 function section(c,k,side){
   const above=[],below=[];for(let i=0;i<4;i++)(side[cells[k+i]]>0?above:below).push(cells[k+i]);
@@ -179,7 +181,7 @@ function camera(){
   const c=Math.cos(state.turn),s=Math.sin(state.turn),ct=Math.cos(state.tilt),st=Math.sin(state.tilt);
   const right=[c,s,0],eye=[s*ct,-c*ct,st];return[right,cross(eye,right),eye];
 }
-function pixelsPerMm(){return state.zoom*Math.min(canvas.clientWidth,canvas.clientHeight)/(2*radius)*1.08;}
+function pixelsPerMm(){return state.zoom*Math.min(canvas.clientWidth,canvas.clientHeight)/(2*radius)*1.32;}
 const ink={};
 function readColors(){const dark=matchMedia('(prefers-color-scheme: dark)').matches;ink.edge=dark?[.05,.07,.09]:[.1,.13,.17];ink.contour=dark?[255,196,84]:[196,58,22];}
 let pending=false;
@@ -244,7 +246,7 @@ function zoom(f,x,y){const k=pixelsPerMm(),before=state.zoom;state.zoom=Math.max
 const press=(group,on)=>document.querySelectorAll('[data-'+group+']').forEach(b=>b.setAttribute('aria-pressed',String(b.dataset[group]===on)));
 const refresh=()=>{buildCut();draw();};
 document.querySelectorAll('[data-mode]').forEach(b=>b.onclick=()=>{state.mode=b.dataset.mode;press('mode',state.mode);$('cut-tools').hidden=state.mode==='surface';refresh();});
-document.querySelectorAll('[data-axis]').forEach(b=>b.onclick=()=>{state.axis=+b.dataset.axis;if(state.axis===3)state.facing=camera()[2];press('axis',b.dataset.axis);refresh();});
+document.querySelectorAll('[data-axis]').forEach(b=>b.onclick=()=>{state.axis=+b.dataset.axis;state.facing=camera()[2];faceMe();press('axis',b.dataset.axis);refresh();});
 document.querySelectorAll('[data-look]').forEach(b=>b.onclick=()=>{[state.turn,state.tilt]=b.dataset.look.split(',').map(Number);state.pan=[0,0];state.zoom=1;draw();});
 $('place').oninput=e=>{state.place=+e.target.value;refresh();};
 $('flip').onclick=()=>{state.flip=!state.flip;refresh();};
@@ -266,7 +268,7 @@ new URLSearchParams(location.hash.slice(1)).forEach((v,k)=>{
   else if(k==='color'&&v==='quality'){state.color=$('color').value=v;$('ramp').hidden=false;}
   else if(k==='turn'&&isFinite(v))state.turn=+v;else if(k==='tilt'&&isFinite(v))state.tilt=+v;
 });
-readColors();buildSurface();buildContours();buildCut();paint();
+faceMe();readColors();buildSurface();buildContours();buildCut();paint();
 })();
 )js";
 
