@@ -338,7 +338,7 @@ class Splitter {
         for (const std::uint32_t v : unsound_) {
             if (touches_change(stars_->at(v))) continue;
             analyzer_->excess_pieces(v, pieces);
-            if (!pieces.empty()) cut_corner(v, pieces.front().structure);
+            if (!pieces.empty()) cut_corner(v, pieces);
         }
     }
 
@@ -412,8 +412,52 @@ class Splitter {
         return result;
     }
 
-    void cut_corner(std::uint32_t v, std::uint32_t structure) {
-        const std::vector<Region> corners = corner_regions(v, structure);
+    // Whether these regions would leave a structure with a contour vertex at v off v.
+    bool loses_owner(std::uint32_t v, const std::vector<Region>& regions) const {
+        for (const std::uint32_t structure : owners_.at(v)) {
+            bool in = false, out = false;
+            for (const Region region : regions) (registry_.table().contains(region, structure) ? in : out) = true;
+            if (!(in && out)) return true;
+        }
+        return false;
+    }
+
+    // The other way to make one disc: the smallest piece of a side that has several is joined to the nearest other piece
+    // of that side by a path of cells of the star, all given the region from which it starts.
+    std::vector<Region> bridged_regions(std::uint32_t v, const std::vector<StarPiece>& pieces) const {
+        const auto star = stars_->at(v);
+        const StarPiece& start = *std::min_element(pieces.begin(), pieces.end(), [](const StarPiece& a, const StarPiece& b) {
+            return a.cells.size() < b.cells.size();
+        });
+        std::vector<Region> result;
+        for (const std::uint32_t c : star) result.push_back(patch_.regions[c]);
+        const auto position = [&](std::uint32_t c) { return std::lower_bound(star.begin(), star.end(), c) - star.begin(); };
+        constexpr std::uint32_t unseen = 0xFFFFFFFEu;
+        std::vector<std::uint32_t> from(star.size(), unseen), queue = start.cells;
+        for (const std::uint32_t c : start.cells) from[position(c)] = no_cell;
+        for (std::size_t head = 0; head < queue.size(); ++head) {
+            const std::uint32_t c = queue[head];
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t n = patch_.neighbors[c][i];
+                if (patch_.cells[c][i] == v || n == no_cell || from[position(n)] != unseen) continue;
+                from[position(n)] = c;
+                queue.push_back(n);
+                if (registry_.table().contains(patch_.regions[n], start.structure) != start.inside) continue;
+                // n is in another piece: the way back from c to the start changes its region.
+                std::uint32_t first = c;
+                while (from[position(first)] != no_cell) first = from[position(first)];
+                for (std::uint32_t step = c; step != no_cell; step = from[position(step)]) {
+                    if (from[position(step)] != no_cell) result[position(step)] = patch_.regions[first];
+                }
+                return result;
+            }
+        }
+        return result;
+    }
+
+    void cut_corner(std::uint32_t v, const std::vector<StarPiece>& pieces) {
+        std::vector<Region> corners = corner_regions(v, pieces.front().structure);
+        if (loses_owner(v, corners)) corners = bridged_regions(v, pieces);
         const std::vector<std::uint32_t> star(stars_->at(v).begin(), stars_->at(v).end());
         std::vector<std::uint32_t> link;
         for (const std::uint32_t c : star) {

@@ -29,7 +29,8 @@ struct SplitStats {
 //    manifold and no other edge non-manifold.
 // 3. *Corner*: at a vertex whose edges are manifold but whose star a structure cuts into several discs, the corners of
 //    the star's cells are cut off, and the corners are given to one side or the other so that one disc stays: the
-//    surface keeps passing through the vertex.
+//    surface keeps passing through the vertex. Where that would take a structure off its own contour vertex, two pieces
+//    of one side are joined by a path of corners instead.
 // Guarantees on success: every vertex of the mesh sound; no vertex moved; facets away from the split cells unchanged;
 // all cells positive (checked exactly); the tetrahedra outside the stars of the unsound vertices untouched.
 // Errors: geometry E-CUT-001 when a vertex stays unsound after max_passes, with its place.

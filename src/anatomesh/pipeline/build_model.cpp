@@ -22,10 +22,10 @@ namespace {
 
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
 constexpr double crossing_spacing = 0.3;      // of a crossing point from others, in lengths of its edge
-constexpr double balance_reach = 0.1;         // no vertex moves further than this for the volume's sake, in sizes
+constexpr double balance_reach = 0.25;        // no vertex moves further than this for the volume's sake, in sizes
 constexpr double surface_deviation = 0.05;    // of the middle of an interface facet from the interface, in sizes
 constexpr int crossing_rounds = 3;
-constexpr int deviation_rounds = 2;
+constexpr int deviation_rounds = 5;
 constexpr int refinement_rounds = 12;
 
 // Everything that one run of the method carries from stage to stage.
@@ -126,7 +126,7 @@ class Builder {
             std::vector<Vec3> found;
             find_deviation_points(mesh_->points(), mesh_->cells(), mesh_->regions(), *field_, structures_, mesh_->grid(),
                                   sample_->guard, deviation, found, context_);
-            if (found.empty()) break;
+            if (found.size() * 500 < mesh_->points().size()) break;
             deviation_points += static_cast<double>(found.size());
             ANATOMESH_CHECK_STATUS(grow(found));
         }
