@@ -11,6 +11,7 @@
 #include <set>
 #include <utility>
 
+#include "anatomesh/contour/message_text.h"
 #include "anatomesh/contour/plane_grouping.h"
 #include "anatomesh/contour/resolve.h"
 #include "anatomesh/contour/ring.h"
@@ -31,15 +32,6 @@ std::string text(double number) {
     std::string result(buffer.data(), end);
     if (result.find_first_of(".en") == std::string::npos) result += ".0";
     return result;
-}
-
-// For messages: three significant digits.
-std::string brief(double number) {
-    std::array<char, 32> buffer;
-    const auto end =
-        std::to_chars(buffer.data(), buffer.data() + buffer.size(), number, std::chars_format::general, 3)
-            .ptr;
-    return std::string(buffer.data(), end);
 }
 
 std::string structure_text(const Structure& structure) {
@@ -129,6 +121,7 @@ class Cleaner {
             result_.stats.points_in += contour.point_count;
         }
         result_.stats.contours_in = static_cast<std::uint32_t>(raw_.contours.size());
+        repaired_.assign(raw_.contours.size(), 0);
         by_number_.resize(raw_.structures.size());
         std::iota(by_number_.begin(), by_number_.end(), 0u);
         std::stable_sort(by_number_.begin(), by_number_.end(), [&](std::uint32_t p, std::uint32_t q) {
@@ -238,7 +231,7 @@ class Cleaner {
             note(c, "W-CON-007", "points equal to their predecessor", std::to_string(repeated) + " points",
                  "dropped");
             result_.log[c].rule = "repeated points dropped";
-            ++result_.stats.repaired;
+            repaired_[c] = 1;
         }
         canonicalize_cycle(candidate.points);
         candidates_.push_back(std::move(candidate));
@@ -323,7 +316,7 @@ class Cleaner {
             ContourLog& log = result_.log[candidate.raw];
             log.max_displacement_mm = std::max(log.max_displacement_mm, moved);
             log.rule = "moved onto its plane";
-            ++result_.stats.repaired;
+            repaired_[candidate.raw] = 1;
             drop_repeated_points(candidate.points);
         }
         range = high - low;
@@ -403,7 +396,7 @@ class Cleaner {
             note(raw, "W-CON-012", "the contour turns back on itself", std::to_string(spikes) + " points",
                  "spikes removed; no other point moves");
             result_.log[raw].rule = "spikes removed";
-            ++result_.stats.repaired;
+            repaired_[raw] = 1;
         }
         rings.push_back(std::move(ring));
     }
@@ -432,7 +425,7 @@ class Cleaner {
             log.points_kept = reading.points_kept;
             log.max_displacement_mm = std::max(log.max_displacement_mm, reading.displacement_mm);
             log.area_change_mm2 += reading.area_change_mm2;
-            result_.stats.repaired += reading.repaired;
+            if (reading.repaired) repaired_[reading.source] = 1;
         }
         for (RingNote& ring_note : resolved.notes) notes_.push_back(std::move(ring_note));
         // Every ring starts at its smallest vertex, and the rings of a structure are in the order of these.
@@ -502,6 +495,7 @@ class Cleaner {
         CleanStats& stats = result_.stats;
         stats.points_kept = set.points.size();
         stats.contours_kept = static_cast<std::uint32_t>(set.contours.size());
+        for (char repaired : repaired_) stats.repaired += repaired;
         for (const ContourLog& log : result_.log) {
             stats.dropped += log.points_kept == 0;
             stats.max_displacement_mm = std::max(stats.max_displacement_mm, log.max_displacement_mm);
@@ -518,6 +512,7 @@ class Cleaner {
     PlaneGroups groups_;
     std::vector<std::vector<std::uint32_t>> members_;  // per slice, of candidates_
     std::vector<std::string> names_;                   // per slice
+    std::vector<char> repaired_;                       // per raw contour
     std::vector<RingNote> notes_;
     CleanResult result_;
 };

@@ -17,18 +17,23 @@ enum class HoleRule : std::uint8_t {
 };
 
 struct CleanOptions {
-    double plane_tolerance_mm = 0.05;  // points this far off their plane are accepted as they are. [0, 1]
-    double plane_repair_mm = 1.0;  // points up to this far off are projected, with a warning; beyond: refused
-    double group_tolerance_mm =
-        0.01;                     // contours whose planes differ by less at their own extent share a slice
-    double closing_gap_mm = 2.0;  // an open contour with at most this gap is closed with a warning
-    double max_repair_area_share = 0.05;  // a repair that changes a contour's area by more is refused. [0, 1]
-    double corridor_mm =
-        0.05;  // a keyhole's corridor narrower than this is closed: outer and holes apart. [0, 1]
-    double separation_mm = 0.05;  // rings that share a vertex are moved apart there by at most this. (0, 1]
+    // Points this far off their plane are accepted as they are. [0, 1]
+    double plane_tolerance_mm = 0.05;
+    // Points up to this far off are projected, with a warning; beyond: refused. [plane_tolerance_mm, 10]
+    double plane_repair_mm = 1.0;
+    // Contours whose planes differ by less at their own extent share a slice. [0, 1]
+    double group_tolerance_mm = 0.01;
+    // An open contour with at most this gap is closed with a warning. [0, 100]
+    double closing_gap_mm = 2.0;
+    // A repair that makes a larger share of a contour's area ambiguous is refused. [0, 1]; 1: never refused
+    double max_repair_area_share = 0.05;
+    // A keyhole's corridor no wider than this is closed, so that outer contour and holes part. [0, 1]
+    double corridor_mm = 0.05;
+    // Rings that share a vertex are moved apart there by at most this. (0, 1]
+    double separation_mm = 0.05;
     HoleRule holes = HoleRule::even_odd;
-    bool unite_repeated_planes =
-        false;  // contours that contradict each other on a plane given twice: unite them
+    // Contours that contradict each other on a plane given twice: unite them instead of refusing.
+    bool unite_repeated_planes = false;
 };
 
 // How one contour of the input was read. One entry per raw contour, in input order: the log that travels into
@@ -62,7 +67,7 @@ struct CleanResult {
 // crosses itself is read by the even-odd rule. Where two rings have to share a vertex the larger keeps it,
 // and the other's copy moves into the smaller one's own polygon by at most separation_mm: a shared vertex
 // would make every surface non-manifold. Every repair is counted and warned about, with its displacement and
-// area; above its bound it is an error. Errors: E-CON-001..008, warnings: W-CON-001..020. Complexity: O(n log
+// area; above its bound it is an error. Errors: E-CON-001..009, warnings: W-CON-001..020. Complexity: O(n log
 // n) per slice in its points, plus the crossings found.
 Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context);
 

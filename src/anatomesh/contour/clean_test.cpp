@@ -536,7 +536,7 @@ TEST(Clean, C04_random_scribbles_never_break_the_invariants) {
         if (run.ok()) {
             EXPECT_KEPT(run);
         } else {
-            EXPECT_EQ(run.code(), "E-CON-008") << to_line(run.result.error());
+            EXPECT_EQ(run.code(), "E-CON-009") << to_line(run.result.error());
             ++refused;
         }
     }

@@ -1,8 +1,6 @@
 #include "anatomesh/contour/resolve.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <map>
@@ -11,6 +9,7 @@
 #include <utility>
 
 #include "anatomesh/contour/combine.h"
+#include "anatomesh/contour/message_text.h"
 #include "anatomesh/contour/nesting.h"
 #include "anatomesh/contour/separate.h"
 #include "anatomesh/geom/polygon.h"
@@ -21,14 +20,6 @@ namespace {
 
 constexpr double no_share = 1e-9;  // of an area: rounding of the area itself
 constexpr std::size_t most_crossings = 4'000'000;
-
-std::string brief(double number) {
-    std::array<char, 32> buffer;
-    const auto end =
-        std::to_chars(buffer.data(), buffer.data() + buffer.size(), number, std::chars_format::general, 3)
-            .ptr;
-    return std::string(buffer.data(), end);
-}
 
 void append(std::string& rule, const std::string& more) {
     rule += rule.empty() ? more : "; " + more;
@@ -238,7 +229,7 @@ class Resolver {
     Status separate() {
         std::vector<Separation> done;
         if (!separate_rings(rings_, plane_, options_.separation_mm, done)) {
-            return Error{ErrorKind::geometry, "E-CON-008",
+            return Error{ErrorKind::geometry, "E-CON-009",
                          "contours touch where there is no room to part them",
                          place_of_(rings_.front().source), "redraw the contours"};
         }

@@ -40,7 +40,7 @@ using PlaceOfSource = std::function<Place(std::uint32_t source)>;
 
 // Requires: rings of three vertices or more, without repeated vertices and spikes, none equal to another, in
 // an order that does not depend on the input's. `exclusive_or`: combine by exclusive or (DICOM
-// CLOSEDPLANAR_XOR) instead of nesting and union. Errors: E-CON-006, E-CON-007, E-CON-008.
+// CLOSEDPLANAR_XOR) instead of nesting and union. Errors: E-CON-006..009.
 Result<Resolved> resolve_rings(std::vector<Ring> rings, const Plane& plane, bool exclusive_or,
                                const CleanOptions& options, const PlaceOfSource& place_of);
 

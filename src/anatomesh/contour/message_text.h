@@ -1,0 +1,18 @@
+// Numbers in messages of this room.
+#pragma once
+
+#include <array>
+#include <charconv>
+#include <string>
+
+namespace anatomesh {
+
+// Three significant digits, the same in every locale.
+inline std::string brief(double number) {
+    std::array<char, 32> buffer;
+    const auto end =
+        std::to_chars(buffer.data(), buffer.data() + buffer.size(), number, std::chars_format::general, 3);
+    return std::string(buffer.data(), end.ptr);
+}
+
+}  // namespace anatomesh
