@@ -18,6 +18,7 @@
 #include "anatomesh_io/contour/write_contours.h"
 #include "anatomesh_io/file/atomic_file.h"
 #include "anatomesh_io/mesh/mesh_file.h"
+#include "anatomesh_io/report/report_html.h"
 #include "anatomesh_io/report/report_json.h"
 #include "input_options.h"
 #include "option_values.h"
@@ -57,7 +58,7 @@ struct ModelVerbOptions {
 };
 
 // The stages whose mesh can be dumped, in the order of the pipeline.
-const std::vector<std::string> dump_stages{"delaunay", "cull", "refine", "cut", "improve"};
+const std::vector<std::string> dump_stages{"cull", "refine", "cut", "improve"};
 
 DumpOption dump_of(const std::string& text) {
     const std::size_t equals = text.find('=');
@@ -147,6 +148,16 @@ void complete_report(ModelReport& report, InputContours& contours, const ModelVe
     report.warnings = session.context.warnings;
 }
 
+Status add_surfaces(const Model& model, const MeshDescription& description,
+                    const std::vector<std::string>& paths, AtomicFileSet& files, RunContext& context) {
+    const SurfaceFile surface{extract_interfaces(model.mesh), description};
+    for (const std::string& path : paths) {
+        ANATOMESH_TRY(const std::string bytes, format_surface(path, surface, context));
+        ANATOMESH_CHECK_STATUS(files.add(path, bytes));
+    }
+    return Nothing{};
+}
+
 // All outputs under temporary names, then all at once.
 Status write_outputs(const Model& model, const ContourSet& kept, const ModelVerbOptions& options,
                      AtomicFileSet& files, Session& session) {
@@ -154,16 +165,18 @@ Status write_outputs(const Model& model, const ContourSet& kept, const ModelVerb
     const ModelFile file{model.mesh, description_of(model, session)};
     ANATOMESH_TRY(const std::string mesh_bytes, format_model(options.output, file, context));
     ANATOMESH_CHECK_STATUS(files.add(options.output, mesh_bytes));
-    const SurfaceFile surface{extract_interfaces(model.mesh), file.description};
-    for (const std::string& path : options.surfaces) {
-        ANATOMESH_TRY(const std::string bytes, format_surface(path, surface, context));
-        ANATOMESH_CHECK_STATUS(files.add(path, bytes));
+    if (!options.surfaces.empty()) {
+        ANATOMESH_CHECK_STATUS(add_surfaces(model, file.description, options.surfaces, files, context));
     }
     if (!options.contours.empty()) {
         ANATOMESH_TRY(const ContourFormat format, contour_format_of(options.contours));
         ANATOMESH_CHECK_STATUS(files.add(options.contours, format_contours(kept, format, context)));
     }
     ANATOMESH_CHECK_STATUS(files.add(options.report, report_json(model.report)));
+    if (!options.html.empty()) {
+        const std::string page = report_html(model.report, model.mesh, model.regions, &kept);
+        ANATOMESH_CHECK_STATUS(files.add(options.html, page));
+    }
     if (context.cancelled()) return cancelled_error();
     return files.commit();
 }

@@ -51,7 +51,7 @@ TEST(Threshold, nothing_in_the_range_names_the_range_of_the_image) {
     RunContext context;
     const auto labels = threshold_image(row({-5, std::nanf(""), 20}), {21}, context);
     ASSERT_FALSE(labels.ok());
-    EXPECT_EQ(labels.error().code, "E-IMG-001");
+    EXPECT_EQ(labels.error().code, "E-THR-001");
     EXPECT_EQ(labels.error().place.file, "scan.nii");
     EXPECT_NE(labels.error().next_step.find("-5:20"), std::string::npos);
     EXPECT_FALSE(threshold_image(row({std::nanf("")}), {0}, context).ok());

@@ -60,7 +60,7 @@ Result<LabelMap> threshold_image(const GreyImage& image, const ThresholdOptions&
                  });
     if (std::find(any.begin(), any.end(), 1) == any.end()) {
         return Error{ErrorKind::geometry,
-                     "E-IMG-001",
+                     "E-THR-001",
                      "no voxel lies in the threshold's range",
                      {image.source, "", "", "", range},
                      "choose a threshold within the image's values, " + range_of(image)};

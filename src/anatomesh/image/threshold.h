@@ -15,7 +15,7 @@ struct ThresholdOptions {
 
 // Voxels with low <= value <= high get label 1: structure number 1, called "threshold LOW" or "threshold
 // LOW:HIGH". All others, and those that are not a number, are outside. Complexity: linear. Parallel, same
-// result at any thread count. Errors: geometry E-IMG-001 no voxel lies in the range (with the range of the
+// result at any thread count. Errors: geometry E-THR-001 no voxel lies in the range (with the range of the
 // image).
 Result<LabelMap> threshold_image(const GreyImage& image, const ThresholdOptions& options,
                                  RunContext& context);

@@ -1,0 +1,232 @@
+"""Models of analytic shapes: volumes and distances against formulas, topology, contract, by an independent judge."""
+import unittest
+
+import numpy as np
+
+import harness
+import judge
+import shapes
+
+
+class Shapes(harness.TestCase):
+    """Each shape through `model` with no options at all."""
+
+    # Share of the true volume that the model may differ by. The slices of a lying torus are 2 mm apart where its
+    # outline turns by as much: slice integration alone is 1.3 % off there.
+    VOLUME = {"torus": 0.02}
+
+    def model_of(self, name):
+        shape = shapes.ALL[name]()
+        self.write(f"{name}.json", shape.document())
+        self.run_program("model", f"{name}.json", "-o", f"{name}.vtu")
+        return shape, judge.Model(self.folder / f"{name}.vtu")
+
+    def check(self, name):
+        shape, model = self.model_of(name)
+        self.assertGreater(model.volumes().min(), 0, "inverted or flat cells")
+        self.assertEqual(len(np.unique(np.sort(model.cells, axis=1), axis=0)), len(model.cells), "equal cells")
+        self.assertLessEqual((model.radius_edge() > 2).mean(), 0.005)
+        self.assertLessEqual(model.radius_edge().mean(), 1.05)
+        for number, volume in shape.volume.items():
+            surface = model.surface(model.structure == number)
+            topology = judge.topology(surface)
+            for fault in ("open_edges", "nonmanifold_edges", "nonmanifold_vertices"):
+                self.assertEqual(topology[fault], 0, f"{name}: {fault}")
+            if number in shape.genus:
+                self.assertEqual(topology["genus"], shape.genus[number])
+                self.assertEqual(topology["shells"], shape.shells[number])
+            self.assertAlmostEqual(model.volume(number) / volume, 1, delta=self.VOLUME.get(name, 0.01))
+            mine = np.array([(x, y, z) for z, polygons in shape.slices for k, p in polygons if k == number
+                             for x, y in p])
+            self.assertEqual(judge.share_on_surface(model, surface, mine), 1.0, "contour vertices off the surface")
+        if shape.distance is not None:
+            self.check_distance(shape, model)
+
+    def check_distance(self, shape, model):
+        """The end caps are flat, half a slice beyond the last contour: no nearer than that to the true shape."""
+        triangles = model.surface()
+        p = model.points[triangles]
+        area = np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1)
+        distance = shape.distance(p.mean(1))
+        self.assertLessEqual((distance * area).sum() / area.sum(), 0.1 * shape.spacing)
+        self.assertLessEqual(distance.max(), 0.5 * shape.spacing)
+
+    def test_sphere(self):
+        self.check("sphere")
+
+    def test_ellipsoid(self):
+        self.check("ellipsoid")
+
+    def test_torus(self):
+        self.check("torus")
+
+    def test_shell(self):
+        self.check("shell")
+
+    def test_two_touching_balls(self):
+        self.check("touching_balls")
+        self.check("touching_pair")
+
+    def test_bifurcating_tube(self):
+        self.check("bifurcating_tube")
+
+
+class Symmetries(harness.TestCase):
+    """What must not change when the same contours come in another way."""
+
+    def bytes_of(self, document, *options, name="shape", **running):
+        self.write(f"{name}.json", document)
+        self.run_program("model", f"{name}.json", "-o", f"{name}.vtu", *options, **running)
+        return (self.folder / f"{name}.vtu").read_bytes()
+
+    def test_M1_shuffled_slices_and_start_points_give_the_same_bytes(self):
+        shape = shapes.touching_balls()
+        plain = self.bytes_of(shape.document())
+        order = np.random.default_rng(7).permutation(len(shape.slices))
+        shuffled = shape.document(order=order)
+        rng = np.random.default_rng(8)
+        for each in shuffled["slices"]:
+            rng.shuffle(each["contours"])
+            for contour in each["contours"]:
+                turn = int(rng.integers(len(contour["points"])))
+                contour["points"] = contour["points"][turn:] + contour["points"][:turn]
+                if rng.integers(2):
+                    contour["points"].reverse()
+        self.assertEqual(self.bytes_of(shuffled), plain)
+
+    def test_M2_threads_folder_and_names_give_the_same_bytes(self):
+        document = shapes.bifurcating_tube().document()
+        plain = self.bytes_of(document, "--threads", "1")
+        self.assertEqual(self.bytes_of(document, "--threads", "2"), plain)
+        self.assertEqual(self.bytes_of(document, "--threads", "7", name="another"), plain)
+
+    def test_M5_mirrored_contours_give_the_mirrored_model(self):
+        shape = shapes.bifurcating_tube()
+        document = shape.document(to_space=lambda p: (-p[0] + 40, p[1], p[2]))
+        self.bytes_of(document)
+        model = judge.Model(self.folder / "shape.vtu")
+        self.assertGreater(model.volumes().min(), 0)
+        self.assertAlmostEqual(model.volume(1) / shape.volume[1], 1, delta=0.01)
+        self.assertGreater(model.points[:, 0].mean(), 35)
+
+    def test_M4_rotated_planes_keep_volume_and_distance(self):
+        shape = shapes.sphere(15)
+        c, s = np.cos(0.5), np.sin(0.5)
+
+        def turned(p):
+            x, y, z = p
+            return (c * x - s * z, y, s * x + c * z)
+
+        self.bytes_of(shape.document(to_space=turned))
+        model = judge.Model(self.folder / "shape.vtu")
+        self.assertAlmostEqual(model.volume(1) / shape.volume[1], 1, delta=0.01)
+        self.assertLessEqual(shape.distance(model.points[model.surface()].mean(1)).max(), 0.5 * shape.spacing)
+
+
+class Options(harness.TestCase):
+    def figures(self, *options, document=None):
+        self.write("shape.json", document or shapes.sphere(15).document())
+        return self.run_program("model", "shape.json", "-o", "shape.vtu", "--json", *options).json()
+
+    def test_size_makes_more_and_smaller_cells(self):
+        coarse = self.figures("--size", "4")["counts"]["tetrahedra"]
+        fine = self.figures("--size", "1.5")["counts"]["tetrahedra"]
+        self.assertGreater(fine, 3 * coarse)
+
+    def test_flat_caps_end_at_the_last_contour(self):
+        self.figures("--caps", "flat")
+        flat = judge.Model(self.folder / "shape.vtu")
+        self.figures("--caps", "half")
+        half = judge.Model(self.folder / "shape.vtu")
+        self.assertAlmostEqual(flat.points[:, 2].max(), 14.0, delta=0.02)
+        self.assertAlmostEqual(half.points[:, 2].max(), 15.0, delta=0.02)
+
+    def test_every_and_offset_take_every_nth_slice(self):
+        for every, offset, slices in ((1, 0, 15), (2, 0, 8), (2, 1, 7), (4, 3, 3)):
+            words = ("contours", "shape.json", "-o", "kept.json", "--every", every, "--offset", offset, "--json")
+            self.write("shape.json", shapes.sphere(15).document())
+            self.assertEqual(self.run_program(*words).json()["slices"], slices)
+
+    def test_epsilon_leaves_out_points_within_its_bound(self):
+        self.write("shape.json", shapes.sphere(15).document())
+        exact = self.run_program("contours", "shape.json", "-o", "a.json", "--json").json()
+        same = self.run_program("contours", "shape.json", "-o", "b.json", "--json", "--epsilon", "exact").json()
+        fewer = self.run_program("contours", "shape.json", "-o", "c.json", "--json", "--epsilon", "0.2").json()
+        self.assertEqual(exact["points"], same["points"])
+        self.assertLess(fewer["points"], exact["points"] / 2)
+
+    def test_structure_by_name_and_number(self):
+        document = shapes.touching_balls().document()
+        for text in ("right", "2"):
+            report = self.figures("--structure", text, document=document)
+            self.assertEqual([s["name"] for s in report["structures"]], ["right"])
+
+    def test_dump_writes_the_mesh_after_a_stage(self):
+        self.figures("--dump", "delaunay=d.vtu", "--dump", "cull=c.vtu", "--dump", "improve=i.vtu")
+        last, whole = judge.Model(self.folder / "i.vtu"), judge.Model(self.folder / "shape.vtu")
+        self.assertEqual((last.structure > 0).sum(), len(whole.cells))
+        self.assertGreater(len(judge.Model(self.folder / "d.vtu").cells), 0)
+
+    def test_report_stands_beside_the_model_unless_said(self):
+        self.figures()
+        self.assertTrue((self.folder / "shape.report.json").exists())
+        self.figures("--report", "elsewhere.json")
+        self.assertTrue((self.folder / "elsewhere.json").exists())
+
+    def test_quiet_says_nothing(self):
+        self.write("shape.json", shapes.sphere(15).document())
+        result = self.run_program("model", "shape.json", "-o", "shape.vtu", "--quiet")
+        self.assertEqual((result.out, result.err), ("", ""))
+
+
+class CheckAndCompare(harness.TestCase):
+    def setUp(self):
+        super().setUp()
+        self.shape = shapes.sphere(12)
+        self.write("ball.json", self.shape.document())
+        self.run_program("model", "ball.json", "-o", "ball.vtu", "--surface", "ball.stl", "--surface", "ball.ply")
+
+    def test_check_keeps_what_the_model_promised(self):
+        report = self.run_program("check", "ball.vtu", "--contours", "ball.json", "--json").json()
+        states = {clause["clause"]: clause["state"] for clause in report["certificate"]}
+        self.assertEqual(states[1], "kept")
+        self.assertEqual(states[3], "kept")
+
+    def test_check_finds_contours_of_another_model(self):
+        self.write("other.json", shapes.sphere(11).document())
+        self.run_program("check", "ball.vtu", "--contours", "other.json", expect=4)
+
+    def test_check_finds_an_inverted_cell(self):
+        self.run_program("convert", "ball.vtu", "-o", "ball.mesh")
+        lines = (self.folder / "ball.mesh").read_text().splitlines()
+        at = lines.index("Tetrahedra") + 2
+        a, b, *rest = lines[at].split()
+        lines[at] = " ".join([b, a, *rest])
+        self.write("bad.mesh", "\n".join(lines) + "\n")
+        result = self.run_program("check", "bad.mesh", expect=4)
+        self.assertIn("E-CMD-013", result.err)
+
+    def test_compare_with_itself_is_zero(self):
+        both = self.run_program("compare", "ball.vtu", "ball.ply", "--json").json()["both"]
+        self.assertLess(both["max"], 1e-9)
+
+    def test_compare_finds_a_shift(self):
+        shift = 0.75
+        self.write("moved.json", self.shape.document(to_space=lambda p: (p[0] + shift, p[1], p[2])))
+        self.run_program("model", "moved.json", "-o", "moved.vtu")
+        both = self.run_program("compare", "ball.vtu", "moved.vtu", "--json").json()["both"]
+        self.assertAlmostEqual(both["max"], shift, delta=0.15)
+        self.assertAlmostEqual(both["mean"], shift / 2, delta=0.1)
+        self.assertLessEqual(both["mean"], both["rms"])
+        self.assertLessEqual(both["p95"], both["max"])
+
+    def test_convert_round_trip_keeps_every_byte(self):
+        for extension in ("msh", "mesh", "inp"):
+            self.run_program("convert", "ball.vtu", "-o", f"ball.{extension}")
+            self.run_program("convert", f"ball.{extension}", "-o", "again.vtu")
+            self.assertEqual((self.folder / "again.vtu").read_bytes(), (self.folder / "ball.vtu").read_bytes(),
+                             extension)
+
+
+if __name__ == "__main__":
+    harness.main(__name__)
