@@ -1,0 +1,13 @@
+#include "anatomesh/base/text.h"
+
+namespace anatomesh {
+
+std::string lower_case(std::string_view text) {
+    std::string lower(text);
+    for (char& c : lower) {
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    }
+    return lower;
+}
+
+}  // namespace anatomesh
