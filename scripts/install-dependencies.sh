@@ -13,7 +13,7 @@ python3-pydicom python3-jsonschema gmsh locales"
 # The CT skull of the demonstration.
 demo="invesalius-examples"
 # What the benchmark runs beside the program.
-bench="tetgen python3 python3-numpy python3-scipy python3-vtk9 python3-meshio"
+bench="tetgen python3 libbenchmark-dev"
 
 check=no
 wanted=

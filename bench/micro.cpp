@@ -1,0 +1,133 @@
+// The hot pieces of the method alone. Inputs are made here: a wavy ball of one structure, and random points.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "anatomesh/contour/trace.h"
+#include "anatomesh/delaunay/tetrahedralize.h"
+#include "anatomesh/field/distance_map.h"
+#include "anatomesh/field/structure_field.h"
+
+namespace {
+
+using namespace anatomesh;
+
+// A ball with 12 ridges in the middle of a volume of n x n x slices voxels, the slices as far apart as makes
+// it a cube.
+LabelMap wavy_ball(std::uint32_t n, std::uint32_t slices) {
+    LabelMap labels;
+    const double thickness = static_cast<double>(n) / slices;
+    labels.geometry.size = {n, n, slices};
+    labels.geometry.step[2] = {0, 0, thickness};
+    labels.voxels.resize(labels.geometry.voxel_count());
+    labels.structures.push_back({1, "ball", {200, 200, 200}});
+    const double middle = 0.5 * n;
+    for (std::uint32_t k = 0; k < slices; ++k) {
+        for (std::uint32_t j = 0; j < n; ++j) {
+            for (std::uint32_t i = 0; i < n; ++i) {
+                const double x = i - middle, y = j - middle, z = k * thickness - middle;
+                const double radius = middle * (0.8 + 0.1 * std::cos(12 * std::atan2(y, x)));
+                labels.voxels[labels.geometry.index(i, j, k)] =
+                    x * x + y * y + z * z < radius * radius ? 1 : 0;
+            }
+        }
+    }
+    return labels;
+}
+
+ContourSet traced_ball(std::uint32_t n, std::uint32_t slices) {
+    RunContext context;
+    auto traced = trace_contours(wavy_ball(n, slices), nullptr, 0, {}, context);
+    return std::move(traced).value().kept;
+}
+
+std::vector<Vec3> random_points(std::size_t count, const Box3& box) {
+    std::mt19937_64 random(1);
+    const auto between = [&](double low, double high) {
+        return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+    };
+    std::vector<Vec3> points(count);
+    for (Vec3& p : points) {
+        p.x = between(box.low.x, box.high.x);
+        p.y = between(box.low.y, box.high.y);
+        p.z = between(box.low.z, box.high.z);
+    }
+    return points;
+}
+
+void trace_label_map(benchmark::State& state) {
+    const LabelMap labels = wavy_ball(512, 16);
+    for (auto _ : state) {
+        RunContext context;
+        benchmark::DoNotOptimize(trace_contours(labels, nullptr, 0, {}, context));
+    }
+    state.counters["voxels/s"] = benchmark::Counter(static_cast<double>(labels.voxels.size()),
+                                                    benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(trace_label_map)->Unit(benchmark::kMillisecond);
+
+void make_field(benchmark::State& state) {
+    const ContourSet contours = traced_ball(256, 64);
+    for (auto _ : state) {
+        RunContext context;
+        benchmark::DoNotOptimize(make_structure_field(contours, {}, context));
+    }
+    state.counters["contour points/s"] = benchmark::Counter(static_cast<double>(contours.points.size()),
+                                                            benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(make_field)->Unit(benchmark::kMillisecond);
+
+void query_field(benchmark::State& state) {
+    const ContourSet contours = traced_ball(256, 64);
+    RunContext context;
+    const auto field = make_structure_field(contours, {}, context).value();
+    const std::vector<Vec3> points = random_points(1 << 16, field->box());
+    std::size_t n = 0;
+    for (auto _ : state) benchmark::DoNotOptimize(field->value(0, points[n++ & 0xFFFF]));
+    state.counters["queries/s"] = benchmark::Counter(1, benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(query_field);
+
+// Construction, then the value at each of 512 x 512 pixel centres: one slice's map as the 2006 method has it.
+void distance_map_512(benchmark::State& state) {
+    const ContourSet contours = traced_ball(512, 16);
+    const Slice& slice = contours.slices[contours.slices.size() / 2];
+    std::vector<Edge2> edges;
+    for (const Contour& contour : contours.contours_of(slice)) {
+        const auto points = contours.points_of(contour);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const Vec3 a = points[i], b = points[(i + 1) % points.size()];
+            edges.push_back({slice.plane.to_plane(a), slice.plane.to_plane(b)});
+        }
+    }
+    for (auto _ : state) {
+        const DistanceMap map(edges, 1024);
+        const Box2 box = map.region_box();
+        const Vec2 step = (1.0 / 511) * (box.high - box.low);
+        double sum = 0;
+        for (int j = 0; j < 512; ++j) {
+            for (int i = 0; i < 512; ++i) sum += map.value(box.low + Vec2{i * step.x, j * step.y});
+        }
+        benchmark::DoNotOptimize(sum);
+    }
+    state.counters["edges"] = static_cast<double>(edges.size());
+}
+BENCHMARK(distance_map_512)->Unit(benchmark::kMillisecond);
+
+void delaunay(benchmark::State& state) {
+    const std::vector<Vec3> points =
+        random_points(static_cast<std::size_t>(state.range(0)), {{0, 0, 0}, {200, 200, 200}});
+    for (auto _ : state) benchmark::DoNotOptimize(Tetrahedralization::create(points));
+    state.counters["points/s"] =
+        benchmark::Counter(static_cast<double>(points.size()), benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(delaunay)->Arg(10'000)->Arg(100'000)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+
+BENCHMARK_MAIN();
