@@ -244,8 +244,7 @@ Result<std::string> inflate_data_set(std::string_view deflated, const std::strin
     std::vector<unsigned char> chunk(std::size_t{1} << 18);
     int state = Z_OK;
     while (state != Z_STREAM_END) {
-        if (stream.avail_in == 0) {
-            if (deflated.empty()) return corrupt();
+        if (stream.avail_in == 0 && !deflated.empty()) {
             const std::size_t size = std::min<std::size_t>(deflated.size(), std::size_t{1} << 30);
             stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(deflated.data()));
             stream.avail_in = static_cast<uInt>(size);
@@ -253,7 +252,7 @@ Result<std::string> inflate_data_set(std::string_view deflated, const std::strin
         }
         stream.next_out = chunk.data();
         stream.avail_out = static_cast<uInt>(chunk.size());
-        state = inflate(&stream, Z_NO_FLUSH);
+        state = inflate(&stream, Z_NO_FLUSH);  // Z_BUF_ERROR when the input has ended too early
         if (state != Z_OK && state != Z_STREAM_END) return corrupt();
         const std::size_t made = chunk.size() - stream.avail_out;
         if (made > most - inflated.size())
