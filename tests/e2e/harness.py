@@ -63,6 +63,29 @@ class TestCase(unittest.TestCase):
         return path
 
 
+class JudgedTestCase(TestCase):
+    """Models of real data, judged by the independent script beside them."""
+
+    def judged(self, path, *options):
+        """The judge's figures of the model of `path`, with what every model must keep asserted."""
+        judge = acceptance("check_model.py")
+        self.run_program("model", path, "-o", "model.vtu", "--contours", "contours.vtp", *options, timeout=900)
+        done = subprocess.run(["/usr/bin/python3", str(judge), "model.vtu", "--contours", "contours.vtp"],
+                              cwd=self.folder, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr[-2000:])
+        figures = json.loads(done.stdout)
+        for name in ("unused_points", "duplicate_points", "inverted", "duplicate_tets", "facets_in_more_than_two_tets",
+                     "facets_with_both_tets_on_one_side"):
+            self.assertEqual(figures[name], 0, name)
+        for structure, state in figures["structures"].items():
+            for name in ("open_edges", "nonmanifold_edges", "nonmanifold_vertices"):
+                self.assertEqual(state[name], 0, f"structure {structure}: {name}")
+        self.assertEqual(figures["contours"]["on_surface"], 1.0)
+        self.assertLessEqual(figures["radius_edge"]["share_over_2"], 0.005)
+        self.assertLessEqual(figures["radius_edge"]["mean"], 1.05)
+        return figures
+
+
 def run_program(*words, cwd=None, timeout=600, env=None, **options):
     environment = dict(os.environ)
     for name, value in (env or {}).items():
