@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "anatomesh/base/text.h"
 #include "anatomesh_io/contour/number_text.h"
 
 namespace anatomesh {
@@ -23,11 +24,8 @@ bool within(double value, double limit) {
 
 // Names that a reader would take for the same: without blanks, in lower case (ASCII).
 std::string plain_name(const std::string& name) {
-    std::string plain;
-    for (const char c : name) {
-        if (c == ' ' || c == '\t') continue;
-        plain += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    }
+    std::string plain = lower_case(name);
+    std::erase_if(plain, [](char c) { return c == ' ' || c == '\t'; });
     return plain;
 }
 

@@ -3,6 +3,7 @@
 #include <string_view>
 #include <utility>
 
+#include "anatomesh/base/text.h"
 #include "anatomesh_io/contour/csl_writer.h"
 #include "anatomesh_io/contour/json_writer.h"
 #include "anatomesh_io/contour/vtp_contours.h"
@@ -16,8 +17,7 @@ Result<ContourFormat> contour_format_of(const std::string& path) {
     const std::size_t slash = path.find_last_of('/');
     const std::string name = path.substr(slash == std::string::npos ? 0 : slash + 1);
     const std::size_t dot = name.find_last_of('.');
-    std::string extension = dot == std::string::npos ? std::string{} : name.substr(dot);
-    for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    const std::string extension = dot == std::string::npos ? std::string{} : lower_case(name.substr(dot));
     for (const auto& [known, format] : formats)
         if (extension == known) return format;
     return Error{ErrorKind::usage,
