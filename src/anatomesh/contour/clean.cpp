@@ -15,6 +15,7 @@
 #include "anatomesh/contour/plane_grouping.h"
 #include "anatomesh/contour/resolve.h"
 #include "anatomesh/contour/ring.h"
+#include "anatomesh/contour/weld.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/geom/polygon.h"
 
@@ -493,6 +494,16 @@ class Cleaner {
         set.pixel_mm = raw_.pixel_mm;
         set.source = raw_.source;
         CleanStats& stats = result_.stats;
+        if (options_.weld_mm > 0) {
+            const WeldStats welded = weld_contours(set, options_.weld_mm);
+            stats.max_displacement_mm = welded.max_displacement_mm;
+            if (welded.moved > 0) {
+                context_.warn({"W-CON-021",
+                               std::to_string(welded.moved) + " vertices differ from one of another contour by rounding alone",
+                               {raw_.source, "", "", "", "at most " + text(welded.max_displacement_mm) + " mm"},
+                               "moved onto it"});
+            }
+        }
         stats.points_kept = set.points.size();
         stats.contours_kept = static_cast<std::uint32_t>(set.contours.size());
         for (char repaired : repaired_) stats.repaired += repaired;

@@ -54,16 +54,29 @@ double total_volume(const TetMesh& mesh) {
     return sum;
 }
 
+void expect_manifold_surface(const TetMesh& mesh, const RegionTable& table, std::uint32_t structure) {
+    const SurfaceTopology t = surface_topology(structure_surface(mesh, table, structure));
+    EXPECT_EQ(t.open_edges, 0u);
+    EXPECT_EQ(t.nonmanifold_edges, 0u);
+    EXPECT_EQ(t.nonmanifold_vertices, 0u);
+}
+
 void expect_manifold(const Case& result, std::uint32_t structures) {
     for (const Cell& c : result.mesh.cells) {
         ASSERT_GT(orient3d(result.mesh.points[c[0]], result.mesh.points[c[1]], result.mesh.points[c[2]], result.mesh.points[c[3]]), 0);
     }
     for (std::uint32_t structure = 0; structure < structures; ++structure) {
-        const SurfaceTopology t = surface_topology(structure_surface(result.mesh, result.registry.table(), structure));
-        EXPECT_EQ(t.open_edges, 0u);
-        EXPECT_EQ(t.nonmanifold_edges, 0u);
-        EXPECT_EQ(t.nonmanifold_vertices, 0u);
+        expect_manifold_surface(result.mesh, result.registry.table(), structure);
     }
+    // Every region by itself, and the union of all.
+    const std::size_t regions = result.registry.table().members.size();
+    RegionTable single{{{}}}, all{{{}}};
+    for (std::size_t r = 1; r < regions; ++r) {
+        single.members.push_back({static_cast<std::uint32_t>(r)});
+        all.members.push_back({0});
+    }
+    for (std::uint32_t r = 1; r < regions; ++r) expect_manifold_surface(result.mesh, single, r);
+    expect_manifold_surface(result.mesh, all, 0);
 }
 
 void cut_and_check(Case& random, std::uint32_t structures, const ContourOwners& owners, bool relabel_first) {

@@ -51,7 +51,7 @@ class Relabeler {
   private:
     // Gives a whole piece to the region with which it shares most facets of the star across its cut.
     void try_piece(const StarPiece& piece) {
-        if (const std::optional<Region> region = region_beside(piece.cells, piece.structure, piece.inside)) {
+        if (const std::optional<Region> region = region_beside(piece.cells, piece.body, piece.inside)) {
             consider({piece.cells, *region, 0});
         }
     }
@@ -59,7 +59,7 @@ class Relabeler {
     void try_single_cells(const StarPiece& piece) {
         if (piece.cells.size() < 2) return;
         for (const std::uint32_t c : piece.cells) {
-            if (const auto region = region_beside({c}, piece.structure, piece.inside)) consider({{c}, *region, 0});
+            if (const auto region = region_beside({c}, piece.body, piece.inside)) consider({{c}, *region, 0});
         }
     }
 
@@ -99,11 +99,11 @@ class Relabeler {
         return registry_.intern(members);
     }
 
-    std::optional<Region> region_beside(const std::vector<std::uint32_t>& piece, std::uint32_t structure, bool is_inside) {
+    std::optional<Region> region_beside(const std::vector<std::uint32_t>& piece, Body body, bool is_inside) {
         std::vector<std::pair<Region, int>> contacts;
         for (const std::uint32_t c : piece) {
             for (const std::uint32_t n : neighbors_[c]) {
-                if (n == no_cell || inside(n, structure) == is_inside) continue;
+                if (n == no_cell || body.holds(registry_.table(), regions_[n]) == is_inside) continue;
                 auto place = std::find_if(contacts.begin(), contacts.end(), [&](auto& x) { return x.first == regions_[n]; });
                 if (place == contacts.end()) place = contacts.insert(contacts.end(), {regions_[n], 0});
                 ++place->second;

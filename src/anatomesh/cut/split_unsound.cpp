@@ -101,14 +101,14 @@ Ring ring_of(const Patch& patch, std::uint32_t first, Edge edge) {
     return ring;
 }
 
-// Arcs of a ring: maximal runs of cells on one side of a structure, as [begin, count) with wrap-around.
+// Arcs of a ring: maximal runs of cells on one side of a body, as [begin, count) with wrap-around.
 struct Arc {
     std::size_t begin, count;
 };
 
-std::vector<Arc> arcs_of(const Patch& patch, const Ring& ring, const RegionTable& table, std::uint32_t structure) {
+std::vector<Arc> arcs_of(const Patch& patch, const Ring& ring, const RegionTable& table, Body body) {
     const std::size_t n = ring.cells.size();
-    const auto inside = [&](std::size_t k) { return table.contains(patch.regions[ring.cells[k % n]], structure); };
+    const auto inside = [&](std::size_t k) { return body.holds(table, patch.regions[ring.cells[k % n]]); };
     std::vector<Arc> arcs;
     for (std::size_t k = 0; k < n; ++k) {
         if (inside(k) == inside(k + n - 1)) continue;
@@ -286,8 +286,8 @@ class Splitter {
         if (!ring.closed || touches_change(ring.cells)) return;
         std::optional<Arc> chosen;
         Region region = 0;
-        for (const std::uint32_t structure : structures_of(ring.cells)) {
-            const std::vector<Arc> arcs = arcs_of(patch_, ring, registry_.table(), structure);
+        for (const Body body : bodies_of(ring.cells)) {
+            const std::vector<Arc> arcs = arcs_of(patch_, ring, registry_.table(), body);
             if (arcs.size() < 4) continue;
             const Arc arc = *std::min_element(arcs.begin(), arcs.end(), [](Arc a, Arc b) {
                 return a.count != b.count ? a.count < b.count : a.begin < b.begin;
@@ -342,13 +342,13 @@ class Splitter {
         }
     }
 
-    // New regions for the corners at v: of the discs that the structure's surface makes in the star, the one between
+    // New regions for the corners at v: of the discs that the body's surface makes in the star, the one between
     // the largest piece inside and the largest piece outside beside it stays.
-    std::vector<Region> corner_regions(std::uint32_t v, std::uint32_t structure) {
+    std::vector<Region> corner_regions(std::uint32_t v, Body body) {
         const auto star = stars_->at(v);
         std::vector<std::uint32_t> local(patch_.cells.size(), no_cell), piece(star.size(), no_cell);
         for (std::uint32_t n = 0; n < star.size(); ++n) local[star[n]] = n;
-        const auto inside = [&](std::uint32_t n) { return registry_.table().contains(patch_.regions[star[n]], structure); };
+        const auto inside = [&](std::uint32_t n) { return body.holds(registry_.table(), patch_.regions[star[n]]); };
         const auto across = [&](std::uint32_t n, auto visit) {
             for (int i = 0; i < 4; ++i) {
                 const std::uint32_t c = patch_.neighbors[star[n]][i];
@@ -442,7 +442,7 @@ class Splitter {
                 if (patch_.cells[c][i] == v || n == no_cell || from[position(n)] != unseen) continue;
                 from[position(n)] = c;
                 queue.push_back(n);
-                if (registry_.table().contains(patch_.regions[n], start.structure) != start.inside) continue;
+                if (start.body.holds(registry_.table(), patch_.regions[n]) != start.inside) continue;
                 // n is in another piece: the way back from c to the start changes its region.
                 std::uint32_t first = c;
                 while (from[position(first)] != no_cell) first = from[position(first)];
@@ -456,7 +456,7 @@ class Splitter {
     }
 
     void cut_corner(std::uint32_t v, const std::vector<StarPiece>& pieces) {
-        std::vector<Region> corners = corner_regions(v, pieces.front().structure);
+        std::vector<Region> corners = corner_regions(v, pieces.front().body);
         if (loses_owner(v, corners)) corners = bridged_regions(v, pieces);
         const std::vector<std::uint32_t> star(stars_->at(v).begin(), stars_->at(v).end());
         std::vector<std::uint32_t> link;
@@ -504,15 +504,21 @@ class Splitter {
         return true;
     }
 
-    std::vector<std::uint32_t> structures_of(const std::vector<std::uint32_t>& cells) const {
-        std::vector<std::uint32_t> structures;
+    // The regions of the cells, then their structures.
+    std::vector<Body> bodies_of(const std::vector<std::uint32_t>& cells) const {
+        std::vector<std::uint32_t> regions, structures;
         for (const std::uint32_t c : cells) {
+            regions.push_back(patch_.regions[c]);
             const auto& members = registry_.table().members[patch_.regions[c]];
             structures.insert(structures.end(), members.begin(), members.end());
         }
-        std::sort(structures.begin(), structures.end());
-        structures.erase(std::unique(structures.begin(), structures.end()), structures.end());
-        return structures;
+        std::vector<Body> bodies;
+        for (auto* list : {&regions, &structures}) {
+            std::sort(list->begin(), list->end());
+            list->erase(std::unique(list->begin(), list->end()), list->end());
+            for (const std::uint32_t index : *list) bodies.push_back({list == &regions, index});
+        }
+        return bodies;
     }
 
     bool touches_change(std::span<const std::uint32_t> cells) const {

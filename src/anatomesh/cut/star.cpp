@@ -47,7 +47,7 @@ void StarAnalyzer::load(std::uint32_t vertex) {
         kind_[n] = static_cast<std::uint8_t>(std::min<std::size_t>(k, 63));
     }
     cuts_.clear();
-    cut_structure_.clear();
+    cut_body_.clear();
     if (kinds_.size() < 2) return;
     adjacent_.resize(star_.size());
     for (std::uint32_t n = 0; n < star_.size(); ++n) {
@@ -61,23 +61,27 @@ void StarAnalyzer::load(std::uint32_t vertex) {
     find_cuts();
 }
 
-// Every structure in some but not all of the star's regions cuts the star; equal cuts are kept once.
+// Every region of the star cuts it, and so does every structure in some but not all of them; equal cuts are kept once.
 void StarAnalyzer::find_cuts() {
-    for (std::size_t k = 0; k < kinds_.size(); ++k) {
-        for (const std::uint32_t structure : table_.members[kinds_[k]]) {
-            std::uint64_t cut = 0;
-            for (std::size_t other = 0; other < kinds_.size(); ++other) {
-                if (table_.contains(kinds_[other], structure)) cut |= std::uint64_t{1} << other;
-            }
-            const std::uint64_t all = (std::uint64_t{1} << kinds_.size()) - 1;
-            if (cut == all) continue;
-            bool known = false;
-            for (const std::uint64_t c : cuts_) known = known || c == cut || c == (all & ~cut);
-            if (known) continue;
-            cuts_.push_back(cut);
-            cut_structure_.push_back(structure);
-        }
+    for (const Region kind : kinds_) add_cut({true, kind});
+    if (kinds_.size() == 2) return;  // any structure cuts as the regions do
+    for (const Region kind : kinds_) {
+        for (const std::uint32_t structure : table_.members[kind]) add_cut({false, structure});
     }
+}
+
+void StarAnalyzer::add_cut(Body body) {
+    std::uint64_t cut = 0;
+    for (std::size_t k = 0; k < kinds_.size(); ++k) {
+        if (body.holds(table_, kinds_[k])) cut |= std::uint64_t{1} << k;
+    }
+    const std::uint64_t all = (std::uint64_t{1} << kinds_.size()) - 1;
+    if (cut == all) return;
+    for (const std::uint64_t known : cuts_) {
+        if (known == cut || known == (all & ~cut)) return;
+    }
+    cuts_.push_back(cut);
+    cut_body_.push_back(body);
 }
 
 // Numbers the pieces of one cut in piece_ and returns how many there are.
@@ -125,7 +129,7 @@ void StarAnalyzer::excess_pieces(std::uint32_t vertex, std::vector<StarPiece>& p
         std::vector<StarPiece> found(count);
         for (std::uint32_t n = 0; n < star_.size(); ++n) {
             StarPiece& piece = found[piece_[n]];
-            piece.structure = cut_structure_[cut];
+            piece.body = cut_body_[cut];
             piece.inside = cuts_[cut] >> kind_[n] & 1;
             piece.cells.push_back(star_[n]);
         }

@@ -39,17 +39,28 @@ class ContourOwners {
     std::vector<std::uint32_t> start_, structures_;
 };
 
-// One piece of a star: facet-connected cells on one side of one structure (or of several that cut the star alike).
+// A set of regions whose surface must be a manifold: all regions of one structure, or one region by itself (region 0,
+// the outside, stands for the union of all structures).
+struct Body {
+    bool is_region = false;
+    std::uint32_t index = 0;  // of the structure, or the region
+
+    bool holds(const RegionTable& table, Region region) const {
+        return is_region ? region == index : table.contains(region, index);
+    }
+};
+
+// One piece of a star: facet-connected cells on one side of one body (or of several that cut the star alike).
 struct StarPiece {
-    std::uint32_t structure = 0;       // one structure that makes this cut
+    Body body;                         // one body that makes this cut
     bool inside = false;               // whether the piece lies in it
     bool largest = false;              // of its side
     std::vector<std::uint32_t> cells;
 };
 
 // Looks at stars of a mesh whose regions change under it. Keeps scratch space: not thread-safe.
-// A vertex is *sound* when every structure cuts its star into at most one piece inside and one outside (then the
-// structure's surface passes through it as one disc or not at all: no non-manifold edge or vertex there) and
+// A vertex is *sound* when every body cuts its star into at most one piece inside and one outside (then the
+// body's surface passes through it as one disc or not at all: no non-manifold edge or vertex there) and
 // every structure with a contour vertex there has it on its surface.
 class StarAnalyzer {
   public:
@@ -71,6 +82,7 @@ class StarAnalyzer {
   private:
     void load(std::uint32_t vertex);
     void find_cuts();
+    void add_cut(Body body);
     int count_pieces(std::uint32_t cut);
 
     const std::vector<Cell>& cells_;
@@ -86,7 +98,7 @@ class StarAnalyzer {
     std::vector<Region> kinds_;                            // distinct regions of the star
     std::vector<std::uint8_t> kind_;                       // by position
     std::vector<std::uint64_t> cuts_;                      // distinct partitions: bit n = kinds_[n] is inside
-    std::vector<std::uint32_t> cut_structure_;             // one structure that makes each
+    std::vector<Body> cut_body_;                           // one body that makes each
     std::vector<std::uint32_t> piece_, stack_;             // by position; scratch
 };
 

@@ -23,7 +23,9 @@ namespace {
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
 constexpr double crossing_spacing = 0.3;      // of a crossing point from others, in lengths of its edge
 constexpr double balance_reach = 0.25;        // no vertex moves further than this for the volume's sake, in sizes
-constexpr double surface_deviation = 0.05;    // of the middle of an interface facet from the interface, in sizes
+constexpr double surface_deviation = 0.06;    // of the middle of an interface facet from the interface, in sizes
+constexpr int max_attempts = 3;               // with a default size; each one finer
+constexpr double finer = 0.7;
 constexpr int crossing_rounds = 3;
 constexpr int deviation_rounds = 5;
 constexpr int refinement_rounds = 12;
@@ -34,6 +36,8 @@ class Builder {
     Builder(const ContourSet& contours, const ModelOptions& options, RunContext& context, const StageObserver& observer)
         : contours_(contours), options_(options), context_(context), observer_(observer),
           structures_(static_cast<std::uint32_t>(contours.structures.size())) {}
+
+    double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
 
     Result<Model> run() {
         ANATOMESH_CHECK_STATUS(make_field());
@@ -132,6 +136,7 @@ class Builder {
         }
         RefineOptions options;
         options.max_radius_edge = options_.max_radius_edge;
+        options.max_reach_mm = 3 * sample_->stats.size_mm;
         for (int round = 0; round < refinement_rounds; ++round) {
             std::vector<Vec3> found;
             const RefineStats stats = find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), mesh_->sides(),
@@ -329,7 +334,19 @@ class Builder {
 
 Result<Model> build_model(const ContourSet& contours, const ModelOptions& options, RunContext& context,
                           const StageObserver& observer) {
-    return Builder(contours, options, context, observer).run();
+    ModelOptions tried = options;
+    const std::size_t warnings_before = context.warnings.size();
+    for (int attempt = 1;; ++attempt) {
+        Builder builder(contours, tried, context, observer);
+        Result<Model> model = builder.run();
+        const bool too_coarse = !model.ok() && (model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001");
+        if (!too_coarse || options.size_mm > 0 || attempt == max_attempts) return model;
+        // A default size that is too coarse for the smallest parts: once more, finer.
+        tried.size_mm = finer * builder.size_mm();
+        context.warnings.resize(warnings_before);
+        context.warn({"W-PIP-001", "the default edge length was too coarse for the smallest parts: " + model.error().message,
+                      {}, "built again with " + std::to_string(tried.size_mm) + " mm"});
+    }
 }
 
 }  // namespace anatomesh

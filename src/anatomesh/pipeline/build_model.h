@@ -32,7 +32,8 @@ struct Model {
 using StageObserver = std::function<void(const std::string& stage, const TetMesh& mesh)>;
 
 // Requires: a kept contour set. Guarantees: the clauses of the certificate that are marked kept, checked on the
-// result itself; a broken clause is an Error of kind internal or geometry and no model.
+// result itself; a broken clause is an Error of kind internal or geometry and no model. With a default size a model that
+// fails for being too coarse is built again up to twice, each time finer, with a warning (W-PIP-001).
 Result<Model> build_model(const ContourSet& contours, const ModelOptions& options, RunContext& context,
                           const StageObserver& observer = {});
 

@@ -61,7 +61,7 @@ void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfacePr
     const double shortest = shortest_edge(points, cell);
     const Vec3 center = bad.flat ? largest_facet_center({a, b, c, d}) : circumcenter(a, b, c, d);
     const Vec3 centroid = 0.25 * (a + b + c + d);
-    bad.radius = length(center - a);
+    bad.radius = std::min(length(center - a), options.max_reach_mm);
     const double tolerance = 1e-3 * shortest;
     // The interface between the cell and its circumcentre, or close to that.
     std::optional<Vec3> on_surface = probe.first_crossing(centroid, center, 0.5 * shortest, tolerance);

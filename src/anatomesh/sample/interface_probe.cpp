@@ -82,7 +82,7 @@ std::optional<Vec3> InterfaceProbe::project(Vec3 p, double max_move, double tole
 
 std::optional<Vec3> InterfaceProbe::first_crossing(Vec3 p, Vec3 q, double step, double tolerance) {
     fix_side(p);
-    const int steps = std::max(1, static_cast<int>(std::ceil(length(q - p) / step)));
+    const int steps = static_cast<int>(std::clamp(std::ceil(length(q - p) / step), 1.0, 64.0));
     Vec3 near = p;
     double at_near = side_distance(p);
     for (int i = 1; i <= steps; ++i) {

@@ -25,7 +25,7 @@ class InterfaceProbe {
     // and on it to within `tolerance` mm along that direction; nothing if there is none there.
     std::optional<Vec3> project(Vec3 p, double max_move, double tolerance);
 
-    // The first change of region on the way from p to q, looked for in steps of at most `step` mm.
+    // The first change of region on the way from p to q, looked for in steps of `step` mm, at most 64 of them.
     std::optional<Vec3> first_crossing(Vec3 p, Vec3 q, double step, double tolerance);
 
   private:

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/contour/message_text.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/sample/interface_probe.h"
 
@@ -157,6 +158,13 @@ class DepthMap {
     std::vector<std::uint8_t> depth_;
 };
 
+double contour_length(const ContourSet& contours, const Contour& contour) {
+    const auto points = contours.points_of(contour);
+    double total = 0;
+    for (std::size_t n = 0; n < points.size(); ++n) total += length(points[(n + 1) % points.size()] - points[n]);
+    return total;
+}
+
 // Distinct contour vertices, first appearance first, and the vertex of every point of the set.
 void collect_contour_vertices(const ContourSet& contours, PointSample& sample) {
     std::vector<std::uint32_t> order(contours.points.size());
@@ -276,12 +284,9 @@ void add_frame(const Box3& box, PointSample& sample) {
 
 double default_size(const ContourSet& contours, const StructureField& field) {
     double total = 0;
-    for (const Contour& contour : contours.contours) {
-        const auto points = contours.points_of(contour);
-        for (std::size_t n = 0; n < points.size(); ++n) total += length(points[(n + 1) % points.size()] - points[n]);
-    }
+    for (const Contour& contour : contours.contours) total += contour_length(contours, contour);
     const double vertex_spacing = total / static_cast<double>(std::max<std::size_t>(1, contours.points.size()));
-    return std::sqrt(vertex_spacing * field.slice_spacing());
+    return std::min(std::sqrt(vertex_spacing * field.slice_spacing()), 2 * field.slice_spacing());
 }
 
 Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field, const SampleOptions& options,
@@ -289,23 +294,23 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
     const double size = options.size_mm > 0 ? options.size_mm : default_size(contours, field);
     PointSample sample{{}, {}, SegmentGuard(size, 0), {}};
     sample.stats.size_mm = size;
-    collect_contour_vertices(contours, sample);
-    sample.guard = split_segments(contours, size, sample);
-    const SegmentGuard& guard = sample.guard;
 
     // The lattice, two steps larger than the box of the field on every side.
     const Box3 box = field.box().grown(2 * size);
     Lattice lattice{box.low, 0.5 * size, {}};
     const std::array<double, 3> extent{box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
-    double lattice_points = 0.25;
-    for (const double e : extent) lattice_points *= e / lattice.step;
-    if (lattice_points > static_cast<double>(options.max_points)) {
+    double needed = 0.25;
+    for (const double e : extent) needed *= e / lattice.step;
+    for (const Contour& contour : contours.contours) needed += contour_length(contours, contour) / size;
+    if (!(needed <= static_cast<double>(options.max_points))) {
         return Error{ErrorKind::limit, "E-SMP-001",
-                     "a size of " + std::to_string(size) + " mm would need about " +
-                         std::to_string(static_cast<std::uint64_t>(lattice_points)) + " lattice points, more than " +
-                         std::to_string(options.max_points),
+                     "a size of " + brief(size) + " mm would need about " + brief(needed) +
+                         " points, more than " + std::to_string(options.max_points),
                      {}, "give a larger --size"};
     }
+    collect_contour_vertices(contours, sample);
+    sample.guard = split_segments(contours, size, sample);
+    const SegmentGuard& guard = sample.guard;
     for (int a = 0; a < 3; ++a) lattice.size[a] = 2 * static_cast<std::uint32_t>(extent[a] / size) + 1;
 
     const std::uint32_t structures = static_cast<std::uint32_t>(contours.structures.size());

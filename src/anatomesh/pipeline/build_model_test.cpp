@@ -1,0 +1,270 @@
+// Models of analytic solids: certified, with the topology and the volume that the formula says.
+#include "anatomesh/pipeline/build_model.h"
+
+#include <gtest/gtest.h>
+
+#include "anatomesh/mesh/topology.h"
+#include "anatomesh/pipeline/solid_fixtures_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+// Mean distance of the surface's vertices from a surface of known distance.
+double mean_distance(const Model& model, std::uint32_t structure, const std::function<double(Vec3)>& distance) {
+    std::vector<std::uint8_t> on_surface(model.mesh.points.size(), 0);
+    for (const Triangle& t : structure_surface(model.mesh, model.regions, structure)) {
+        for (const std::uint32_t v : t) on_surface[v] = 1;
+    }
+    double sum = 0, count = 0;
+    for (std::size_t v = 0; v < on_surface.size(); ++v) {
+        if (!on_surface[v]) continue;
+        sum += std::abs(distance(model.mesh.points[v]));
+        ++count;
+    }
+    return sum / std::max(1.0, count);
+}
+
+TEST(BuildModel, sphere) {
+    Drawing drawing;
+    drawing.add_ball(0, {1, 2, 3}, 10, 1, 1);
+    const Model model = certified_model(drawing);
+    expect_structure(model, 0, {1, 0, 4 / 3.0 * pi * 1000, 0.01});
+    EXPECT_LT(mean_distance(model, 0, [](Vec3 p) { return length(p - Vec3{1, 2, 3}) - 10; }), 0.12);
+}
+
+TEST(BuildModel, ellipsoid) {
+    Drawing drawing;
+    drawing.add_ball(0, {}, 8, 0.8, 1);
+    drawing.move([](Vec3 p) { return Vec3{1.5 * p.x, 0.75 * p.y, 1.25 * p.z}; });
+    expect_structure(certified_model(drawing), 0, {1, 0, 4 / 3.0 * pi * 12 * 6 * 10, 0.01});
+}
+
+TEST(BuildModel, torus_about_the_normal) {
+    Drawing drawing;
+    for (double z = -3.5; z < 4; ++z) {
+        const double half_width = std::sqrt(16 - z * z);
+        drawing.add(0, z, circle({}, 10 + half_width, 70));
+        drawing.add(0, z, circle({}, 10 - half_width, 45));
+    }
+    expect_structure(certified_model(drawing), 0, {1, 1, 2 * pi * pi * 10 * 16, 0.02});
+}
+
+// Slices through the hole: one contour, then two, then one again.
+TEST(BuildModel, torus_along_the_normal) {
+    Drawing drawing;
+    for (double z = -13.5; z < 14; ++z) {
+        const double outer = 14, inner = 6;
+        // The section of a flat ring of width 8 and height 8: rectangles.
+        const double x_out = std::sqrt(outer * outer - z * z);
+        if (std::abs(z) >= inner) {
+            drawing.add(0, z, divided(rectangle({-x_out, -4}, {x_out, 4}), 1.1));
+        } else {
+            const double x_in = std::sqrt(inner * inner - z * z);
+            drawing.add(0, z, divided(rectangle({-x_out, -4}, {-x_in, 4}), 1.1));
+            drawing.add(0, z, divided(rectangle({x_in, -4}, {x_out, 4}), 1.1));
+        }
+    }
+    expect_structure(certified_model(drawing), 0, {1, 1, pi * (196 - 36) * 8, 0.03});
+}
+
+TEST(BuildModel, spherical_shell_3_mm_thick) {
+    Drawing drawing;
+    drawing.add_ball(0, {}, 12, 1.5, 1.2);
+    drawing.add_ball(0, {}, 9, 1.5, 1.2);
+    expect_structure(certified_model(drawing), 0, {2, 0, 4 / 3.0 * pi * (1728 - 729), 0.03});
+}
+
+// M-08: two structures that share one point of their surfaces, or nearly.
+TEST(BuildModel, M08_two_touching_balls) {
+    Drawing drawing;
+    drawing.add_ball(0, {-6, 0, 0}, 6, 1, 1);
+    drawing.add_ball(1, {6, 0, 0}, 6, 1, 1);
+    const Model model = certified_model(drawing);
+    for (const std::size_t s : {0, 1}) expect_structure(model, s, {1, 0, 4 / 3.0 * pi * 216, 0.02});
+}
+
+TEST(BuildModel, C11_two_overlapping_balls_keep_both_whole) {
+    Drawing drawing;
+    drawing.add_ball(0, {-3, 0, 0}, 6, 1, 1);
+    drawing.add_ball(1, {3.2, 0.1, 0}, 6, 1, 1);
+    const Model model = certified_model(drawing);
+    EXPECT_EQ(model.regions.members.size(), 4u);
+    for (const std::size_t s : {0, 1}) expect_structure(model, s, {1, 0, 4 / 3.0 * pi * 216, 0.02});
+}
+
+TEST(BuildModel, ball_in_a_ball) {
+    Drawing drawing;
+    drawing.add_ball(0, {}, 9, 1, 1.2);
+    drawing.add_ball(1, {1, 1, 0}, 4, 1, 1);
+    const Model model = certified_model(drawing);
+    expect_structure(model, 0, {1, 0, 4 / 3.0 * pi * 729, 0.02});
+    expect_structure(model, 1, {1, 0, 4 / 3.0 * pi * 64, 0.03});
+}
+
+// C-16: one tube parts into two between two slices.
+TEST(BuildModel, C16_bifurcating_tube) {
+    Drawing drawing;
+    for (int n = 0; n < 18; ++n) {
+        if (n < 8) {
+            drawing.add(0, n, circle({}, 5, 30));
+        } else {
+            const double apart = 3.2 + 0.35 * (n - 8);
+            drawing.add(0, n, circle({-apart, 0}, 3, 18));
+            drawing.add(0, n, circle({apart, 0}, 3, 18));
+        }
+    }
+    expect_structure(certified_model(drawing), 0, {1, 0, 8 * pi * 25 + 10 * 2 * pi * 9, 0.06});
+}
+
+// C-07: rings in rings, a cylinder of each; the innermost is full when their number is odd.
+TEST(BuildModel, C07_nested_holes_1_to_5_deep) {
+    for (int depth = 1; depth <= 5; ++depth) {
+        Drawing drawing;
+        double area = 0;
+        for (int n = 0; n <= depth; ++n) {
+            const double radius = 3.0 * (depth + 1 - n);
+            area += (n % 2 ? -1 : 1) * pi * radius * radius;
+            for (int k = 0; k < 5; ++k) drawing.add(0, 1.5 * k, circle({}, radius, 8 * (depth + 1 - n)));
+        }
+        const auto pieces = static_cast<std::uint32_t>(depth / 2 + 1);
+        expect_structure(certified_model(drawing), 0, {pieces, (depth + 1) / 2, area * 7.5, 0.02});
+    }
+}
+
+// C-34: every four corners lie on a circle, every eight on a sphere, every wall is parallel to an axis.
+TEST(BuildModel, C34_cube_with_corners_on_a_lattice) {
+    Drawing drawing;
+    for (int z = 0; z < 8; ++z) drawing.add(0, z, divided(rectangle({0, 0}, {8, 8}), 1));
+    expect_structure(certified_model(drawing), 0, {1, 0, 512, 0.003});
+}
+
+TEST(BuildModel, C34_cube_drawn_by_its_four_corners) {
+    Drawing drawing;
+    for (int z = 0; z < 8; ++z) drawing.add(0, z, rectangle({0, 0}, {8, 8}));
+    expect_structure(certified_model(drawing), 0, {1, 0, 512, 0.01});
+}
+
+TEST(BuildModel, C15_staircase) {
+    Drawing drawing;
+    for (int z = 0; z < 6; ++z) {
+        Polygon stairs{{0, 0}, {8, 0}};
+        for (int n = 0; n < 8; ++n) {
+            stairs.push_back({8.0 - n, n + 1.0});
+            stairs.push_back({7.0 - n, n + 1.0});
+        }
+        stairs.pop_back();
+        stairs.push_back({0, 8});
+        drawing.add(0, z, divided(stairs, 1));
+    }
+    expect_structure(certified_model(drawing), 0, {1, 0, 36 * 6, 0.02});
+}
+
+TEST(BuildModel, C35_thin_plate) {
+    Drawing drawing;
+    for (int z = 0; z < 8; ++z) drawing.add(0, 2 * z, divided(rectangle({-10, -0.25}, {10, 0.25}), 2));
+    expect_structure(certified_model(drawing), 0, {1, 0, 20 * 0.5 * 16, 0.02});
+}
+
+TEST(BuildModel, single_slice_island_keeps_half_a_slice_on_both_sides) {
+    Drawing drawing;
+    for (int z = 0; z < 8; ++z) drawing.add(0, 2 * z, circle({}, 5, 20));
+    drawing.add(0, 6, circle({14, 0}, 3, 12));
+    const Model model = certified_model(drawing);
+    expect_structure(model, 0, {2, 0, pi * 25 * 16 + pi * 9 * 2, 0.05});
+}
+
+TEST(BuildModel, C13_contours_of_3_points) {
+    Drawing drawing;
+    for (int z = 0; z < 5; ++z) drawing.add(0, 2 * z, {{0, 0}, {10, 0}, {0, 10}});
+    expect_structure(certified_model(drawing), 0, {1, 0, 50 * 10, 0.01});
+}
+
+TEST(BuildModel, C13_contours_of_3_points_and_of_300) {
+    Drawing drawing;
+    for (int z = 0; z < 6; ++z) {
+        if (z % 2) {
+            drawing.add(0, 2 * z, circle({}, 5, 300));
+        } else {
+            drawing.add(0, 2 * z, circle({}, 5, 3));
+        }
+    }
+    expect_structure(certified_model(drawing), 0, {1, 0, pi * 25 * 12, 0.1});
+}
+
+TEST(BuildModel, C14_points_1e_6_mm_apart_beside_10_mm) {
+    Drawing drawing;
+    for (int z = 0; z < 4; ++z) {
+        drawing.add(0, 3 * z, {{0, 0}, {10, 0}, {10, 1e-6}, {10, 10}, {0, 10}});
+    }
+    expect_structure(certified_model(drawing), 0, {1, 0, 100 * 12, 0.01});
+}
+
+TEST(BuildModel, C33_a_million_millimetres_away) {
+    Drawing drawing;
+    drawing.add_ball(0, {}, 8, 1, 1);
+    drawing.move([](Vec3 p) { return p + Vec3{1e6, -1e6, 1e6}; });
+    expect_structure(certified_model(drawing), 0, {1, 0, 4 / 3.0 * pi * 512, 0.02});
+}
+
+TEST(BuildModel, a_finer_size_gives_more_tetrahedra_of_the_same_solid) {
+    Drawing drawing;
+    drawing.add_ball(0, {}, 6, 1.5, 1.5);
+    const Model coarse = certified_model(drawing, 2), fine = certified_model(drawing, 1);
+    EXPECT_GT(fine.mesh.cells.size(), 3 * coarse.mesh.cells.size());
+    expect_structure(coarse, 0, {1, 0, 4 / 3.0 * pi * 216, 0.02});
+    expect_structure(fine, 0, {1, 0, 4 / 3.0 * pi * 216, 0.02});
+}
+
+TEST(BuildModel, more_tetrahedra_than_allowed_are_refused_before_the_work) {
+    Drawing drawing;
+    drawing.add_ball(0, {}, 6, 1.5, 1.5);
+    RunContext context;
+    ModelOptions options;
+    options.max_tetrahedra = 100;
+    const auto made = build_model(kept(drawing.raw), options, context);
+    ASSERT_FALSE(made.ok());
+    EXPECT_EQ(made.error().code, "E-PIP-001");
+    EXPECT_EQ(made.error().kind, ErrorKind::limit);
+}
+
+TEST(BuildModel, M15_stops_when_cancelled) {
+    Drawing drawing;
+    drawing.add_ball(0, {}, 6, 1.5, 1.5);
+    const ContourSet set = kept(drawing.raw);
+    for (const std::string stop : {"field", "sample", "delaunay", "cull", "refine", "cut", "improve"}) {
+        std::atomic<bool> cancel = false;
+        RunContext context;
+        context.cancel = &cancel;
+        context.progress = [&](const std::string& stage, double) { cancel = cancel || stage == stop; };
+        const auto made = build_model(set, {}, context);
+        ASSERT_FALSE(made.ok()) << stop;
+        EXPECT_EQ(made.error().kind, ErrorKind::cancelled) << stop;
+    }
+}
+
+TEST(BuildModel, progress_rises_and_the_observer_sees_valid_stages) {
+    Drawing drawing;
+    drawing.add_ball(0, {}, 6, 1.5, 1.5);
+    RunContext context;
+    double last = 0;
+    context.progress = [&](const std::string&, double share) {
+        EXPECT_GE(share, last);
+        last = share;
+    };
+    std::vector<std::string> seen;
+    const auto made = build_model(kept(drawing.raw), {}, context, [&](const std::string& stage, const TetMesh& mesh) {
+        seen.push_back(stage);
+        EXPECT_EQ(mesh.cells.size(), mesh.regions.size());
+        EXPECT_GT(mesh.cells.size(), 0u);
+    });
+    ASSERT_TRUE(made.ok());
+    EXPECT_EQ(last, 1);
+    for (const std::string stage : {"cull", "refine", "cut", "improve"}) {
+        EXPECT_EQ(std::count(seen.begin(), seen.end(), stage), 1) << stage;
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh

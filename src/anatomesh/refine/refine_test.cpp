@@ -1,0 +1,164 @@
+#include "anatomesh/refine/refine.h"
+
+#include <random>
+
+#include "anatomesh/cull/culled_mesh_for_test.h"
+#include "anatomesh/mesh/quality.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+constexpr double size = 1;
+
+std::vector<Vec3> refinement(const CulledMesh& mesh, const StructureField& field, RefineStats& stats, int threads = 1) {
+    RunContext context;
+    context.threads = threads;
+    std::vector<Vec3> found;
+    stats = find_refinement_points(mesh.points(), mesh.cells, mesh.regions, mesh.sides, field, 1, mesh.grid, {}, found, context);
+    return found;
+}
+
+// A ball with random points instead of a lattice: many bad cells.
+CulledMesh random_ball(const StructureField& field, std::uint32_t seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> share(0, 1);
+    std::vector<Vec3> points;
+    for (int n = 0; n < 400; ++n) {
+        const Vec3 direction = normalized({normal(random), normal(random), normal(random)});
+        points.push_back((n % 2 ? 5.0 : 5.0 * std::cbrt(share(random))) * direction);
+    }
+    // A layer outside, so that no cell at the ball reaches far.
+    for (int n = 0; n < 400; ++n) {
+        points.push_back((6 + 2 * share(random)) * normalized({normal(random), normal(random), normal(random)}));
+    }
+    for (int corner = 0; corner < 8; ++corner) {
+        points.push_back({corner & 1 ? 20.0 : -20.0, corner & 2 ? 20.0 : -20.0, corner & 4 ? 20.0 : -20.0});
+    }
+    CulledMesh mesh{Tetrahedralization::create(points).value(), {}, {}, {}, {}, {}, PointGrid(size, 1000)};
+    mesh.update(field, 1, 0.02);
+    return mesh;
+}
+
+TEST(Refine, repeated_rounds_end_with_the_ratio_below_the_bound) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+        CulledMesh mesh = random_ball(field, seed);
+        RefineStats first, stats;
+        std::vector<Vec3> found = refinement(mesh, field, first);
+        EXPECT_GT(first.above_bound, 20u);
+        const double volume = mesh.volume(0);
+        stats = first;
+        int round = 0;
+        for (; round < 60 && !found.empty(); ++round) {
+            mesh.delaunay.insert(found);
+            mesh.update(field, 1, 0.02);
+            found = refinement(mesh, field, stats);
+        }
+        EXPECT_LT(round, 60);
+        EXPECT_LE(stats.above_bound * 200, mesh.cells.cells.size());
+        EXPECT_LT(stats.radius_edge_mean, first.radius_edge_mean);
+        EXPECT_NEAR(mesh.volume(0), volume, 0.15 * volume);
+    }
+}
+
+TEST(Refine, the_counts_are_those_of_the_cells) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    const CulledMesh mesh = random_ball(field, 4);
+    RefineStats stats;
+    const std::vector<Vec3> found = refinement(mesh, field, stats);
+    std::uint64_t above = 0;
+    for (std::size_t c = 0; c < mesh.regions.size(); ++c) {
+        const Cell& cell = mesh.cells.cells[c];
+        const Vec3 a = mesh.points()[cell[0]], b = mesh.points()[cell[1]], d = mesh.points()[cell[2]], e = mesh.points()[cell[3]];
+        above += mesh.regions[c] != 0 && radius_edge_ratio(a, b, d, e) > 2;
+    }
+    EXPECT_LE(stats.above_bound, above);
+    EXPECT_GE(stats.above_bound + stats.flat, above);
+    EXPECT_EQ(found.size(), stats.circumcenters + stats.surface_points);
+}
+
+TEST(Refine, points_found_are_inside_or_near_the_interface) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    RefineStats stats;
+    for (const Vec3& p : refinement(random_ball(field, 5), field, stats)) EXPECT_LT(length(p), 9);
+}
+
+TEST(Refine, same_points_for_any_number_of_threads) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    const CulledMesh mesh = random_ball(field, 6);
+    RefineStats stats;
+    const std::vector<Vec3> one = refinement(mesh, field, stats);
+    EXPECT_GT(one.size(), 10u);
+    for (const int threads : {2, 4}) EXPECT_EQ(refinement(mesh, field, stats, threads), one);
+}
+
+TEST(Refine, crossing_points_lie_on_the_interface_and_apart) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    // A coarse lattice that knows nothing of the ball.
+    std::vector<Vec3> points;
+    for (double x = -9; x < 10; x += 3) {
+        for (double y = -9; y < 10; y += 3) {
+            for (double z = -9; z < 10; z += 3) points.push_back({x + 0.1 * y, y + 0.1 * z, z});
+        }
+    }
+    CulledMesh mesh{Tetrahedralization::create(points).value(), {}, {}, {}, {}, {}, PointGrid(size, 1000)};
+    mesh.update(field, 1, 0.02);
+    RunContext context;
+    std::uint64_t first = 0, last = 0;
+    for (int round = 0; round < 4; ++round) {
+        std::vector<Vec3> found;
+        const CrossingStats stats = find_crossing_points(mesh.points(), mesh.cells, mesh.sides, field, 1, mesh.grid, 0.3, found, context);
+        if (round == 0) {
+            first = stats.crossing_edges;
+            EXPECT_GT(found.size(), 20u);
+        }
+        last = stats.crossing_edges;
+        for (std::size_t n = 0; n < found.size(); ++n) {
+            EXPECT_NEAR(length(found[n]), 5, 0.01);
+            for (std::size_t m = 0; m < n; ++m) EXPECT_GT(length(found[n] - found[m]), 0.1);
+        }
+        mesh.delaunay.insert(found);
+        mesh.update(field, 1, 0.02);
+    }
+    EXPECT_LT(2 * last, first);
+}
+
+TEST(Refine, deviation_points_bring_the_surface_to_the_interface) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    CulledMesh mesh = random_ball(field, 7);
+    RunContext context;
+    DeviationOptions options;
+    options.max_deviation_mm = 0.1;
+    std::uint64_t first = 0, last = 0;
+    for (int round = 0; round < 8; ++round) {
+        std::vector<Vec3> found;
+        const DeviationStats stats = find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1, mesh.grid,
+                                                           SegmentGuard(size, 0), options, found, context);
+        if (round == 0) first = stats.deviating;
+        last = stats.deviating;
+        for (const Vec3& p : found) EXPECT_NEAR(length(p), 5, 0.01);
+        if (found.empty()) break;
+        mesh.delaunay.insert(found);
+        mesh.update(field, 1, 0.02);
+    }
+    EXPECT_GT(first, 50u);
+    EXPECT_LT(last * 4, first);
+    EXPECT_NEAR(mesh.volume(0), 4 / 3.0 * 3.14159265 * 125, 0.03 * 523);
+}
+
+TEST(Refine, deviation_points_stay_out_of_the_balls_of_contour_segments) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    const CulledMesh mesh = random_ball(field, 8);
+    SegmentGuard guard(size, 10);
+    guard.add_segment({-6, 0, 0}, {6, 0, 0});
+    RunContext context;
+    std::vector<Vec3> found;
+    find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1, mesh.grid, guard, {}, found, context);
+    EXPECT_TRUE(found.empty());
+}
+
+}  // namespace
+}  // namespace anatomesh

@@ -1,0 +1,209 @@
+#include "anatomesh/sample/sample_points.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "anatomesh/sample/analytic_field_for_test.h"
+#include "anatomesh/sample/drawing_for_test.h"
+#include "anatomesh/sample/interface_probe.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+ContourSet ball_with_a_long_bar() {
+    Drawing drawing;
+    drawing.add_ball(0, {}, 6, 1, 0.9);
+    for (int z = 0; z < 3; ++z) drawing.add(0, z - 0.5, rectangle({9, -2}, {19, 2}));
+    return kept(drawing.raw);
+}
+
+struct Case {
+    ContourSet set;
+    std::shared_ptr<const StructureField> field;
+};
+
+Case case_of(ContourSet set) {
+    RunContext context;
+    auto field = make_structure_field(set, {}, context);
+    EXPECT_TRUE(field.ok());
+    return {std::move(set), field.value()};
+}
+
+PointSample sample_of(const Case& given, double size, int threads = 1, double growth = 0.5) {
+    RunContext context;
+    context.threads = threads;
+    SampleOptions options;
+    options.size_mm = size;
+    options.growth = growth;
+    auto sample = sample_points(given.set, *given.field, options, context);
+    EXPECT_TRUE(sample.ok());
+    return std::move(sample).value();
+}
+
+TEST(SamplePoints, contour_vertices_come_first_at_their_exact_coordinates) {
+    const Case given = case_of(ball_with_a_long_bar());
+    const PointSample sample = sample_of(given, 1);
+    ASSERT_EQ(sample.contour_vertices.size(), given.set.points.size());
+    std::uint32_t next = 0;
+    for (std::size_t n = 0; n < given.set.points.size(); ++n) {
+        ASSERT_LE(sample.contour_vertices[n], next);
+        next += sample.contour_vertices[n] == next;
+        EXPECT_EQ(sample.points[sample.contour_vertices[n]], given.set.points[n]);
+    }
+    EXPECT_EQ(sample.stats.contour_points, next);
+}
+
+TEST(SamplePoints, a_vertex_shared_by_two_structures_is_one_point) {
+    Drawing drawing;
+    for (int z = 0; z < 3; ++z) {
+        drawing.add(0, z, rectangle({0, 0}, {4, 4}));
+        drawing.add(1, z, rectangle({4, 0}, {8, 4}));
+    }
+    const Case given = case_of(kept(drawing.raw, true));
+    const PointSample sample = sample_of(given, 1);
+    EXPECT_EQ(given.set.points.size(), 24u);
+    EXPECT_EQ(sample.stats.contour_points, 18u);
+}
+
+TEST(SamplePoints, the_counts_add_up) {
+    const PointSample sample = sample_of(case_of(ball_with_a_long_bar()), 1);
+    const SampleStats& stats = sample.stats;
+    EXPECT_EQ(stats.contour_points + stats.segment_points + stats.surface_points + stats.lattice_points + stats.frame_points,
+              sample.points.size());
+    EXPECT_GT(stats.segment_points, 0u);
+    EXPECT_GT(stats.surface_points, 0u);
+    EXPECT_GT(stats.lattice_points, 0u);
+    EXPECT_EQ(stats.frame_points, 8u);
+}
+
+// Segment points by the order of the sample; free points keep off contour points, segments and each other.
+TEST(SamplePoints, free_points_keep_their_distances) {
+    const Case given = case_of(ball_with_a_long_bar());
+    for (const double size : {0.7, 1.0, 1.6}) {
+        const PointSample sample = sample_of(given, size);
+        const std::size_t first_surface = sample.stats.contour_points + sample.stats.segment_points;
+        const std::size_t first_lattice = first_surface + sample.stats.surface_points;
+        const std::size_t end = sample.points.size() - 8;
+        for (std::size_t n = first_surface; n < end; ++n) {
+            const Vec3 p = sample.points[n];
+            for (std::size_t c = 0; c < first_surface; ++c) ASSERT_GE(length(sample.points[c] - p), 0.5 * size);
+            for (std::size_t s = first_surface; s < std::min(n, first_lattice); ++s) {
+                ASSERT_GE(length(sample.points[s] - p), (n < first_lattice ? 0.6 : 0.5) * size * (1 - 1e-12));
+            }
+        }
+    }
+}
+
+TEST(SamplePoints, no_free_point_lies_in_the_diametral_ball_of_a_piece_of_a_segment) {
+    const Case given = case_of(ball_with_a_long_bar());
+    const double size = 1;
+    const PointSample sample = sample_of(given, size);
+    const std::size_t fixed = sample.stats.contour_points + sample.stats.segment_points;
+    // The pieces: every segment cut at the sample's points that lie on it.
+    for (const Contour& contour : given.set.contours) {
+        const auto points = given.set.points_of(contour);
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            const Vec3 a = points[n], b = points[(n + 1) % points.size()];
+            std::vector<double> cuts{0, 1};
+            for (std::size_t s = sample.stats.contour_points; s < fixed; ++s) {
+                const double t = dot(sample.points[s] - a, b - a) / squared_length(b - a);
+                if (t > 0 && t < 1 && length(a + t * (b - a) - sample.points[s]) < 1e-9) cuts.push_back(t);
+            }
+            std::sort(cuts.begin(), cuts.end());
+            for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+                const Vec3 p = a + cuts[k] * (b - a), q = a + cuts[k + 1] * (b - a);
+                EXPECT_LE(length(q - p), 1.2 * size * (1 + 1e-9));
+                for (std::size_t s = fixed; s < sample.points.size(); ++s) {
+                    ASSERT_GT(dot(sample.points[s] - p, sample.points[s] - q), -1e-9);
+                }
+            }
+        }
+    }
+}
+
+TEST(SamplePoints, surface_points_lie_on_the_surface) {
+    const Case given = case_of(ball_with_a_long_bar());
+    const PointSample sample = sample_of(given, 1);
+    const std::size_t first = sample.stats.contour_points + sample.stats.segment_points;
+    for (std::size_t n = first; n < first + sample.stats.surface_points; ++n) {
+        EXPECT_LT(given.field->interface_distance(sample.points[n]), 0.02);
+    }
+}
+
+TEST(SamplePoints, same_points_for_any_number_of_threads) {
+    const Case given = case_of(ball_with_a_long_bar());
+    const PointSample one = sample_of(given, 0.8, 1);
+    for (const int threads : {2, 5}) EXPECT_EQ(sample_of(given, 0.8, threads).points, one.points);
+}
+
+TEST(SamplePoints, depth_makes_the_lattice_coarser) {
+    Drawing drawing;
+    drawing.add_ball(0, {}, 12, 1, 1);
+    const Case given = case_of(kept(drawing.raw));
+    const PointSample even = sample_of(given, 1, 1, 0), graded = sample_of(given, 1, 1, 1);
+    EXPECT_LT(1.25 * static_cast<double>(graded.stats.lattice_points), static_cast<double>(even.stats.lattice_points));
+    EXPECT_EQ(graded.stats.surface_points, even.stats.surface_points);
+}
+
+TEST(SamplePoints, the_default_size_is_the_side_of_a_square_a_contour_vertex) {
+    Drawing drawing;
+    for (int z = 0; z < 4; ++z) drawing.add(0, 2 * z, divided(rectangle({0, 0}, {8, 8}), 0.5));
+    const Case given = case_of(kept(drawing.raw));
+    EXPECT_NEAR(default_size(given.set, *given.field), 1, 1e-12);
+    EXPECT_EQ(sample_of(given, 0).stats.size_mm, default_size(given.set, *given.field));
+}
+
+TEST(SamplePoints, M09_a_size_that_needs_too_many_points_is_refused_at_once) {
+    const Case given = case_of(ball_with_a_long_bar());
+    RunContext context;
+    for (const double size : {0.01, 1e-4, 1e-9}) {
+        SampleOptions options;
+        options.size_mm = size;
+        options.max_points = 1'000'000;
+        const auto sample = sample_points(given.set, *given.field, options, context);
+        ASSERT_FALSE(sample.ok()) << size;
+        EXPECT_EQ(sample.error().code, "E-SMP-001");
+        EXPECT_EQ(sample.error().kind, ErrorKind::limit);
+    }
+}
+
+TEST(InterfaceProbe, projects_onto_the_nearest_interface) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    InterfaceProbe probe(field, 1);
+    for (const Vec3 p : {Vec3{4.2, 0, 0}, Vec3{3, 3, 3}, Vec3{0, -3, 4.5}}) {
+        const auto q = probe.project(p, 2, 1e-4);
+        ASSERT_TRUE(q);
+        EXPECT_NEAR(length(*q), 5, 2e-4);
+        EXPECT_LT(length(*q - (5 / length(p)) * p), 0.05);
+    }
+    EXPECT_FALSE(probe.project({2, 0, 0}, 1, 1e-4));
+}
+
+TEST(InterfaceProbe, finds_the_first_crossing_only) {
+    const AnalyticField field({shell({}, 6, 4)}, 8);
+    InterfaceProbe probe(field, 1);
+    const auto out = probe.first_crossing({0, 0, 0}, {9, 0, 0}, 0.5, 1e-5);
+    ASSERT_TRUE(out);
+    EXPECT_NEAR(out->x, 4, 1e-4);
+    const auto in = probe.first_crossing({9, 0, 0}, {0, 0, 0}, 0.5, 1e-5);
+    ASSERT_TRUE(in);
+    EXPECT_NEAR(in->x, 6, 1e-4);
+    EXPECT_FALSE(probe.first_crossing({0, 0, 0}, {3, 0, 0}, 0.5, 1e-5));
+}
+
+TEST(InterfaceProbe, finds_the_wall_between_two_structures) {
+    const AnalyticField field({ball({-3, 0, 0}, 4), ball({3, 0, 0}, 4)}, 8, true);
+    InterfaceProbe probe(field, 2);
+    const auto wall = probe.first_crossing({-3, 0.5, 0}, {3, 0.5, 0}, 0.5, 1e-5);
+    ASSERT_TRUE(wall);
+    EXPECT_NEAR(wall->x, 0, 1e-4);
+    const auto projected = probe.project({-0.8, 0.5, 0}, 2, 1e-4);
+    ASSERT_TRUE(projected);
+    EXPECT_NEAR(projected->x, 0, 2e-4);
+}
+
+}  // namespace
+}  // namespace anatomesh
