@@ -12,8 +12,9 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
 Kernel::Point_3 point(Vec3 p) { return {p.x, p.y, p.z}; }
 
-// Half the unit roundoff of a double: 2^-53.
+// The unit roundoff of a double, and more than what the few products of a determinant may lose to underflow.
 constexpr double roundoff = 0x1p-53;
+constexpr double underflow = 0x1p-1070;
 
 }  // namespace
 
@@ -22,7 +23,8 @@ int orient2d(Vec2 a, Vec2 b, Vec2 c) {
     // Discrete Comput. Geom. 18, 1997, section 4).
     const double left = (a.x - c.x) * (b.y - c.y), right = (a.y - c.y) * (b.x - c.x);
     const double determinant = left - right;
-    if (std::abs(determinant) > 3.1 * roundoff * (std::abs(left) + std::abs(right))) return determinant > 0 ? 1 : -1;
+    const double error = 3.1 * roundoff * (std::abs(left) + std::abs(right)) + underflow;
+    if (std::abs(determinant) > error) return determinant > 0 ? 1 : -1;
     return CGAL::orientation(Kernel::Point_2(a.x, a.y), Kernel::Point_2(b.x, b.y), Kernel::Point_2(c.x, c.y));
 }
 
@@ -34,7 +36,8 @@ int orient3d(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
     const double permanent = (std::abs(qr) + std::abs(rq)) * std::abs(p.z) +
                              (std::abs(rp) + std::abs(pr)) * std::abs(q.z) +
                              (std::abs(pq) + std::abs(qp)) * std::abs(r.z);
-    if (std::abs(determinant) > 7.8 * roundoff * permanent) return determinant < 0 ? 1 : -1;
+    const double error = 7.8 * roundoff * permanent + underflow * (1 + std::abs(p.z) + std::abs(q.z) + std::abs(r.z));
+    if (std::abs(determinant) > error) return determinant < 0 ? 1 : -1;
     return CGAL::orientation(point(a), point(b), point(c), point(d));
 }
 
