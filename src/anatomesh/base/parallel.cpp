@@ -1,5 +1,6 @@
 #include "anatomesh/base/parallel.h"
 
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -19,7 +20,8 @@ void parallel_for(std::size_t count, std::size_t grain, int threads,
         for (std::size_t piece = 0; piece < pieces; ++piece) run(piece);
         return;
     }
-    tbb::task_arena arena(threads);
+    // Asked for more than the machine has, TBB would print a warning.
+    tbb::task_arena arena(std::min(threads, tbb::info::default_concurrency()));
     arena.execute([&] { tbb::parallel_for(std::size_t{0}, pieces, run, tbb::simple_partitioner()); });
 }
 

@@ -1,0 +1,73 @@
+#include "anatomesh/base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <set>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace anatomesh {
+namespace {
+
+TEST(ParallelFor, every_index_once_for_any_count_grain_and_threads) {
+    for (const std::size_t count : {0, 1, 2, 63, 64, 65, 1000, 12345}) {
+        for (const std::size_t grain : {1, 7, 64, 100000}) {
+            for (const int threads : {1, 2, 3, 16}) {
+                std::vector<std::atomic<int>> visits(count);
+                parallel_for(count, grain, threads, [&](std::size_t begin, std::size_t end) {
+                    EXPECT_LT(begin, end);
+                    for (std::size_t i = begin; i < end; ++i) ++visits[i];
+                });
+                for (const auto& n : visits) ASSERT_EQ(n, 1);
+            }
+        }
+    }
+}
+
+TEST(ParallelFor, pieces_depend_on_count_and_grain_alone) {
+    const auto pieces = [](int threads) {
+        std::mutex mutex;
+        std::set<std::pair<std::size_t, std::size_t>> seen;
+        parallel_for(1003, 10, threads, [&](std::size_t begin, std::size_t end) {
+            const std::lock_guard lock(mutex);
+            seen.emplace(begin, end);
+        });
+        return seen;
+    };
+    EXPECT_EQ(pieces(1).size(), 101u);
+    EXPECT_EQ(pieces(1), pieces(2));
+    EXPECT_EQ(pieces(1), pieces(5));
+}
+
+TEST(ParallelFor, one_thread_runs_in_order_on_the_caller) {
+    std::size_t next = 0;
+    const auto caller = std::this_thread::get_id();
+    parallel_for(100, 9, 1, [&](std::size_t begin, std::size_t end) {
+        EXPECT_EQ(begin, next);
+        EXPECT_EQ(std::this_thread::get_id(), caller);
+        next = end;
+    });
+    EXPECT_EQ(next, 100u);
+}
+
+TEST(ParallelFor, never_more_at_a_time_than_asked_for) {
+    for (const int threads : {1, 2}) {
+        std::atomic<int> now = 0, most = 0;
+        parallel_for(200, 1, threads, [&](std::size_t, std::size_t) {
+            const int here = ++now;
+            int before = most;
+            while (here > before && !most.compare_exchange_weak(before, here)) {
+            }
+            std::this_thread::sleep_for(std::chrono::microseconds(50));
+            --now;
+        });
+        EXPECT_LE(most, threads);
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh
