@@ -18,7 +18,8 @@ inline Distance ball(Vec3 centre, double radius) {
 }
 
 inline Distance shell(Vec3 centre, double outer, double inner) {
-    return [=](Vec3 p) { return std::abs(length(p - centre) - 0.5 * (outer + inner)) - 0.5 * (outer - inner); };
+    return
+        [=](Vec3 p) { return std::abs(length(p - centre) - 0.5 * (outer + inner)) - 0.5 * (outer - inner); };
 }
 
 // About the z axis.
@@ -26,7 +27,8 @@ inline Distance torus(double ring, double tube) {
     return [=](Vec3 p) { return std::hypot(std::hypot(p.x, p.y) - ring, p.z) - tube; };
 }
 
-// Structure n is the n-th solid. Exclusive: where several overlap, the point belongs to the one it is deepest in.
+// Structure n is the n-th solid. Exclusive: where several overlap, the point belongs to the one it is deepest
+// in.
 class AnalyticField final : public StructureField {
   public:
     AnalyticField(std::vector<Distance> solids, double reach, bool exclusive = false)

@@ -63,7 +63,8 @@ class Drawing {
     }
 
     // A ball cut at every z = (n + 1/2) spacing; corners about `corner_spacing` apart.
-    void add_ball(std::uint32_t structure, Vec3 centre, double radius, double spacing, double corner_spacing) {
+    void add_ball(std::uint32_t structure, Vec3 centre, double radius, double spacing,
+                  double corner_spacing) {
         const int count = static_cast<int>(radius / spacing) + 1;
         for (int n = -count; n <= count; ++n) {
             const double z = (n + 0.5) * spacing, r2 = radius * radius - z * z;

@@ -71,7 +71,8 @@ TEST(SamplePoints, a_vertex_shared_by_two_structures_is_one_point) {
 TEST(SamplePoints, the_counts_add_up) {
     const PointSample sample = sample_of(case_of(ball_with_a_long_bar()), 1);
     const SampleStats& stats = sample.stats;
-    EXPECT_EQ(stats.contour_points + stats.segment_points + stats.surface_points + stats.lattice_points + stats.frame_points,
+    EXPECT_EQ(stats.contour_points + stats.segment_points + stats.surface_points + stats.lattice_points +
+                  stats.frame_points,
               sample.points.size());
     EXPECT_GT(stats.segment_points, 0u);
     EXPECT_GT(stats.surface_points, 0u);
@@ -89,7 +90,8 @@ TEST(SamplePoints, free_points_keep_their_distances) {
         const std::size_t end = sample.points.size() - 8;
         for (std::size_t n = first_surface; n < end; ++n) {
             const Vec3 p = sample.points[n];
-            for (std::size_t c = 0; c < first_surface; ++c) ASSERT_GE(length(sample.points[c] - p), 0.5 * size);
+            for (std::size_t c = 0; c < first_surface; ++c)
+                ASSERT_GE(length(sample.points[c] - p), 0.5 * size);
             for (std::size_t s = first_surface; s < std::min(n, first_lattice); ++s) {
                 ASSERT_GE(length(sample.points[s] - p), (n < first_lattice ? 0.6 : 0.5) * size * (1 - 1e-12));
             }
@@ -144,7 +146,8 @@ TEST(SamplePoints, depth_makes_the_lattice_coarser) {
     drawing.add_ball(0, {}, 12, 1, 1);
     const Case given = case_of(kept(drawing.raw));
     const PointSample even = sample_of(given, 1, 1, 0), graded = sample_of(given, 1, 1, 1);
-    EXPECT_LT(1.25 * static_cast<double>(graded.stats.lattice_points), static_cast<double>(even.stats.lattice_points));
+    EXPECT_LT(1.25 * static_cast<double>(graded.stats.lattice_points),
+              static_cast<double>(even.stats.lattice_points));
     EXPECT_EQ(graded.stats.surface_points, even.stats.surface_points);
 }
 
