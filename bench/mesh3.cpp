@@ -2,6 +2,7 @@
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Labeled_mesh_domain_3.h>
+#include <CGAL/Mesh_3/Worksharing_data_structures.h>  // exude_mesh_3.h needs it and does not include it
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
@@ -9,7 +10,7 @@
 #include <CGAL/perturb_mesh_3.h>
 #include <CGAL/refine_mesh_3.h>
 
-#include <algorithm>
+#include <array>
 #include <chrono>
 #include <map>
 #include <mutex>
@@ -40,7 +41,12 @@ Vec3 to_vec(const Kernel::Point_3& p) {
 // The number of every set of structures that a point was found in.
 class Labels {
   public:
+    explicit Labels(std::size_t structures) : one_structure_(structures == 1) {
+        if (one_structure_) table_.members.push_back({0});
+    }
+
     int label(const StructureField& field, Vec3 p) {
+        if (one_structure_) return field.value(0, p) < 0 ? 1 : 0;
         thread_local std::vector<std::uint32_t> members;
         field.members(p, members);
         if (members.empty()) return 0;
@@ -52,6 +58,7 @@ class Labels {
     const RegionTable& table() const { return table_; }
 
   private:
+    bool one_structure_;
     std::mutex mutex_;
     std::map<std::vector<std::uint32_t>, int> numbers_;
     RegionTable table_;
@@ -140,14 +147,15 @@ std::vector<Vec3> find_cavities(const Complex& complex) {
 
 Mesh3Result mesh3(const ContourSet& contours, const StructureField& field, const Mesh3Options& options) {
     Mesh3Result result;
-    Labels labels;
+    Labels labels(contours.structures.size());
     const Box3 box = field.box();
     const double margin = options.cell_radius_mm;
     const CGAL::Bbox_3 bounds(box.low.x - margin, box.low.y - margin, box.low.z - margin, box.high.x + margin,
                               box.high.y + margin, box.high.z + margin);
-    const double diagonal = length(box.high - box.low) + 2 * margin;
+    const double diagonal = length(box.high - box.low + Vec3{2 * margin, 2 * margin, 2 * margin});
     const auto label = [&](const Kernel::Point_3& p) { return labels.label(field, to_vec(p)); };
-    const Domain domain(label, bounds, options.surface_error_mm / diagonal);
+    // The domain takes the error relative to half the diagonal of its box.
+    const Domain domain(label, bounds, 2 * options.surface_error_mm / diagonal);
     const Criteria criteria(CGAL::parameters::facet_angle = options.facet_angle_deg,
                             CGAL::parameters::facet_size = options.facet_radius_mm,
                             CGAL::parameters::facet_distance = options.facet_distance_mm,
