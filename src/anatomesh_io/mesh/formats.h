@@ -1,0 +1,36 @@
+// One writer and one reader per format. `path` is for messages. For the contract see mesh_file.h.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "anatomesh_io/mesh/mesh_file.h"
+
+namespace anatomesh {
+
+using Bytes = std::span<const std::byte>;
+
+Result<std::string> format_vtu(const std::string& path, const ModelFile& model, RunContext& context);
+Result<std::string> format_gmsh(const std::string& path, const ModelFile& model, RunContext& context);
+Result<std::string> format_medit(const std::string& path, const ModelFile& model, RunContext& context);
+Result<std::string> format_abaqus(const std::string& path, const ModelFile& model, RunContext& context);
+
+Result<ModelFile> parse_vtu(const std::string& path, Bytes content, const InputLimits& limits,
+                            RunContext& context);
+Result<ModelFile> parse_gmsh(const std::string& path, Bytes content, RunContext& context);
+Result<ModelFile> parse_medit(const std::string& path, Bytes content, RunContext& context);
+Result<ModelFile> parse_abaqus(const std::string& path, Bytes content, RunContext& context);
+
+Result<std::string> format_vtp(const std::string& path, const SurfaceFile& surface, RunContext& context);
+Result<std::string> format_stl(const std::string& path, const SurfaceFile& surface, RunContext& context);
+Result<std::string> format_ply(const std::string& path, const SurfaceFile& surface, RunContext& context);
+Result<std::string> format_obj(const std::string& path, const SurfaceFile& surface, RunContext& context);
+
+Result<SurfaceFile> parse_vtp(const std::string& path, Bytes content, const InputLimits& limits,
+                              RunContext& context);
+Result<SurfaceFile> parse_stl(const std::string& path, Bytes content, RunContext& context);
+Result<SurfaceFile> parse_ply(const std::string& path, Bytes content, RunContext& context);
+Result<SurfaceFile> parse_obj(const std::string& path, Bytes content, RunContext& context);
+
+}  // namespace anatomesh

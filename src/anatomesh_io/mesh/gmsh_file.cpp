@@ -1,0 +1,541 @@
+// Gmsh .msh 4.1: written binary; read binary or as text. A volume per region, a physical group per structure.
+// Follows: Gmsh reference manual, "MSH file format".
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "anatomesh/geom/box.h"
+#include "anatomesh_io/file/byte_reader.h"
+#include "anatomesh_io/mesh/description.h"
+#include "anatomesh_io/mesh/formats.h"
+#include "anatomesh_io/mesh/mesh_text.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr int gmsh_tetrahedron = 4;
+
+template <class T>
+void put(std::string& bytes, T value) {
+    static_assert(std::endian::native == std::endian::little);
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+// Gmsh's physical tags are positive: numbers below get the next free ones.
+std::vector<std::int32_t> positive_numbers(std::vector<std::int32_t> numbers, const std::string& path,
+                                           RunContext& context) {
+    std::set<std::int32_t> used(numbers.begin(), numbers.end());
+    std::int32_t next = 1;
+    for (std::size_t r = 0; r < numbers.size(); ++r) {
+        if (numbers[r] > 0) continue;
+        while (used.contains(next)) ++next;
+        used.insert(next);
+        if (r == 0) {  // outside has no number to lose
+            numbers[r] = next;
+            continue;
+        }
+        Warning warning{"W-MDL-003",
+                        "Gmsh cannot hold structure number " + std::to_string(numbers[r]),
+                        {},
+                        "written as physical group " + std::to_string(next)};
+        warning.place.file = path;
+        context.warn(std::move(warning));
+        numbers[r] = next;
+    }
+    return numbers;
+}
+
+// Within quotes, at most 127 bytes, as Gmsh wants it.
+std::string physical_name(std::string name) {
+    for (char& c : name) {
+        if (c == '"' || static_cast<unsigned char>(c) < 0x20) c = '\'';
+    }
+    return name.substr(0, 127);
+}
+
+// The tag of a region's volume: its own number, which Gmsh wants positive.
+std::int32_t volume_of(std::size_t region, std::size_t regions) {
+    return static_cast<std::int32_t>(region == 0 ? regions : region);
+}
+
+std::string region_name(const MeshDescription& description, std::size_t region) {
+    if (region == 0) return "outside";
+    std::string name;
+    for (const std::uint32_t member : description.regions.members[region]) {
+        const Structure& structure = description.structures[member];
+        if (!name.empty()) name += " + ";
+        name += structure.name.empty() ? "structure " + std::to_string(structure.number) : structure.name;
+    }
+    return physical_name(name);
+}
+
+void append_entities(std::string& bytes, const TetMesh& mesh, const std::vector<std::size_t>& used,
+                     const std::vector<std::int32_t>& numbers) {
+    std::vector<Box3> boxes(numbers.size());
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+        for (const std::uint32_t vertex : mesh.cells[c]) boxes[mesh.regions[c]].extend(mesh.points[vertex]);
+    }
+    bytes += "$Entities\n";
+    for (const std::size_t count : {std::size_t{0}, std::size_t{0}, std::size_t{0}, used.size()}) {
+        put(bytes, static_cast<std::uint64_t>(count));
+    }
+    for (const std::size_t region : used) {
+        put(bytes, volume_of(region, numbers.size()));
+        for (const Vec3& corner : {boxes[region].low, boxes[region].high}) {
+            put(bytes, corner.x);
+            put(bytes, corner.y);
+            put(bytes, corner.z);
+        }
+        put(bytes, std::uint64_t{1});  // physical groups
+        put(bytes, numbers[region]);
+        put(bytes, std::uint64_t{0});  // bounding surfaces
+    }
+    bytes += "\n$EndEntities\n";
+}
+
+void append_nodes(std::string& bytes, const TetMesh& mesh, std::int32_t volume) {
+    const auto n = static_cast<std::uint64_t>(mesh.points.size());
+    bytes += "$Nodes\n";
+    for (const std::uint64_t value : {std::uint64_t{1}, n, std::uint64_t{1}, n}) put(bytes, value);
+    put(bytes, std::int32_t{3});  // all in one block, on the first volume
+    put(bytes, volume);
+    put(bytes, std::int32_t{0});
+    put(bytes, n);
+    for (std::uint64_t i = 1; i <= n; ++i) put(bytes, i);
+    bytes.append(reinterpret_cast<const char*>(mesh.points.data()), mesh.points.size() * sizeof(Vec3));
+    bytes += "\n$EndNodes\n";
+}
+
+void append_elements(std::string& bytes, const TetMesh& mesh, const std::vector<std::size_t>& used,
+                     std::size_t regions) {
+    std::vector<std::vector<std::uint32_t>> cells_of(used.back() + 1);
+    for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) cells_of[mesh.regions[c]].push_back(c);
+    const auto n = static_cast<std::uint64_t>(mesh.cells.size());
+    bytes += "$Elements\n";
+    for (const std::uint64_t value : {static_cast<std::uint64_t>(used.size()), n, std::uint64_t{1}, n}) {
+        put(bytes, value);
+    }
+    for (const std::size_t region : used) {
+        put(bytes, std::int32_t{3});
+        put(bytes, volume_of(region, regions));
+        put(bytes, std::int32_t{gmsh_tetrahedron});
+        put(bytes, static_cast<std::uint64_t>(cells_of[region].size()));
+        for (const std::uint32_t c : cells_of[region]) {
+            put(bytes, std::uint64_t{c} + 1);
+            for (const std::uint32_t vertex : mesh.cells[c]) put(bytes, std::uint64_t{vertex} + 1);
+        }
+    }
+    bytes += "\n$EndElements\n";
+}
+
+}  // namespace
+
+Result<std::string> format_gmsh(const std::string& path, const ModelFile& model, RunContext& context) {
+    const TetMesh& mesh = model.mesh;
+    const std::vector<std::int32_t> numbers =
+        positive_numbers(region_numbers(model.description), path, context);
+    std::vector<bool> occurs(numbers.size(), false);
+    for (const Region region : mesh.regions) occurs[region] = true;
+    std::vector<std::size_t> used;
+    for (std::size_t r = 0; r < occurs.size(); ++r) {
+        if (occurs[r]) used.push_back(r);
+    }
+    if (used.empty()) return mesh_error("E-MDL-008", "the model has no tetrahedra", path);
+
+    std::string bytes = "$MeshFormat\n4.1 1 8\n";
+    bytes.reserve(mesh.points.size() * 32 + mesh.cells.size() * 40 + 10'000);
+    put(bytes, std::int32_t{1});
+    bytes += "\n$EndMeshFormat\n$Comments\n";
+    for (const std::string& line : description_lines(model.description)) bytes += line + "\n";
+    bytes += "$EndComments\n$PhysicalNames\n" + std::to_string(used.size()) + "\n";
+    for (const std::size_t region : used) {
+        bytes +=
+            "3 " + std::to_string(numbers[region]) + " \"" + region_name(model.description, region) + "\"\n";
+    }
+    bytes += "$EndPhysicalNames\n";
+    append_entities(bytes, mesh, used, numbers);
+    append_nodes(bytes, mesh, volume_of(used.front(), numbers.size()));
+    append_elements(bytes, mesh, used, numbers.size());
+    return bytes;
+}
+
+namespace {
+
+// The values of a section, binary or as words of text. After a failed read() every later one fails as well.
+class GmshValues {
+  public:
+    explicit GmshValues(Bytes content) : reader_(content) {}
+
+    bool binary = false;
+    void set_order(std::endian order) { reader_.set_order(order); }
+    bool good() const { return good_; }
+    std::string place() const { return "byte " + std::to_string(reader_.position()); }
+    std::optional<std::string_view> line() { return reader_.read_line(); }
+
+    template <class T>
+    T read() {
+        std::optional<T> value = binary ? reader_.read<T>() : number_of<T>(word());
+        good_ = good_ && value.has_value();
+        return good_ ? *value : T{};
+    }
+    // A count of things of at least `bytes_each` bytes in binary, or `words_each` words of text: never more
+    // than what follows can hold.
+    std::optional<std::uint64_t> count(std::size_t bytes_each, std::size_t words_each) {
+        const auto value = read<std::uint64_t>();
+        const std::size_t each = std::max<std::size_t>(binary ? bytes_each : 2 * words_each, 1);
+        if (!good_ || value > reader_.remaining() / each + 1) return std::nullopt;
+        return value;
+    }
+    void skip_words(std::uint64_t count) {
+        for (std::uint64_t i = 0; i < count && good_; ++i) good_ = !word().empty();
+    }
+    // Skips to behind the line "$End<name>".
+    bool skip_section(std::string_view name) {
+        const std::string end = "$End" + std::string(name);
+        const std::size_t begin = reader_.position();
+        const std::string_view rest = reader_.read_text(reader_.remaining()).value_or("");
+        const std::size_t found = rest.find(end);
+        if (found == std::string_view::npos) return false;
+        reader_.seek(begin + found + end.size());
+        return true;
+    }
+
+  private:
+    std::string_view word() {
+        const auto blank = [](char c) { return is_blank(c) || c == '\n'; };
+        const std::size_t begin = reader_.position();
+        const std::string_view rest = reader_.read_text(reader_.remaining()).value_or("");
+        std::size_t first = 0;
+        while (first < rest.size() && blank(rest[first])) ++first;
+        std::size_t last = first;
+        while (last < rest.size() && !blank(rest[last])) ++last;
+        reader_.seek(begin + last);
+        return rest.substr(first, last - first);
+    }
+
+    ByteReader reader_;
+    bool good_ = true;
+};
+
+struct Element {
+    std::uint64_t tag = 0;
+    std::array<std::uint64_t, 4> nodes{};
+    std::int32_t volume = 0;
+};
+
+// Nodes of an element type of dimension 0 to 2 (Gmsh's numbering); 0 for others.
+std::size_t nodes_of_lower_type(std::int32_t type) {
+    switch (type) {
+        case 15:
+            return 1;
+        case 1:
+            return 2;
+        case 2:
+        case 8:
+            return 3;
+        case 3:
+            return 4;
+        case 9:
+            return 6;
+        case 10:
+            return 9;
+        case 16:
+            return 8;
+        default:
+            return 0;
+    }
+}
+
+class GmshReader {
+  public:
+    GmshReader(const std::string& path, Bytes content) : path_(path), reader_(path), values_(content) {}
+    Result<ModelFile> run(RunContext& context);
+
+  private:
+    Status format();
+    Status comments();
+    Status physical_names();
+    Status entities();
+    Status nodes();
+    Status elements();
+    Status element_block(std::uint64_t& left);
+    Status place_nodes();
+    Status place_elements();
+    Status place_regions();
+
+    Error broken(const char* what) const { return expected(path_, what, values_.place()); }
+    Error too_many() const {
+        return mesh_error("E-MDL-007", "the file is too short for the number of elements it states", path_,
+                          values_.place());
+    }
+
+    const std::string& path_;
+    DescriptionReader reader_;
+    GmshValues values_;
+    std::map<std::int32_t, std::int32_t> group_of_volume_;  // its first physical group
+    std::map<std::int32_t, std::string> name_of_group_;
+    std::vector<std::pair<std::uint64_t, Vec3>> nodes_;
+    std::vector<Element> elements_;
+    std::size_t left_out_ = 0;
+    ModelFile model_;
+};
+
+Status GmshReader::format() {
+    std::string_view line = values_.line().value_or("");
+    const auto version = take_word(line);
+    const auto mode = take_number<int>(line), size = take_number<int>(line);
+    if (version != "4.1") {
+        Error error =
+            mesh_error("E-MDL-012", "only version 4.1 is read", path_, std::string(version.substr(0, 20)));
+        error.next_step = "save it anew in version 4.1 (gmsh -save -format msh41)";
+        return error;
+    }
+    if (!mode || !size || *mode < 0 || *mode > 1 || *size != 8) {
+        return mesh_error("E-MDL-012", "the file is to be text or binary with 8 bytes a size", path_,
+                          values_.place());
+    }
+    if (*mode == 1) {
+        values_.binary = true;
+        values_.set_order(std::endian::little);
+        const auto one = values_.read<std::int32_t>();
+        if (one == 0x01000000) {
+            values_.set_order(std::endian::big);
+        } else if (one != 1) {
+            return broken("the number 1 that tells the byte order");
+        }
+    }
+    return Nothing{};
+}
+
+Status GmshReader::comments() {
+    while (const auto line = values_.line()) {
+        if (*line == "$EndComments") return Nothing{};
+        ANATOMESH_CHECK_STATUS(reader_.take(*line));
+    }
+    return broken("$EndComments");
+}
+
+Status GmshReader::physical_names() {
+    while (const auto line = values_.line()) {
+        if (*line == "$EndPhysicalNames") return Nothing{};
+        std::string_view rest = *line;
+        const auto dimension = take_number<int>(rest);
+        const auto tag = take_number<std::int32_t>(rest);
+        rest = trimmed(rest);
+        if (dimension == 3 && tag && rest.size() >= 2 && rest.front() == '"' && rest.back() == '"') {
+            name_of_group_[*tag] = std::string(rest.substr(1, rest.size() - 2));
+        }
+    }
+    return broken("$EndPhysicalNames");
+}
+
+Status GmshReader::entities() {
+    std::array<std::uint64_t, 4> counts{};
+    for (std::uint64_t& count : counts) {
+        const auto value = values_.count(40, 6);
+        if (!value) return too_many();
+        count = *value;
+    }
+    for (std::size_t dimension = 0; dimension < 4; ++dimension) {
+        for (std::uint64_t i = 0; i < counts[dimension]; ++i) {
+            const auto tag = values_.read<std::int32_t>();
+            // A point has one corner, the others two.
+            for (int k = 0; k < (dimension == 0 ? 3 : 6); ++k) values_.read<double>();
+            const auto groups = values_.count(4, 1);
+            if (!groups) return too_many();
+            for (std::uint64_t g = 0; g < *groups; ++g) {
+                const auto group = values_.read<std::int32_t>();
+                if (dimension == 3) group_of_volume_.emplace(tag, group);
+            }
+            const auto boundary = dimension == 0 ? 0 : values_.count(4, 1);
+            if (!boundary) return too_many();
+            for (std::uint64_t b = 0; b < *boundary; ++b) values_.read<std::int32_t>();
+            if (!values_.good()) return broken("an entity");
+        }
+    }
+    return Nothing{};
+}
+
+Status GmshReader::nodes() {
+    const auto blocks = values_.count(20, 4), total = values_.count(32, 4);
+    values_.read<std::uint64_t>();
+    values_.read<std::uint64_t>();
+    if (!blocks || !total) return too_many();
+    nodes_.reserve(*total);
+    for (std::uint64_t b = 0; b < *blocks; ++b) {
+        const auto dimension = values_.read<std::int32_t>();
+        values_.read<std::int32_t>();
+        const bool parametric = values_.read<std::int32_t>() != 0;
+        const auto count = values_.count(32, 4);
+        if (!values_.good()) return broken("a block of nodes");
+        if (!count || nodes_.size() + *count > *total) return too_many();
+        const std::size_t first = nodes_.size();
+        for (std::uint64_t i = 0; i < *count; ++i) nodes_.emplace_back(values_.read<std::uint64_t>(), Vec3{});
+        for (std::size_t i = first; i < nodes_.size(); ++i) {
+            Vec3& point = nodes_[i].second;
+            for (double* coordinate : {&point.x, &point.y, &point.z}) *coordinate = values_.read<double>();
+            for (int k = 0; parametric && k < std::min(dimension, 3); ++k) values_.read<double>();
+            if (!values_.good()) return broken("a node");
+            ANATOMESH_CHECK_STATUS(check_point(point, nodes_[i].first, path_));
+        }
+    }
+    return Nothing{};
+}
+
+Status GmshReader::elements() {
+    const auto blocks = values_.count(20, 4), total = values_.count(16, 2);
+    values_.read<std::uint64_t>();
+    values_.read<std::uint64_t>();
+    if (!blocks || !total) return too_many();
+    std::uint64_t left = *total;
+    for (std::uint64_t b = 0; b < *blocks; ++b) {
+        ANATOMESH_CHECK_STATUS(element_block(left));
+    }
+    return Nothing{};
+}
+
+Status GmshReader::element_block(std::uint64_t& left) {
+    const auto dimension = values_.read<std::int32_t>();
+    const auto entity = values_.read<std::int32_t>();
+    const auto type = values_.read<std::int32_t>();
+    const auto count = values_.count(16, 2);
+    if (!values_.good()) return broken("a block of elements");
+    if (!count || *count > left) return too_many();
+    left -= *count;
+    const std::size_t lower = nodes_of_lower_type(type);
+    if (type != gmsh_tetrahedron && (dimension > 2 || lower == 0)) {
+        Error error = mesh_error(
+            "E-MDL-006", "only tetrahedra of four vertices are read, not Gmsh type " + std::to_string(type),
+            path_, values_.place());
+        error.next_step = "turn the elements into linear tetrahedra first";
+        return error;
+    }
+    for (std::uint64_t i = 0; i < *count; ++i) {
+        Element element;
+        element.volume = entity;
+        element.tag = values_.read<std::uint64_t>();
+        if (type == gmsh_tetrahedron) {
+            for (std::uint64_t& node : element.nodes) node = values_.read<std::uint64_t>();
+            elements_.push_back(element);
+        } else {
+            for (std::size_t k = 0; k < lower; ++k) values_.read<std::uint64_t>();
+            ++left_out_;
+        }
+        if (!values_.good()) return broken("an element");
+    }
+    return Nothing{};
+}
+
+// Nodes and elements by increasing tag: the order of vertices and cells.
+Status GmshReader::place_nodes() {
+    const auto by_tag = [](const auto& a, const auto& b) { return a.first < b.first; };
+    if (!std::is_sorted(nodes_.begin(), nodes_.end(), by_tag))
+        std::stable_sort(nodes_.begin(), nodes_.end(), by_tag);
+    if (nodes_.size() >= no_cell) return mesh_error("E-MDL-013", "more than 2^32 - 2 nodes", path_);
+    model_.mesh.points.reserve(nodes_.size());
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        if (i > 0 && nodes_[i - 1].first == nodes_[i].first) {
+            return mesh_error("E-MDL-009", "two nodes have the same tag", path_,
+                              std::to_string(nodes_[i].first));
+        }
+        model_.mesh.points.push_back(nodes_[i].second);
+    }
+    return Nothing{};
+}
+
+Status GmshReader::place_elements() {
+    std::stable_sort(elements_.begin(), elements_.end(),
+                     [](const Element& a, const Element& b) { return a.tag < b.tag; });
+    model_.mesh.cells.reserve(elements_.size());
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+        if (e > 0 && elements_[e - 1].tag == elements_[e].tag) {
+            return mesh_error("E-MDL-009", "two elements have the same tag", path_,
+                              std::to_string(elements_[e].tag));
+        }
+        Cell cell;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const std::uint64_t tag = elements_[e].nodes[i];
+            const auto found =
+                std::lower_bound(nodes_.begin(), nodes_.end(), tag,
+                                 [](const auto& node, std::uint64_t t) { return node.first < t; });
+            if (found == nodes_.end() || found->first != tag) {
+                return mesh_error("E-MDL-004",
+                                  "an element names node " + std::to_string(tag) + ", which is not there",
+                                  path_, "element " + std::to_string(elements_[e].tag));
+            }
+            cell[i] = static_cast<std::uint32_t>(found - nodes_.begin());
+        }
+        model_.mesh.cells.push_back(cell);
+    }
+    return Nothing{};
+}
+
+// With our table a volume is a region; else a structure is a physical group, or a volume without one.
+Status GmshReader::place_regions() {
+    std::vector<std::int64_t> labels;
+    labels.reserve(elements_.size());
+    for (const Element& element : elements_) {
+        const auto group = group_of_volume_.find(element.volume);
+        const bool by_volume = reader_.has_regions() || group == group_of_volume_.end();
+        labels.push_back(by_volume ? element.volume : group->second);
+    }
+    if (reader_.has_regions()) {
+        const auto outside = volume_of(0, reader_.regions());
+        std::replace(labels.begin(), labels.end(), std::int64_t{outside}, std::int64_t{0});
+        ANATOMESH_TRY(model_.mesh.regions, reader_.regions_of_indices(labels));
+    } else {
+        ANATOMESH_TRY(model_.mesh.regions, reader_.regions_of_labels(labels, labels.size()));
+    }
+    return Nothing{};
+}
+
+Result<ModelFile> GmshReader::run(RunContext& context) {
+    bool has_format = false;
+    while (const auto raw = values_.line()) {
+        const std::string name(trimmed(*raw));
+        if (name.empty() || name.front() != '$' || name.starts_with("$End")) continue;
+        if (!has_format && name != "$MeshFormat" && name != "$Comments") return broken("$MeshFormat");
+        if (name == "$MeshFormat") {
+            has_format = true;
+            ANATOMESH_CHECK_STATUS(format());
+        } else if (name == "$Comments") {
+            ANATOMESH_CHECK_STATUS(comments());
+        } else if (name == "$PhysicalNames") {
+            ANATOMESH_CHECK_STATUS(physical_names());
+        } else if (name == "$Entities") {
+            ANATOMESH_CHECK_STATUS(entities());
+        } else if (name == "$Nodes") {
+            ANATOMESH_CHECK_STATUS(nodes());
+        } else if (name == "$Elements") {
+            ANATOMESH_CHECK_STATUS(elements());
+        } else if (!values_.skip_section(name.substr(1))) {
+            return broken(("the end of section " + name.substr(0, 40)).c_str());
+        }
+    }
+    if (elements_.empty()) return mesh_error("E-MDL-008", "the file has no tetrahedra", path_);
+    warn_left_out(left_out_, "tetrahedra", path_, context);
+    ANATOMESH_CHECK_STATUS(place_nodes());
+    ANATOMESH_CHECK_STATUS(place_elements());
+    const bool foreign = !reader_.has_regions();
+    ANATOMESH_CHECK_STATUS(place_regions());
+    model_.description = reader_.finish(context);
+    if (foreign) {
+        for (Structure& structure : model_.description.structures) {
+            const auto name = name_of_group_.find(structure.number);
+            if (name != name_of_group_.end()) structure.name = name->second;
+        }
+    }
+    return std::move(model_);
+}
+
+}  // namespace
+
+Result<ModelFile> parse_gmsh(const std::string& path, Bytes content, RunContext& context) {
+    return GmshReader(path, content).run(context);
+}
+
+}  // namespace anatomesh

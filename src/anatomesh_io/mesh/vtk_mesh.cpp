@@ -1,0 +1,226 @@
+// Models as .vtu and surfaces as .vtp: which arrays stand for what.
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "anatomesh/base/parallel.h"
+#include "anatomesh/mesh/quality.h"
+#include "anatomesh_io/mesh/description.h"
+#include "anatomesh_io/mesh/formats.h"
+#include "anatomesh_io/mesh/mesh_text.h"
+#include "anatomesh_io/mesh/vtk_xml.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::uint8_t vtk_tetra = 10, vtk_quadratic_tetra = 24;
+
+// VTK cell types of points, lines and faces, which a model may carry beside its tetrahedra.
+bool is_lower_dimensional(std::uint8_t type) {
+    return type <= 9 || (type >= 21 && type <= 23) || type == 28;
+}
+
+std::vector<VtkArray> field_data(const MeshDescription& description) {
+    std::vector<std::string> lines = description_lines(description);
+    lines.erase(lines.begin(), lines.begin() + 2);  // SPACE and UNIT have arrays of their own
+    return {VtkArray::of_strings("SPACE", std::vector<std::string>{description.space}),
+            VtkArray::of_strings("UNIT", std::vector<std::string>{description.unit}),
+            VtkArray::of_strings("DESCRIPTION", lines)};
+}
+
+Status take_field_data(const VtkFile& file, DescriptionReader& reader) {
+    for (const char* name : {"SPACE", "UNIT"}) {
+        const VtkArray* array = file.field(name);
+        if (!array || array->type != VtkType::string) continue;
+        const std::vector<std::string> strings = array->to_strings();
+        if (!strings.empty()) {
+            ANATOMESH_CHECK_STATUS(reader.take(std::string(name) + "=" + strings.front()));
+        }
+    }
+    const VtkArray* lines = file.field("DESCRIPTION");
+    if (!lines || lines->type != VtkType::string) return Nothing{};
+    for (const std::string& line : lines->to_strings()) {
+        ANATOMESH_CHECK_STATUS(reader.take(line));
+    }
+    return Nothing{};
+}
+
+std::string head_comment(const MeshDescription& description) {
+    return "SPACE=" + description.space + " UNIT=" + description.unit;
+}
+
+Status check_points(const VtkFile& file, const std::string& path) {
+    if (file.points.size() >= no_cell) return mesh_error("E-MDL-013", "more than 2^32 - 2 points", path);
+    for (std::size_t i = 0; i < file.points.size(); ++i) {
+        ANATOMESH_CHECK_STATUS(check_point(file.points[i], i, path));
+    }
+    return Nothing{};
+}
+
+// A cell array as whole numbers at the chosen cells; empty when there is none of that name with one
+// component.
+std::vector<std::int64_t> integers_at(const VtkFile& file, const char* name,
+                                      const std::vector<std::size_t>& cells) {
+    const VtkArray* array = file.cell_array(name);
+    if (!array || array->type == VtkType::string || array->components != 1) return {};
+    const std::vector<std::int64_t> all = array->to_integers();
+    std::vector<std::int64_t> values(cells.size());
+    std::transform(cells.begin(), cells.end(), values.begin(), [&](std::size_t cell) { return all[cell]; });
+    return values;
+}
+
+std::vector<double> qualities(const TetMesh& mesh, int threads) {
+    std::vector<double> quality(mesh.cells.size());
+    parallel_for(mesh.cells.size(), 8192, threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c) {
+            const Cell& cell = mesh.cells[c];
+            quality[c] = radius_edge_ratio(mesh.points[cell[0]], mesh.points[cell[1]], mesh.points[cell[2]],
+                                           mesh.points[cell[3]]);
+        }
+    });
+    return quality;
+}
+
+}  // namespace
+
+Result<std::string> format_vtu(const std::string&, const ModelFile& model, RunContext& context) {
+    const TetMesh& mesh = model.mesh;
+    VtkFile file;
+    file.kind = VtkDataSet::unstructured_grid;
+    file.points = mesh.points;
+    file.cells.connectivity.reserve(4 * mesh.cells.size());
+    file.cells.offsets.reserve(mesh.cells.size());
+    for (const Cell& cell : mesh.cells) {
+        file.cells.connectivity.insert(file.cells.connectivity.end(), cell.begin(), cell.end());
+        file.cells.offsets.push_back(static_cast<std::int64_t>(file.cells.connectivity.size()));
+    }
+    file.types.assign(mesh.cells.size(), vtk_tetra);
+
+    const std::vector<std::int32_t> number_of_region = region_numbers(model.description);
+    std::vector<std::int32_t> numbers(mesh.cells.size());
+    for (std::size_t c = 0; c < numbers.size(); ++c) numbers[c] = number_of_region[mesh.regions[c]];
+    file.cell_data = {VtkArray::of<std::int32_t>("structure", numbers),
+                      VtkArray::of<Region>("region", mesh.regions),
+                      VtkArray::of<double>("quality", qualities(mesh, context.threads))};
+    file.field_data = field_data(model.description);
+    return format_vtk_xml(file, head_comment(model.description), {1, context.threads});
+}
+
+Result<ModelFile> parse_vtu(const std::string& path, Bytes content, const InputLimits& limits,
+                            RunContext& context) {
+    ANATOMESH_TRY(VtkFile file, parse_vtk_xml(content, path, limits));
+    ANATOMESH_CHECK_STATUS(check_points(file, path));
+    DescriptionReader reader(path);
+    ANATOMESH_CHECK_STATUS(take_field_data(file, reader));
+
+    ModelFile model;
+    std::vector<std::size_t> chosen;
+    for (std::size_t c = 0; c < file.cells.size(); ++c) {
+        const std::uint8_t type = file.types[c];
+        if (is_lower_dimensional(type)) continue;
+        const auto points = file.cells.points_of(c);
+        if (type != vtk_tetra || points.size() != 4) {
+            Error error =
+                mesh_error("E-MDL-006",
+                           type == vtk_quadratic_tetra ? "quadratic tetrahedra are not read"
+                                                       : "only tetrahedra of four vertices are read",
+                           path, "cell " + std::to_string(c) + " of VTK type " + std::to_string(type));
+            error.next_step = "turn the cells into linear tetrahedra first";
+            return error;
+        }
+        Cell cell;
+        std::transform(points.begin(), points.end(), cell.begin(),
+                       [](std::int64_t p) { return static_cast<std::uint32_t>(p); });
+        model.mesh.cells.push_back(cell);
+        chosen.push_back(c);
+    }
+    if (chosen.empty()) return mesh_error("E-MDL-008", "the file has no tetrahedra", path);
+    warn_left_out(file.cells.size() - chosen.size(), "tetrahedra", path, context);
+    model.mesh.points = std::move(file.points);
+
+    const std::vector<std::int64_t> indices = integers_at(file, "region", chosen);
+    if (reader.has_regions() && !indices.empty()) {
+        ANATOMESH_TRY(model.mesh.regions, reader.regions_of_indices(indices));
+    } else {
+        std::vector<std::int64_t> labels;
+        for (const char* name :
+             {"structure", "label", "Label", "material", "region", "gmsh:physical", "medit:ref"}) {
+            labels = integers_at(file, name, chosen);
+            if (!labels.empty()) break;
+        }
+        ANATOMESH_TRY(model.mesh.regions, reader.regions_of_labels(labels, chosen.size()));
+    }
+    model.description = reader.finish(context);
+    return model;
+}
+
+Result<std::string> format_vtp(const std::string&, const SurfaceFile& surface, RunContext& context) {
+    const SurfaceMesh& mesh = surface.surface;
+    VtkFile file;
+    file.points = mesh.points;
+    for (const Triangle& triangle : mesh.triangles) {
+        file.polys.add(std::vector<std::int64_t>(triangle.begin(), triangle.end()));
+    }
+    if (!mesh.sides.empty()) {
+        const std::vector<std::int32_t> number_of_region = region_numbers(surface.description);
+        std::vector<std::int32_t> numbers;
+        std::vector<Region> inner, outer;
+        for (const auto& side : mesh.sides) {
+            numbers.push_back(number_of_region[side[0]]);
+            inner.push_back(side[0]);
+            outer.push_back(side[1]);
+        }
+        file.cell_data = {VtkArray::of<std::int32_t>("structure", numbers),
+                          VtkArray::of<Region>("region_in", inner),
+                          VtkArray::of<Region>("region_out", outer)};
+    }
+    file.field_data = field_data(surface.description);
+    return format_vtk_xml(file, head_comment(surface.description), {1, context.threads});
+}
+
+Result<SurfaceFile> parse_vtp(const std::string& path, Bytes content, const InputLimits& limits,
+                              RunContext& context) {
+    ANATOMESH_TRY(VtkFile file, parse_vtk_xml(content, path, limits));
+    ANATOMESH_CHECK_STATUS(check_points(file, path));
+    DescriptionReader reader(path);
+    ANATOMESH_CHECK_STATUS(take_field_data(file, reader));
+    SurfaceFile surface;
+    std::vector<std::size_t> cell_of;  // per triangle, its cell in the file's cell data
+    const auto index = [](std::int64_t p) { return static_cast<std::uint32_t>(p); };
+    const auto add = [&](std::int64_t a, std::int64_t b, std::int64_t c, std::size_t cell) {
+        surface.surface.triangles.push_back({index(a), index(b), index(c)});
+        cell_of.push_back(cell);
+    };
+    const std::size_t first_strip = file.verts.size() + file.lines.size();
+    for (std::size_t s = 0; s < file.strips.size(); ++s) {
+        const auto p = file.strips.points_of(s);
+        for (std::size_t i = 2; i < p.size(); ++i) {
+            // Every second triangle of a strip runs the other way round.
+            add(p[i - 2], p[i - (i % 2 == 0 ? 1 : 0)], p[i - (i % 2 == 0 ? 0 : 1)], first_strip + s);
+        }
+    }
+    const std::size_t first_polygon = first_strip + file.strips.size();
+    std::size_t polygons = 0;
+    for (std::size_t f = 0; f < file.polys.size(); ++f) {
+        const auto p = file.polys.points_of(f);
+        if (p.size() > 3) ++polygons;
+        for (std::size_t i = 2; i < p.size(); ++i) add(p[0], p[i - 1], p[i], first_polygon + f);
+    }
+    if (cell_of.empty()) return mesh_error("E-MDL-008", "the file has no triangles", path);
+    warn_left_out(first_strip, "triangles", path, context);
+    warn_polygons(polygons, path, context);
+    surface.surface.points = std::move(file.points);
+
+    const std::vector<std::int64_t> inner = integers_at(file, "region_in", cell_of);
+    const std::vector<std::int64_t> outer = integers_at(file, "region_out", cell_of);
+    if (reader.has_regions() && !inner.empty() && !outer.empty()) {
+        ANATOMESH_TRY(const std::vector<Region> in, reader.regions_of_indices(inner));
+        ANATOMESH_TRY(const std::vector<Region> out, reader.regions_of_indices(outer));
+        for (std::size_t i = 0; i < in.size(); ++i) surface.surface.sides.push_back({in[i], out[i]});
+    }
+    surface.description = reader.finish(context);
+    return surface;
+}
+
+}  // namespace anatomesh
