@@ -84,8 +84,8 @@ void cut_and_check(Case& random, std::uint32_t structures, const ContourOwners& 
     std::vector<std::uint32_t> unsound;
     if (relabel_first) {
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());
-        const RelabelStats stats = relabel(random.mesh.cells, random.neighbors, stars, owners, random.mesh.regions,
-                                           random.registry, unsound);
+        const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars, owners,
+                                           random.mesh.regions, random.registry, unsound);
         EXPECT_LT(stats.unsound_after, stats.unsound_before);
     } else {
         for (std::uint32_t v = 0; v + 8 < random.mesh.points.size(); ++v) unsound.push_back(v);

@@ -1,17 +1,29 @@
 #include "anatomesh/cut/relabel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
+
+#include "anatomesh/mesh/quality.h"
 
 namespace anatomesh {
 
 namespace {
+
+constexpr double flat_share = 1e-6;  // six volumes in cubes of the longest edge
 
 struct Move {
     std::vector<std::uint32_t> cells;
     Region region = 0;
     int change = 0;  // of the sum of defects; negative is better
 };
+
+bool nearly_flat(const std::vector<Vec3>& points, const Cell& cell) {
+    double longest = 0;
+    for (const auto& [i, j] : cell_edges) longest = std::max(longest, squared_length(points[cell[i]] - points[cell[j]]));
+    const double volume = signed_volume(points[cell[0]], points[cell[1]], points[cell[2]], points[cell[3]]);
+    return 6 * volume < flat_share * longest * std::sqrt(longest);
+}
 
 class Relabeler {
   public:
@@ -46,6 +58,20 @@ class Relabeler {
             touched.insert(touched.end(), cells_[c].begin(), cells_[c].end());
         }
         return best_->cells.size();
+    }
+
+    // Gives a cell to a region beside it with which it shares two facets or more, if no defect rises.
+    bool peel(std::uint32_t cell) {
+        for (int i = 0; i < 4; ++i) {
+            const std::uint32_t n = neighbors_[cell][i];
+            if (n == no_cell || regions_[n] == regions_[cell]) continue;
+            int shared = 0;
+            for (const std::uint32_t m : neighbors_[cell]) shared += m != no_cell && regions_[m] == regions_[n];
+            if (shared < 2 || change_of({{cell}, regions_[n], 0}) > 0) continue;
+            regions_[cell] = regions_[n];
+            return true;
+        }
+        return false;
     }
 
   private:
@@ -115,19 +141,26 @@ class Relabeler {
                })->first;
     }
 
-    void consider(Move move) {
+    // How the sum of defects would change.
+    int change_of(const Move& move) {
+        int change = 0;
         around_.clear();
         for (const std::uint32_t c : move.cells) around_.insert(around_.end(), cells_[c].begin(), cells_[c].end());
         std::sort(around_.begin(), around_.end());
         around_.erase(std::unique(around_.begin(), around_.end()), around_.end());
-        for (const std::uint32_t v : around_) move.change -= analyzer_.defect(v);
+        for (const std::uint32_t v : around_) change -= analyzer_.defect(v);
         before_.clear();
         for (const std::uint32_t c : move.cells) {
             before_.push_back(regions_[c]);
             regions_[c] = move.region;
         }
-        for (const std::uint32_t v : around_) move.change += analyzer_.defect(v);
+        for (const std::uint32_t v : around_) change += analyzer_.defect(v);
         for (std::size_t n = 0; n < move.cells.size(); ++n) regions_[move.cells[n]] = before_[n];
+        return change;
+    }
+
+    void consider(Move move) {
+        move.change = change_of(move);
         const bool better = !best_ || move.change < best_->change ||
                             (move.change == best_->change && move.cells.size() < best_->cells.size());
         if (move.change < 0 && better) best_ = std::move(move);
@@ -147,9 +180,9 @@ class Relabeler {
 
 }  // namespace
 
-RelabelStats relabel(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-                     const ContourOwners& owners, std::vector<Region>& regions, RegionRegistry& registry,
-                     std::vector<std::uint32_t>& unsound) {
+RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
+                     const std::vector<CellNeighbors>& neighbors, const VertexStars& stars, const ContourOwners& owners,
+                     std::vector<Region>& regions, RegionRegistry& registry, std::vector<std::uint32_t>& unsound) {
     RelabelStats stats;
     Relabeler relabeler(cells, neighbors, stars, owners, regions, registry);
 
@@ -191,6 +224,9 @@ RelabelStats relabel(const std::vector<Cell>& cells, const std::vector<CellNeigh
             if (relabeler.defect(v) > 0) queue.push_back(v);
         }
         if (!moved) break;
+    }
+    for (std::uint32_t c = 0; c < cells.size(); ++c) {
+        if (nearly_flat(points, cells[c]) && relabeler.peel(c)) ++stats.flat_cells_peeled;
     }
     unsound = std::move(queue);
     stats.unsound_after = unsound.size();

@@ -14,6 +14,7 @@ struct RelabelStats {
     std::uint64_t unsound_before = 0, unsound_after = 0;  // vertices
     std::uint64_t lost_before = 0, lost_after = 0;        // contour vertices off their structure's surface
     std::uint64_t cells_moved = 0;
+    std::uint64_t flat_cells_peeled = 0;                  // nearly flat cells given to the region beside them
 };
 
 // Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect): at an unsound vertex a piece too
@@ -21,8 +22,10 @@ struct RelabelStats {
 // change sides, whenever the sum falls. Vertices are taken in rising order, round by round, until nothing falls.
 // Guarantees: the sum never rises; same result every time. Does not always reach 0: what is left is for
 // split_unsound(). `unsound` receives the vertices left, in rising order.
-RelabelStats relabel(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-                     const ContourOwners& owners, std::vector<Region>& regions, RegionRegistry& registry,
-                     std::vector<std::uint32_t>& unsound);
+// Last, nearly flat cells at an interface (six volumes below a millionth of the cube of the longest edge: four vertices
+// of two contours one above the other) go to the other side where no defect rises: that moves the surface by less than
+// a millionth of an edge.
+RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors, const VertexStars& stars, const ContourOwners& owners,
+                     std::vector<Region>& regions, RegionRegistry& registry, std::vector<std::uint32_t>& unsound);
 
 }  // namespace anatomesh

@@ -171,8 +171,8 @@ class Builder {
         RelabelStats relabelled;
         {
             const VertexStars stars(mesh_->cells().cells, mesh.points.size());
-            relabelled = relabel(mesh_->cells().cells, mesh_->cells().neighbors, stars, owners, mesh_->regions(),
-                                 mesh_->registry(), unsound);
+            relabelled = relabel(mesh.points, mesh_->cells().cells, mesh_->cells().neighbors, stars, owners,
+                                 mesh_->regions(), mesh_->registry(), unsound);
         }
         mesh.cells = mesh_->cells().cells;
         mesh.regions = mesh_->regions();
@@ -180,6 +180,7 @@ class Builder {
         model_.regions = mesh_->registry().table();
         figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
+                    {"flat_cells_peeled", static_cast<double>(relabelled.flat_cells_peeled)},
                     {"unsound_after_relabelling", static_cast<double>(relabelled.unsound_after)},
                     {"edges_split", static_cast<double>(split.edges_split)},
                     {"vertices_split", static_cast<double>(split.vertices_split)},

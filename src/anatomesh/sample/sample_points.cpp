@@ -210,6 +210,8 @@ SegmentGuard split_segments(const ContourSet& contours, double size, PointSample
         Vec3 from = p;
         for (int piece = 1; piece <= pieces; ++piece) {
             const Vec3 to = piece == pieces ? q : p + (static_cast<double>(piece) / pieces) * (q - p);
+            // Another contour has a vertex there already: its own points would come too close.
+            if (piece < pieces && guard.any_point_within(to, 0.2 * length(q - p) / pieces)) continue;
             guard.add_segment(from, to);
             if (piece < pieces) {
                 sample.points.push_back(to);
@@ -286,7 +288,8 @@ double default_size(const ContourSet& contours, const StructureField& field) {
     double total = 0;
     for (const Contour& contour : contours.contours) total += contour_length(contours, contour);
     const double vertex_spacing = total / static_cast<double>(std::max<std::size_t>(1, contours.points.size()));
-    return std::min(std::sqrt(vertex_spacing * field.slice_spacing()), 2 * field.slice_spacing());
+    const double spacing = field.slice_spacing();
+    return std::clamp(std::sqrt(vertex_spacing * spacing), 0.7 * spacing, 2 * spacing);
 }
 
 Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field, const SampleOptions& options,

@@ -37,7 +37,8 @@ struct PointSample {
 };
 
 // The edge length that suits the data: the geometric mean of the slice spacing and the mean spacing of the vertices
-// along the contours, that is the side of a square with the surface's area per contour vertex; at most two spacings.
+// along the contours, that is the side of a square with the surface's area per contour vertex; between 0.7
+// and 2 spacings.
 double default_size(const ContourSet& contours, const StructureField& field);
 
 // Contour vertices are kept exactly. Long segments get intermediate points. A body-centred cubic lattice fills

@@ -24,6 +24,8 @@ class SegmentGuard {
         longest_half_ = half > longest_half_ ? half : longest_half_;
     }
 
+    bool any_point_within(Vec3 p, double distance) const { return points_.any_within(p, distance); }
+
     // Whether p lies in no segment's diametral ball.
     bool outside_balls(Vec3 p) const {
         bool free = true;
@@ -33,7 +35,7 @@ class SegmentGuard {
         return free;
     }
     // Whether moreover no contour point is nearer than `distance`.
-    bool allows(Vec3 p, double distance) const { return !points_.any_within(p, distance) && outside_balls(p); }
+    bool allows(Vec3 p, double distance) const { return !any_point_within(p, distance) && outside_balls(p); }
 
   private:
     PointGrid points_, midpoints_;
