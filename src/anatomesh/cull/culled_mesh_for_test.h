@@ -1,0 +1,64 @@
+// For tests: the Delaunay mesh of points sampled for an analytic field, every cell with its region.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "anatomesh/cull/cull.h"
+#include "anatomesh/delaunay/tetrahedralize.h"
+#include "anatomesh/mesh/quality.h"
+#include "anatomesh/sample/analytic_field_for_test.h"
+#include "anatomesh/sample/sample_points.h"
+
+namespace anatomesh::fixtures {
+
+struct CulledMesh {
+    Tetrahedralization delaunay;
+    DelaunaySnapshot cells;
+    std::vector<Region> sides, regions;
+    RegionRegistry registry;
+    CullStats stats;
+    PointGrid grid;
+
+    const std::vector<Vec3>& points() const { return delaunay.points(); }
+    TetMesh mesh() const { return {points(), cells.cells, regions}; }
+
+    void update(const StructureField& field, std::uint32_t structures, double tolerance, int threads = 1) {
+        RunContext context;
+        context.threads = threads;
+        delaunay.snapshot(cells);
+        regions.assign(cells.cells.size(), undecided_region);
+        find_sides(points(), field, structures, tolerance, sides, registry, context);
+        stats = cull(points(), cells.cells, sides, field, structures, regions, registry, context);
+        for (std::size_t n = grid.size(); n < points().size(); ++n) grid.add(points()[n]);
+    }
+    double volume(std::uint32_t structure) const {
+        double sum = 0;
+        for (std::size_t c = 0; c < cells.cells.size(); ++c) {
+            const Cell& cell = cells.cells[c];
+            if (!registry.table().contains(regions[c], structure)) continue;
+            sum += signed_volume(points()[cell[0]], points()[cell[1]], points()[cell[2]], points()[cell[3]]);
+        }
+        return sum;
+    }
+};
+
+inline CulledMesh culled_mesh(const StructureField& field, std::uint32_t structures, double size,
+                              int threads = 1) {
+    ContourSet no_contours;
+    no_contours.structures.resize(structures);
+    RunContext context;
+    SampleOptions options;
+    options.size_mm = size;
+    auto sample = sample_points(no_contours, field, options, context);
+    EXPECT_TRUE(sample.ok());
+    auto delaunay = Tetrahedralization::create(sample.value().points);
+    EXPECT_TRUE(delaunay.ok());
+    CulledMesh mesh{std::move(delaunay).value(), {}, {}, {}, {}, {}, PointGrid(size, 1000)};
+    mesh.update(field, structures, 0.02 * size, threads);
+    return mesh;
+}
+
+}  // namespace anatomesh::fixtures
