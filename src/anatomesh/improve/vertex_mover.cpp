@@ -8,20 +8,26 @@
 
 namespace anatomesh {
 
+namespace {
+
+constexpr double nearly_flat = 1e-3;  // six volumes in cubes of the longest edge
+
+}  // namespace
+
 bool VertexMover::try_move(std::uint32_t v, Vec3 p) {
-    const double before = worst_ratio(v);
+    const double before = worst_ratio(v), flattest_before = flattest(v);
     const Vec3 from = mesh_.points[v];
     mesh_.points[v] = p;
-    if (worst_ratio(v) <= std::max(before, max_radius_edge_) && all_positive(v)) return true;
+    if (worst_ratio(v) <= std::max(before, max_radius_edge_) && keeps_shape(v, flattest_before)) return true;
     mesh_.points[v] = from;
     return false;
 }
 
 bool VertexMover::try_better(std::uint32_t v, Vec3 p) {
-    const double before = worst_ratio(v);
+    const double before = worst_ratio(v), flattest_before = flattest(v);
     const Vec3 from = mesh_.points[v];
     mesh_.points[v] = p;
-    if (worst_ratio(v) < before && all_positive(v)) return true;
+    if (worst_ratio(v) < before && keeps_shape(v, flattest_before)) return true;
     mesh_.points[v] = from;
     return false;
 }
@@ -49,7 +55,22 @@ double VertexMover::shortest_edge(std::uint32_t v) const {
     return std::sqrt(squared);
 }
 
-bool VertexMover::all_positive(std::uint32_t v) const {
+double VertexMover::flattest(std::uint32_t v) const {
+    double least = INFINITY;
+    for (const std::uint32_t cell : stars_.at(v)) {
+        const Cell& c = mesh_.cells[cell];
+        double longest = 0;
+        for (const auto& [i, j] : cell_edges) {
+            longest = std::max(longest, squared_length(mesh_.points[c[i]] - mesh_.points[c[j]]));
+        }
+        const double volume = signed_volume(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]], mesh_.points[c[3]]);
+        least = std::min(least, 6 * volume / (longest * std::sqrt(longest)));
+    }
+    return least;
+}
+
+bool VertexMover::keeps_shape(std::uint32_t v, double flattest_before) const {
+    if (!(flattest(v) >= std::min(flattest_before, nearly_flat))) return false;
     return std::all_of(stars_.at(v).begin(), stars_.at(v).end(), [&](std::uint32_t cell) {
         const Cell& c = mesh_.cells[cell];
         return orient3d(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]], mesh_.points[c[3]]) > 0;

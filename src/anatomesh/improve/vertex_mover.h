@@ -15,7 +15,8 @@ class VertexMover {
         : mesh_(mesh), max_radius_edge_(max_radius_edge), stars_(mesh.cells, mesh.points.size()) {}
 
     // Moves v to p and says true if every cell at v stays positive (exactly) and the worst radius-edge ratio of the
-    // cells inside at v stays below the bound or falls; else leaves it and says false.
+    // cells inside at v stays below the bound or falls, and no cell at v becomes nearly flat (six volumes below a
+    // thousandth of the cube of its longest edge) unless one was flatter before; else leaves it and says false.
     bool try_move(std::uint32_t v, Vec3 p);
 
     // As try_move, but only if the worst ratio falls.
@@ -26,7 +27,8 @@ class VertexMover {
     double shortest_edge(std::uint32_t v) const;
 
   private:
-    bool all_positive(std::uint32_t v) const;
+    double flattest(std::uint32_t v) const;
+    bool keeps_shape(std::uint32_t v, double flattest_before) const;
 
     TetMesh& mesh_;
     double max_radius_edge_;

@@ -70,9 +70,8 @@ void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfacePr
     }
     bad.on_surface = on_surface.has_value();
     if (!on_surface) on_surface = center;
-    // The circumcentre of a cell that is not flat is far from every vertex by itself.
-    const bool far = !bad.on_surface && !bad.flat;
-    if (far || !all_points.any_within(*on_surface, options.min_spacing * shortest)) bad.point = on_surface;
+    // Rounding and the points of earlier rounds can bring even a circumcentre close to a vertex.
+    if (!all_points.any_within(*on_surface, options.min_spacing * shortest)) bad.point = on_surface;
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace anatomesh {
 struct RefineOptions {
     double max_radius_edge = 2.0;    // cells above it are split. [1.2, 10]
     double flatness = 0.004;         // cells with six volumes below this many cubes of their longest edge are split. [0, 0.1]
-    double min_spacing = 0.75;       // of a point put on an interface from others, in shortest edges of its cell. (0, 1]
+    double min_spacing = 0.75;       // of a new point from others, in shortest edges of its cell. (0, 1]
     double max_reach_mm = 10;        // points of one round keep at most this far from each other. > 0
     double surface_pull = 0.35;      // a circumcentre this near an interface is moved onto it, in circumradii. [0, 0.5]
 };

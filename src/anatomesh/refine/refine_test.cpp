@@ -12,11 +12,13 @@ using namespace fixtures;
 
 constexpr double size = 1;
 
-std::vector<Vec3> refinement(const CulledMesh& mesh, const StructureField& field, RefineStats& stats, int threads = 1) {
+std::vector<Vec3> refinement(const CulledMesh& mesh, const StructureField& field, RefineStats& stats,
+                             int threads = 1) {
     RunContext context;
     context.threads = threads;
     std::vector<Vec3> found;
-    stats = find_refinement_points(mesh.points(), mesh.cells, mesh.regions, mesh.sides, field, 1, mesh.grid, {}, found, context);
+    stats = find_refinement_points(mesh.points(), mesh.cells, mesh.regions, mesh.sides, field, 1, mesh.grid,
+                                   {}, found, context);
     return found;
 }
 
@@ -32,7 +34,8 @@ CulledMesh random_ball(const StructureField& field, std::uint32_t seed) {
     }
     // A layer outside, so that no cell at the ball reaches far.
     for (int n = 0; n < 400; ++n) {
-        points.push_back((6 + 2 * share(random)) * normalized({normal(random), normal(random), normal(random)}));
+        points.push_back((6 + 2 * share(random)) *
+                         normalized({normal(random), normal(random), normal(random)}));
     }
     for (int corner = 0; corner < 8; ++corner) {
         points.push_back({corner & 1 ? 20.0 : -20.0, corner & 2 ? 20.0 : -20.0, corner & 4 ? 20.0 : -20.0});
@@ -72,7 +75,8 @@ TEST(Refine, the_counts_are_those_of_the_cells) {
     std::uint64_t above = 0;
     for (std::size_t c = 0; c < mesh.regions.size(); ++c) {
         const Cell& cell = mesh.cells.cells[c];
-        const Vec3 a = mesh.points()[cell[0]], b = mesh.points()[cell[1]], d = mesh.points()[cell[2]], e = mesh.points()[cell[3]];
+        const Vec3 a = mesh.points()[cell[0]], b = mesh.points()[cell[1]], d = mesh.points()[cell[2]],
+                   e = mesh.points()[cell[3]];
         above += mesh.regions[c] != 0 && radius_edge_ratio(a, b, d, e) > 2;
     }
     EXPECT_LE(stats.above_bound, above);
@@ -110,7 +114,8 @@ TEST(Refine, crossing_points_lie_on_the_interface_and_apart) {
     std::uint64_t first = 0, last = 0;
     for (int round = 0; round < 4; ++round) {
         std::vector<Vec3> found;
-        const CrossingStats stats = find_crossing_points(mesh.points(), mesh.cells, mesh.sides, field, 1, mesh.grid, 0.3, found, context);
+        const CrossingStats stats = find_crossing_points(mesh.points(), mesh.cells, mesh.sides, field, 1,
+                                                         mesh.grid, 0.3, found, context);
         if (round == 0) {
             first = stats.crossing_edges;
             EXPECT_GT(found.size(), 20u);
@@ -135,8 +140,9 @@ TEST(Refine, deviation_points_bring_the_surface_to_the_interface) {
     std::uint64_t first = 0, last = 0;
     for (int round = 0; round < 8; ++round) {
         std::vector<Vec3> found;
-        const DeviationStats stats = find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1, mesh.grid,
-                                                           SegmentGuard(size, 0), options, found, context);
+        const DeviationStats stats =
+            find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1, mesh.grid,
+                                  SegmentGuard(size, 0), options, found, context);
         if (round == 0) first = stats.deviating;
         last = stats.deviating;
         for (const Vec3& p : found) EXPECT_NEAR(length(p), 5, 0.01);
@@ -156,7 +162,8 @@ TEST(Refine, deviation_points_stay_out_of_the_balls_of_contour_segments) {
     guard.add_segment({-6, 0, 0}, {6, 0, 0});
     RunContext context;
     std::vector<Vec3> found;
-    find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1, mesh.grid, guard, {}, found, context);
+    find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1, mesh.grid, guard, {}, found,
+                          context);
     EXPECT_TRUE(found.empty());
 }
 
