@@ -224,6 +224,13 @@ void warn_trailing(std::span<const std::byte> rest, const std::string& path, Run
                   Place{path, "", "", "", ""}, "they were ignored"});
 }
 
+Error beyond_limit(std::uint64_t compressed, std::uint64_t inflated, const std::string& path) {
+    return failure(ErrorKind::limit, "E-INP-012",
+                   fmt::format("{} compressed bytes inflate to {} bytes or more, beyond the limit",
+                               compressed, inflated),
+                   path, "inflate the file with gunzip if you trust it");
+}
+
 Error inflate_error(int code, const Inflater& inflater, std::size_t produced, const std::string& path) {
     if (code == Z_MEM_ERROR) return no_memory(path, produced);
     if (code == Z_BUF_ERROR && inflater.at_end())
@@ -240,8 +247,12 @@ Error inflate_error(int code, const Inflater& inflater, std::size_t produced, co
 
 Result<ByteBuffer> inflate(std::span<const std::byte> compressed, const std::string& path,
                            const InputLimits& limits, RunContext& context, std::uint64_t expected_bytes) {
-    constexpr std::uint64_t one_gib = std::uint64_t{1} << 30;
-    const std::uint64_t free_bytes = std::max(limits.free_inflated_bytes, std::min(expected_bytes, one_gib));
+    // A size that the header states honestly is no bomb as long as it is moderate.
+    constexpr std::uint64_t moderate = std::uint64_t{512} << 20;
+    const std::uint64_t free_bytes =
+        std::max(limits.free_inflated_bytes, expected_bytes <= moderate ? expected_bytes : 0);
+    if (expected_bytes > allowed_bytes(compressed.size(), free_bytes, limits))
+        return beyond_limit(compressed.size(), expected_bytes, path);
     Inflater inflater(compressed);
     ByteBuffer out;
     if (!inflater.ready() || !out.reserve(first_capacity(compressed, expected_bytes)))
@@ -257,10 +268,7 @@ Result<ByteBuffer> inflate(std::span<const std::byte> compressed, const std::str
         const int code = inflater.step(out.data() + out.size(), room, produced);
         out.set_size(out.size() + produced);
         if (out.size() > allowed_bytes(inflater.consumed(), free_bytes, limits))
-            return failure(ErrorKind::limit, "E-INP-012",
-                           fmt::format("{} compressed bytes inflate to more than {} bytes",
-                                       inflater.consumed(), out.size() - 1),
-                           path, "inflate the file with gunzip if you trust it, or raise the limit");
+            return beyond_limit(inflater.consumed(), out.size(), path);
         if (code == Z_STREAM_END) {
             if (members && is_gzip(inflater.rest())) {
                 inflater.next_member();
@@ -281,7 +289,10 @@ std::vector<std::byte> inflate_start(std::span<const std::byte> compressed, std:
         std::size_t produced = 0;
         const int code = inflater.step(out.data() + size, count - size, produced);
         size += produced;
-        if (code != Z_OK || produced == 0) break;
+        if (code == Z_STREAM_END && is_gzip(inflater.rest()))
+            inflater.next_member();
+        else if (code != Z_OK || produced == 0)
+            break;
     }
     out.resize(size);
     return out;

@@ -71,9 +71,9 @@ Result<std::vector<std::byte>> read_input_start(const std::string& path, std::si
 bool is_gzip(std::span<const std::byte> bytes);
 
 // Inflates gzip (one or more members, each checked by its CRC and length) or a zlib stream (checked by its
-// Adler-32). `path` is for messages. `expected_bytes`, when the caller knows the honest size from a header it
-// has checked, lets the ratio rule begin there if that is later, but not later than 1 GiB.
-// Follows: RFC 1950, 1951, 1952. Linear in the output; memory at most 1.5 times the output.
+// Adler-32). `path` is for messages. `expected_bytes` is the size that a checked header states, 0 when
+// unknown: up to 512 MiB it is granted whatever the ratio, and a size beyond the limits is refused before
+// inflating. Follows: RFC 1950, 1951, 1952. Linear in the output; memory at most 1.5 times the output.
 Result<ByteBuffer> inflate(std::span<const std::byte> compressed, const std::string& path,
                            const InputLimits& limits, RunContext& context, std::uint64_t expected_bytes = 0);
 

@@ -81,6 +81,8 @@ Result<Fields> read_lines(std::span<const std::byte> bytes, const std::string& p
             return field_error("E-NRD-003",
                                fmt::format("the field '{}' occurs twice with different values", shown(name)),
                                path, value);
+        // The names of a list of files follow instead of the rest of the header; the list is refused later.
+        if (name == "data file" && value.starts_with("LIST")) break;
         if (inserted && !is_known(name))
             context.warn(image_warning("W-NRD-001", fmt::format("unknown field '{}'", shown(name)), path,
                                        shown(value), "it was ignored"));

@@ -135,7 +135,8 @@ Status check_geometry(const ImageGeometry& geometry, const std::string& path) {
 }
 
 void turn_ras_lps(ImageGeometry& geometry) {
-    const auto turned = [](Vec3 v) { return Vec3{-v.x, -v.y, v.z}; };
+    // 0 - x rather than -x: no negative zeros.
+    const auto turned = [](Vec3 v) { return Vec3{0 - v.x, 0 - v.y, v.z}; };
     geometry.origin = turned(geometry.origin);
     for (Vec3& step : geometry.step) step = turned(step);
 }
@@ -216,13 +217,6 @@ std::vector<std::string_view> words(std::string_view text) {
     return found;
 }
 
-std::string lower_case(std::string_view text) {
-    std::string lower(text);
-    for (char& c : lower)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return lower;
-}
-
 std::string shown(std::string_view text) {
     std::string safe(text.substr(0, 40));
     for (char& c : safe)
@@ -275,7 +269,14 @@ Result<std::string> data_file_path(const std::string& path, std::string_view nam
         return image_error("E-IMG-013", "the data file must lie in the folder of the header", path,
                            shown(name), "move the data file beside the header and name it there");
     const fs::path target = fs::path(path).parent_path() / relative;
+    // A link must not lead out either.
     std::error_code ignored;
+    const fs::path folder = fs::weakly_canonical(fs::absolute(path).parent_path(), ignored);
+    const fs::path real = fs::weakly_canonical(fs::absolute(target), ignored);
+    const auto [end_of_folder, rest] = std::mismatch(folder.begin(), folder.end(), real.begin(), real.end());
+    if (end_of_folder != folder.end())
+        return image_error("E-IMG-013", "the data file must lie in the folder of the header", path,
+                           shown(name), "move the data file beside the header and name it there");
     if (fs::equivalent(target, path, ignored))
         return image_error("E-IMG-013", "the header names itself as its data file", path, shown(name),
                            "correct the header");

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "anatomesh/base/text.h"
 #include "anatomesh/image/image.h"
 #include "anatomesh_io/file/input_file.h"
 #include "anatomesh_io/image/read_image.h"
@@ -95,7 +96,6 @@ std::optional<std::int64_t> parse_integer(std::string_view text);
 std::string_view trimmed(std::string_view text);
 // The words between blanks.
 std::vector<std::string_view> words(std::string_view text);
-std::string lower_case(std::string_view text);
 // A piece of a file in a message: cut to 40 characters, control characters as '?'.
 std::string shown(std::string_view text);
 

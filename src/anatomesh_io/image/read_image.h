@@ -55,8 +55,9 @@ struct ImageFacts {
     float low = 0, high = 0;       // of the finite values
     std::uint64_t not_finite = 0;  // NaN or infinite; set to `low` in the image
     std::array<std::uint32_t, 3> first_not_finite{0, 0, 0};
+    std::uint32_t distinct = 0;  // different values, counted to 1001; 1001 also when one is negative
+    // Gathered until `distinct` reaches 1001:
     double largest_fraction = 0;  // largest distance of a value from an integer, at most 0.5
-    std::uint32_t distinct = 0;   // different values, counted to 1001; 1001 also when one is negative
     double equal_neighbors = 1;   // of the pairs (i, i + 1) that are not both 0: share with equal values
 };
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <type_traits>
+#include <utility>
 
 #include "anatomesh_io/file/byte_reader.h"
 #include "anatomesh_io/image/raw_image.h"
@@ -98,19 +98,40 @@ std::array<std::uint32_t, 3> voxel_at(const ImageGeometry& geometry, std::size_t
 
 // Range, and the values that are no number.
 void find_range(const GreyImage& image, ImageFacts& facts) {
-    float low = std::numeric_limits<float>::infinity(), high = -low;
-    for (std::size_t n = 0; n < image.voxels.size(); ++n) {
-        const float value = image.voxels[n];
-        if (!std::isfinite(value)) {
-            if (facts.not_finite++ == 0) facts.first_not_finite = voxel_at(image.geometry, n);
-            continue;
-        }
-        low = std::min(low, value);
-        high = std::max(high, value);
+    // Eight ranges side by side, so that the compiler can use vector registers; NaN fails every comparison.
+    constexpr std::size_t lanes = 8;
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    constexpr float largest = std::numeric_limits<float>::max();
+    std::array<float, lanes> lows, highs;
+    std::array<std::uint32_t, lanes> finite{};
+    lows.fill(infinity);
+    highs.fill(-infinity);
+    const std::size_t count = image.voxels.size();
+    const auto see = [&](float value, std::size_t lane) {
+        const bool usable = std::abs(value) <= largest;
+        lows[lane] = usable && value < lows[lane] ? value : lows[lane];
+        highs[lane] = usable && value > highs[lane] ? value : highs[lane];
+        finite[lane] += usable;
+    };
+    std::uint64_t all_finite = 0;
+    for (std::size_t begin = 0; begin < count; begin += std::size_t{1} << 30) {
+        const std::size_t end = std::min(count, begin + (std::size_t{1} << 30));
+        std::size_t n = begin;
+        for (; n + lanes <= end; n += lanes)
+            for (std::size_t lane = 0; lane < lanes; ++lane) see(image.voxels[n + lane], lane);
+        for (; n < end; ++n) see(image.voxels[n], 0);
+        for (std::uint32_t& of_lane : finite) all_finite += std::exchange(of_lane, 0);
     }
-    if (low <= high) {
-        facts.low = low;
-        facts.high = high;
+    facts.not_finite = count - all_finite;
+    if (all_finite > 0) {
+        facts.low = *std::min_element(lows.begin(), lows.end());
+        facts.high = *std::max_element(highs.begin(), highs.end());
+    }
+    if (facts.not_finite > 0) {
+        const auto first = std::find_if(image.voxels.begin(), image.voxels.end(),
+                                        [](float value) { return !std::isfinite(value); });
+        facts.first_not_finite =
+            voxel_at(image.geometry, static_cast<std::size_t>(first - image.voxels.begin()));
     }
 }
 
@@ -119,7 +140,9 @@ void find_label_facts(const GreyImage& image, bool whole_numbers, ImageFacts& fa
     std::uint64_t pairs = 0, equal = 0;
     float largest_fraction = 0;
     const std::uint32_t row = image.geometry.size[0];
-    for (std::size_t begin = 0; begin < image.voxels.size(); begin += row) {
+    // A grey image is known for one after a few rows.
+    for (std::size_t begin = 0; begin < image.voxels.size() && distinct.count() <= most_distinct;
+         begin += row) {
         float before = image.voxels[begin];
         for (std::uint32_t i = 0; i < row; ++i) {
             const float value = image.voxels[begin + i];

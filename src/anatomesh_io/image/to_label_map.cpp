@@ -24,8 +24,8 @@ Error label_error(const char* code, std::string message, const GreyImage& image,
     return error;
 }
 
-// The label values that occur, ascending, without 0.
-Result<std::vector<std::int32_t>> occurring_labels(const GreyImage& image) {
+// The label values that occur, ascending, without 0; and how far the values were from integers.
+Result<std::vector<std::int32_t>> occurring_labels(const GreyImage& image, float& largest_fraction) {
     std::vector<bool> seen(65536);
     std::vector<std::int32_t> beyond;  // sorted
     std::size_t count = 0;
@@ -35,7 +35,9 @@ Result<std::vector<std::int32_t>> occurring_labels(const GreyImage& image) {
         if (value == last) continue;
         last = value;
         const float whole = std::rint(value);
-        if (std::abs(value - whole) > rounding)
+        const float fraction = std::abs(value - whole);
+        largest_fraction = std::max(largest_fraction, fraction);
+        if (fraction > rounding)
             return label_error("E-LBL-003", "the image is no label map: a value is not an integer", image, n);
         if (whole < 0)
             return label_error("E-LBL-002", "the image is no label map: a value is negative", image, n);
@@ -124,7 +126,8 @@ Result<LabelMap> to_label_map(const LoadedImage& loaded, RunContext& context) {
         return label_error("E-LBL-001", "the image is no label map: a value is not finite", image,
                            image.geometry.index(i, j, k));
     }
-    ANATOMESH_TRY(const std::vector<std::int32_t> labels, occurring_labels(image));
+    float largest_fraction = 0;
+    ANATOMESH_TRY(const std::vector<std::int32_t> labels, occurring_labels(image, largest_fraction));
     if (labels.empty())
         return image_error("E-LBL-006", "the label map is empty: every voxel is 0", image.source, "",
                            "give a label map with a structure in it");
@@ -133,9 +136,9 @@ Result<LabelMap> to_label_map(const LoadedImage& loaded, RunContext& context) {
     map.source = image.source;
     map.structures = structures_of(labels, loaded.structures);
     fill_voxels(image, labels, map);
-    if (loaded.facts.largest_fraction > 0)
+    if (largest_fraction > 0)
         context.warn(image_warning("W-LBL-001", "labels are not exact integers", image.source,
-                                   fmt::format("off by up to {:.3g}", loaded.facts.largest_fraction),
+                                   fmt::format("off by up to {:.3g}", largest_fraction),
                                    "they were rounded"));
     warn_of_cut_structures(map, context);
     return map;
