@@ -169,8 +169,10 @@ Mesh3Result mesh3(const ContourSet& contours, const StructureField& field, const
                         CGAL::parameters::no_exude());
     result.refine_seconds = watch.lap();
     if (options.perturb_and_exude) {
-        CGAL::perturb_mesh_3(complex, domain);
-        CGAL::exude_mesh_3(complex);
+        CGAL::perturb_mesh_3(complex, domain, CGAL::parameters::sliver_bound = options.sliver_angle_deg,
+                             CGAL::parameters::time_limit = options.sliver_time_limit);
+        CGAL::exude_mesh_3(complex, CGAL::parameters::sliver_bound = options.sliver_angle_deg,
+                           CGAL::parameters::time_limit = options.sliver_time_limit);
         result.slivers_seconds = watch.lap();
     }
     copy_cells(complex, result.mesh);

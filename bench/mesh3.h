@@ -17,6 +17,8 @@ struct Mesh3Options {
     double facet_angle_deg = 25;
     double radius_edge = 2;
     bool perturb_and_exude = false;  // the two steps that take slivers out
+    double sliver_angle_deg = 10;    // the smallest dihedral angle that they aim at
+    double sliver_time_limit = 20;   // s, for each of them
 };
 
 struct Mesh3Result {
