@@ -4,6 +4,7 @@
 #include <cassert>
 #include <optional>
 
+#include "anatomesh/contour/message_text.h"
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/mesh/quality.h"
 #include "anatomesh/mesh/topology.h"
@@ -143,7 +144,7 @@ class Splitter {
         const Vec3 at = patch_.points[unsound_.front()];
         return Error{ErrorKind::geometry, "E-CUT-001",
                      std::to_string(unsound_.size()) + " vertices of the surface stay non-manifold", {"", "", "", "",
-                     "first at " + std::to_string(at.x) + ", " + std::to_string(at.y) + ", " + std::to_string(at.z) + " mm"},
+                     "first at " + brief(at.x) + ", " + brief(at.y) + ", " + brief(at.z) + " mm"},
                      "try another --size"};
     }
 

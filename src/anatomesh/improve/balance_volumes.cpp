@@ -213,9 +213,11 @@ class Balancer {
                 const double area = length(vector);
                 if (area > 0) fit.add((1.0 / area) * vector, area, interfaces_[facets_[n].interface].offset);
             }
-            const Vec3 step = fit.solve(), total = moved_[v] + step;
-            if (length(total) > options_.max_offset_mm || squared_length(step) == 0) continue;
-            if (!mover_.try_move(v, mesh_.points[v] + step)) continue;
+            Vec3 total = moved_[v] + fit.solve();
+            const double offset = length(total);
+            if (offset > options_.max_offset_mm) total = (options_.max_offset_mm / offset) * total;
+            const Vec3 step = total - moved_[v];
+            if (squared_length(step) == 0 || !mover_.try_move(v, mesh_.points[v] + step)) continue;
             moved_[v] = total;
             ++moves;
         }

@@ -27,7 +27,8 @@ struct BalanceStats {
 // difference of one number a structure, the least offsets in the mean square that meet the targets: the numbers solve
 // a linear system, weighed by the areas that are free to move.
 // Guarantees: vertices with fixed[v] != 0 do not move; connectivity and regions do not change; every cell stays
-// positive by exact orientation; no radius-edge ratio of a cell inside rises above both `max_radius_edge` and what it was.
+// positive by exact orientation; the worst radius-edge ratio of the cells inside round a vertex never rises above both
+// `max_radius_edge` and what it was.
 // A structure without free vertices keeps its volume. Requires: targets of all structures, in mm^3.
 // Complexity: linear in the facets, a round.
 BalanceStats balance_volumes(TetMesh& mesh, const RegionTable& regions, const std::vector<std::uint8_t>& fixed,

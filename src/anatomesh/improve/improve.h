@@ -28,6 +28,7 @@ struct ImproveStats {
 // Guarantees: vertices with fixed[v] != 0 do not move; connectivity and regions do not change, so neither does the
 // topology of any surface; every cell stays positive by exact orientation; no move makes the worst ratio of the cells
 // inside round it worse, unless all of them stay below the bound.
+// Requires: the mesh holds the cells outside too, round every interface, so that no move can fold the outside.
 // Complexity: linear in the vertices moved and their stars.
 // Follows: Freitag and Ollivier-Gooch, Int. J. Numer. Methods Eng. 40, 1997 (optimisation-based smoothing).
 ImproveStats improve(TetMesh& mesh, const std::vector<std::uint8_t>& fixed, const StructureField& field,

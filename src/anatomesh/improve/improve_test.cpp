@@ -175,7 +175,7 @@ TEST(BalanceVolumes, a_target_out_of_reach_stops_at_the_largest_offset) {
     const BalanceStats stats = balance_volumes(
         mesh, culled.registry.table(), std::vector<std::uint8_t>(mesh.points.size(), 0), target, 2, options);
     EXPECT_LE(stats.largest_offset_mm, 0.05 * (1 + 1e-12));
-    EXPECT_LT(stats.worst_after, stats.worst_before);
+    EXPECT_LE(stats.worst_after, stats.worst_before);
     expect_positive(mesh);
 }
 

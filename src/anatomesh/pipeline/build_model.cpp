@@ -5,6 +5,7 @@
 #include <chrono>
 #include <optional>
 
+#include "anatomesh/contour/message_text.h"
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/field/volume.h"
@@ -107,6 +108,7 @@ class Builder {
 
     Status cull_cells() {
         const CullStats stats = mesh_->update(context_);
+        ANATOMESH_CHECK_STATUS(check_region_count());
         report().share_culled = static_cast<double>(stats.culled) / static_cast<double>(mesh_->regions().size());
         figures_ = {{"cells", static_cast<double>(mesh_->regions().size())},
                     {"culled", static_cast<double>(stats.culled)},
@@ -160,7 +162,14 @@ class Builder {
         if (context_.cancelled()) return cancelled_error();
         mesh_->insert(found);
         mesh_->update(context_);
-        return Nothing{};
+        return check_region_count();
+    }
+
+    Status check_region_count() {
+        if (!mesh_->registry().full()) return Nothing{};
+        return Error{ErrorKind::limit, "E-PIP-003",
+                     "the structures overlap in more than " + std::to_string(RegionRegistry::max_regions) + " different ways",
+                     {}, "choose fewer structures with --structure"};
     }
 
     Status cut_cells() {
@@ -346,7 +355,7 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
         tried.size_mm = finer * builder.size_mm();
         context.warnings.resize(warnings_before);
         context.warn({"W-PIP-001", "the default edge length was too coarse for the smallest parts: " + model.error().message,
-                      {}, "built again with " + std::to_string(tried.size_mm) + " mm"});
+                      {}, "built again with " + brief(tried.size_mm) + " mm"});
     }
 }
 

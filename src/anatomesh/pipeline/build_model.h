@@ -28,7 +28,8 @@ struct Model {
     ModelReport report;                    // everything the core can know; inputs and command are the caller's
 };
 
-// Called with the mesh after each stage ("delaunay", "cull", "cut", "refine", "improve"): for looking and dumping.
+// Called with the mesh after each stage that has one ("cull", "refine", "cut", "improve", "certificate", in this order;
+// again from the start on a second attempt): for looking and dumping.
 using StageObserver = std::function<void(const std::string& stage, const TetMesh& mesh)>;
 
 // Requires: a kept contour set. Guarantees: the clauses of the certificate that are marked kept, checked on the

@@ -18,6 +18,7 @@ namespace {
 constexpr double surface_spacing = 0.6;     // smallest distance of two surface points, in sizes
 constexpr double protected_spacing = 0.5;   // of a free point from a contour point, in sizes
 constexpr double surface_band = 0.45;       // lattice points this near an interface are moved onto it, in sizes
+constexpr double lattice_shift = 0.04;      // of a lattice point from its place, at most, in half steps
 constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
 constexpr double position_tolerance = 2e-3; // surface points lie on the interface to within this, in sizes
 
@@ -29,8 +30,17 @@ struct Lattice {
     double step = 1;  // half the cubic spacing
     std::array<std::uint32_t, 3> size{0, 0, 0};  // points along each axis, in half steps; odd
 
+    // Off its place by a little that depends on the indices alone: an exact lattice has many points on one sphere, or
+    // four on one circle, where it changes its spacing, and those make flat cells.
     Vec3 position(std::uint32_t i, std::uint32_t j, std::uint32_t k) const {
-        return low + Vec3{step * i, step * j, step * k};
+        const auto shift = [&](std::uint64_t salt) {
+            std::uint64_t hash = (i + salt) * 0x9E3779B97F4A7C15ull;
+            hash = (hash ^ (hash >> 31)) + j * 0xBF58476D1CE4E5B9ull;
+            hash = (hash ^ (hash >> 29)) + k * 0x94D049BB133111EBull;
+            hash = (hash ^ (hash >> 32)) * 0xD6E8FEB86659FD93ull;
+            return lattice_shift * (static_cast<double>(hash >> 11) * 0x1p-52 - 1.0);
+        };
+        return low + Vec3{step * (i + shift(1)), step * (j + shift(0x10001)), step * (k + shift(0x200003))};
     }
     // Lattice points in one layer k, row by row; rows hold the points of the layer's parity.
     std::uint32_t row_size(std::uint32_t parity) const { return (size[0] + 1 - parity) / 2; }
