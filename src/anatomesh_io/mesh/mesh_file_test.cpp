@@ -542,7 +542,8 @@ TEST(MeshFile, damaged_files_never_crash) {
     }
 }
 
-// Writes one model and its surface in every format into $ANATOMESH_FORMATS_DIR, for tests/formats/*.py.
+// Writes one model and its surface in every format into $ANATOMESH_FORMATS_DIR, for
+// tests/formats/models_test.py.
 TEST(MeshFile, writes_samples_for_foreign_readers) {
     const char* folder = std::getenv("ANATOMESH_FORMATS_DIR");
     if (!folder) GTEST_SKIP() << "ANATOMESH_FORMATS_DIR is not set";
@@ -572,6 +573,38 @@ TEST(MeshFile, writes_samples_for_foreign_readers) {
         for (const std::uint32_t vertex : s.triangles[t]) truth << vertex << ' ';
         truth << numbers[s.sides[t][0]] << ' ' << s.sides[t][0] << ' ' << s.sides[t][1] << '\n';
     }
+}
+
+// Reads what VTK and meshio made of the model in $ANATOMESH_FORMATS_DIR/foreign.
+TEST(MeshFile, reads_what_foreign_writers_wrote) {
+    const char* folder = std::getenv("ANATOMESH_FORMATS_DIR");
+    if (!folder) GTEST_SKIP() << "ANATOMESH_FORMATS_DIR is not set";
+    const ModelFile m = model(5);
+    const std::vector<std::int32_t> numbers = region_numbers(m.description);
+    int files = 0;
+    for (const auto& entry : fs::directory_iterator(fs::path(folder) / "foreign")) {
+        const std::string name = entry.path().filename().string();
+        RunContext context;
+        const auto read = read_model(entry.path().string(), context);
+        ASSERT_TRUE(read.ok()) << to_line(read.error());
+        const ModelFile& got = read.value();
+        ASSERT_EQ(got.mesh.points.size(), m.mesh.points.size()) << name;
+        for (std::size_t i = 0; i < got.mesh.points.size(); ++i) {  // Gmsh writes 16 digits
+            ASSERT_LE(length(got.mesh.points[i] - m.mesh.points[i]), name == "gmsh_text.msh" ? 1e-12 : 0)
+                << name;
+        }
+        EXPECT_TRUE(got.mesh.cells == m.mesh.cells) << name;
+        ASSERT_EQ(got.mesh.regions.size(), m.mesh.regions.size()) << name;
+        ++files;
+        if (name == "meshio.inp") continue;  // meshio writes no labels there
+        const std::vector<std::int32_t> shown = region_numbers(got.description);
+        for (std::size_t c = 0; c < got.mesh.cells.size(); ++c) {
+            ASSERT_EQ(shown[got.mesh.regions[c]], numbers[m.mesh.regions[c]]) << name << ", cell " << c;
+        }
+        if (!name.starts_with("meshio") && !name.starts_with("gmsh"))
+            expect_same(got.description, m.description);
+    }
+    EXPECT_GT(files, 20);
 }
 
 }  // namespace

@@ -196,13 +196,27 @@ std::optional<std::string> parse_numbers(std::string_view text, std::string& byt
     }
 }
 
+// Characters as numbers, signed or not.
+std::optional<std::string> parse_characters(std::string_view text, std::string& bytes) {
+    std::string numbers;
+    if (auto bad = parse_numbers<std::int16_t>(text, numbers)) return bad;
+    for (std::size_t at = 0; at < numbers.size(); at += sizeof(std::int16_t)) {
+        std::int16_t number = 0;
+        std::memcpy(&number, numbers.data() + at, sizeof number);
+        if (number < -128 || number > 255) return std::to_string(number);
+        bytes.push_back(static_cast<char>(number & 0xFF));
+    }
+    return std::nullopt;
+}
+
 std::optional<std::string> parse_numbers(VtkArray& array, std::string_view text) {
     switch (array.type) {
         case VtkType::int8:
             return parse_numbers<std::int8_t>(text, array.bytes);
         case VtkType::uint8:
-        case VtkType::string:
             return parse_numbers<std::uint8_t>(text, array.bytes);
+        case VtkType::string:
+            return parse_characters(text, array.bytes);
         case VtkType::int16:
             return parse_numbers<std::int16_t>(text, array.bytes);
         case VtkType::uint16:
