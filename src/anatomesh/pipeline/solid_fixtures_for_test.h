@@ -38,8 +38,8 @@ inline void expect_certified(const Model& model, const ContourSet& set) {
 struct Expected {
     std::uint32_t components = 1;  // of its surface
     std::int64_t genus = 0;
-    double volume = 0;             // mm^3
-    double share = 0.02;           // allowed relative difference from it
+    double volume = 0;    // mm^3
+    double share = 0.02;  // allowed relative difference from it
 };
 
 inline void expect_structure(const Model& model, std::size_t structure, const Expected& expected) {

@@ -1,0 +1,118 @@
+#include "anatomesh/cull/cull.h"
+
+#include <numbers>
+
+#include "anatomesh/cull/culled_mesh_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+constexpr double pi = std::numbers::pi;
+
+void expect_share(double value, double expected, double share) {
+    EXPECT_NEAR(value, expected, share * expected);
+}
+
+TEST(Cull, the_kept_cells_have_the_volume_of_the_solid) {
+    expect_share(culled_mesh(AnalyticField({ball({}, 5)}, 6), 1, 1).volume(0), 4 / 3.0 * pi * 125, 0.03);
+    expect_share(culled_mesh(AnalyticField({shell({}, 6, 4)}, 7), 1, 1).volume(0), 4 / 3.0 * pi * (216 - 64),
+                 0.03);
+    expect_share(culled_mesh(AnalyticField({torus(6, 2.5)}, 9), 1, 1).volume(0), 2 * pi * pi * 6 * 6.25,
+                 0.03);
+}
+
+// All vertices of such a shell's cells lie on its two walls.
+TEST(Cull, a_shell_thinner_than_a_cell_keeps_its_volume) {
+    for (const auto& [thickness, share] : {std::pair{0.8, 0.1}, {0.6, 0.2}}) {
+        const double inner = 6 - thickness;
+        const CulledMesh mesh = culled_mesh(AnalyticField({shell({}, 6, inner)}, 7), 1, 1);
+        expect_share(mesh.volume(0), 4 / 3.0 * pi * (216 - inner * inner * inner), share);
+    }
+}
+
+TEST(Cull, touching_balls_that_exclude_each_other_share_no_cell) {
+    const AnalyticField field({ball({-4, 0, 0}, 4), ball({4, 0, 0}, 4)}, 9, true);
+    const CulledMesh mesh = culled_mesh(field, 2, 1);
+    EXPECT_EQ(mesh.registry.table().members.size(), 3u);
+    for (const std::uint32_t s : {0, 1}) expect_share(mesh.volume(s), 4 / 3.0 * pi * 64, 0.05);
+}
+
+TEST(Cull, overlapping_balls_make_three_regions_and_keep_their_volumes) {
+    const AnalyticField field({ball({-2, 0, 0}, 4), ball({2, 0, 0}, 4)}, 7);
+    const CulledMesh mesh = culled_mesh(field, 2, 0.8);
+    EXPECT_EQ(mesh.registry.table().members.size(), 4u);
+    for (const std::uint32_t s : {0, 1}) expect_share(mesh.volume(s), 4 / 3.0 * pi * 64, 0.04);
+    double both = 0;
+    for (std::size_t c = 0; c < mesh.cells.cells.size(); ++c) {
+        const Cell& cell = mesh.cells.cells[c];
+        if (mesh.registry.table().members[mesh.regions[c]].size() < 2) continue;
+        both += signed_volume(mesh.points()[cell[0]], mesh.points()[cell[1]], mesh.points()[cell[2]],
+                              mesh.points()[cell[3]]);
+    }
+    // Two caps of height 2.
+    expect_share(both, 2 * pi * 4 * (12 - 2) / 3, 0.08);
+}
+
+TEST(Cull, cells_of_a_grid_away_from_the_surface_are_as_the_field_says) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    const CulledMesh mesh = culled_mesh(field, 1, 1);
+    for (std::size_t c = 0; c < mesh.cells.cells.size(); ++c) {
+        const Cell& cell = mesh.cells.cells[c];
+        int inside = 0, outside = 0;
+        for (const std::uint32_t v : cell) {
+            inside += length(mesh.points()[v]) < 5 - 0.02;
+            outside += length(mesh.points()[v]) > 5 + 0.02;
+        }
+        if (inside > 0 && outside == 0) {
+            EXPECT_EQ(mesh.regions[c], 1);
+        }
+        if (outside == 4) {
+            EXPECT_EQ(mesh.regions[c], 0);
+        }
+    }
+}
+
+TEST(Cull, sides_name_the_region_of_every_point_or_the_interface) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    const CulledMesh mesh = culled_mesh(field, 1, 1);
+    ASSERT_EQ(mesh.sides.size(), mesh.points().size());
+    for (std::size_t n = 0; n < mesh.sides.size(); ++n) {
+        const double distance = length(mesh.points()[n]) - 5;
+        const Region expected = std::abs(distance) <= 0.02 ? on_interface
+                                : distance < 0             ? Region{1}
+                                                           : Region{0};
+        EXPECT_EQ(mesh.sides[n], expected);
+    }
+}
+
+TEST(Cull, decided_cells_keep_their_region) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    CulledMesh mesh = culled_mesh(field, 1, 1);
+    std::vector<Region> regions = mesh.regions;
+    for (std::size_t c = 0; c < regions.size(); c += 3) regions[c] = c % 2 ? Region{0} : Region{1};
+    const std::vector<Region> given = regions;
+    for (std::size_t c = 1; c < regions.size(); c += 3) regions[c] = undecided_region;
+    RunContext context;
+    const CullStats stats =
+        cull(mesh.points(), mesh.cells.cells, mesh.sides, field, 1, regions, mesh.registry, context);
+    EXPECT_EQ(regions, given);
+    EXPECT_EQ(stats.decided, (regions.size() + 1) / 3);
+    EXPECT_EQ(stats.culled, static_cast<std::uint64_t>(std::count(regions.begin(), regions.end(), 0)));
+}
+
+TEST(Cull, same_regions_for_any_number_of_threads) {
+    const AnalyticField field({ball({-2, 0, 0}, 4), ball({2, 0, 0}, 4), ball({0, 3, 0}, 3)}, 8);
+    const CulledMesh one = culled_mesh(field, 3, 0.6, 1);
+    EXPECT_GT(one.regions.size(), 10000u);
+    for (const int threads : {2, 7}) {
+        const CulledMesh several = culled_mesh(field, 3, 0.6, threads);
+        EXPECT_EQ(several.regions, one.regions);
+        EXPECT_EQ(several.sides, one.sides);
+        EXPECT_EQ(several.registry.table().members, one.registry.table().members);
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh
