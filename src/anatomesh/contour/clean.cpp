@@ -499,7 +499,7 @@ class Cleaner {
             stats.max_displacement_mm = welded.max_displacement_mm;
             if (welded.moved > 0) {
                 context_.warn({"W-CON-021",
-                               std::to_string(welded.moved) + " vertices differ from one of another contour by rounding alone",
+                               std::to_string(welded.moved) + " vertices differ from one of another structure by rounding alone",
                                {raw_.source, "", "", "", "at most " + text(welded.max_displacement_mm) + " mm"},
                                "moved onto it"});
             }

@@ -31,7 +31,7 @@ struct CleanOptions {
     double corridor_mm = 0.05;
     // Rings that share a vertex are moved apart there by at most this. (0, 1]
     double separation_mm = 0.05;
-    // Vertices of different contours nearer than this become one: a wall that two structures share. [0, 0.01]; 0: not.
+    // Vertices of different structures nearer than this become one: a wall that two structures share. [0, 0.01]; 0: not.
     double weld_mm = 1e-4;
     HoleRule holes = HoleRule::even_odd;
     // Contours that contradict each other on a plane given twice: unite them instead of refusing.
