@@ -8,7 +8,7 @@
 // error's next step names the option that decides; a decision taken is put on record by a warning.
 //
 // Errors by reader: E-IMG any image, E-NII NIfTI, E-NRD NRRD, E-MTI MetaImage, E-INV InVesalius, E-LBL label
-// maps; E-INP the file itself. They are listed with their meaning in docs/formats.
+// maps; E-INP the file itself. They are listed with their meaning in docs/errors.md.
 #pragma once
 
 #include <array>

@@ -1,80 +1,15 @@
-#include <itkImage.h>
-#include <itkImageFileReader.h>
-#include <itkImageFileWriter.h>
-#include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
-#include <itkNrrdImageIO.h>
 #include <sys/stat.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 
-#include "anatomesh_io/image/image_fixtures.h"
+#include "anatomesh_io/image/phantom_fixtures.h"
 
 namespace anatomesh {
 namespace {
 
 using namespace fixtures;
-
-std::string text_of(Vec3 v, const char* separator) {
-    char text[128];
-    std::snprintf(text, sizeof text, "%.17g%s%.17g%s%.17g", v.x, separator, v.y, separator, v.z);
-    return text;
-}
-
-// The phantom: 3 x 4 x 5 voxels, no axis like another, every voxel its own value. Its place in LPS:
-struct Phantom {
-    Vec3 origin;
-    std::array<Vec3, 3> step;
-    std::string data() const {
-        std::vector<std::int16_t> values;
-        for (int n = 0; n < 60; ++n) values.push_back(static_cast<std::int16_t>(n * n % 61 + n));
-        return values_as_bytes(values);
-    }
-    static Vec3 turned(Vec3 v) { return {-v.x, -v.y, v.z}; }
-
-    std::string nifti(int version) const {
-        Nifti file;
-        file.version = version;
-        const Vec3 o = turned(origin), a = turned(step[0]), b = turned(step[1]), c = turned(step[2]);
-        file.pixdim = {1, length(a), length(b), length(c), 0, 0, 0, 0};
-        file.srow = {a.x, b.x, c.x, o.x, a.y, b.y, c.y, o.y, a.z, b.z, c.z, o.z};
-        file.data = data();
-        return file.bytes();
-    }
-    std::string nrrd(bool ras) const {
-        const auto in_space = [&](Vec3 v) { return "(" + text_of(ras ? turned(v) : v, ",") + ")"; };
-        return "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 4 5\nendian: little\nencoding: raw\nspace: " +
-               std::string(ras ? "right-anterior-superior" : "left-posterior-superior") +
-               "\nspace directions: " + in_space(step[0]) + " " + in_space(step[1]) + " " +
-               in_space(step[2]) + "\nspace origin: " + in_space(origin) + "\n\n" + data();
-    }
-    std::string metaimage() const {
-        std::string matrix, spacing;
-        for (const Vec3 s : step) {
-            matrix += text_of((1 / length(s)) * s, " ") + " ";
-            spacing += std::to_string(length(s)) + " ";
-        }
-        return "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = "
-               "False\nTransformMatrix = " +
-               matrix + "\nOffset = " + text_of(origin, " ") + "\nElementSpacing = " + spacing +
-               "\nAnatomicalOrientation = RAI\nDimSize = 3 4 5\nElementType = MET_SHORT\nElementDataFile = "
-               "LOCAL\n" +
-               data();
-    }
-};
-
-// Axes along the frame's in another order and direction; every number exact in 32 bits.
-Phantom axis_phantom() {
-    return {{-12.5, 40.25, -7}, {Vec3{0, 0, -0.75}, Vec3{0.5, 0, 0}, Vec3{0, -2, 0}}};
-}
-
-// Turned about two axes.
-Phantom oblique_phantom() {
-    const double c = std::cos(0.3), s = std::sin(0.3), d = std::cos(-1.1), e = std::sin(-1.1);
-    return {{-12.5, 40.25, -7},
-            {0.75 * Vec3{c, s * d, s * e}, 0.5 * Vec3{-s, c * d, c * e}, 2 * Vec3{0, -e, d}}};
-}
 
 void expect_phantom(const Outcome& outcome, const Phantom& phantom, const char* format) {
     ASSERT_TRUE(outcome.ok()) << format << " " << to_line(outcome.error);
@@ -98,64 +33,6 @@ TEST(ReadImage, N22_one_phantom_in_every_format_is_at_one_place) {
         expect_phantom(read_bytes(phantom.metaimage()), phantom, "MetaImage");
     }
     expect_phantom(read_bytes(axis_phantom().nifti(1)), axis_phantom(), "NIfTI-1");
-}
-
-using ItkImage = itk::Image<std::int16_t, 3>;
-
-template <class ImageIO>
-ItkImage::Pointer read_by_itk(const std::string& path) {
-    auto reader = itk::ImageFileReader<ItkImage>::New();
-    reader->SetImageIO(ImageIO::New());
-    reader->SetFileName(path);
-    reader->Update();
-    return reader->GetOutput();
-}
-
-void expect_same(const Outcome& outcome, const ItkImage& judge) {
-    ASSERT_TRUE(outcome.ok()) << to_line(outcome.error);
-    const auto& geometry = outcome.loaded.image.geometry;
-    for (std::uint32_t k = 0; k < geometry.size[2]; ++k)
-        for (std::uint32_t j = 0; j < geometry.size[1]; ++j)
-            for (std::uint32_t i = 0; i < geometry.size[0]; ++i) {
-                const ItkImage::IndexType index = {{i, j, k}};
-                ItkImage::PointType point;
-                judge.TransformIndexToPhysicalPoint(index, point);
-                expect_position(outcome.loaded, i, j, k, {point[0], point[1], point[2]}, 1e-5);
-                EXPECT_EQ(outcome.loaded.image.voxels[geometry.index(i, j, k)], judge.GetPixel(index));
-            }
-}
-
-TEST(ReadImage, N22_itk_reads_our_phantoms_at_the_same_place) {
-    const Folder folder;
-    for (const Phantom& phantom : {axis_phantom(), oblique_phantom()}) {
-        const std::string nifti = folder.write("phantom.nii", phantom.nifti(1));
-        expect_same(read(nifti), *read_by_itk<itk::NiftiImageIO>(nifti));
-        for (const bool ras : {false, true}) {
-            const std::string nrrd = folder.write("phantom.nrrd", phantom.nrrd(ras));
-            expect_same(read(nrrd), *read_by_itk<itk::NrrdImageIO>(nrrd));
-        }
-        const std::string meta = folder.write("phantom.mha", phantom.metaimage());
-        expect_same(read(meta), *read_by_itk<itk::MetaImageIO>(meta));
-    }
-}
-
-TEST(ReadImage, N22_images_written_by_itk_are_read_at_the_same_place) {
-    const Folder folder;
-    const std::string source = folder.write("phantom.mha", oblique_phantom().metaimage());
-    const ItkImage::Pointer image = read_by_itk<itk::MetaImageIO>(source);
-    const std::array<itk::ImageIOBase::Pointer, 3> writers = {
-        itk::NiftiImageIO::New(), itk::NrrdImageIO::New(), itk::MetaImageIO::New()};
-    const std::array<const char*, 3> names = {"by_itk.nii.gz", "by_itk.nrrd", "by_itk.mha"};
-    for (std::size_t i = 0; i < 3; ++i)
-        for (const bool compressed : {false, true}) {
-            auto writer = itk::ImageFileWriter<ItkImage>::New();
-            writer->SetImageIO(writers[i]);
-            writer->SetInput(image);
-            writer->SetUseCompression(compressed);
-            writer->SetFileName(folder.path(names[i]));
-            writer->Update();
-            expect_same(read(folder.path(names[i])), *image);
-        }
 }
 
 // ---- mutation
