@@ -207,7 +207,7 @@ inline Outcome read_bytes(std::string_view bytes, const ReadImageOptions& option
 }
 
 // The peak of resident memory since the last call of forget_peak_memory(), in bytes; 0 when the system does
-// not tell.
+// not tell, or a sanitizer keeps what was freed.
 inline void forget_peak_memory() {
     std::ofstream("/proc/self/clear_refs") << "5";
 }
