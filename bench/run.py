@@ -254,14 +254,14 @@ def more_data(bench, root, runs):
         words = [root / file, *options]
         ours = take_turns({"anatomesh": lambda: bench.ours(words)}, runs)["anatomesh"]
         if isinstance(ours, str):
-            rows.append([name, "anatomesh", f"no model: {ours}", *[""] * 8])
+            rows.append([name, "anatomesh", f"no model: {ours}", *[""] * 9])
             continue
         peer = take_turns({"CGAL": lambda: bench.cgal(words, ours["size_mm"])}, runs)["CGAL"]
         for who, r in (("anatomesh", ours), ("CGAL", peer)):
             if isinstance(r, str):
-                rows.append([name, who, f"no mesh: {r}", *[""] * 8])
+                rows.append([name, who, f"no mesh: {r}", *[""] * 9])
                 continue
-            rows.append([name, who, f"{r['seconds']:.2f}", count(r["tetrahedra"]), count(r["tetrahedra"] / r["seconds"]),
+            rows.append([name, who, f"{r['seconds']:.2f}", f"{r['cpu']:.2f}", count(r["tetrahedra"]), count(r["tetrahedra"] / r["seconds"]),
                          count(r["mb"]), percent(r["on_surface"] / r["contour_vertices"]),
                          f"{count(r['open_edges'])} / {count(r['nonmanifold_edges'])} / {count(r['nonmanifold_vertices'])}",
                          percent(r["volume_difference"], 3),
@@ -269,7 +269,7 @@ def more_data(bench, root, runs):
                          f"{r['dihedral']['min']:.2f} / {r['dihedral']['p01_of_min']:.1f} / {r['dihedral']['median_of_min']:.1f}"])
     if not rows:
         return "No more data found (ANATOMESH_DATA).\n"
-    return table(["data (structures)", "mesher", "s", "tetrahedra", "a second", "MB", "contour vertices on the surface",
+    return table(["data (structures)", "mesher", "s", "CPU, s", "tetrahedra", "a second", "MB", "contour vertices on the surface",
                   "edges open / non-manifold, vertices non-manifold", "largest volume difference",
                   "radius-edge mean / above 2", "dihedral min / 1 % / median"], rows)
 
@@ -279,8 +279,8 @@ def micro(build):
     rows = []
     for each in done["benchmarks"]:
         rates = [f"{each[key]:.3g} {key}" for key in each if key.endswith("/s")]
-        rows.append([each["name"], f"{each['real_time']:.3g} {each['time_unit']}", ", ".join(rates)])
-    return table(["piece", "time", "rate"], rows)
+        rows.append([each["name"], f"{each['cpu_time']:,.3f} {each['time_unit']}", ", ".join(rates)])
+    return table(["piece", "CPU time", "rate"], rows)
 
 
 def first_line(words):
