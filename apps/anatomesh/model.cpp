@@ -58,7 +58,7 @@ struct ModelVerbOptions {
 };
 
 // The stages whose mesh can be dumped, in the order of the pipeline.
-const std::vector<std::string> dump_stages{"cull", "refine", "cut", "improve"};
+const std::vector<std::string> dump_stages{"cull", "refine", "cut", "improve", "certificate"};
 
 DumpOption dump_of(const std::string& text) {
     const std::size_t equals = text.find('=');
@@ -203,13 +203,11 @@ Status run_model(ModelVerbOptions options, Session& session) {
     ANATOMESH_TRY(InputContours contours, contours_of(std::move(opened), options.input, context));
     StageReport tracing{"contours", watch.lap(), contours.kept.points.size(), 0, {}};
 
-    AtomicFileSet files;
-    Status dumped = Nothing{};
+    // A second attempt at the model shows its stages again: the last one counts.
+    std::vector<ModelFile> dumps(options.dumps.size());
     const StageObserver observer = [&](const std::string& stage, const TetMesh& mesh) {
-        for (const DumpOption& dump : options.dumps) {
-            if (dump.stage != stage || !dumped) continue;
-            const auto bytes = format_model(dump.path, dump_file(mesh, stage), context);
-            dumped = bytes ? files.add(dump.path, bytes.value()) : Status(bytes.error());
+        for (std::size_t i = 0; i < dumps.size(); ++i) {
+            if (options.dumps[i].stage == stage) dumps[i] = dump_file(mesh, stage);
         }
     };
     begin("model", 0.15, 0.9);
@@ -217,7 +215,11 @@ Status run_model(ModelVerbOptions options, Session& session) {
     building.size_mm = options.size_mm;
     building.caps = options.caps == "flat" ? EndCaps::flat : EndCaps::half;
     ANATOMESH_TRY(Model model, build_model(contours.kept, building, context, observer));
-    ANATOMESH_CHECK_STATUS(std::move(dumped));
+    AtomicFileSet files;
+    for (std::size_t i = 0; i < dumps.size(); ++i) {
+        ANATOMESH_TRY(const std::string bytes, format_model(options.dumps[i].path, dumps[i], context));
+        ANATOMESH_CHECK_STATUS(files.add(options.dumps[i].path, bytes));
+    }
     model.report.stages.insert(model.report.stages.begin(), {std::move(reading), std::move(tracing)});
     complete_report(model.report, contours, options, session);
     begin("writing", 0.9, 1);

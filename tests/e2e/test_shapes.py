@@ -162,10 +162,14 @@ class Options(harness.TestCase):
             self.assertEqual([s["name"] for s in report["structures"]], ["right"])
 
     def test_dump_writes_the_mesh_after_a_stage(self):
-        self.figures("--dump", "delaunay=d.vtu", "--dump", "cull=c.vtu", "--dump", "improve=i.vtu")
-        last, whole = judge.Model(self.folder / "i.vtu"), judge.Model(self.folder / "shape.vtu")
+        stages = ("cull", "refine", "cut", "improve", "certificate")
+        dumps = [word for stage in stages for word in ("--dump", f"{stage}={stage}.vtu")]
+        self.figures(*dumps)
+        for stage in stages:
+            self.assertGreater(len(judge.Model(self.folder / f"{stage}.vtu").cells), 0, stage)
+        whole = judge.Model(self.folder / "shape.vtu")
+        last = judge.Model(self.folder / "certificate.vtu")
         self.assertEqual((last.structure > 0).sum(), len(whole.cells))
-        self.assertGreater(len(judge.Model(self.folder / "d.vtu").cells), 0)
 
     def test_report_stands_beside_the_model_unless_said(self):
         self.figures()
