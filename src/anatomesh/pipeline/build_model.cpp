@@ -81,6 +81,7 @@ class Builder {
                     {"surface_points", static_cast<double>(stats.surface_points)},
                     {"lattice_points", static_cast<double>(stats.lattice_points)}};
         report().size_mm = stats.size_mm;
+        warn_of_thin_structures(stats.size_mm);
         // About six cells a point come of a Delaunay mesh; refuse before the work.
         if (6 * sample_->points.size() > options_.max_tetrahedra || 6 * sample_->points.size() >= no_cell) {
             return Error{ErrorKind::limit, "E-PIP-001",
@@ -89,6 +90,22 @@ class Builder {
                          {}, "give a larger --size"};
         }
         return end_stage("sample", 0.15);
+    }
+
+    void warn_of_thin_structures(double size_mm) {
+        const std::vector<double> thickness = mean_thickness(contours_);
+        for (std::size_t s = 0; s < thickness.size(); ++s) {
+            if (!(thickness[s] > 0) || thickness[s] >= 0.8 * size_mm) continue;
+            const Structure& structure = contours_.structures[s];
+            Place place;
+            place.file = contours_.source;
+            place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+            place.value = brief(thickness[s]) + " mm";
+            context_.warn({"W-PIP-002",
+                           "the structure is thinner in the mean than the edge length of " + brief(size_mm) +
+                               " mm: walls may be torn, look at its components and genus",
+                           place, "kept; --size " + brief(thickness[s]) + " resolves it"});
+        }
     }
 
     Status tetrahedralize() {

@@ -294,12 +294,40 @@ void add_frame(const Box3& box, PointSample& sample) {
 
 }  // namespace
 
+std::vector<double> mean_thickness(const ContourSet& contours) {
+    std::vector<double> area(contours.structures.size(), 0), perimeter(contours.structures.size(), 0);
+    for (const Contour& contour : contours.contours) {
+        const Plane& plane = contours.slices[contour.slice].plane;
+        const auto points = contours.points_of(contour);
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            const Vec2 p = plane.to_plane(points[n]), q = plane.to_plane(points[(n + 1) % points.size()]);
+            area[contour.structure] += 0.5 * cross(p, q);
+            perimeter[contour.structure] += length(q - p);
+        }
+    }
+    for (std::size_t s = 0; s < area.size(); ++s) area[s] = perimeter[s] > 0 ? 2 * area[s] / perimeter[s] : 0;
+    return area;
+}
+
 double default_size(const ContourSet& contours, const StructureField& field) {
     double total = 0;
-    for (const Contour& contour : contours.contours) total += contour_length(contours, contour);
+    std::vector<double> perimeter(contours.structures.size(), 0);
+    for (const Contour& contour : contours.contours) {
+        const auto points = contours.points_of(contour);
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            perimeter[contour.structure] += length(points[(n + 1) % points.size()] - points[n]);
+        }
+    }
+    const std::vector<double> thickness = mean_thickness(contours);
+    double thick = 0;
+    for (std::size_t s = 0; s < perimeter.size(); ++s) {
+        total += perimeter[s];
+        thick += perimeter[s] * thickness[s];
+    }
     const double vertex_spacing = total / static_cast<double>(std::max<std::size_t>(1, contours.points.size()));
     const double spacing = field.slice_spacing();
-    return std::clamp(std::sqrt(vertex_spacing * spacing), 0.7 * spacing, 2 * spacing);
+    const double size = std::clamp(std::sqrt(vertex_spacing * spacing), 0.7 * spacing, 2 * spacing);
+    return thick > 0 ? std::min(size, thick / total) : size;
 }
 
 Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field, const SampleOptions& options,

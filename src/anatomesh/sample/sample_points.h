@@ -36,9 +36,13 @@ struct PointSample {
     SampleStats stats;
 };
 
+// How thick each structure is drawn in the mean: twice the area of its contours over their length, mm. A plate of
+// thickness t, seen edge on, gives t; a disc of radius r gives r. Requires: a kept contour set.
+std::vector<double> mean_thickness(const ContourSet& contours);
+
 // The edge length that suits the data: the geometric mean of the slice spacing and the mean spacing of the vertices
 // along the contours, that is the side of a square with the surface's area per contour vertex; between 0.7
-// and 2 spacings.
+// and 2 spacings, and not above the mean thickness of what is drawn: a wall needs an edge length across it.
 double default_size(const ContourSet& contours, const StructureField& field);
 
 // Contour vertices are kept exactly. Long segments get intermediate points. A body-centred cubic lattice fills
