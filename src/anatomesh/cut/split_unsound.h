@@ -1,4 +1,4 @@
-// split_unsound: the last few non-manifold edges and vertices, by local subdivision that cannot fail to end.
+// split_unsound: the last few non-manifold edges and vertices, by local subdivision.
 #pragma once
 
 #include <cstdint>
@@ -34,8 +34,8 @@ struct SplitStats {
 // Guarantees on success: every vertex of the mesh sound; no vertex moved; facets away from the split cells unchanged;
 // all cells positive (checked exactly); the tetrahedra outside the stars of the unsound vertices untouched.
 // Errors: geometry E-CUT-001 when a vertex stays unsound after max_passes, with its place.
-// Why it ends: relabelling a regular neighbourhood of the singular set (Rourke and Sanderson, Introduction to
-// Piecewise-Linear Topology, 1972, chapter 3).
+// Why it ends, for one structure: relabelling a regular neighbourhood of the singular set (Rourke and Sanderson, Introduction to
+// Piecewise-Linear Topology, 1972, chapter 3). With several structures at one vertex max_passes bounds it.
 Result<SplitStats> split_unsound(TetMesh& mesh, const std::vector<std::uint32_t>& unsound, const ContourOwners& owners,
                                  RegionRegistry& registry, const SplitOptions& options, RunContext& context);
 
