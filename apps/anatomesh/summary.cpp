@@ -53,7 +53,9 @@ std::string certificate_line(const ModelReport& report) {
             if (clause.state == state)
                 numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", clause.number);
         }
-        if (!numbers.empty()) text += fmt::format(" clauses {} {};", numbers, state_text(state));
+        if (numbers.empty()) continue;
+        const bool several = numbers.find(',') != std::string::npos;
+        text += fmt::format(" {} {} {};", several ? "clauses" : "clause", numbers, state_text(state));
     }
     text.back() = '\n';
     return text;
