@@ -28,6 +28,10 @@ std::string line_of(const std::string& code, const Place& place, const std::stri
     if (!where.empty()) line += " " + where;
     line += ": " + message;
     if (!tail.empty()) line += std::string(" (") + tail_label + tail + ")";
+    // Names come from files: a line stays one line, and sends nothing to a terminal but text.
+    for (char& c : line) {
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+    }
     return line;
 }
 
