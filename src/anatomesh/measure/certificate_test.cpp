@@ -44,9 +44,11 @@ struct Case {
         }
     }
 
-    ModelReport measure(bool with_contours, std::vector<double> field_volumes = {}) const {
+    ModelReport measure(bool with_contours, std::vector<double> field_volumes = {},
+                        std::vector<Warning> warnings = {}) const {
         ModelReport report;
         RunContext context;
+        context.warnings = std::move(warnings);
         measure_model({mesh, one_structure, structures, with_contours ? &contours : nullptr, field_volumes},
                       context, report);
         return report;
@@ -101,6 +103,19 @@ TEST(Certificate, a_contour_vertex_off_by_one_bit_breaks_clause_1) {
     EXPECT_TRUE(any_broken(report.certificate));
 }
 
+TEST(Certificate, clause_1_says_what_cleaning_moved_before) {
+    const std::vector<Warning> warnings{
+        {"W-CON-020", "two rings touch", {"", "", "", "", "3 vertices"}, "moved apart by 0.05 mm"},
+        {"W-CON-020", "two rings touch", {"", "", "", "", "1 vertices"}, "moved apart by 0.01 mm"},
+        {"W-CON-021", "12 vertices differ from one of another structure", {}, "moved onto it"},
+        {"W-CON-003", "a contour of fewer than three points", {}, "left out"}};
+    EXPECT_EQ(
+        Case().measure(true, {}, warnings).certificate[0].evidence,
+        "12 of 12 contour vertices are vertices of their structure's surface, bit for bit; cleaning moved "
+        "vertices before: 4 moved apart where rings touch (W-CON-020), 12 moved onto one of another "
+        "structure (W-CON-021)");
+}
+
 TEST(Certificate, a_contour_vertex_inside_the_solid_is_not_on_the_surface) {
     Case inside;
     inside.contours.points[5] = {2, 2, 2};
@@ -152,6 +167,61 @@ TEST(Certificate, flat_cells_are_listed_with_what_forces_them) {
     EXPECT_EQ(report.certificate[3].state, ClauseState::broken);
     EXPECT_DOUBLE_EQ(report.quality.radius_edge_share_over_2, 1.0);
     EXPECT_GT(report.quality.dihedral_below_10, 0u);
+}
+
+// The clause of shape of a brick mesh of 32 x 32 x 8 cells in which `spoiled` inner vertices were moved next
+// to a neighbour, with the contours or without.
+Clause shape_of_spoiled(int spoiled, double distance, bool with_contours) {
+    Case spoilt;
+    spoilt.mesh = testing::brick_mesh({32, 32, 8}, everywhere);
+    for (Vec3& p : spoilt.mesh.points) {
+        const bool inner = p.x > 0 && p.x < 32 && p.y > 0 && p.y < 32 && p.z > 0 && p.z < 8;
+        if (!inner || spoiled == 0 || std::fmod(p.x, 2) != 1 || std::fmod(p.y, 2) != 1 || p.z != 4) continue;
+        p.x += 1 - distance;
+        --spoiled;
+    }
+    return spoilt.measure(with_contours).certificate[3];
+}
+
+TEST(Certificate, cells_above_the_bound_that_nothing_forces_are_kept_only_while_few) {
+    EXPECT_EQ(shape_of_spoiled(0, 0, false).state, ClauseState::kept);
+    // Of 49,152 cells 245 may be above the bound; each spoiled vertex makes a few such.
+    EXPECT_EQ(shape_of_spoiled(4, 0.2, false).state, ClauseState::kept);
+    EXPECT_EQ(shape_of_spoiled(200, 0.2, false).state, ClauseState::broken);
+}
+
+TEST(Certificate, a_few_cells_that_spoil_the_mean_break_clause_4) {
+    // One vertex all but on its neighbour: few cells, ratios of a million.
+    const Clause clause = shape_of_spoiled(1, 1e-6, false);
+    EXPECT_EQ(clause.state, ClauseState::broken) << clause.evidence;
+    // Flat cells: a ratio without end.
+    const Clause flat = shape_of_spoiled(1, 0, false);
+    EXPECT_EQ(flat.state, ClauseState::broken) << flat.evidence;
+    EXPECT_NE(flat.evidence.find("mean inf"), std::string::npos) << flat.evidence;
+}
+
+TEST(Certificate, evidence_of_shape_says_how_many_of_how_many_and_what_is_not_known) {
+    EXPECT_EQ(
+        shape_of_spoiled(0, 0, false)
+            .evidence.rfind(
+                "radius-edge: 0 of 49152 (0.000 %) above 2, what forces them is not known without contours, "
+                "mean 0.866, maximum 0.87; ",
+                0),
+        0u)
+        << shape_of_spoiled(0, 0, false).evidence;
+    EXPECT_NE(
+        shape_of_spoiled(4, 0.2, true).evidence.find("above 2, 0 of them forced by contour points, mean 0."),
+        std::string::npos)
+        << shape_of_spoiled(4, 0.2, true).evidence;
+}
+
+TEST(Certificate, coarse_cells_within_the_bound_keep_clause_4_whatever_their_mean) {
+    Case stretched;
+    for (Vec3& p : stretched.mesh.points) p.x *= 2.5;
+    const ModelReport report = stretched.measure(false);
+    EXPECT_GT(report.quality.radius_edge_mean, certificate_mean_radius_edge);
+    EXPECT_EQ(report.listed_cells_total, 0u);
+    EXPECT_EQ(report.certificate[3].state, ClauseState::kept);
 }
 
 TEST(ForcedCells, names_the_contour_vertices_of_the_shortest_edge_and_the_sharp_angle) {

@@ -155,34 +155,43 @@ double ForcedCells::contour_angle(std::uint32_t point) const {
     return std::atan2(length(cross(to, from)), dot(to, from)) * 180.0 / std::numbers::pi;
 }
 
-std::string ForcedCells::reason(std::uint32_t cell) const {
+ForcedCells::ShortestEdge ForcedCells::shortest_edge(std::uint32_t cell) const {
     const Cell& vertices = mesh_.cells[cell];
-    std::uint32_t a = 0, b = 0;
-    double shortest = -1;
+    ShortestEdge shortest{no_cell, no_cell, -1};
     for (const auto& [i, j] : cell_edges) {
         const std::uint32_t v = vertices[static_cast<std::size_t>(i)],
                             w = vertices[static_cast<std::size_t>(j)];
         const double edge = length(mesh_.points[w] - mesh_.points[v]);
-        if (shortest >= 0 && edge >= shortest) continue;
-        shortest = edge;
-        a = point_at_[v];
-        b = point_at_[w];
+        if (shortest.length < 0 || edge < shortest.length) shortest = {point_at_[v], point_at_[w], edge};
     }
-    if (a != no_cell && b != no_cell) {
-        if (a > b) std::swap(a, b);
+    return shortest;
+}
+
+std::uint32_t ForcedCells::sharp_vertex(std::uint32_t cell) const {
+    for (const std::uint32_t v : mesh_.cells[cell]) {
+        if (point_at_[v] != no_cell && contour_angle(point_at_[v]) < small_angle_deg) return point_at_[v];
+    }
+    return no_cell;
+}
+
+bool ForcedCells::forced(std::uint32_t cell) const {
+    const ShortestEdge shortest = shortest_edge(cell);
+    return (shortest.a != no_cell && shortest.b != no_cell) || sharp_vertex(cell) != no_cell;
+}
+
+std::string ForcedCells::reason(std::uint32_t cell) const {
+    const ShortestEdge shortest = shortest_edge(cell);
+    if (shortest.a != no_cell && shortest.b != no_cell) {
+        const std::uint32_t a = std::min(shortest.a, shortest.b), b = std::max(shortest.a, shortest.b);
         const std::string one = slice_name(a), two = slice_name(b);
         return "contour vertices " + std::to_string(a) + " and " + std::to_string(b) + " " +
-               fixed_text(shortest, 3) + " mm apart in " +
+               fixed_text(shortest.length, 3) + " mm apart in " +
                (one == two ? "slice " + one : "slices " + one + " and " + two);
     }
-    for (const std::uint32_t v : vertices) {
-        if (point_at_[v] == no_cell) continue;
-        const double angle = contour_angle(point_at_[v]);
-        if (angle >= small_angle_deg) continue;
-        return "an angle of " + fixed_text(angle, 1) + " degrees at contour vertex " +
-               std::to_string(point_at_[v]) + " in slice " + slice_name(point_at_[v]);
-    }
-    return {};
+    const std::uint32_t sharp = sharp_vertex(cell);
+    if (sharp == no_cell) return {};
+    return "an angle of " + fixed_text(contour_angle(sharp), 1) + " degrees at contour vertex " +
+           std::to_string(sharp) + " in slice " + slice_name(sharp);
 }
 
 }  // namespace anatomesh

@@ -40,7 +40,18 @@ class ForcedCells {
 
     std::string reason(std::uint32_t cell) const;
 
+    // Whether there is a reason.
+    bool forced(std::uint32_t cell) const;
+
   private:
+    // The contour points at the ends of the cell's shortest edge, or no_cell.
+    struct ShortestEdge {
+        std::uint32_t a = no_cell, b = no_cell;
+        double length = 0;
+    };
+    ShortestEdge shortest_edge(std::uint32_t cell) const;
+    // The first contour vertex of the cell with a small angle, or no_cell.
+    std::uint32_t sharp_vertex(std::uint32_t cell) const;
     std::string slice_name(std::uint32_t point) const;
     double contour_angle(std::uint32_t point) const;
 
