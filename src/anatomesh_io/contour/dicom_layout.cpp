@@ -11,6 +11,10 @@ namespace anatomesh {
 
 namespace {
 
+constexpr const char* implicit_syntax = "1.2.840.10008.1.2";
+constexpr const char* explicit_syntax = "1.2.840.10008.1.2.1";
+constexpr const char* deflated_syntax = "1.2.840.10008.1.2.1.99";
+constexpr const char* big_syntax = "1.2.840.10008.1.2.2";
 constexpr std::size_t meta_begin = 132;
 constexpr std::uint32_t undefined_length = 0xFFFFFFFFu;
 constexpr std::uint64_t to_delimiter = ~std::uint64_t{0};  // the end of what has undefined length
@@ -26,23 +30,16 @@ bool contains(const std::string_view (&vrs)[n], std::string_view vr) {
     return std::find(std::begin(vrs), std::end(vrs), vr) != std::end(vrs);
 }
 
-struct Tag {
-    std::uint16_t group = 0, element = 0;
-    friend bool operator==(const Tag&, const Tag&) = default;
-};
-constexpr Tag item{0xFFFE, 0xE000}, item_end{0xFFFE, 0xE00D}, sequence_end{0xFFFE, 0xE0DD};
+constexpr DicomTag item{0xFFFE, 0xE000}, item_end{0xFFFE, 0xE00D}, sequence_end{0xFFFE, 0xE0DD},
+    pixel_data{0x7FE0, 0x0010};
 
-std::string text_of(Tag tag) {
-    char text[16];
-    std::snprintf(text, sizeof text, "(%04X,%04X)", tag.group, tag.element);
-    return text;
-}
+// What the walk is in: a sequence, whose content is items, an item (or the data set), whose content is
+// elements, or compressed pixels, whose content is fragments.
+enum class Holds : std::uint8_t { items, elements, fragments };
 
-// What the walk is in: a sequence, whose content is items, or an item (or the data set), whose content is
-// elements.
 struct Level {
     std::uint64_t end;
-    bool is_sequence;
+    Holds holds;
     bool is_implicit;
     bool may_be_no_sequence;  // a private element that only looks like one: what is wrong in it is no error
 };
@@ -51,14 +48,15 @@ class Walk {
   public:
     Walk(std::string_view bytes, std::uint64_t first, bool is_implicit, bool is_big,
          const std::string& file_name, const std::function<bool(std::uint16_t, std::uint16_t)>& is_sequence,
-         const DicomLimits& limits)
+         const DicomLimits& limits, DicomEvents* events)
         : bytes_(bytes),
           at_(first),
           is_big_(is_big),
           file_name_(file_name),
           is_sequence_(is_sequence),
-          limits_(limits) {
-        levels_.push_back({bytes.size(), false, is_implicit, false});
+          limits_(limits),
+          events_(events) {
+        levels_.push_back({bytes.size(), Holds::elements, is_implicit, false});
     }
 
     // The whole data set; or, for the meta header, the elements of group 2, with `meta` called for each.
@@ -69,7 +67,7 @@ class Walk {
             if (at_ >= bytes_.size()) return levels_.size() == 1 ? Status(Nothing{}) : cut_off();
             if (only_meta && levels_.size() == 1 && bytes_.size() - at_ >= 2 && number(at_, 2) != 2)
                 return Nothing{};
-            Status step = levels_.back().is_sequence ? step_in_sequence() : step_in_item(meta);
+            Status step = levels_.back().holds == Holds::elements ? step_in_item(meta) : step_in_sequence();
             if (step.ok()) continue;
             if (step.error().kind == ErrorKind::limit || !leave_private_element()) return step;
         }
@@ -79,8 +77,11 @@ class Walk {
 
   private:
     void leave_what_has_ended() {
-        while (levels_.size() > 1 && levels_.back().end != to_delimiter && at_ >= levels_.back().end)
-            levels_.pop_back();
+        while (levels_.size() > 1 && levels_.back().end != to_delimiter && at_ >= levels_.back().end) leave();
+    }
+    void leave() {
+        levels_.pop_back();
+        if (events_) events_->end();
     }
 
     // Goes on after the private element that turned out to be no sequence, when the walk is in one.
@@ -88,7 +89,7 @@ class Walk {
         for (std::size_t i = levels_.size(); i-- > 1;) {
             if (!levels_[i].may_be_no_sequence) continue;
             at_ = levels_[i].end;
-            levels_.resize(i);
+            while (levels_.size() > i) leave();
             return true;
         }
         return false;
@@ -101,11 +102,12 @@ class Walk {
         const auto length = static_cast<std::uint32_t>(number(at_, 4));
         at_ += 4;
         if (tag_ == sequence_end && levels_.back().end == to_delimiter) {
-            levels_.pop_back();
+            leave();
             return Nothing{};
         }
         if (tag_ != item) return misplaced("an item is expected");
-        return enter(length, false, levels_.back().is_implicit, false);
+        if (levels_.back().holds == Holds::fragments) return skip(length, {});
+        return enter(length, Holds::elements, levels_.back().is_implicit, false);
     }
 
     template <class Meta>
@@ -115,7 +117,7 @@ class Walk {
         read_tag();
         if (tag_ == item_end && levels_.size() > 1 && levels_.back().end == to_delimiter) {
             at_ += 4;
-            levels_.pop_back();
+            leave();
             return Nothing{};
         }
         if (tag_.group == 0xFFFE) return misplaced("an element is expected");
@@ -145,29 +147,37 @@ class Walk {
 
     Status enter_or_skip(std::string_view vr, std::uint32_t length, bool is_implicit) {
         // A sequence of VR UN holds implicit VRs.
-        if (vr == "SQ") return enter(length, true, false, false);
+        if (vr == "SQ") return enter(length, Holds::items, false, false);
+        if (tag_ == pixel_data && length == undefined_length && levels_.size() == 1 && !is_implicit)
+            return enter(length, Holds::fragments, false, false);
         if (is_implicit || vr == "UN") {
             if (length == undefined_length || is_sequence_(tag_.group, tag_.element))
-                return length == 0 ? Status(Nothing{}) : enter(length, true, true, false);
+                return enter(length, Holds::items, true, false);
             if (tag_.group % 2 == 1 && length >= 8 && has(length) && number(at_, 2) == item.group &&
                 number(at_ + 2, 2) == item.element)
-                return enter(length, true, true, true);
+                return enter(length, Holds::items, true, true);
         }
+        return skip(length, vr);
+    }
+
+    Status skip(std::uint32_t length, std::string_view vr) {
         if (length == undefined_length) return misplaced("an undefined length on what is no sequence");
         if (!has(length)) return too_long(length);
+        if (events_) events_->element(tag_, vr, at_, length);
         at_ += length;
         return Nothing{};
     }
 
-    Status enter(std::uint32_t length, bool is_sequence, bool is_implicit, bool may_be_no_sequence) {
+    Status enter(std::uint32_t length, Holds holds, bool is_implicit, bool may_be_no_sequence) {
         // A level each for a sequence and its item, and one for the data set.
         if (levels_.size() >= 2 * limits_.sequence_depth + 1)
             return Error{ErrorKind::limit, "E-DCL-005",
                          "sequences nested deeper than " + std::to_string(limits_.sequence_depth), place(),
                          "the file is damaged, or made to do harm"};
         if (length != undefined_length && !has(length)) return too_long(length);
-        levels_.push_back({length == undefined_length ? to_delimiter : at_ + length, is_sequence, is_implicit,
+        levels_.push_back({length == undefined_length ? to_delimiter : at_ + length, holds, is_implicit,
                            may_be_no_sequence});
+        if (events_) events_->begin(tag_, at_);
         return Nothing{};
     }
 
@@ -214,10 +224,11 @@ class Walk {
     std::string_view bytes_;
     std::uint64_t at_, tag_at_ = 0;
     bool is_big_;
-    Tag tag_;
+    DicomTag tag_;
     const std::string& file_name_;
     const std::function<bool(std::uint16_t, std::uint16_t)>& is_sequence_;
     const DicomLimits& limits_;
+    DicomEvents* events_;
     std::vector<Level> levels_;
 };
 
@@ -271,29 +282,26 @@ std::string_view without_padding(std::string_view text) {
     return text;
 }
 
-}  // namespace
-
-bool is_dicom(std::string_view file) {
-    return file.size() >= meta_begin && file.substr(128, 4) == "DICM";
+// How a data set without meta header is written: by its first element, which must be one of group 8 up to
+// the modality.
+Result<DicomEncoding> guess_encoding(std::string_view data, const std::string& file_name) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(data[i]); };
+    const auto is_capital = [&](std::size_t i) { return data[i] >= 'A' && data[i] <= 'Z'; };
+    if (data.size() >= 8) {
+        const bool has_vr = is_capital(4) && is_capital(5);
+        if (byte(0) == 8 && byte(1) == 0 && byte(2) <= 0x70 && byte(3) == 0)
+            return has_vr ? DicomEncoding::explicit_little : DicomEncoding::implicit_little;
+        if (byte(0) == 0 && byte(1) == 8 && byte(2) == 0 && byte(3) <= 0x70 && has_vr)
+            return DicomEncoding::explicit_big;
+    }
+    return Error{ErrorKind::input,
+                 "E-DCL-001",
+                 "no DICOM file: DICM is not at byte 128",
+                 {file_name, {}, {}, {}, {}},
+                 ""};
 }
 
-Result<DicomLayout> check_dicom_layout(std::string_view file, const std::string& file_name,
-                                       const std::function<bool(std::uint16_t, std::uint16_t)>& is_sequence,
-                                       const DicomLimits& limits) {
-    if (!is_dicom(file))
-        return Error{ErrorKind::input,
-                     "E-DCL-001",
-                     "no DICOM file: DICM is not at byte 128",
-                     {file_name, {}, {}, {}, {}},
-                     ""};
-    DicomLayout layout;
-    Walk meta(file, meta_begin, false, false, file_name, is_sequence, limits);
-    ANATOMESH_CHECK_STATUS(meta.walk(
-        [&](Tag tag, std::string_view value) {
-            if (tag == Tag{0x0002, 0x0010}) layout.transfer_syntax = std::string(without_padding(value));
-        },
-        true));
-    layout.data_set = meta.position();
+Status settle_syntax(DicomLayout& layout, const std::string& file_name) {
     const std::string& syntax = layout.transfer_syntax;
     if (syntax.empty())
         return Error{ErrorKind::input,
@@ -301,30 +309,77 @@ Result<DicomLayout> check_dicom_layout(std::string_view file, const std::string&
                      "the meta header names no transfer syntax",
                      {file_name, {}, {}, {}, {}},
                      "export the file anew"};
-
-    const bool is_deflated = syntax == "1.2.840.10008.1.2.1.99";
-    if (syntax == "1.2.840.10008.1.2")
+    if (syntax == implicit_syntax)
         layout.encoding = DicomEncoding::implicit_little;
-    else if (syntax == "1.2.840.10008.1.2.2")
+    else if (syntax == big_syntax)
         layout.encoding = DicomEncoding::explicit_big;
-    else if (syntax != "1.2.840.10008.1.2.1" && !is_deflated && !syntax.starts_with("1.2.840.10008.1.2.4.") &&
-             syntax != "1.2.840.10008.1.2.5")
+    else if (syntax != explicit_syntax && syntax != deflated_syntax &&
+             !syntax.starts_with("1.2.840.10008.1.2.4.") && syntax != "1.2.840.10008.1.2.5")
         return Error{ErrorKind::input,
                      "E-DCL-003",
                      "a transfer syntax that is not known",
                      {file_name, {}, {}, {}, syntax.substr(0, 64)},
                      "export the file as Explicit VR Little Endian"};
+    return Nothing{};
+}
+
+}  // namespace
+
+std::string text_of(DicomTag tag) {
+    char text[16];
+    std::snprintf(text, sizeof text, "(%04X,%04X)", tag.group, tag.element);
+    return text;
+}
+
+bool is_dicom(std::string_view file) {
+    return file.size() >= meta_begin && file.substr(128, 4) == "DICM";
+}
+
+Result<DicomLayout> check_dicom_layout(std::string_view file, const std::string& file_name,
+                                       const std::function<bool(std::uint16_t, std::uint16_t)>& is_sequence,
+                                       const DicomLimits& limits, DicomEvents* events) {
+    DicomLayout layout;
+    layout.has_meta =
+        is_dicom(file) || (file.size() >= 8 && file.substr(0, 2) == std::string_view("\2\0", 2));
+    if (layout.has_meta) {
+        const bool has_preamble = is_dicom(file);
+        layout.is_guessed = !has_preamble;
+        Walk meta(file, has_preamble ? meta_begin : 0, false, false, file_name, is_sequence, limits, nullptr);
+        ANATOMESH_CHECK_STATUS(meta.walk(
+            [&](DicomTag tag, std::string_view value) {
+                if (tag == DicomTag{0x0002, 0x0010}) layout.transfer_syntax = without_padding(value);
+            },
+            true));
+        layout.data_set = meta.position();
+        ANATOMESH_CHECK_STATUS(settle_syntax(layout, file_name));
+    } else {
+        layout.is_guessed = true;
+        ANATOMESH_TRY(layout.encoding, guess_encoding(file, file_name));
+        layout.transfer_syntax = layout.encoding == DicomEncoding::implicit_little ? implicit_syntax
+                                 : layout.encoding == DicomEncoding::explicit_big  ? big_syntax
+                                                                                   : explicit_syntax;
+    }
     std::string_view data = file;
     std::uint64_t first = layout.data_set;
-    if (is_deflated) {
+    if (layout.transfer_syntax == deflated_syntax) {
         ANATOMESH_TRY(layout.inflated, inflate_data_set(file.substr(layout.data_set), file_name, limits));
         data = layout.inflated;
         first = 0;
     }
     Walk walk(data, first, layout.encoding == DicomEncoding::implicit_little,
-              layout.encoding == DicomEncoding::explicit_big, file_name, is_sequence, limits);
-    ANATOMESH_CHECK_STATUS(walk.walk([](Tag, std::string_view) {}, false));
+              layout.encoding == DicomEncoding::explicit_big, file_name, is_sequence, limits, events);
+    ANATOMESH_CHECK_STATUS(walk.walk([](DicomTag, std::string_view) {}, false));
     return layout;
+}
+
+void warn_of_guess(const DicomLayout& layout, const std::string& file_name, RunContext& context) {
+    if (!layout.is_guessed) return;
+    context.warn({"W-DCL-001",
+                  layout.has_meta ? "the file lacks the preamble of DICOM files"
+                                  : "the file lacks the meta header of DICOM files",
+                  {file_name, {}, {}, {}, {}},
+                  "it was read in the transfer syntax " + layout.transfer_syntax +
+                      (layout.has_meta ? ", which it states" : ", guessed from its first element")});
 }
 
 }  // namespace anatomesh

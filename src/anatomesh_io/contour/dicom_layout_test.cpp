@@ -80,6 +80,40 @@ TEST(DicomLayout, D01_no_dicom) {
     EXPECT_EQ(code_of(check(file_of("1.2.3", ""))), "E-DCL-003");
 }
 
+TEST(DicomLayout, D04_without_preamble_or_meta_header) {
+    const std::string name = short_element(0x0008, 0x0060, "CS", "CT");
+    const auto guessed = check(name);
+    ASSERT_TRUE(guessed.ok()) << to_line(guessed.error());
+    EXPECT_TRUE(guessed.value().is_guessed);
+    EXPECT_FALSE(guessed.value().has_meta);
+    EXPECT_EQ(guessed.value().transfer_syntax, explicit_syntax);
+    const auto implicit = check(implicit_element(0x0008, 0x0060, "CT"));
+    ASSERT_TRUE(implicit.ok());
+    EXPECT_EQ(implicit.value().encoding, DicomEncoding::implicit_little);
+    const auto big =
+        check(std::string("\0\x08\0\x60"
+                          "CS\0\2CT",
+                          10));
+    ASSERT_TRUE(big.ok());
+    EXPECT_EQ(big.value().encoding, DicomEncoding::explicit_big);
+    const auto no_preamble = check(file_of(implicit_syntax, implicit_element(8, 0x60, "CT")).substr(132));
+    ASSERT_TRUE(no_preamble.ok()) << to_line(no_preamble.error());
+    EXPECT_TRUE(no_preamble.value().has_meta);
+    EXPECT_EQ(no_preamble.value().transfer_syntax, implicit_syntax);
+    EXPECT_EQ(code_of(check("some text that is no DICOM at all")), "E-DCL-001");
+}
+
+TEST(DicomLayout, compressed_pixels_are_fragments) {
+    const std::string fragment = tag(0xFFFE, 0xE000) + little(6, 4);
+    // A delimiter within a fragment ends nothing (D-17).
+    const std::string pixels = tag(0x7FE0, 0x10) + "OB" + std::string(2, '\0') + little(0xFFFFFFFF, 4) +
+                               tag(0xFFFE, 0xE000) + little(0, 4) + fragment +
+                               std::string("\xFE\xFF\xDD\xE0\0\0", 6);
+    EXPECT_TRUE(check(file_of(explicit_syntax, pixels + sequence_end)).ok());
+    EXPECT_EQ(code_of(check(file_of(explicit_syntax, pixels))), "E-DCL-004");
+    EXPECT_EQ(code_of(check(file_of(explicit_syntax, pixels + fragment + "abc"))), "E-DCL-004");
+}
+
 TEST(DicomLayout, D08_lengths_beyond_what_is_left) {
     const auto in_item = [](const std::string& element, std::uint32_t length) {
         return long_element(0x3006, 0x39, "SQ", tag(0xFFFE, 0xE000) + little(length, 4) + element,

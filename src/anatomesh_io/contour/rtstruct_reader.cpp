@@ -2,18 +2,17 @@
 
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dcistrmb.h>
-#include <dcmtk/dcmdata/dcspchrs.h>
 #include <dcmtk/dcmdata/dctk.h>
 #include <dcmtk/oflog/oflog.h>
 
 #include <map>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "anatomesh_io/contour/dicom_layout.h"
+#include "anatomesh_io/contour/dicom_text.h"
 #include "anatomesh_io/contour/number_text.h"
 
 namespace anatomesh {
@@ -108,6 +107,7 @@ class RtStructReader {
   private:
     Status parse(std::string_view file) {
         ANATOMESH_TRY(DicomLayout layout, check_dicom_layout(file, builder_.file(), is_sequence));
+        warn_of_guess(layout, builder_.file(), builder_.context());
         std::string_view data = file.substr(layout.data_set);
         if (!layout.inflated.empty()) data = layout.inflated;
         DcmInputBufferStream stream;
@@ -276,24 +276,14 @@ class RtStructReader {
 
     // The name as UTF-8.
     std::string name_of(DcmItem& item) {
-        const std::string name(text_of(item, DCM_ROIName));
-        bool is_ascii = true;
-        for (const char c : name) is_ascii = is_ascii && c != '\x1B' && static_cast<unsigned char>(c) < 0x80;
-        if (is_ascii) return name;
-        if (!converter_) {
-            converter_.emplace();
-            can_convert_ = converter_->selectCharacterSet(data_set_).good();
-        }
-        OFString converted;
-        if (can_convert_ && converter_->convertString(name.c_str(), name.size(), converted).good())
-            return std::string(converted.c_str(), converted.size());
-        bool changed = false;
-        std::string valid = valid_utf8(name, changed);
+        auto [name, is_exact] =
+            dicom_text(text_of(item, DCM_ROIName), text_of(data_set_, DCM_SpecificCharacterSet));
+        if (is_exact) return name;
         builder_.context().warn({"W-RTS-004",
                                  "the name is not in the file's character set, or that is unknown",
-                                 {builder_.file(), {}, valid, {}, {}},
+                                 {builder_.file(), {}, name, {}, {}},
                                  "what is no UTF-8 in it is shown as U+FFFD"});
-        return valid;
+        return name;
     }
 
     static Error failure(const char* code, const char* message, std::string value, Place place) {
@@ -305,8 +295,6 @@ class RtStructReader {
     RawBuilder& builder_;
     DcmDataset data_set_;
     std::map<std::uint32_t, std::uint64_t> contours_of_;  // contours read so far, by structure
-    std::optional<DcmSpecificCharacterSet> converter_;
-    bool can_convert_ = false;
 };
 
 }  // namespace

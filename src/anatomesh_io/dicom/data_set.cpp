@@ -1,0 +1,217 @@
+#include "anatomesh_io/dicom/data_set.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "anatomesh_io/contour/number_text.h"
+#include "anatomesh_io/contour/raw_builder.h"
+#include "anatomesh_io/dicom/tags.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::size_t max_elements = 50'000'000;
+constexpr DicomTag item_tag{0xFFFE, 0xE000};
+
+// The sequences that this room looks into: where a file does not say what is one, the others are passed over.
+constexpr std::array known_sequences{tags::referenced_series_sequence,
+                                     tags::source_image_sequence,
+                                     tags::derivation_image_sequence,
+                                     tags::referenced_instance_sequence,
+                                     tags::ultrasound_regions,
+                                     tags::frame_content_sequence,
+                                     tags::plane_position_sequence,
+                                     tags::plane_orientation_sequence,
+                                     tags::pixel_measures_sequence,
+                                     tags::pixel_transformation_sequence,
+                                     tags::segment_sequence,
+                                     tags::segment_identification_sequence,
+                                     tags::referenced_frame_sequence,
+                                     tags::rt_referenced_study_sequence,
+                                     tags::rt_referenced_series_sequence,
+                                     tags::contour_image_sequence,
+                                     tags::structure_set_roi_sequence,
+                                     tags::roi_contour_sequence,
+                                     tags::contour_sequence,
+                                     tags::shared_groups,
+                                     tags::per_frame_groups};
+
+bool is_known_sequence(std::uint16_t group, std::uint16_t element) {
+    return std::find(known_sequences.begin(), known_sequences.end(), DicomTag{group, element}) !=
+           known_sequences.end();
+}
+
+// Builds the flat tree; what comes after the limit is counted, not kept.
+class Collector : public DicomEvents {
+  public:
+    explicit Collector(std::vector<DicomElement>& elements) : elements_(elements) {}
+
+    void element(DicomTag tag, std::string_view, std::size_t offset, std::size_t length) override {
+        if (!take()) return;
+        elements_.push_back({tag, static_cast<std::uint32_t>(elements_.size() + 1), offset, length});
+    }
+    void begin(DicomTag tag, std::size_t offset) override {
+        open_.push_back(static_cast<std::uint32_t>(elements_.size()));
+        if (take()) elements_.push_back({tag, 0, offset, 0});
+    }
+    void end() override {
+        const std::uint32_t index = open_.back();
+        open_.pop_back();
+        if (index < elements_.size()) elements_[index].end = static_cast<std::uint32_t>(elements_.size());
+    }
+    // After an error, closes what is still open.
+    void finish() {
+        while (!open_.empty()) end();
+    }
+    bool is_full() const { return is_full_; }
+
+  private:
+    bool take() {
+        is_full_ = is_full_ || elements_.size() >= max_elements;
+        return !is_full_;
+    }
+
+    std::vector<DicomElement>& elements_;
+    std::vector<std::uint32_t> open_;
+    bool is_full_ = false;
+};
+
+std::string_view trimmed(std::string_view text) {
+    const auto is_pad = [](char c) { return c == ' ' || c == '\0'; };
+    while (!text.empty() && is_pad(text.front())) text.remove_prefix(1);
+    while (!text.empty() && is_pad(text.back())) text.remove_suffix(1);
+    return text;
+}
+
+Error value_error(const char* code, const DicomItem& item, DicomTag tag, const std::string& what) {
+    bool changed = false;
+    return {ErrorKind::input,
+            code,
+            text_of(tag) + " " + what,
+            {item.set().name(), {}, {}, {}, valid_utf8(shown(item.text(tag)), changed)},
+            "correct the file, or export it anew"};
+}
+
+}  // namespace
+
+const DicomElement* DicomItem::find(DicomTag tag) const {
+    const auto& elements = set_->elements();
+    for (std::uint32_t i = first_; i < end_; i = elements[i].end)
+        if (elements[i].tag == tag) return &elements[i];
+    return nullptr;
+}
+
+std::string_view DicomItem::bytes(DicomTag tag) const {
+    const DicomElement* element = find(tag);
+    return element ? set_->value(*element) : std::string_view{};
+}
+
+std::string_view DicomItem::text(DicomTag tag) const {
+    return trimmed(bytes(tag));
+}
+
+std::vector<DicomItem> DicomItem::items(DicomTag tag) const {
+    std::vector<DicomItem> found;
+    const DicomElement* element = find(tag);
+    if (!element) return found;
+    const auto& elements = set_->elements();
+    const auto first = static_cast<std::uint32_t>(element - elements.data()) + 1;
+    for (std::uint32_t i = first; i < element->end; i = elements[i].end)
+        if (elements[i].tag == item_tag) found.emplace_back(*set_, i + 1, elements[i].end);
+    return found;
+}
+
+std::optional<DicomItem> DicomItem::item(DicomTag tag) const {
+    const DicomElement* element = find(tag);
+    if (!element) return std::nullopt;
+    const auto& elements = set_->elements();
+    const auto first = static_cast<std::uint32_t>(element - elements.data()) + 1;
+    if (first >= element->end) return std::nullopt;
+    return DicomItem(*set_, first + 1, elements[first].end);
+}
+
+std::vector<std::string_view> DicomItem::fragments(DicomTag tag) const {
+    std::vector<std::string_view> found;
+    const DicomElement* element = find(tag);
+    if (!element) return found;
+    const auto& elements = set_->elements();
+    const auto first = static_cast<std::uint32_t>(element - elements.data()) + 1;
+    for (std::uint32_t i = first; i < element->end; i = elements[i].end)
+        found.push_back(set_->value(elements[i]));
+    return found;
+}
+
+Result<DataSet> DataSet::parse(std::string_view file, const std::string& name, DataSet* partial) {
+    DataSet set;
+    set.name_ = name;
+    set.file_ = file;
+    Collector collector(set.elements_);
+    auto layout = check_dicom_layout(file, name, is_known_sequence, {}, &collector);
+    if (layout.ok() && !collector.is_full()) {
+        set.layout_ = std::move(layout).value();
+        return set;
+    }
+    collector.finish();
+    // Offsets of a deflated data set are not those of the file.
+    if (!set.elements_.empty() && set.elements_.back().offset + set.elements_.back().length > file.size())
+        set.elements_.clear();
+    Error error = layout.ok() ? Error{ErrorKind::limit,
+                                      "E-DCM-001",
+                                      "the file has more than " + std::to_string(max_elements) + " elements",
+                                      {name, {}, {}, {}, {}},
+                                      "the file is damaged, or made to do harm"}
+                              : std::move(layout).error();
+    if (partial) *partial = std::move(set);
+    return error;
+}
+
+Error bad_value(const DicomItem& item, DicomTag tag, const std::string& what) {
+    return value_error("E-DCM-002", item, tag, what);
+}
+
+Error missing_value(const DicomItem& item, DicomTag tag, const std::string& what) {
+    return value_error("E-DCM-003", item, tag, what);
+}
+
+Result<std::optional<std::vector<double>>> decimals(const DicomItem& item, DicomTag tag, std::size_t count) {
+    std::string_view rest = item.text(tag);
+    if (rest.empty()) return std::optional<std::vector<double>>{};
+    std::vector<double> values;
+    while (values.size() <= count) {
+        const std::size_t end = std::min(rest.find('\\'), rest.size());
+        const auto value = parse_number(trimmed(rest.substr(0, end)));
+        if (!value) return bad_value(item, tag, "holds a value that is no number");
+        values.push_back(*value);
+        if (end == rest.size()) break;
+        rest.remove_prefix(end + 1);
+    }
+    if (values.size() != count)
+        return bad_value(item, tag, "does not hold " + std::to_string(count) + " numbers");
+    return std::optional(std::move(values));
+}
+
+Result<std::optional<double>> decimal(const DicomItem& item, DicomTag tag) {
+    ANATOMESH_TRY(const auto values, decimals(item, tag, 1));
+    return values ? std::optional((*values)[0]) : std::nullopt;
+}
+
+Result<std::optional<std::int64_t>> whole_number(const DicomItem& item, DicomTag tag) {
+    const std::string_view text = item.text(tag);
+    if (text.empty()) return std::optional<std::int64_t>{};
+    const auto value = parse_integer<std::int64_t>(text);
+    if (!value) return bad_value(item, tag, "is no whole number");
+    return value;
+}
+
+Result<std::optional<std::uint32_t>> unsigned_short(const DicomItem& item, DicomTag tag) {
+    const std::string_view value = item.bytes(tag);
+    if (value.empty()) return std::optional<std::uint32_t>{};
+    if (value.size() != 2) return bad_value(item, tag, "is no unsigned number of 16 bits");
+    const auto low = static_cast<unsigned char>(value[item.set().is_big_endian() ? 1 : 0]);
+    const auto high = static_cast<unsigned char>(value[item.set().is_big_endian() ? 0 : 1]);
+    return std::optional<std::uint32_t>(static_cast<std::uint32_t>(high << 8 | low));
+}
+
+}  // namespace anatomesh
