@@ -334,7 +334,7 @@ class Cleaner {
         return {ErrorKind::input, "E-CON-005",
                 "a point lies further than " + brief(options_.plane_repair_mm) +
                     " mm off the plane of its contour",
-                std::move(place), "correct the contour, or raise the bound for projecting points"};
+                std::move(place), "correct the contour, or raise the bound with --plane-repair"};
     }
 
     Status resolve_slices() {

@@ -134,7 +134,7 @@ class Resolver {
                                  place_of_(rings_[q].source).contour + " of plane " +
                                  std::to_string(rings_[q].plane) + " and this one of plane " +
                                  std::to_string(rings_[r].plane),
-                             std::move(place), "remove one of the two planes, or have them united"};
+                             std::move(place), "remove one of the two planes, or unite them with --unite-repeated-planes"};
             }
         }
         return false;
@@ -183,7 +183,7 @@ class Resolver {
                 return Error{
                     ErrorKind::geometry, "E-CON-006",
                     "the contour crosses itself, and what it bounds is ambiguous by more than the bound",
-                    std::move(place), "redraw the contour, or raise the bound for repairs"};
+                    std::move(place), "redraw the contour, or raise the bound with --max-repair"};
             }
             note(source, "W-CON-014", "the contour crosses itself", value, "read by the even-odd rule");
             append(reading.rule, "self-crossing, even-odd");

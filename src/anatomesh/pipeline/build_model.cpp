@@ -60,6 +60,8 @@ class Builder {
     Status make_field() {
         FieldOptions options;
         options.caps = options_.caps;
+        options.max_gap_spacings = options_.max_gap_spacings;
+        options.single_slice_mm = options_.single_slice_mm;
         ANATOMESH_TRY(field_, make_structure_field(contours_, options, context_));
         report().slice_spacing_mm = field_->slice_spacing();
         return end_stage("field", 0.05);

@@ -16,6 +16,8 @@ namespace anatomesh {
 struct ModelOptions {
     double size_mm = 0;             // target edge length. 0: from the slice spacing and the contours. [0.01, 1000]
     EndCaps caps = EndCaps::half;
+    double max_gap_spacings = 2;    // as in FieldOptions. [1, 1e6]
+    double single_slice_mm = 0;     // as in FieldOptions. [0, 1000]
     double max_radius_edge = 2.0;   // aimed at for every cell. [1.2, 10]
     std::uint64_t max_tetrahedra = 1'000'000'000;  // refused above, before the work
 };

@@ -89,7 +89,7 @@ class CslReader {
             return Error{ErrorKind::limit, "E-CIO-004",
                          "more than " + std::to_string(builder_.limits().points) + " points in all",
                          place(std::to_string(vertex_count)),
-                         "raise the limit with --limits when the file is right"};
+                         "raise the limit with --limit when the file is right (--limits lists them)"};
         vertices_.clear();
         vertices_.reserve(vertex_count);
         for (std::uint64_t i = 0; i < vertex_count; ++i) {

@@ -15,7 +15,7 @@ namespace {
 
 Error over_limit(const char* code, const char* what, std::uint64_t limit, Place place) {
     return {ErrorKind::limit, code, std::string("more than ") + std::to_string(limit) + " " + what,
-            std::move(place), "raise the limit with --limits when the file is right"};
+            std::move(place), "raise the limit with --limit when the file is right (--limits lists them)"};
 }
 
 bool within(double value, double limit) {
