@@ -407,8 +407,10 @@ Status AtomicFileSet::add(AtomicFile file) {
     const std::string target = std::filesystem::path(file.target_).lexically_normal().string();
     for (const AtomicFile& other : files_) {
         if (std::filesystem::path(other.target_).lexically_normal().string() == target) {
-            return file_error("E-FILE-012", "two outputs have the same name", file.path_,
-                              "name another file");
+            Error error =
+                file_error("E-FILE-012", "two outputs have the same name", file.path_, "name another file");
+            error.kind = ErrorKind::usage;
+            return error;
         }
     }
     if (!file.finished_) {
@@ -418,7 +420,7 @@ Status AtomicFileSet::add(AtomicFile file) {
     return Nothing{};
 }
 
-Status AtomicFileSet::commit() {
+Status AtomicFileSet::commit(const std::function<Status()>& last) {
     std::vector<AtomicFile> files = std::move(files_);
     files_.clear();
     std::optional<Error> failure;
@@ -439,6 +441,10 @@ Status AtomicFileSet::commit() {
             failure = file_error("E-FILE-009", "folder " + folder + " could not be synced: " + reason(why),
                                  files[i].path_, advice(why));
         }
+    }
+    if (!failure && last) {
+        Status status = last();
+        if (!status.ok()) failure = std::move(status).error();
     }
     if (failure) {
         while (placed > 0) files[--placed].take_back();

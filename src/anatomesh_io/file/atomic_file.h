@@ -15,6 +15,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -86,8 +87,9 @@ class AtomicFileSet {
     Status add(const std::string& path, std::string_view content);
     // Takes a file that the caller has written; finishes it when that was not done.
     Status add(AtomicFile file);
-    // Gives all outputs their names. The set is empty afterwards; nothing has changed on failure.
-    Status commit();
+    // Gives all outputs their names. The set is empty afterwards; nothing has changed on failure. `last`,
+    // when given, is called once all have their names; when it fails, they are taken back.
+    Status commit(const std::function<Status()>& last = {});
 
     std::size_t size() const { return files_.size(); }
 

@@ -253,6 +253,24 @@ TEST(AtomicFileSet, F02_outputs_appear_together_or_not_at_all) {
     }
 }
 
+TEST(AtomicFileSet, what_fails_last_takes_all_back) {
+    const Folder folder;
+    put(folder.file("old"), "old");
+    AtomicFileSet set;
+    ASSERT_TRUE(set.add(folder.file("old"), "new old").ok());
+    ASSERT_TRUE(set.add(folder.file("fresh"), "new fresh").ok());
+    bool were_there = false;
+    const Status status = set.commit([&]() -> Status {
+        were_there = content_of(folder.file("old")) == "new old" && fs::exists(folder.file("fresh"));
+        return Error{ErrorKind::file, "E-FILE-008", "the answer could not be given", {}, ""};
+    });
+    EXPECT_TRUE(were_there);
+    ASSERT_FALSE(status.ok());
+    EXPECT_EQ(status.error().code, "E-FILE-008");
+    EXPECT_EQ(content_of(folder.file("old")), "old");
+    EXPECT_EQ(folder.entries(), 1u);
+}
+
 TEST(AtomicFileSet, two_outputs_of_one_name_are_refused) {
     const Folder folder;
     AtomicFileSet set;
