@@ -26,14 +26,18 @@ nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
 
 }  // namespace
 
-Status give_answer(const Session& session, nlohmann::ordered_json answer, const std::string& text) {
-    if (!session.json) return print_answer(printable(text));
+std::string json_text(const Session& session, nlohmann::ordered_json answer) {
     answer["warnings"] = warnings_json(session.context.warnings);
-    return print_answer(answer.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    return answer.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-Status give_summary(const Session& session, nlohmann::ordered_json answer, const std::string& text) {
-    if (session.quiet && !session.json) return Nothing{};
+Status give_answer(Session& session, nlohmann::ordered_json answer, const std::string& text) {
+    if (!session.json) return print_answer(session, printable(text));
+    return print_answer(session, json_text(session, std::move(answer)));
+}
+
+Status give_summary(Session& session, nlohmann::ordered_json answer, const std::string& text) {
+    if ((session.quiet || session.output_closed) && !session.json) return Nothing{};
     return give_answer(session, std::move(answer), text);
 }
 

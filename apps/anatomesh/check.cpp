@@ -2,15 +2,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "anatomesh/geom/box.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh_io/report/report_json.h"
 #include "answer.h"
 #include "mesh_input.h"
 #include "option_values.h"
+#include "plural.h"
 #include "read_input.h"
 #include "summary.h"
 #include "verbs.h"
@@ -24,8 +27,68 @@ struct CheckOptions {
     InputOptions contours;  // input empty: none
 };
 
-Status run_check(const CheckOptions& options, Session& session) {
-    ANATOMESH_TRY(const ModelFile model, read_model(options.model, session.context));
+// Whether two sets of points span the same box but for turned x and y, as one set in LPS and in RAS does.
+bool are_turned(const Box3& a, const Box3& b) {
+    const double near = 0.01 * std::max(a.diagonal(), b.diagonal());
+    const auto match = [&](double p, double q) { return std::abs(p - q) <= near; };
+    const bool same = match(a.low.x, b.low.x) && match(a.high.x, b.high.x) && match(a.low.y, b.low.y) &&
+                      match(a.high.y, b.high.y);
+    return !same && match(a.low.x, -b.high.x) && match(a.high.x, -b.low.x) && match(a.low.y, -b.high.y) &&
+           match(a.high.y, -b.low.y);
+}
+
+Box3 box_of(const std::vector<Vec3>& points) {
+    Box3 box;
+    for (const Vec3& p : points) box.extend(p);
+    return box;
+}
+
+// What the user can do about broken clauses.
+std::string advice(const CheckOptions& options, const ModelFile& model, const InputContours* contours,
+                   const ModelReport& report) {
+    const auto broken = [&](int number) {
+        return std::any_of(report.certificate.begin(), report.certificate.end(), [&](const Clause& clause) {
+            return clause.number == number && clause.state == ClauseState::broken;
+        });
+    };
+    if (broken(1) && contours && contours->kept.frame == Frame::unknown && options.contours.frame.empty() &&
+        model.description.space == "LPS") {
+        const bool turned = are_turned(box_of(contours->kept.points), box_of(model.mesh.points));
+        return fmt::format(
+            "the contour file does not state its axes and the model does (LPS): give the --frame that the "
+            "model "
+            "was made with{}",
+            turned ? ", --frame RAS by the look of it" : "");
+    }
+    if (broken(4) && !contours) {
+        return "the certificate says which and where; with --contours what they force is known and excused";
+    }
+    return "the certificate says which and where";
+}
+
+Result<ModelFile> model_to_check(const CheckOptions& options, Session& session) {
+    ANATOMESH_TRY(MeshInput input, read_mesh(options.model, session.limits, session.context));
+    if (input.model) return *std::move(input.model);
+    return Error{ErrorKind::input,
+                 "E-CMD-012",
+                 "this is a surface, which has no tetrahedra to check",
+                 {options.model, "", "", "", ""},
+                 "name a model: .vtu, .msh, .mesh or .inp"};
+}
+
+Status run_check(CheckOptions options, Session& session) {
+    options.contours.limits = session.limits;
+    if (options.contours.input.empty() &&
+        (!options.contours.frame.empty() || !options.contours.cleaning_given.empty())) {
+        const std::string option =
+            options.contours.frame.empty() ? options.contours.cleaning_given.front() : "--frame";
+        return Error{ErrorKind::usage,
+                     "E-CMD-008",
+                     option + " does not apply: it says how contours are read, and there is no --contours",
+                     {},
+                     fmt::format("give --contours too, or leave out {}", option)};
+    }
+    ANATOMESH_TRY(const ModelFile model, model_to_check(options, session));
     std::optional<InputContours> contours;
     ModelReport report;
     if (!options.contours.input.empty()) {
@@ -44,16 +107,17 @@ Status run_check(const CheckOptions& options, Session& session) {
     report.warnings = session.context.warnings;
 
     const std::string text = options.model + "\n" + report_summary(report) + certificate_text(report);
-    ANATOMESH_CHECK_STATUS(session.json ? print_answer(report_json(report)) : print_answer(printable(text)));
+    ANATOMESH_CHECK_STATUS(print_answer(session, session.json ? report_json(report) : printable(text)));
     if (!any_broken(report.certificate)) return Nothing{};
     const auto broken =
         std::count_if(report.certificate.begin(), report.certificate.end(),
                       [](const Clause& clause) { return clause.state == ClauseState::broken; });
     return Error{ErrorKind::geometry,
                  "E-CMD-013",
-                 fmt::format("the model breaks {} of the clauses", broken),
+                 fmt::format("the model breaks {} of the contract",
+                             counted(static_cast<std::uint64_t>(broken), "clause")),
                  {options.model, "", "", "", ""},
-                 "the certificate above says which and where"};
+                 advice(options, model, contours ? &*contours : nullptr, report)};
 }
 
 }  // namespace
@@ -67,6 +131,7 @@ Work declare_check(CLI::App& verb) {
              "Contours whose vertices must be on the surface");
     add_choice(verb, "--frame", options->contours.frame, {"LPS", "RAS"},
                "Axes of the coordinates in a contour file that does not say");
+    add_cleaning_options(verb, options->contours);
     return [options](Session& session) { return run_check(*options, session); };
 }
 

@@ -31,15 +31,16 @@ std::string distances_text(const char* which, const DistanceStats& stats) {
 }
 
 Status run_compare(const CompareOptions& options, Session& session) {
-    ANATOMESH_TRY(const MeshInput a, read_mesh(options.a, session.context));
-    ANATOMESH_TRY(const MeshInput b, read_mesh(options.b, session.context));
+    ANATOMESH_TRY(const MeshInput a, read_mesh(options.a, session.limits, session.context));
+    ANATOMESH_TRY(const MeshInput b, read_mesh(options.b, session.limits, session.context));
     const SurfaceFile surface_a = surface_of(a), surface_b = surface_of(b);
     if (surface_a.description.space != surface_b.description.space) {
-        session.context.warn(
-            {"W-CMD-001",
-             "the two do not state the same axes",
-             {options.b, "", "", "", surface_a.description.space + ", " + surface_b.description.space},
-             "compared as the numbers stand"});
+        session.context.warn({"W-CMD-001",
+                              "the two files do not state the same axes",
+                              {options.b, "", "", "",
+                               fmt::format("{} of {}, {} of {}", surface_a.description.space, options.a,
+                                           surface_b.description.space, options.b)},
+                              "the coordinates were compared as they are"});
     }
     SurfaceDistanceOptions measuring;
     measuring.samples = options.samples;

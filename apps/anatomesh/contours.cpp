@@ -6,10 +6,12 @@
 #include <string>
 
 #include "anatomesh_io/contour/write_contours.h"
+#include "anatomesh_io/file/atomic_file.h"
 #include "answer.h"
 #include "input_options.h"
 #include "option_values.h"
 #include "outputs.h"
+#include "plural.h"
 #include "read_input.h"
 #include "verbs.h"
 
@@ -19,21 +21,30 @@ namespace {
 
 struct ContoursOptions {
     InputOptions input;
-    std::string output;
+    std::string output, report;  // report empty: none
 };
 
-Status run_contours(const ContoursOptions& options, Session& session) {
-    ANATOMESH_CHECK_STATUS(contour_format_of(options.output));
-    ANATOMESH_CHECK_STATUS(check_outputs({options.input.input}, {options.output}));
-    ANATOMESH_TRY(OpenedInput opened, open_input(options.input, session.context));
-    ANATOMESH_TRY(const InputContours contours,
-                  contours_of(std::move(opened), options.input, session.context));
-    if (session.context.cancelled()) return cancelled_error();
-    ANATOMESH_CHECK_STATUS(write_contours(contours.kept, options.output, session.context));
+// How every drawn contour was read, as in the report of a model.
+nlohmann::ordered_json log_json(const std::vector<ContourReport>& log) {
+    auto list = nlohmann::ordered_json::array();
+    for (const ContourReport& contour : log) {
+        list.push_back({{"structure", contour.structure},
+                        {"slice", contour.slice},
+                        {"name", contour.name},
+                        {"rule", contour.rule},
+                        {"points_in", contour.points_in},
+                        {"points_kept", contour.points_kept},
+                        {"max_displacement_mm", contour.max_displacement_mm},
+                        {"area_change_mm2", contour.area_change_mm2}});
+    }
+    return list;
+}
 
+nlohmann::ordered_json answer_of(const InputContours& contours, const std::string& output) {
     const ContourSet& kept = contours.kept;
     nlohmann::ordered_json answer;
-    answer["output"] = options.output;
+    answer["version"] = ANATOMESH_VERSION;
+    answer["output"] = output;
     answer["inputs"] = inputs_json(contours.files);
     answer["options"] = nlohmann::ordered_json::object();
     for (const auto& [name, value] : contours.options) answer["options"][name] = value;
@@ -43,10 +54,47 @@ Status run_contours(const ContoursOptions& options, Session& session) {
     answer["points"] = kept.points.size();
     answer["points_before_simplification"] = contours.traced_points;
     answer["islands_left_out"] = contours.islands_left_out;
-    return give_summary(
-        session, answer,
-        fmt::format("{}: {} contours on {} slices, {} points (of {})\n", options.output, kept.contours.size(),
-                    kept.slices.size(), kept.points.size(), contours.traced_points));
+    return answer;
+}
+
+Status check_names(const ContoursOptions& options) {
+    ANATOMESH_CHECK_STATUS(check_contour_output(options.output));
+    std::vector<std::string> outputs{options.output};
+    if (!options.report.empty()) {
+        ANATOMESH_CHECK_STATUS(check_extension(options.report, {".json"}));
+        outputs.push_back(options.report);
+    }
+    return check_outputs({options.input.input}, outputs);
+}
+
+Status run_contours(ContoursOptions options, Session& session) {
+    options.input.limits = session.limits;
+    ANATOMESH_CHECK_STATUS(check_names(options));
+    ANATOMESH_TRY(OpenedInput opened, open_input(options.input, session.context));
+    ANATOMESH_CHECK_STATUS(check_outputs(
+        names_of(opened.files),
+        options.report.empty() ? std::vector{options.output} : std::vector{options.output, options.report}));
+    ANATOMESH_TRY(const InputContours contours,
+                  contours_of(std::move(opened), options.input, session.context));
+    if (session.context.cancelled()) return cancelled_error();
+
+    const ContourSet& kept = contours.kept;
+    AtomicFileSet files;
+    ANATOMESH_TRY(const ContourFormat format, contour_format_of(options.output));
+    ANATOMESH_CHECK_STATUS(files.add(options.output, format_contours(kept, format, session.context)));
+    const nlohmann::ordered_json answer = answer_of(contours, options.output);
+    if (!options.report.empty()) {
+        nlohmann::ordered_json report = answer;
+        report["contour_log"] = log_json(contours.log);
+        ANATOMESH_CHECK_STATUS(files.add(options.report, json_text(session, std::move(report))));
+    }
+    return files.commit([&] {
+        return give_summary(
+            session, answer,
+            fmt::format("{}: {} on {}, {} (of {})\n", options.output,
+                        counted(kept.contours.size(), "contour"), counted(kept.slices.size(), "slice"),
+                        counted(kept.points.size(), "point"), contours.traced_points));
+    });
 }
 
 }  // namespace
@@ -55,7 +103,10 @@ Work declare_contours(CLI::App& verb) {
     auto options = std::make_shared<ContoursOptions>();
     add_reading_options(verb, options->input);
     add_selection_options(verb, options->input);
+    add_cleaning_options(verb, options->input);
     add_text(verb, "-o,--output", options->output, "OUT", "File to write: .json, .vtp or .csl")->required();
+    add_text(verb, "--report", options->report, "FILE",
+             "Also write what was read, how and with which warnings: .json");
     return [options](Session& session) { return run_contours(*options, session); };
 }
 

@@ -5,10 +5,12 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "anatomesh_io/file/atomic_file.h"
 #include "answer.h"
 #include "mesh_input.h"
 #include "option_values.h"
 #include "outputs.h"
+#include "plural.h"
 #include "verbs.h"
 
 namespace anatomesh {
@@ -23,7 +25,7 @@ Status run_convert(const ConvertOptions& options, Session& session) {
     const bool to_model = model_format_of(options.output).has_value();
     ANATOMESH_CHECK_STATUS(check_mesh_output(options.output, true));
     ANATOMESH_CHECK_STATUS(check_outputs({options.input}, {options.output}));
-    ANATOMESH_TRY(const MeshInput input, read_mesh(options.input, session.context));
+    ANATOMESH_TRY(const MeshInput input, read_mesh(options.input, session.limits, session.context));
     nlohmann::ordered_json answer{{"input", options.input}, {"output", options.output}};
     if (to_model && !input.model) {
         return Error{ErrorKind::usage,
@@ -34,19 +36,23 @@ Status run_convert(const ConvertOptions& options, Session& session) {
     }
     if (session.context.cancelled()) return cancelled_error();
     std::string what;
+    AtomicFileSet files;
     if (to_model) {
-        ANATOMESH_CHECK_STATUS(write_model(options.output, *input.model, session.context));
+        ANATOMESH_TRY(const std::string bytes, format_model(options.output, *input.model, session.context));
+        ANATOMESH_CHECK_STATUS(files.add(options.output, bytes));
         answer["vertices"] = input.model->mesh.points.size();
         answer["tetrahedra"] = input.model->mesh.cells.size();
-        what = fmt::format("{} tetrahedra", input.model->mesh.cells.size());
+        what = counted(input.model->mesh.cells.size(), "tetrahedron", "tetrahedra");
     } else {
         const SurfaceFile surface = surface_of(input);
-        ANATOMESH_CHECK_STATUS(write_surface(options.output, surface, session.context));
+        ANATOMESH_TRY(const std::string bytes, format_surface(options.output, surface, session.context));
+        ANATOMESH_CHECK_STATUS(files.add(options.output, bytes));
         answer["vertices"] = surface.surface.points.size();
         answer["triangles"] = surface.surface.triangles.size();
-        what = fmt::format("{} triangles", surface.surface.triangles.size());
+        what = counted(surface.surface.triangles.size(), "triangle");
     }
-    return give_summary(session, answer, fmt::format("{}: {}\n", options.output, what));
+    return files.commit(
+        [&] { return give_summary(session, answer, fmt::format("{}: {}\n", options.output, what)); });
 }
 
 }  // namespace

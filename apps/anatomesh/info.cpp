@@ -11,6 +11,7 @@
 #include "anatomesh/image/select.h"
 #include "answer.h"
 #include "input_options.h"
+#include "plural.h"
 #include "read_input.h"
 #include "verbs.h"
 
@@ -57,8 +58,8 @@ Result<Json> image_json(const LoadedImage& loaded, RunContext& context) {
     return json;
 }
 
-Result<Json> contours_json(const RawContours& raw, RunContext& context) {
-    ANATOMESH_TRY(const CleanResult cleaned, clean_contours(raw, CleanOptions{}, context));
+Result<Json> contours_json(const RawContours& raw, const CleanOptions& cleaning, RunContext& context) {
+    ANATOMESH_TRY(const CleanResult cleaned, clean_contours(raw, cleaning, context));
     const ContourSet& set = cleaned.kept;
     const Box3 box = set.box();
     const bool parallel = all_parallel(set, parallel_tolerance_mm);
@@ -97,6 +98,13 @@ std::string numbers_text(const Json& values) {
     return text;
 }
 
+// ", parallel, 3 mm apart"; nothing for one slice.
+std::string arrangement_text(const Json& contours) {
+    if (contours["slices"].get<std::uint64_t>() < 2) return "";
+    if (!contours["parallel"].get<bool>()) return ", not parallel";
+    return fmt::format(", parallel, {:.6g} mm apart", contours["slice_spacing_mm"].get<double>());
+}
+
 std::string text_of(const Json& answer) {
     std::string text = fmt::format("{}: {}, {}\n", answer["file"].get<std::string>(),
                                    answer["kind"].get<std::string>(), answer["space"].get<std::string>());
@@ -108,26 +116,26 @@ std::string text_of(const Json& answer) {
                             what["values"]["low"].get<double>(), what["values"]["high"].get<double>(),
                             what["label_map"].get<bool>() ? "label map" : "grey image (needs --threshold)");
     } else {
-        text += fmt::format("  {} slices, {}, {} contours, {} points\n", what["slices"].get<std::uint64_t>(),
-                            what["parallel"].get<bool>() ? fmt::format("parallel, {:.6g} mm apart",
-                                                                       what["slice_spacing_mm"].get<double>())
-                                                         : std::string("not parallel"),
-                            what["contours"].get<std::uint64_t>(), what["points"].get<std::uint64_t>());
+        text += fmt::format("  {}{}, {}, {}\n", counted(what["slices"].get<std::uint64_t>(), "slice"),
+                            arrangement_text(what), counted(what["contours"].get<std::uint64_t>(), "contour"),
+                            counted(what["points"].get<std::uint64_t>(), "point"));
     }
     if (!what.contains("structures")) return text;
-    text += fmt::format("  {} structures:\n", what["structures"].size());
+    text += fmt::format("  {}:\n", counted(what["structures"].size(), "structure"));
     for (const Json& each : what["structures"]) {
         text += fmt::format("  {:>6}  {:<32} ", each["number"].get<std::int32_t>(),
                             each["name"].get<std::string>());
-        text += is_image ? fmt::format("{} voxels, {:.1f} mm3\n", each["voxels"].get<std::uint64_t>(),
-                                       each["volume_mm3"].get<double>())
-                         : fmt::format("{} contours, {} points\n", each["contours"].get<std::uint64_t>(),
-                                       each["points"].get<std::uint64_t>());
+        text += is_image
+                    ? fmt::format("{}, {:.1f} mm3\n", counted(each["voxels"].get<std::uint64_t>(), "voxel"),
+                                  each["volume_mm3"].get<double>())
+                    : fmt::format("{}, {}\n", counted(each["contours"].get<std::uint64_t>(), "contour"),
+                                  counted(each["points"].get<std::uint64_t>(), "point"));
     }
     return text;
 }
 
-Status run_info(const InputOptions& options, Session& session) {
+Status run_info(InputOptions options, Session& session) {
+    options.limits = session.limits;
     ANATOMESH_TRY(const OpenedInput input, open_input(options, session.context));
     Json answer;
     answer["file"] = options.input;
@@ -138,7 +146,7 @@ Status run_info(const InputOptions& options, Session& session) {
     if (input.image) {
         ANATOMESH_TRY(answer["image"], image_json(*input.image, session.context));
     } else {
-        ANATOMESH_TRY(answer["contours"], contours_json(*input.contours, session.context));
+        ANATOMESH_TRY(answer["contours"], contours_json(*input.contours, options.cleaning, session.context));
     }
     return give_answer(session, answer, text_of(answer));
 }
@@ -148,6 +156,7 @@ Status run_info(const InputOptions& options, Session& session) {
 Work declare_info(CLI::App& verb) {
     auto options = std::make_shared<InputOptions>();
     add_reading_options(verb, *options);
+    add_cleaning_options(verb, *options);
     return [options](Session& session) { return run_info(*options, session); };
 }
 

@@ -56,6 +56,48 @@ void add_reading_options(CLI::App& verb, InputOptions& options) {
                        "Which volume of an image that holds several, from 0");
 }
 
+void add_cleaning_options(CLI::App& verb, InputOptions& options) {
+    CleanOptions& cleaning = options.cleaning;
+    const auto add = [&](const std::string& name, double& target, double low, double high, const char* unit,
+                         const std::string& description) {
+        const auto read = [&options, &target, name, low, high](const std::string& text) {
+            target = strict_number(name, text, low, high);
+            options.cleaning_given.push_back(name);
+        };
+        verb.add_option_function<std::string>(name, read, description)->type_name(unit);
+    };
+    const auto read_holes = [&options](const std::string& text) {
+        if (text != "even-odd" && text != "filled") {
+            throw CLI::ValidationError("--holes", fmt::format("'{}' is not one of even-odd, filled", text));
+        }
+        options.cleaning.holes = text == "filled" ? HoleRule::united : HoleRule::even_odd;
+        options.cleaning_given.emplace_back("--holes");
+    };
+    verb.add_option_function<std::string>(
+            "--holes", read_holes,
+            "A drawn contour inside another one of its structure: a hole (even-odd, default), or part of the "
+            "inside (filled)")
+        ->type_name("even-odd|filled");
+    verb.add_flag_callback(
+        "--unite-repeated-planes",
+        [&options] {
+            options.cleaning.unite_repeated_planes = true;
+            options.cleaning_given.emplace_back("--unite-repeated-planes");
+        },
+        "Unite the drawn contours of a plane that is given twice where they contradict each other");
+    add("--closing-gap", cleaning.closing_gap_mm, 0, 100, "MM",
+        fmt::format("Close open contours over a gap up to MM, 0 to 100 (default {})",
+                    cleaning.closing_gap_mm));
+    add("--plane-repair", cleaning.plane_repair_mm, cleaning.plane_tolerance_mm, 10, "MM",
+        fmt::format("Move drawn points up to MM off their plane onto it, {} to 10 (default {})",
+                    cleaning.plane_tolerance_mm, cleaning.plane_repair_mm));
+    add("--max-repair", cleaning.max_repair_area_share, 0, 1, "SHARE",
+        fmt::format(
+            "Refuse a contour of which more than this share of the area is ambiguous, 0 to 1 (default "
+            "{})",
+            cleaning.max_repair_area_share));
+}
+
 void add_selection_options(CLI::App& verb, InputOptions& options) {
     add_texts(verb, "--structure", options.structures, "NAME",
               "Structure to take, by name or number; may be repeated (default: all)");
@@ -73,9 +115,9 @@ void add_selection_options(CLI::App& verb, InputOptions& options) {
             [&options](const std::string& text) {
                 options.epsilon_mm = text == "exact" ? 0.0 : strict_number("--epsilon", text, 1e-6, 10);
             },
-            "Every traced or drawn point stays within MM of the kept polygon (default: 0.15 of the pixel for "
-            "traced "
-            "contours, exact for drawn ones)")
+            "Every traced or drawn point stays within MM of the kept polygon, 1e-6 to 10 (default: 0.15 of "
+            "the "
+            "pixel for traced contours, exact for drawn ones)")
         ->type_name("MM|exact");
     verb.add_option_function<std::string>(
             "--min-area",

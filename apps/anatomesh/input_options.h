@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "anatomesh/contour/clean.h"
+#include "limits.h"
+
 namespace anatomesh {
 
 struct Threshold {
@@ -29,10 +32,19 @@ struct InputOptions {
     std::uint32_t offset = 0;
     std::optional<double> epsilon_mm;  // 0: exact
     std::optional<double> min_area_mm2;
+
+    CleanOptions cleaning;
+    std::vector<std::string>
+        cleaning_given;  // the options among those of add_cleaning_options() that were given
+    Limits limits;
 };
 
 // INPUT and how to place it: --frame, --use, --assume-orientation, --volume.
 void add_reading_options(CLI::App& verb, InputOptions& options);
+
+// How drawn contours are read and repaired: --holes, --unite-repeated-planes, --closing-gap, --plane-repair,
+// --max-repair.
+void add_cleaning_options(CLI::App& verb, InputOptions& options);
 
 // Which part of it, and how closely: --structure, --threshold, --keep-largest, --every, --offset, --epsilon,
 // --min-area.

@@ -2,38 +2,96 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh_io/file/detect.h"
+#include "anatomesh_io/file/input_file.h"
 
 namespace anatomesh {
 
-Result<MeshInput> read_mesh(const std::string& path, RunContext& context) {
-    ANATOMESH_TRY(const FileKind kind, detect(path));
+namespace {
+
+constexpr const char* mesh_extensions =
+    "models are .vtu, .msh, .mesh and .inp, surfaces .vtp, .stl, .ply and .obj";
+
+// A reader's error with a next step, should it have none of its own.
+Error with_next_step(Error error) {
+    if (!error.next_step.empty()) return error;
+    error.next_step = error.code == "E-MDL-006"
+                          ? "turn the elements into linear tetrahedra, or facets into triangles, first"
+                          : "write the file again with the program that made it";
+    return error;
+}
+
+Result<MeshInput> read_kind(const std::string& path, FileKind kind, const Limits& limits,
+                            RunContext& context) {
     MeshInput input;
     switch (kind) {
         case FileKind::vtk_unstructured_grid:
         case FileKind::gmsh:
         case FileKind::medit:
         case FileKind::abaqus: {
-            ANATOMESH_TRY(input.model, read_model(path, context));
+            ANATOMESH_TRY(input.model, read_model(path, context, limits.input));
             return input;
         }
         case FileKind::vtk_polydata:
         case FileKind::stl:
         case FileKind::ply:
         case FileKind::obj: {
-            ANATOMESH_TRY(input.surface, read_surface(path, context));
+            ANATOMESH_TRY(input.surface, read_surface(path, context, limits.input));
             return input;
         }
         default:
-            return Error{ErrorKind::input,
-                         "E-CMD-012",
-                         kind == FileKind::unknown
-                             ? std::string("the content is of no known kind")
-                             : fmt::format("a {} is neither a model nor a surface", name_of(kind)),
-                         {path, "", "", "", ""},
-                         "models are .vtu, .msh, .mesh and .inp, surfaces .vtp, .stl, .ply and .obj"};
+            return Error{
+                ErrorKind::input,
+                "E-CMD-012",
+                kind == FileKind::unknown
+                    ? unknown_content(path)
+                    : fmt::format("the kind of the file is {}: neither a model nor a surface", name_of(kind)),
+                {path, "", "", "", ""},
+                mesh_extensions};
     }
+}
+
+}  // namespace
+
+Result<MeshInput> read_mesh(const std::string& path, const Limits& limits, RunContext& context) {
+    std::error_code failure;
+    if (std::filesystem::is_directory(path, failure)) {
+        return Error{ErrorKind::input,
+                     "E-CMD-012",
+                     unknown_content(path),
+                     {path, "", "", "", ""},
+                     std::string("name a file in it: ") + mesh_extensions};
+    }
+    ANATOMESH_TRY(const FileKind kind, detect(path));
+    Result<MeshInput> input = read_kind(path, kind, limits, context);
+    if (!input.ok()) return with_next_step(std::move(input).error());
+    return input;
+}
+
+std::string unknown_content(const std::string& path) {
+    std::error_code failure;
+    if (std::filesystem::is_directory(path, failure)) return "this is a folder, not a file";
+    constexpr std::size_t shown_bytes = 12;
+    const auto start = read_input_start(path, shown_bytes);
+    if (start.ok() && start.value().empty()) return "the file is empty";
+    if (!start.ok()) return "the content is of no known kind";
+    std::string text, hexadecimal;
+    bool plain = true;
+    for (const std::byte byte : start.value()) {
+        const auto c = std::to_integer<unsigned char>(byte);
+        if (c == '\n' || c == '\r') break;
+        plain = plain && c >= 0x20 && c < 0x7F;
+        text += static_cast<char>(c);
+        hexadecimal += fmt::format("{}{:02X}", hexadecimal.empty() ? "" : " ", c);
+    }
+    return fmt::format("the content is of no known kind; it begins with {}",
+                       plain ? "'" + text + "'" : "the bytes " + hexadecimal);
 }
 
 SurfaceFile surface_of(const MeshInput& input) {

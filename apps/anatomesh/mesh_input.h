@@ -7,6 +7,7 @@
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
 #include "anatomesh_io/mesh/mesh_file.h"
+#include "limits.h"
 
 namespace anatomesh {
 
@@ -17,7 +18,11 @@ struct MeshInput {
 };
 
 // By content. Errors: those of the readers; E-CMD-012 a kind of file that is neither.
-Result<MeshInput> read_mesh(const std::string& path, RunContext& context);
+Result<MeshInput> read_mesh(const std::string& path, const Limits& limits, RunContext& context);
+
+// What a file of no known kind is, as far as its first bytes tell: "a folder", "the file is empty", "the
+// content, which begins with ..., is of no known kind".
+std::string unknown_content(const std::string& path);
 
 // The surface of a model: every interface between two regions; a surface as it is.
 SurfaceFile surface_of(const MeshInput& input);

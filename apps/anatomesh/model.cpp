@@ -20,6 +20,7 @@
 #include "anatomesh_io/mesh/mesh_file.h"
 #include "anatomesh_io/report/report_html.h"
 #include "anatomesh_io/report/report_json.h"
+#include "estimate.h"
 #include "input_options.h"
 #include "option_values.h"
 #include "outputs.h"
@@ -51,6 +52,8 @@ struct DumpOption {
 struct ModelVerbOptions {
     InputOptions input;
     double size_mm = 0;
+    double max_gap_spacings = FieldOptions{}.max_gap_spacings;
+    double slice_thickness_mm = 0;  // 0: not stated
     std::string caps = "half";
     std::string output, report, html, contours;
     std::vector<std::string> surfaces;
@@ -89,7 +92,11 @@ Status check_output_names(const ModelVerbOptions& options) {
         ANATOMESH_CHECK_STATUS(check_mesh_output(dump.path, false));
     }
     if (!options.contours.empty()) {
-        ANATOMESH_CHECK_STATUS(contour_format_of(options.contours));
+        ANATOMESH_CHECK_STATUS(check_contour_output(options.contours));
+    }
+    ANATOMESH_CHECK_STATUS(check_extension(options.report, {".json"}));
+    if (!options.html.empty()) {
+        ANATOMESH_CHECK_STATUS(check_extension(options.html, {".html", ".htm"}));
     }
     return check_outputs({options.input.input}, outputs_of(options));
 }
@@ -145,6 +152,14 @@ void complete_report(ModelReport& report, InputContours& contours, const ModelVe
     append_number(size, report.size_mm);
     report.options.emplace_back("size_mm", size);
     report.options.emplace_back("caps", options.caps);
+    std::string gap;
+    append_number(gap, options.max_gap_spacings);
+    report.options.emplace_back("max_gap_spacings", gap);
+    if (options.slice_thickness_mm > 0) {
+        std::string thickness;
+        append_number(thickness, options.slice_thickness_mm);
+        report.options.emplace_back("slice_thickness_mm", thickness);
+    }
     report.warnings = session.context.warnings;
 }
 
@@ -158,8 +173,8 @@ Status add_surfaces(const Model& model, const MeshDescription& description,
     return Nothing{};
 }
 
-// All outputs under temporary names, then all at once.
-Status write_outputs(const Model& model, const ContourSet& kept, const ModelVerbOptions& options,
+// All outputs under temporary names.
+Status stage_outputs(Model& model, const ContourSet& kept, const ModelVerbOptions& options,
                      AtomicFileSet& files, Session& session) {
     RunContext& context = session.context;
     const ModelFile file{model.mesh, description_of(model, session)};
@@ -172,16 +187,25 @@ Status write_outputs(const Model& model, const ContourSet& kept, const ModelVerb
         ANATOMESH_TRY(const ContourFormat format, contour_format_of(options.contours));
         ANATOMESH_CHECK_STATUS(files.add(options.contours, format_contours(kept, format, context)));
     }
+    model.report.warnings = context.warnings;  // with those of the formats
     ANATOMESH_CHECK_STATUS(files.add(options.report, report_json(model.report)));
     if (!options.html.empty()) {
         const std::string page = report_html(model.report, model.mesh, model.regions, &kept);
         ANATOMESH_CHECK_STATUS(files.add(options.html, page));
     }
     if (context.cancelled()) return cancelled_error();
-    return files.commit();
+    return Nothing{};
+}
+
+Status answer(const Model& model, const ModelVerbOptions& options, Session& session) {
+    if (session.json) return print_answer(session, report_json(model.report));
+    if (session.quiet || session.output_closed) return Nothing{};
+    return print_answer(session, printable(options.output + "\n" + report_summary(model.report) +
+                                           certificate_line(model.report)));
 }
 
 Status run_model(ModelVerbOptions options, Session& session) {
+    options.input.limits = session.limits;
     if (options.report.empty()) options.report = with_ending(options.output, ".report.json");
     ANATOMESH_CHECK_STATUS(check_output_names(options));
 
@@ -198,6 +222,7 @@ Status run_model(ModelVerbOptions options, Session& session) {
     Stopwatch watch;
     begin("reading", 0, 0.08);
     ANATOMESH_TRY(OpenedInput opened, open_input(options.input, context));
+    ANATOMESH_CHECK_STATUS(check_outputs(names_of(opened.files), outputs_of(options)));
     StageReport reading{"read", watch.lap(), 0, 0, {}};
     begin("contours", 0.08, 0.15);
     ANATOMESH_TRY(InputContours contours, contours_of(std::move(opened), options.input, context));
@@ -213,6 +238,12 @@ Status run_model(ModelVerbOptions options, Session& session) {
     begin("model", 0.15, 0.9);
     ModelOptions building;
     building.size_mm = options.size_mm;
+    building.max_gap_spacings = options.max_gap_spacings;
+    building.single_slice_mm = options.slice_thickness_mm;
+    building.max_tetrahedra = session.limits.tetrahedra;
+    if (options.size_mm > 0) {
+        ANATOMESH_CHECK_STATUS(check_size(contours.kept, options.size_mm, session.limits));
+    }
     building.caps = options.caps == "flat" ? EndCaps::flat : EndCaps::half;
     ANATOMESH_TRY(Model model, build_model(contours.kept, building, context, observer));
     AtomicFileSet files;
@@ -223,14 +254,10 @@ Status run_model(ModelVerbOptions options, Session& session) {
     model.report.stages.insert(model.report.stages.begin(), {std::move(reading), std::move(tracing)});
     complete_report(model.report, contours, options, session);
     begin("writing", 0.9, 1);
-    ANATOMESH_CHECK_STATUS(write_outputs(model, contours.kept, options, files, session));
-
+    ANATOMESH_CHECK_STATUS(stage_outputs(model, contours.kept, options, files, session));
     context.progress = nullptr;
     bar.reset();
-    if (session.json) return print_answer(report_json(model.report));
-    if (session.quiet) return Nothing{};
-    return print_answer(
-        printable(options.output + "\n" + report_summary(model.report) + certificate_line(model.report)));
+    return files.commit([&] { return answer(model, options, session); });
 }
 
 }  // namespace
@@ -241,18 +268,24 @@ Work declare_model(CLI::App& verb) {
     add_text(verb, "-o,--output", options->output, "MODEL", "Model to write: .vtu, .msh, .mesh or .inp")
         ->required();
     add_selection_options(verb, options->input);
+    add_cleaning_options(verb, options->input);
     add_number(verb, "--size", options->size_mm, 0.01, 1000, "MM",
-               "Target edge length (default: found from the data)");
+               "Target edge length, 0.01 to 1000 (default: found from the data)");
     add_choice(verb, "--caps", options->caps, {"half", "flat"},
                "Where a structure ends beyond its last contour: half a slice further (default), or at it");
+    add_number(
+        verb, "--max-gap", options->max_gap_spacings, 1, 1e6, "SPACINGS",
+        "Join contours of a structure over a gap of up to so many slice spacings, 1 to 1000000 (default 2)");
+    add_number(verb, "--slice-thickness", options->slice_thickness_mm, 0.001, 1000, "MM",
+               "How thick a slice is when there is only one, 0.001 to 1000");
     add_texts(verb, "--surface", options->surfaces, "FILE",
               "Also write the surface: .vtp, .stl, .ply or .obj; may be repeated");
     add_text(verb, "--contours", options->contours, "FILE",
              "Also write the contours used: .json, .vtp or .csl");
     add_text(verb, "--report", options->report, "FILE",
-             "Where the report goes (default: the model's name with .report.json)");
+             "Where the report goes: .json (default: the model's name with .report.json)");
     add_text(verb, "--html", options->html, "FILE",
-             "Also write the report as one HTML page with a view of the model");
+             "Also write the report as one page with a view of the model: .html");
     verb.add_option_function<std::vector<std::string>>(
             "--dump",
             [options](const std::vector<std::string>& texts) {

@@ -1,5 +1,9 @@
 #include "outputs.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 
@@ -12,23 +16,38 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// The path with links followed, also one to a file that is not there yet.
+fs::path followed(fs::path path) {
+    constexpr int most_links = 40;
+    std::error_code error;
+    for (int i = 0; i < most_links && fs::is_symlink(path, error); ++i) {
+        const fs::path next = fs::read_symlink(path, error);
+        if (error) break;
+        path = path.parent_path() / next;
+    }
+    const fs::path canonical = fs::weakly_canonical(fs::absolute(path, error), error);
+    return error ? path : canonical;
+}
+
 // Whether two names mean one file, be it there already or not.
 bool same_file(const std::string& a, const std::string& b) {
     std::error_code error;
-    if (fs::equivalent(a, b, error)) return true;
-    const fs::path canonical_a = fs::weakly_canonical(a, error);
-    if (error) return a == b;
-    const fs::path canonical_b = fs::weakly_canonical(b, error);
-    return error ? a == b : canonical_a == canonical_b;
+    return fs::equivalent(a, b, error) || followed(a) == followed(b);
 }
 
 constexpr const char* model_extensions = ".vtu, .msh, .mesh, .inp";
 constexpr const char* surface_extensions = ".vtp, .stl, .ply, .obj";
 
+// ".vtu" alone is a hidden file without an extension.
+bool has_extension(const std::string& path) {
+    return fs::path(path).has_extension();
+}
+
 Error unknown_extension(const std::string& path, const std::string& known) {
     return {ErrorKind::usage,
             "E-CMD-004",
-            "the extension names no format that can be written here",
+            has_extension(path) ? "the extension names no format that can be written here"
+                                : "the name has no extension, which chooses the format",
             {path, "", "", "", ""},
             "the extensions are " + known};
 }
@@ -49,7 +68,7 @@ Status check_outputs(const std::vector<std::string>& inputs, const std::vector<s
     for (std::size_t i = 0; i < outputs.size(); ++i) {
         for (const std::string& input : inputs) {
             if (!same_file(outputs[i], input) && !lies_in(outputs[i], input)) continue;
-            return Error{ErrorKind::file,
+            return Error{ErrorKind::usage,
                          "E-CMD-006",
                          "the output is an input, or lies in one",
                          {outputs[i], "", "", "", ""},
@@ -57,7 +76,7 @@ Status check_outputs(const std::vector<std::string>& inputs, const std::vector<s
         }
         for (std::size_t j = 0; j < i; ++j) {
             if (!same_file(outputs[i], outputs[j])) continue;
-            return Error{ErrorKind::file,
+            return Error{ErrorKind::usage,
                          "E-FILE-012",
                          "two outputs are the same file",
                          {outputs[i], "", "", "", ""},
@@ -69,14 +88,26 @@ Status check_outputs(const std::vector<std::string>& inputs, const std::vector<s
 }
 
 Status check_mesh_output(const std::string& path, bool surfaces_too) {
-    if (model_format_of(path) || (surfaces_too && surface_format_of(path))) return Nothing{};
+    const bool known = model_format_of(path) || (surfaces_too && surface_format_of(path));
+    if (known && has_extension(path)) return Nothing{};
     return unknown_extension(path, std::string(model_extensions) + (surfaces_too ? ", " : "") +
                                        (surfaces_too ? surface_extensions : ""));
 }
 
 Status check_surface_output(const std::string& path) {
-    if (surface_format_of(path)) return Nothing{};
+    if (surface_format_of(path) && has_extension(path)) return Nothing{};
     return unknown_extension(path, surface_extensions);
+}
+
+Status check_contour_output(const std::string& path) {
+    return check_extension(path, {".json", ".vtp", ".csl"});
+}
+
+Status check_extension(const std::string& path, const std::vector<std::string>& extensions) {
+    std::string extension = fs::path(path).extension().string();
+    for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return Nothing{};
+    return unknown_extension(path, fmt::format("{}", fmt::join(extensions, ", ")));
 }
 
 std::string with_ending(const std::string& path, const std::string& ending) {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "command_words.h"
-#include "limits_text.h"
+#include "limits.h"
 #include "option_values.h"
 #include "session.h"
 #include "shell_texts.h"
@@ -35,6 +35,7 @@ struct LimitsAsked {};
 struct CommonOptions {
     bool json = false, quiet = false;
     std::uint32_t threads = 0;
+    Limits limits;
 };
 
 struct VerbEntry {
@@ -76,10 +77,10 @@ const VerbEntry verb_entries[] = {
 Work declare_completion(CLI::App& verb, const CLI::App& app) {
     auto shell = std::make_shared<std::string>();
     add_choice(verb, "SHELL", *shell, {"bash", "zsh", "fish"}, "Shell to print the script for")->required();
-    return [shell, &app](Session&) {
-        if (*shell == "bash") return print_answer(bash_completion(app));
-        if (*shell == "zsh") return print_answer(zsh_completion(app));
-        return print_answer(fish_completion(app));
+    return [shell, &app](Session& session) {
+        if (*shell == "bash") return print_answer(session, bash_completion(app));
+        if (*shell == "zsh") return print_answer(session, zsh_completion(app));
+        return print_answer(session, fish_completion(app));
     };
 }
 
@@ -87,13 +88,15 @@ void add_common(CLI::App& verb, CommonOptions& common) {
     verb.add_flag("--json", common.json, "Print the answer as one JSON object");
     verb.add_flag("--quiet", common.quiet, "No progress, no warnings, no summary; errors are always said");
     add_count(verb, "--threads", common.threads, 1, most_threads, "Threads to use (default: all processors)");
+    add_limit_option(verb, common.limits);
 }
 
 // CLI11 throws for help, version and wrong commands alike.
 int end_of_parsing(const CLI::App& app, const CLI::ParseError& stop, Session& session) {
     if (stop.get_exit_code() == 0) {
         const bool is_version = dynamic_cast<const CLI::CallForVersion*>(&stop) != nullptr;
-        const Status printed = print_answer(is_version ? fmt::format("anatomesh {}\n", version) : app.help());
+        const Status printed =
+            print_answer(session, is_version ? fmt::format("anatomesh {}\n", version) : app.help());
         if (printed) return 0;
         print_error(session, printed.error());
         return exit_code(printed.error());
@@ -114,7 +117,7 @@ int run(int argc, const char* const* argv, Session& session) {
     CLI::App app{"Tetrahedral models of anatomy from contours on medical image slices", "anatomesh"};
     app.set_version_flag("--version", version, "Print the version");
     app.add_flag_callback(
-        "--limits", [] { throw LimitsAsked{}; }, "Print every limit with its value");
+        "--limits", [] { throw LimitsAsked{}; }, "Print every limit with its name and value");
     app.footer(exit_codes);
     app.require_subcommand(1);
 
@@ -126,7 +129,7 @@ int run(int argc, const char* const* argv, Session& session) {
         Work work = entry.declare(*verb);
         add_common(*verb, common);
         verb->add_flag_callback(
-            "--limits", [] { throw LimitsAsked{}; }, "Print every limit with its value");
+            "--limits", [] { throw LimitsAsked{}; }, "Print every limit with its name and value");
         verbs.emplace_back(verb, std::move(work));
     }
     CLI::App* completion = app.add_subcommand("completion", "Print the completion script of a shell");
@@ -135,7 +138,8 @@ int run(int argc, const char* const* argv, Session& session) {
     verbs.emplace_back(completion, declare_completion(*completion, app));
     CLI::App* manual = app.add_subcommand("manual", "Print the manual page, for man");
     manual->footer("Example:\n  anatomesh manual | man -l -");
-    verbs.emplace_back(manual, [&app](Session&) { return print_answer(manual_page(app, version)); });
+    verbs.emplace_back(manual,
+                       [&app](Session& each) { return print_answer(each, manual_page(app, version)); });
 
     const std::vector<std::string> words(argv + (argc > 0 ? 1 : 0), argv + argc);
     // Errors of the words themselves are answered in the form that was asked for.
@@ -147,10 +151,11 @@ int run(int argc, const char* const* argv, Session& session) {
     } catch (const CLI::ParseError& stop) {
         return end_of_parsing(app, stop, session);
     } catch (const LimitsAsked&) {
-        return finish(print_answer(limits_text()), session);
+        return finish(print_answer(session, limits_text()), session);
     }
     session.json = common.json;
     session.quiet = common.quiet;
+    session.limits = common.limits;
     session.context.threads = common.threads > 0 ? static_cast<int>(common.threads) : available_processors();
     for (const auto& [verb, work] : verbs) {
         if (verb->parsed()) return finish(work(session), session);
@@ -162,7 +167,9 @@ int run(int argc, const char* const* argv, Session& session) {
 
 int run_program(int argc, const char* const* argv) {
     Session session;
-    session.context.cancel = prepare_process();
+    const ProcessState process = prepare_process();
+    session.context.cancel = process.cancel;
+    session.output_closed = process.output_closed;
     Error error{
         ErrorKind::internal, "E-CMD-011", "", {}, "please report this with the command and the input"};
     try {

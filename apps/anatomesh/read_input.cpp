@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <initializer_list>
 
 #include "anatomesh/contour/clean.h"
 #include "anatomesh/contour/simplify.h"
@@ -15,6 +16,7 @@
 #include "anatomesh_io/contour/number_text.h"
 #include "anatomesh_io/contour/read_contours.h"
 #include "anatomesh_io/file/input_file.h"
+#include "mesh_input.h"
 
 namespace anatomesh {
 
@@ -49,13 +51,14 @@ bool is_contour_file(FileKind kind) {
            kind == FileKind::dicom_rtstruct;
 }
 
-Result<InputReport> file_report(const std::string& path, const std::string& format) {
-    ANATOMESH_TRY(const InputFile file, read_input_file(path, InputLimits{}));
+Result<InputReport> file_report(const std::string& path, const std::string& format,
+                                const InputLimits& limits) {
+    ANATOMESH_TRY(const InputFile file, read_input_file(path, limits));
     return InputReport{path, format, file.sha256(), file.bytes().size()};
 }
 
 // The files of a folder of contour files, in the order of their names.
-Result<std::vector<InputReport>> folder_report(const std::string& folder) {
+Result<std::vector<InputReport>> folder_report(const std::string& folder, const InputLimits& limits) {
     std::vector<std::string> paths;
     std::error_code error;
     for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
@@ -65,10 +68,18 @@ Result<std::vector<InputReport>> folder_report(const std::string& folder) {
     std::sort(paths.begin(), paths.end());
     std::vector<InputReport> files;
     for (const std::string& path : paths) {
-        ANATOMESH_TRY(InputReport report, file_report(path, name_of(FileKind::vtk_polydata)));
+        ANATOMESH_TRY(InputReport report, file_report(path, name_of(FileKind::vtk_polydata), limits));
         files.push_back(std::move(report));
     }
     return files;
+}
+
+bool has_contour_file(const std::string& folder) {
+    std::error_code error;
+    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+        if (at->path().extension() == ".vtp") return true;
+    }
+    return false;
 }
 
 ReadImageOptions image_options(const InputOptions& options) {
@@ -79,7 +90,45 @@ ReadImageOptions image_options(const InputOptions& options) {
     if (options.nifti_transform == "sform") reading.nifti_transform = NiftiTransform::sform;
     reading.assume_orientation = options.assume_orientation;
     if (options.volume) reading.volume = *options.volume;
+    reading.limits = options.limits.input;
+    reading.max_voxels = options.limits.voxels;
     return reading;
+}
+
+// Options that this kind of file has no use for at all.
+Status check_reading_options(const InputOptions& options, FileKind kind) {
+    const bool image = is_image(kind);
+    const std::string why = image ? fmt::format("the input is of the kind {}", name_of(kind))
+                                  : "the input holds contours, not an image";
+    if (kind != FileKind::nifti) {
+        if (!options.nifti_transform.empty()) return does_not_apply("--use", options.input, why);
+        if (!options.assume_orientation.empty())
+            return does_not_apply("--assume-orientation", options.input, why);
+    }
+    if (!image && options.volume) return does_not_apply("--volume", options.input, why);
+    if (image && !options.cleaning_given.empty()) {
+        return does_not_apply(options.cleaning_given.front(), options.input,
+                              "the input is an image, whose contours are traced and not drawn");
+    }
+    return Nothing{};
+}
+
+bool has_warning(const RunContext& context, std::initializer_list<const char*> codes) {
+    return std::any_of(context.warnings.begin(), context.warnings.end(), [&](const Warning& warning) {
+        return std::find(codes.begin(), codes.end(), warning.code) != codes.end();
+    });
+}
+
+// Options that decide what an image leaves open, given for one that leaves nothing open: scripts pass them
+// always.
+void warn_of_unused_options(const InputOptions& options, RunContext& context) {
+    const auto warn = [&](const std::string& option, const std::string& value, const char* message) {
+        context.warn({"W-CMD-003", message, {options.input, "", "", "", option + " " + value}, "not used"});
+    };
+    if (!options.frame.empty() && !has_warning(context, {"W-NRD-003", "W-MTI-002"}))
+        warn("--frame", options.frame, "the image states its own axes");
+    if (!options.assume_orientation.empty() && !has_warning(context, {"W-NII-005"}))
+        warn("--assume-orientation", options.assume_orientation, "the image states its own orientation");
 }
 
 Result<OpenedInput> open_image(const InputOptions& options, FileKind kind, RunContext& context) {
@@ -92,6 +141,7 @@ Result<OpenedInput> open_image(const InputOptions& options, FileKind kind, RunCo
         opened.files.push_back({hash.path, name_of(kind), hash.sha256, error ? 0 : bytes});
     }
     opened.image = std::move(image);
+    warn_of_unused_options(options, context);
     return opened;
 }
 
@@ -100,14 +150,16 @@ Result<OpenedInput> open_contours(const InputOptions& options, FileKind kind, bo
     ReadContoursOptions reading;
     if (options.frame == "LPS") reading.frame = FrameChoice::lps;
     if (options.frame == "RAS") reading.frame = FrameChoice::ras;
+    reading.limits = options.limits.contour;
+    reading.file_limits = options.limits.input;
     ANATOMESH_TRY(RawContours raw, read_contours(options.input, reading, context));
     OpenedInput opened;
     opened.kind = kind;
     opened.contours = std::move(raw);
     if (folder) {
-        ANATOMESH_TRY(opened.files, folder_report(options.input));
+        ANATOMESH_TRY(opened.files, folder_report(options.input, options.limits.input));
     } else {
-        ANATOMESH_TRY(InputReport report, file_report(options.input, name_of(kind)));
+        ANATOMESH_TRY(InputReport report, file_report(options.input, name_of(kind), options.limits.input));
         opened.files.push_back(std::move(report));
     }
     return opened;
@@ -116,6 +168,12 @@ Result<OpenedInput> open_contours(const InputOptions& options, FileKind kind, bo
 // A grey image needs a threshold; a label map is one already.
 Result<LabelMap> labels_of(const LoadedImage& image, const InputOptions& options, RunContext& context) {
     if (options.threshold) {
+        if (looks_like_label_map(image.facts)) {
+            context.warn({"W-CMD-002",
+                          "the image looks like a label map",
+                          {options.input, "", "", "", "--threshold"},
+                          "taken as a grey image because of --threshold: its structures become one"});
+        }
         return threshold_image(image.image, {options.threshold->low, options.threshold->high}, context);
     }
     if (!looks_like_label_map(image.facts)) {
@@ -207,12 +265,14 @@ Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& op
     ANATOMESH_TRY(const auto chosen, find_structures(all.structures, options.structures, options.input));
     const RawContours raw =
         chosen.size() < all.structures.size() ? chosen_contours(all, chosen) : std::move(all);
-    ANATOMESH_TRY(CleanResult cleaned, clean_contours(raw, CleanOptions{}, context));
+    ANATOMESH_TRY(CleanResult cleaned, clean_contours(raw, options.cleaning, context));
 
     InputContours result;
     result.files = std::move(input.files);
     result.log = contour_log(raw, cleaned);
-    result.hole_rule = "even-odd: a contour inside another of its structure is a hole";
+    result.hole_rule = options.cleaning.holes == HoleRule::united
+                           ? "filled: a contour inside another of its structure adds nothing"
+                           : "even-odd: a contour inside another of its structure is a hole";
     result.traced_points = cleaned.stats.points_in;
     result.kept = std::move(cleaned.kept);
     if (options.every.value_or(1) > 1) {
@@ -255,31 +315,62 @@ std::vector<std::pair<std::string, std::string>> used_options(const InputOptions
     if (options.keep_largest) used.emplace_back("keep_largest", std::to_string(*options.keep_largest));
     used.emplace_back("every", std::to_string(options.every.value_or(1)));
     used.emplace_back("offset", std::to_string(options.offset));
+    if (!options.cleaning_given.empty()) {
+        const CleanOptions& cleaning = options.cleaning;
+        used.emplace_back("holes", cleaning.holes == HoleRule::united ? "filled" : "even-odd");
+        used.emplace_back("unite_repeated_planes", cleaning.unite_repeated_planes ? "yes" : "no");
+        used.emplace_back("closing_gap_mm", number_text(cleaning.closing_gap_mm));
+        used.emplace_back("plane_repair_mm", number_text(cleaning.plane_repair_mm));
+        used.emplace_back("max_repair_share", number_text(cleaning.max_repair_area_share));
+    }
     return used;
 }
 
 }  // namespace
 
+std::vector<std::string> names_of(const std::vector<InputReport>& files) {
+    std::vector<std::string> names;
+    for (const InputReport& file : files) names.push_back(file.file);
+    return names;
+}
+
 Result<OpenedInput> open_input(const InputOptions& options, RunContext& context) {
+    constexpr const char* kinds =
+        "inputs are NIfTI, NRRD, MetaImage, InVesalius projects, contour JSON, CSL, VTK polydata, DICOM "
+        "RTSTRUCT, "
+        "and folders of contours in VTK polydata";
     std::error_code error;
-    const bool folder = fs::is_directory(options.input, error);
-    if (folder) return open_contours(options, FileKind::vtk_polydata, true, context);
+    if (fs::is_directory(options.input, error)) {
+        if (!has_contour_file(options.input)) {
+            return Error{ErrorKind::input,
+                         "E-CMD-012",
+                         "this is a folder, and no contour file (.vtp) is in it",
+                         {options.input, "", "", "", ""},
+                         std::string("name a file in it; ") + kinds};
+        }
+        ANATOMESH_CHECK_STATUS(check_reading_options(options, FileKind::vtk_polydata));
+        return open_contours(options, FileKind::vtk_polydata, true, context);
+    }
     ANATOMESH_TRY(const FileKind kind, detect(options.input));
+    if (is_image(kind) || is_contour_file(kind)) {
+        ANATOMESH_CHECK_STATUS(check_reading_options(options, kind));
+    }
     if (is_image(kind)) return open_image(options, kind, context);
     if (is_contour_file(kind)) return open_contours(options, kind, false, context);
     return Error{
         ErrorKind::input,
         "E-CMD-012",
-        kind == FileKind::unknown ? std::string("the content is of no known kind")
-                                  : fmt::format("a {} is neither an image nor contours", name_of(kind)),
+        kind == FileKind::unknown
+            ? unknown_content(options.input)
+            : fmt::format("the kind of the file is {}: neither an image nor contours", name_of(kind)),
         {options.input, "", "", "", ""},
-        "inputs are NIfTI, NRRD, MetaImage, InVesalius projects, contour JSON, CSL, VTK polydata and DICOM "
-        "RTSTRUCT"};
+        kinds};
 }
 
 Result<InputContours> contours_of(OpenedInput input, const InputOptions& options, RunContext& context) {
     if (options.offset >= options.every.value_or(1) && options.offset > 0) {
-        return usage_error("E-CMD-008", "--offset must be less than --every", options.input, "");
+        return usage_error("E-CMD-008", "--offset must be less than --every", options.input,
+                           "give --every too, or a smaller --offset");
     }
     ANATOMESH_TRY(InputContours result, input.image ? contours_of_image(std::move(input), options, context)
                                                     : contours_of_file(std::move(input), options, context));

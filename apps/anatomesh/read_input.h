@@ -28,8 +28,12 @@ struct OpenedInput {
 };
 
 // Reads the input whole. Errors: those of the readers; E-CMD-012 a kind of file that is no image and no
-// contours.
+// contours; usage E-CMD-008 an option that this kind of file has no use for. Warnings: W-CMD-003 an option
+// that was not needed.
 Result<OpenedInput> open_input(const InputOptions& options, RunContext& context);
+
+// The paths of files that were read.
+std::vector<std::string> names_of(const std::vector<InputReport>& files);
 
 // Kept contours, and all that the report says about how they came to be.
 struct InputContours {

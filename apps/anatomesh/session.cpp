@@ -49,14 +49,17 @@ int exit_code(const Error& error) {
     return static_cast<int>(error.kind);
 }
 
-Status print_answer(std::string_view text) {
-    const int failure = write_all(STDOUT_FILENO, text);
+Status print_answer(Session& session, std::string_view text) {
+    session.answered = true;  // even when it fails: half an answer is not to be followed by another document
+    const int failure = session.output_closed ? EBADF : write_all(STDOUT_FILENO, text);
     if (failure == 0 || failure == EPIPE) return Nothing{};
     return Error{ErrorKind::file,
                  "E-CMD-009",
-                 fmt::format("standard output cannot be written: {}", std::strerror(failure)),
+                 session.output_closed
+                     ? std::string("standard output is closed")
+                     : fmt::format("standard output cannot be written: {}", std::strerror(failure)),
                  {},
-                 ""};
+                 "give it a place to go to; with --quiet, verbs that write files need none"};
 }
 
 void print_line(const std::string& line) {
@@ -65,7 +68,7 @@ void print_line(const std::string& line) {
 
 void print_error(const Session& session, const Error& error) {
     print_line(fmt::format("anatomesh: {}", to_line(error)));
-    if (session.json) {
+    if (session.json && !session.answered) {
         const auto text =
             to_json(error).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
         write_all(STDOUT_FILENO, text + "\n");

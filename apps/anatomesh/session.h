@@ -10,27 +10,32 @@
 
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
+#include "limits.h"
 
 namespace anatomesh {
 
 struct Session {
     RunContext context;
-    std::string command;  // the command line, quoted as a shell needs it
-    bool json = false;    // the answer as one JSON object
-    bool quiet = false;   // no progress, no warnings, no summary; errors are always said
+    Limits limits;
+    std::string command;         // the command line, quoted as a shell needs it
+    bool json = false;           // the answer as one JSON object
+    bool quiet = false;          // no progress, no warnings, no summary; errors are always said
+    bool output_closed = false;  // standard output was closed when the program began
+    bool answered = false;       // an answer was printed
 };
 
 // The exit code that an error stands for.
 int exit_code(const Error& error);
 
-// Writes the answer to standard output. A closed pipe ends the output quietly; any other failure is an Error
-// E-CMD-009.
-Status print_answer(std::string_view text);
+// Writes the answer to standard output. A pipe that nobody reads any more ends the output quietly; any other
+// failure is an Error E-CMD-009.
+Status print_answer(Session& session, std::string_view text);
 
 // One line on standard error, control characters shown as '?'.
 void print_line(const std::string& line);
 
-// The error on standard error, and as a JSON object on standard output when the session answers in JSON.
+// The error as one line on standard error; when the session answers in JSON and has not answered yet, also as
+// a JSON object on standard output. So there is one JSON document, whatever happens.
 void print_error(const Session& session, const Error& error);
 
 // The warnings on standard error, at most five of a code, then how many more; nothing when quiet.

@@ -22,9 +22,11 @@ extern "C" void on_signal(int) {
 
 }  // namespace
 
-const std::atomic<bool>* prepare_process() {
+ProcessState prepare_process() {
+    ProcessState state{&cancel_flag, false};
     for (int descriptor = 0; descriptor <= 2; ++descriptor) {
         if (fcntl(descriptor, F_GETFD) == -1 && errno == EBADF) {
+            if (descriptor == STDOUT_FILENO) state.output_closed = true;
             // open() gives the lowest free number, which is this one.
             if (::open("/dev/null", descriptor == 0 ? O_RDONLY : O_WRONLY) < 0) break;
         }
@@ -40,7 +42,7 @@ const std::atomic<bool>* prepare_process() {
         if (sigaction(number, nullptr, &old) == 0 && old.sa_handler != SIG_IGN)
             sigaction(number, &action, nullptr);
     }
-    return &cancel_flag;
+    return state;
 }
 
 int available_processors() {

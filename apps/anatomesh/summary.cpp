@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "plural.h"
+
 namespace anatomesh {
 
 namespace {
@@ -21,21 +23,25 @@ const char* state_text(ClauseState state) {
 }
 
 std::string structure_line(const StructureReport& structure) {
-    return fmt::format("  {:>6}  {:<28} {:>9} tetrahedra, {:.1f} mm3, {} shells, genus {}\n",
-                       structure.number, structure.name, structure.tetrahedra, structure.volume_mesh_mm3,
-                       structure.components, structure.genus);
+    return fmt::format("  {:>6}  {:<28} {:>9} {}, {:.1f} mm3, {}, genus {}\n", structure.number,
+                       structure.name, structure.tetrahedra,
+                       structure.tetrahedra == 1 ? "tetrahedron" : "tetrahedra", structure.volume_mesh_mm3,
+                       counted(structure.components, "shell"), structure.genus);
 }
 
 }  // namespace
 
 std::string report_summary(const ModelReport& report) {
-    std::string text = fmt::format("  {} tetrahedra, {} vertices, {} triangles, {} {}\n", report.tetrahedra,
-                                   report.vertices, report.surface_triangles, report.space, report.unit);
+    std::string text =
+        fmt::format("  {}, {}, {}, {} {}\n", counted(report.tetrahedra, "tetrahedron", "tetrahedra"),
+                    counted(report.vertices, "vertex", "vertices"),
+                    counted(report.surface_triangles, "triangle"), report.space, report.unit);
     for (std::size_t i = 0; i < report.structures.size() && i < most_structures; ++i) {
         text += structure_line(report.structures[i]);
     }
     if (report.structures.size() > most_structures) {
-        text += fmt::format("  and {} more structures\n", report.structures.size() - most_structures);
+        text +=
+            fmt::format("  and {}\n", counted(report.structures.size() - most_structures, "more structure"));
     }
     const QualityReport& quality = report.quality;
     text += fmt::format(

@@ -1,4 +1,5 @@
 """Rows P-* and F-13 of the catalogue of bad input, and what every verb shares: help, versions, exit codes, completion."""
+import json
 import os
 import pty
 import re
@@ -32,7 +33,7 @@ class Help(harness.TestCase):
 
     def test_limits_are_listed_by_the_program_and_by_verbs(self):
         text = self.run_program("--limits").out
-        for what in ("input file", "voxels", "tetrahedra", "coordinates"):
+        for what in ("file-bytes", "voxels", "tetrahedra", "coordinate"):
             self.assertIn(what, text)
         self.assertEqual(self.run_program("model", "--limits").out, text)
 
@@ -120,6 +121,34 @@ class WrongCommands(harness.TestCase):
         for words in (["--threshold", "5"], ["--keep-largest", "1"], ["--min-area", "3"]):
             self.assert_refused(["model", "ball.json", "-o", "a.vtu", *words], 2, "E-CMD-008", words[0])
 
+    def image(self, name, values, header):
+        self.write(name, header.encode() + bytes(values))
+
+    def test_P03_options_of_images_for_contours_and_of_nifti_for_others(self):
+        self.image("labels.nrrd", [0] * 21 + [1] * 22 + [0] * 21,
+                   "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspace: LPS\nspace directions: (1,0,0) (0,1,0) "
+                   "(0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n\n")
+        for words in (["--use", "qform"], ["--assume-orientation", "RAS"], ["--volume", "0"]):
+            self.assert_refused(["info", "ball.json", *words], 2, "E-CMD-008", words[0])
+        for words in (["--use", "sform"], ["--assume-orientation", "RAS"], ["--holes", "filled"], ["--max-repair", "1"],
+                      ["--closing-gap", "1"], ["--plane-repair", "1"], ["--unite-repeated-planes"]):
+            self.assert_refused(["contours", "labels.nrrd", "-o", "a.json", *words], 2, "E-CMD-008", words[0])
+        for words in (["--frame", "RAS"], ["--holes", "filled"]):
+            self.assert_refused(["check", "ball.json", *words], 2, "E-CMD-008", words[0], "--contours")
+        self.assertIn("W-CMD-003", self.run_program("info", "labels.nrrd", "--frame", "RAS").err)
+        self.assertIn("W-CMD-002", self.run_program("contours", "labels.nrrd", "-o", "a.csl", "--threshold", "1").err)
+        self.assertNotIn("W-CMD", self.run_program("contours", "labels.nrrd", "-o", "a.csl").err)
+
+    def test_values_of_options_are_validated(self):
+        for words in (["--holes", "none"], ["--max-repair", "1.5"], ["--closing-gap", "-1"], ["--plane-repair", "11"],
+                      ["--max-gap", "0.5"], ["--slice-thickness", "0"], ["--limit", "voxels"], ["--limit", "voxels=0"],
+                      ["--limit", "pixels=5"], ["--limit", "voxels=+5"], ["--limit", "voxels=1e6"],
+                      ["--limit", "points=99999999999"]):
+            self.assert_refused(["model", "ball.json", "-o", "a.vtu", *words], 2, "E-CMD-001", words[0])
+        for axes in ("RAX", "RR", "ras", "RASL", "RLS"):
+            nifti = ["info", "ball.json", "--assume-orientation", axes]
+            self.assert_refused(nifti, 2, "--assume-orientation")
+
     def test_P04_unknown_extension_lists_the_known(self):
         self.assert_refused(["model", "ball.json", "-o", "a.xyz"], 2, "E-CMD-004", ".vtu", ".msh", ".inp")
         self.assert_refused(["model", "ball.json", "-o", "a"], 2, ".vtu")
@@ -131,10 +160,196 @@ class WrongCommands(harness.TestCase):
         self.assert_refused(["model", "pair.json", "-o", "a.vtu", "--structure", "liver"], 2, "E-CMD-005", "left (1)",
                             "right (2)", "liver")
 
+    def test_json_is_one_document_and_the_error_stands_on_standard_error_too(self):
+        self.run_program("model", "ball.json", "-o", "ball.vtu", "--quiet")
+        self.write("other.json", shapes.sphere(11).document())
+        for words, code in ((["check", "ball.vtu", "--contours", "other.json"], 4), (["info", "nothing.json"], 6),
+                            (["mdoel"], 2), (["info", "ball.json", "--use", "up"], 2), (["check", "ball.json"], 3),
+                            (["contours", "ball.json", "-o", "a.csl", "--threshold", "5"], 2)):
+            result = self.run_program(*words, "--json", expect=code)
+            document = json.loads(result.out)
+            self.assertRegex(result.err, r"anatomesh: E-[A-Z]{2,4}-\d{3}\b")
+            if words[0] == "check" and code == 4:
+                self.assertEqual(document["certificate"][0]["state"], "broken")
+            else:
+                self.assertEqual(document["error"]["exit_code"], code)
+
     def test_errors_are_json_when_json_is_asked(self):
         error = self.run_program("info", "nothing.json", "--json", expect=6).json()["error"]
         self.assertEqual(error["exit_code"], 6)
         self.assertRegex(error["code"], r"^E-[A-Z]+-\d{3}$")
+
+
+class Messages(harness.TestCase):
+    """What is said names the file, what was found, and what to do next."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("ball.json", shapes.sphere(10).document())
+
+    def test_every_error_of_an_odd_input_has_a_next_step(self):
+        self.write("empty", "")
+        self.write("text", "some notes\nof mine")
+        self.write("bytes", bytes([0x89, 1, 2, 3]))
+        self.write("page.csl", "CSLC 1 1")
+        self.write("tet10.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n0 0 0 0\n$EndNodes\n$Elements\n1 1 1 1\n"
+                                "3 1 11 1\n1 1 2 3 4 5 6 7 8 9 10\n$EndElements\n")
+        self.write("quad.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\n"
+                               "vertex 0 1 0\nendloop\nendfacet\nendsolid a\n")
+        self.write("hexa.mesh", "MeshVersionFormatted 2\nDimension 3\nVertices\n0\nHexahedra\n1\n1 2 3 4 5 6 7 8 1\nEnd\n")
+        cases = [(verb, name, text) for verb in (["info"], ["convert", "-o", "x.vtu"], ["check"], ["compare", "ball.json"])
+                 for name, text in ((".", "folder"), ("empty", "the file is empty"), ("text", "'some notes'"),
+                                    ("bytes", "89 01 02 03"), ("none", "E-INP-001"))]
+        cases += [(["convert", "-o", "x.vtu"], "tet10.msh", "E-MDL-006"), (["convert", "-o", "x.ply"], "quad.stl", "E-MDL"),
+                  (["check"], "hexa.mesh", "E-MDL"), (["info"], "page.csl", "E-CSL")]
+        for verb, name, text in cases:
+            words = [*verb, name] if verb[0] != "compare" else ["compare", name, name]
+            with self.subTest(words=words):
+                code = 6 if name == "none" else 3
+                message = self.assert_refused(words, code, text).err
+                self.assertIn(f" {name}", message)
+                self.assertIn("(next: ", message)
+
+    def test_a_surface_has_no_tetrahedra_to_check_or_to_convert(self):
+        self.run_program("model", "ball.json", "-o", "ball.vtu", "--surface", "ball.stl", "--quiet")
+        self.assert_refused(["check", "ball.stl"], 3, "E-CMD-012", "surface", "next:")
+        self.assert_refused(["convert", "ball.stl", "-o", "ball.msh"], 2, "E-CMD-008", "next:")
+
+    def test_one_is_singular(self):
+        self.write("two.json", shapes.touching_balls().document())
+        one = self.run_program("info", "ball.json").out
+        self.assertIn("  1 structure:\n", one)
+        self.assertIn("  2 structures:\n", self.run_program("info", "two.json").out)
+        text = self.run_program("model", "ball.json", "-o", "ball.vtu").out
+        self.assertIn(" 1 shell, ", text)
+        for line in (one + text).splitlines():
+            self.assertNotRegex(line, r"\b1 (structures|shells|contours|slices|points|triangles|vertices)\b")
+        self.write("other.json", shapes.sphere(11).document())
+        broken = self.run_program("check", "ball.vtu", "--contours", "other.json", expect=4).err
+        self.assertIn("breaks 1 clause of the contract", broken)
+
+    def test_check_says_that_the_frame_is_missing(self):
+        shape = shapes.sphere(10)
+        self.write("off.json", shape.document(to_space=lambda p: (p[0] + 30, p[1] + 50, p[2])))
+        self.run_program("contours", "off.json", "-o", "off.csl", "--quiet")
+        self.run_program("model", "off.csl", "-o", "off.vtu", "--frame", "RAS", "--quiet")
+        message = self.run_program("check", "off.vtu", "--contours", "off.csl", expect=4).err
+        self.assertIn("--frame RAS", message)
+        self.run_program("check", "off.vtu", "--contours", "off.csl", "--frame", "RAS")
+
+    def test_compare_names_the_axes_of_each(self):
+        self.run_program("contours", "ball.json", "-o", "ball.csl", "--quiet")
+        self.run_program("model", "ball.csl", "-o", "unknown.vtu", "--quiet")
+        self.run_program("model", "ball.json", "-o", "known.vtu", "--quiet")
+        message = self.run_program("compare", "known.vtu", "unknown.vtu").err
+        self.assertIn("the two files do not state the same axes", message)
+        self.assertIn("LPS of known.vtu, unknown of unknown.vtu", message)
+
+
+class Options(harness.TestCase):
+    """Options that messages advise, and what they do."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("ball.json", shapes.sphere(10).document())
+
+    def disc(self, radius, z, points=48):
+        import math
+        return [[radius * math.cos(2 * math.pi * i / points), radius * math.sin(2 * math.pi * i / points), z]
+                for i in range(points)]
+
+    def drawn(self, slices):
+        return {"format": "anatomesh-contours", "version": 1, "space": "LPS", "unit": "mm",
+                "structures": [{"number": 1, "name": "disc"}],
+                "slices": [{"contours": [{"structure": 1, "points": points} for points in contours]}
+                           for contours in slices]}
+
+    def test_every_limit_can_be_set_and_is_named(self):
+        text = self.run_program("--limits").out
+        names = re.findall(r"^([a-z-]+) +\d", text, re.M)
+        self.assertGreaterEqual(len(names), 12)
+        for name in names:
+            self.run_program("info", "ball.json", "--limit", f"{name}=10000000")
+        for name, value in (("file-bytes", 100), ("contours", 2), ("points", 50), ("contour-points", 10), ("coordinate", 5)):
+            result = self.run_program("info", "ball.json", "--limit", f"{name}={value}", expect=None)
+            self.assertIn(result.code, (3, 5), name)
+
+    def test_slice_thickness_makes_one_slice_a_solid(self):
+        self.write("one.json", self.drawn([[self.disc(10, 0)]]))
+        self.assert_refused(["model", "one.json", "-o", "one.vtu"], 4, "E-FLD-003", "--slice-thickness")
+        self.run_program("model", "one.json", "-o", "one.vtu", "--slice-thickness", "4")
+        report = json.loads((self.folder / "one.report.json").read_text())
+        volume = report["structures"][0]["volume_mesh_mm3"]
+        self.assertAlmostEqual(volume / (3.1326 * 100 * 4), 1, delta=0.02)
+
+    def test_max_gap_joins_what_is_far_apart(self):
+        self.write("gap.json", self.drawn([[self.disc(10, z)] for z in (0, 2, 4, 6, 16, 18, 20, 22)]))
+        apart = self.run_program("model", "gap.json", "-o", "apart.vtu")
+        self.assertIn("--max-gap", apart.err)
+        self.assertIn(" 2 shells", apart.out)
+        self.assertIn(" 1 shell,", self.run_program("model", "gap.json", "-o", "joined.vtu", "--max-gap", "6").out)
+
+    def test_holes_filled(self):
+        self.write("ring.json", self.drawn([[self.disc(10, z), self.disc(5, z)] for z in (0, 2, 4)]))
+        area = []
+        for rule in ("even-odd", "filled"):
+            self.run_program("contours", "ring.json", "-o", "out.json", "--holes", rule, "--report", "report.json", "--quiet")
+            kept = json.loads((self.folder / "out.json").read_text())
+            area.append(sum(len(s["contours"]) for s in kept["slices"]))
+            report = json.loads((self.folder / "report.json").read_text())
+            self.assertEqual(report["options"]["holes"], rule)
+            self.assertEqual(len(report["contour_log"]), 6)
+        self.assertEqual(area, [6, 3])
+
+    def test_contours_report_has_inputs_options_log_and_warnings(self):
+        self.run_program("contours", "ball.json", "-o", "out.csl", "--report", "out.report.json")
+        report = json.loads((self.folder / "out.report.json").read_text())
+        self.assertEqual(report["inputs"][0]["file"], "ball.json")
+        self.assertEqual(report["warnings"][0]["code"], "W-CIO-006")
+        self.assertEqual(report["contour_log"][0]["rule"], "outer")
+
+    def test_tiny_size_is_refused_before_the_work(self):
+        start = time.time()
+        result = self.assert_refused(["model", "ball.json", "-o", "a.vtu", "--size", "0.01"], 5, "E-CMD-014", "--size",
+                                     "--limit")
+        self.assertLess(time.time() - start, 5)
+        self.assertIn("tetrahedra", result.err)
+        self.assert_refused(["model", "ball.json", "-o", "a.vtu", "--size", "1", "--limit", "tetrahedra=1000"], 5,
+                            "E-CMD-014")
+        self.assert_refused(["model", "ball.json", "-o", "a.vtu", "--size", "1", "--limit", "memory-bytes=1000000"], 5,
+                            "E-CMD-014")
+
+    def test_the_estimate_is_near_the_truth(self):
+        self.write("egg.json", shapes.ellipsoid((30, 20, 15)).document())
+        for size in ("1.5", "3"):
+            self.run_program("model", "egg.json", "-o", "egg.vtu", "--size", size, "--quiet")
+            made = json.loads((self.folder / "egg.report.json").read_text())["counts"]["tetrahedra"]
+            refused = self.run_program("model", "egg.json", "-o", "no.vtu", "--size", size, "--limit", "tetrahedra=10",
+                                       expect=5).err
+            estimate = float(re.search(r"about (\S+) tetrahedra", refused).group(1))
+            self.assertLess(max(made / estimate, estimate / made), 4, (size, made, estimate))
+
+    def test_advice_names_only_options_there_are(self):
+        """Every --option in messages, in the sources and in the documentation is one that the program has."""
+        known = set()
+        for verb in ("", *VERBS):
+            known |= set(re.findall(r"--[a-z][a-z-]*", self.run_program(*verb.split(), "--help").out))
+        quoted = re.compile(r'"(?:[^"\\\n]|\\.)*"')
+        for root, suffixes in (("src", (".cpp", ".h")), ("apps", (".cpp", ".h"))):
+            for source in sorted((harness.SOURCE / root).rglob("*")):
+                if source.suffix not in suffixes or "_test" in source.name or "viewer_script" in source.name:
+                    continue
+                text = re.sub(r"^\s*//.*$", "", source.read_text(), flags=re.M)
+                for literal in quoted.findall(text):
+                    for option in re.findall(r"(?<![-\w(])--[a-z][a-z-]*", literal):
+                        self.assertIn(option, known, f"{source}: {literal}")
+        documents = [*sorted((harness.SOURCE / "docs").glob("*.md")), harness.SOURCE / "README.md"]
+        for document in documents:
+            for line in document.read_text().splitlines():
+                if "bench/" in line or "ctest" in line or "cmake" in line or "bench" in document.name:
+                    continue
+                for option in re.findall(r"(?<![-\w])--[a-z][a-z-]*", line):
+                    self.assertIn(option, known, f"{document.name}: {line}")
 
 
 class Outputs(harness.TestCase):
@@ -143,7 +358,7 @@ class Outputs(harness.TestCase):
         self.ball = self.write("ball.json", shapes.sphere(10).document())
         self.before = self.ball.read_bytes()
 
-    def refused_and_intact(self, *words, code=6):
+    def refused_and_intact(self, *words, code=2):
         result = self.assert_refused(words, code)
         self.assertEqual(self.ball.read_bytes(), self.before)
         return result
@@ -159,16 +374,65 @@ class Outputs(harness.TestCase):
 
     def test_P06_two_outputs_are_one(self):
         self.refused_and_intact("model", "ball.json", "-o", "a.vtu", "--surface", "b.stl", "--surface", "./b.stl")
+        self.refused_and_intact("model", "ball.json", "-o", "a.vtu", "--dump", f"cull={self.folder}/a.vtu")
+        self.refused_and_intact("model", "ball.json", "-o", "a.vtu", "--report", "c.json", "--contours", "c.json")
+        self.refused_and_intact("contours", "ball.json", "-o", "c.json", "--report", "../" + self.folder.name + "/c.json")
+        os.symlink("b.stl", self.folder / "soft.stl")  # to a file that is not there yet
+        self.refused_and_intact("model", "ball.json", "-o", "a.vtu", "--surface", "b.stl", "--surface", "soft.stl")
+        self.write("one.stl", "")
+        os.link(self.folder / "one.stl", self.folder / "two.stl")
+        self.refused_and_intact("model", "ball.json", "-o", "a.vtu", "--surface", "one.stl", "--surface", "two.stl")
+
+    def test_P06_is_found_before_any_work(self):
+        os.mkfifo(self.folder / "pipe.json")
+        self.run_program("model", "pipe.json", "-o", "a.vtu", "--surface", "b.stl", "--surface", "b.stl", expect=2,
+                         timeout=10)
+        self.run_program("contours", "pipe.json", "-o", "pipe.json", expect=2, timeout=10)
+
+    def test_P06_output_is_the_data_file_of_the_input(self):
+        self.write("image.mhd", "ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementSpacing = 1 1 1\nElementType = MET_UCHAR\n"
+                                "ElementDataFile = values.json\n")
+        values = self.write("values.json", bytes([0] * 21 + [1] * 22 + [0] * 21))
+        before = values.read_bytes()
+        self.assert_refused(["model", "image.mhd", "-o", "a.vtu", "--report", "values.json"], 2, "E-CMD-006")
+        self.assert_refused(["contours", "image.mhd", "-o", "values.json"], 2, "E-CMD-006")
+        self.assertEqual(values.read_bytes(), before)
+
+    def test_P04_names_that_are_only_an_extension_and_other_extensions(self):
+        for words in (["model", "ball.json", "-o", ".vtu"], ["model", "ball.json", "-o", "./.vtu"],
+                      ["contours", "ball.json", "-o", ".json"],
+                      ["model", "ball.json", "-o", "a.vtu", "--surface", ".stl"],
+                      ["model", "ball.json", "-o", "a.vtu", "--html", "page.txt"],
+                      ["model", "ball.json", "-o", "a.vtu", "--html", "page"],
+                      ["model", "ball.json", "-o", "a.vtu", "--report", "report.txt"],
+                      ["contours", "ball.json", "-o", "a.csl", "--report", "report"]):
+            result = self.refused_and_intact(*words)
+            self.assertIn("E-CMD-004", result.err)
+
+    def test_an_answer_that_cannot_be_printed_leaves_no_file(self):
+        self.write("old.csl", "old")
+        before = sorted(os.listdir(self.folder))
+        for words in (["contours", "ball.json", "-o", "old.csl"], ["contours", "ball.json", "-o", "new.csl", "--json"],
+                      ["model", "ball.json", "-o", "a.vtu"], ["model", "ball.json", "-o", "a.vtu", "--json"]):
+            with open("/dev/full", "w") as full:
+                self.run_program(*words, stdout=full, expect=6)
+            self.assertEqual(sorted(os.listdir(self.folder)), before, words)
+        self.assertEqual((self.folder / "old.csl").read_text(), "old")
+        self.run_program("model", "ball.json", "-o", "a.vtu")
+        with open("/dev/full", "w") as full:
+            self.run_program("convert", "a.vtu", "-o", "b.msh", stdout=full, expect=6)
+            self.run_program("convert", "a.vtu", "-o", "b.msh", "--quiet", stdout=full)
+        self.assertTrue((self.folder / "b.msh").exists())
 
     def test_F03_outputs_that_cannot_be_written(self):
         (self.folder / "folder.vtu").mkdir()
-        self.refused_and_intact("model", "ball.json", "-o", "none/a.vtu")
-        self.refused_and_intact("model", "ball.json", "-o", "folder.vtu")
-        self.refused_and_intact("model", "ball.json", "-o", "x" * 5000 + ".vtu")
+        self.refused_and_intact("model", "ball.json", "-o", "none/a.vtu", code=6)
+        self.refused_and_intact("model", "ball.json", "-o", "folder.vtu", code=6)
+        self.refused_and_intact("model", "ball.json", "-o", "x" * 5000 + ".vtu", code=6)
         if os.geteuid() != 0:
             locked = self.folder / "locked"
             locked.mkdir(mode=0o500)
-            self.refused_and_intact("model", "ball.json", "-o", "locked/a.vtu")
+            self.refused_and_intact("model", "ball.json", "-o", "locked/a.vtu", code=6)
 
     def test_F03_is_found_before_the_work(self):
         """An input that would take long is not even opened when an output cannot be written."""
@@ -224,6 +488,15 @@ class Surroundings(harness.TestCase):
             self.assertEqual(done.returncode, 0, closing)
             self.assertEqual(target.read_bytes(), self.plain, closing)
             target.unlink()
+
+    def test_P07_an_answer_needs_standard_output(self):
+        for words in ("info ball.json", "info ball.json --quiet", "manual", "--help", "--limits",
+                      "contours ball.json -o closed.json --json"):
+            done = subprocess.run(["bash", "-c", f'exec "$0" {words} >&-', harness.PROGRAM], cwd=self.folder,
+                                  stderr=subprocess.PIPE, text=True)
+            self.assertEqual(done.returncode, 6, words)
+            self.assertIn("E-CMD-009", done.stderr)
+        self.assertFalse((self.folder / "closed.json").exists())
 
     def test_P07_empty_name_of_the_program(self):
         for name in ("", "anatomesh\n"):

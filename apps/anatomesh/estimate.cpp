@@ -1,0 +1,82 @@
+#include "estimate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "anatomesh/geom/polygon.h"
+
+namespace anatomesh {
+
+namespace {
+
+// Measured on heads, spines, organs and bones at sizes from 1.4 to 4.3 mm: 13 (thin bone) to 73 (brains).
+constexpr double tetrahedra_per_area = 30;
+// Of a solid filled evenly with lattice points, six cells a point.
+constexpr double tetrahedra_per_volume = 12;
+constexpr double bytes_per_tetrahedron = 700;  // of the whole run
+
+double length_of(std::span<const Vec3> ring) {
+    double sum = 0;
+    for (std::size_t i = 0; i < ring.size(); ++i) sum += length(ring[i] - ring[(i + 1) % ring.size()]);
+    return sum;
+}
+
+double area_of(std::span<const Vec3> ring, const Plane& plane) {
+    Vec3 twice;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        twice = twice + cross(ring[i] - ring[0], ring[(i + 1) % ring.size()] - ring[0]);
+    }
+    return 0.5 * dot(twice, plane.normal);
+}
+
+}  // namespace
+
+double estimated_tetrahedra(const ContourSet& contours, double size_mm) {
+    constexpr double parallel_tolerance_mm = 0.01;
+    const double spacing = all_parallel(contours, parallel_tolerance_mm) ? median_spacing(contours) : 0;
+    if (!(spacing > 0)) return 0;
+    double wall = 0, volume = 0, before = 0;
+    for (const Slice& slice : contours.slices) {
+        double drawn = 0;
+        for (const Contour& contour : contours.contours_of(slice)) {
+            wall += spacing * length_of(contours.points_of(contour));
+            drawn += area_of(contours.points_of(contour), slice.plane);
+        }
+        drawn = std::abs(drawn);
+        wall += std::abs(drawn - before);  // the ends, and where it steps from slice to slice
+        volume += spacing * drawn;
+        before = drawn;
+    }
+    wall += before;
+    const double by_area = tetrahedra_per_area * wall / (size_mm * size_mm);
+    const double by_volume = tetrahedra_per_volume * volume / (size_mm * size_mm * size_mm);
+    return size_mm < spacing ? std::min(by_area, by_volume) : by_area;
+}
+
+Status check_size(const ContourSet& contours, double size_mm, const Limits& limits) {
+    const double cells = estimated_tetrahedra(contours, size_mm);
+    const double bytes = cells * bytes_per_tetrahedron;
+    const auto allowed = static_cast<double>(allowed_memory(limits));
+    std::string more_than, limit;
+    if (cells > static_cast<double>(limits.tetrahedra)) {
+        more_than = fmt::format("{}", limits.tetrahedra);
+        limit = "tetrahedra";
+    } else if (allowed > 0 && bytes > allowed) {
+        more_than = fmt::format("{:.3g} GB of memory hold", allowed / 1e9);
+        limit = "memory-bytes";
+    } else {
+        return Nothing{};
+    }
+    return Error{ErrorKind::limit,
+                 "E-CMD-014",
+                 fmt::format("an edge length of {} mm would make about {:.2g} tetrahedra, more than {}",
+                             size_mm, cells, more_than),
+                 {contours.source, "", "", "", fmt::format("--size {}", size_mm)},
+                 fmt::format("give a larger --size, or raise the limit with --limit {}=N", limit)};
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,21 @@
+// How large a model will be, from its contours and the edge length asked for, before it is built.
+#pragma once
+
+#include <cstdint>
+
+#include "anatomesh/base/result.h"
+#include "anatomesh/contour/contour_set.h"
+#include "limits.h"
+
+namespace anatomesh {
+
+// About as many tetrahedra; right within a factor of three or so. Their number goes with the area of the
+// surface over the square of the edge length, for they grow with the depth, and is at most what the volume
+// holds of that size. 0 when the contours do not show how far apart their slices are. Requires: size_mm > 0.
+// Linear in the points.
+double estimated_tetrahedra(const ContourSet& contours, double size_mm);
+
+// Error: limit E-CMD-014, more tetrahedra or memory than the limits allow.
+Status check_size(const ContourSet& contours, double size_mm, const Limits& limits);
+
+}  // namespace anatomesh
