@@ -1,0 +1,122 @@
+#include "anatomesh/reconcile/plane_patches.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double cos_30 = 0.866;
+constexpr double least_sine = 1e-4;  // planes at a smaller angle have no common line worth the name
+
+std::array<Vec3, 4> corners(const PlanePatch& patch, double margin) {
+    const Box2 box = patch.box.grown(margin);
+    return {patch.plane.to_space(box.low), patch.plane.to_space({box.high.x, box.low.y}),
+            patch.plane.to_space(box.high), patch.plane.to_space({box.low.x, box.high.y})};
+}
+
+// Whether the corners of a patch lie on both sides of a plane.
+bool straddles(const std::array<Vec3, 4>& corners, const Plane& plane) {
+    bool below = false, above = false;
+    for (const Vec3& corner : corners) {
+        const double h = plane.signed_distance(corner);
+        below |= h <= 0;
+        above |= h >= 0;
+    }
+    return below && above;
+}
+
+bool overlap(const Box3& a, const Box3& b) {
+    return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
+           a.low.z <= b.high.z && b.low.z <= a.high.z;
+}
+
+}  // namespace
+
+std::vector<PlanePatch> plane_patches(const ContourSet& set) {
+    std::vector<PlanePatch> patches;
+    for (const Slice& slice : set.slices) {
+        PlanePatch patch{slice.plane, {}, 0, 0};
+        for (const Contour& contour : set.contours_of(slice)) {
+            for (const Vec3& point : set.points_of(contour)) {
+                const double h = slice.plane.signed_distance(point);
+                const bool first = patch.box.empty();
+                patch.low = first ? h : std::min(patch.low, h);
+                patch.high = first ? h : std::max(patch.high, h);
+                patch.box.extend(slice.plane.to_plane(point));
+            }
+        }
+        patches.push_back(patch);
+    }
+    return patches;
+}
+
+PlaneSpacings plane_spacings(const ContourSet& set, const std::vector<PlanePatch>& patches) {
+    const std::size_t samples = std::clamp<std::size_t>(4000 / (patches.size() + 1), 2, 16);
+    std::vector<double> gaps;
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+        std::vector<Vec3> points;
+        for (const Contour& contour : set.contours_of(set.slices[i])) {
+            const auto added = set.points_of(contour);
+            points.insert(points.end(), added.begin(), added.end());
+        }
+        for (std::size_t sample = 0; sample < std::min(samples, points.size()); ++sample) {
+            const Vec3 p = points[points.size() * sample / std::min(samples, points.size())];
+            double nearest = std::numeric_limits<double>::infinity();
+            for (std::size_t j = 0; j < patches.size(); ++j) {
+                if (j == i || patches[j].box.empty()) continue;
+                if (std::abs(dot(patches[i].plane.normal, patches[j].plane.normal)) < cos_30) continue;
+                nearest = std::min(nearest, length(patches[j].offset_from(p, 0)));
+            }
+            if (std::isfinite(nearest) && nearest > 0) gaps.push_back(nearest);
+        }
+    }
+    if (gaps.empty()) {
+        const double apart = set.box().diagonal() / static_cast<double>(patches.size() + 1);
+        return {apart, apart};
+    }
+    std::sort(gaps.begin(), gaps.end());
+    return {gaps[gaps.size() / 2], gaps[gaps.size() * 9 / 10]};
+}
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> crossing_pairs(const std::vector<PlanePatch>& patches,
+                                                                    double margin) {
+    std::vector<std::array<Vec3, 4>> rims(patches.size());
+    std::vector<Box3> boxes(patches.size());
+    std::vector<std::uint32_t> order;
+    Box3 all;
+    for (std::uint32_t i = 0; i < patches.size(); ++i) {
+        if (patches[i].box.empty()) continue;
+        rims[i] = corners(patches[i], margin);
+        for (const Vec3& corner : rims[i]) boxes[i].extend(corner);
+        all.extend(boxes[i].low);
+        all.extend(boxes[i].high);
+        order.push_back(i);
+    }
+    if (order.empty()) return {};
+    const Vec3 size = all.high - all.low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const auto along = [axis](const Vec3& p) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; };
+    std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+        const double low_i = along(boxes[i].low), low_j = along(boxes[j].low);
+        return low_i != low_j ? low_i < low_j : i < j;
+    });
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+    for (std::size_t m = 0; m < order.size(); ++m) {
+        const std::uint32_t i = order[m];
+        for (std::size_t n = m + 1; n < order.size() && along(boxes[order[n]].low) <= along(boxes[i].high);
+             ++n) {
+            const std::uint32_t j = order[n];
+            if (!overlap(boxes[i], boxes[j])) continue;
+            if (length(cross(patches[i].plane.normal, patches[j].plane.normal)) < least_sine) continue;
+            if (!straddles(rims[i], patches[j].plane) || !straddles(rims[j], patches[i].plane)) continue;
+            pairs.emplace_back(std::min(i, j), std::max(i, j));
+        }
+    }
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,507 @@
+#include "anatomesh/reconcile/reconcile.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "anatomesh/base/parallel.h"
+#include "anatomesh/contour/message_text.h"
+#include "anatomesh/reconcile/align_slices.h"
+#include "anatomesh/reconcile/contour_graph.h"
+#include "anatomesh/reconcile/disagreement.h"
+#include "anatomesh/reconcile/line_ends.h"
+#include "anatomesh/reconcile/movement.h"
+#include "anatomesh/reconcile/shared_points.h"
+#include "anatomesh/reconcile/slice_soundness.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr int most_rounds = 16;
+constexpr int most_idle_rounds = 6;
+constexpr int most_align_rounds = 12;
+constexpr double align_precision_mm = 1e-3;
+constexpr double agreement_mm = 0.01;      // across the contours: then common points can be put in
+constexpr double clearance_mm = 0.1;       // of a contour drawn back from another slice's plane
+constexpr double flattening = 0.2;         // what is left of the height of an arc that is drawn back
+constexpr double normal_reach_mm = 1;      // contours' normals are taken over chords of this half length
+constexpr int most_shortenings = 16;       // of a step, by half each
+constexpr double shortening_reach_mm = 3;  // along the contour
+constexpr std::size_t most_named_pairs = 10;
+constexpr double outlier_mm = 2,
+                 outlier_factor = 4;  // of a slice's median disagreement, and over that of all
+
+class Reconciler {
+  public:
+    Reconciler(ContourSet set, const ReconcileOptions& options, RunContext& context)
+        : set_(std::move(set)), options_(options), context_(context) {}
+
+    Result<ReconcileResult> run() {
+        stats_.movements.resize(set_.slices.size());
+        measure_extents();
+        if (pairs_.empty()) return finish();
+        if (options_.align) {
+            ANATOMESH_CHECK_STATUS(align());
+        }
+        drawn_ = set_.points;
+        compare();
+        stats_.pairs = disagreements(comparisons_);
+        summarize(comparisons_, stats_);
+        if (options_.reconcile) {
+            ANATOMESH_CHECK_STATUS(check_bound());
+            graph_ = make_contour_graph(set_);
+            ANATOMESH_CHECK_STATUS(move());
+            note_movements();
+            const SharedPoints shared = insert_shared_points(set_, comparisons_, normal_reach_mm);
+            stats_.shared_points = shared.points;
+            compare();
+        }
+        if (context_.cancelled()) return cancelled_error();
+        note_difference_after();
+        warn();
+        return finish();
+    }
+
+  private:
+    void measure_extents() {
+        patches_ = plane_patches(set_);
+        margin_ = options_.margin_mm;
+        if (margin_ == 0) margin_ = plane_spacings(set_, patches_).median;
+        pairs_ = crossing_pairs(patches_, margin_);
+    }
+
+    void compare() {
+        patches_ = plane_patches(set_);
+        pairs_ = crossing_pairs(patches_, margin_);
+        comparisons_ = compare_planes(set_, patches_, pairs_, margin_, context_);
+    }
+
+    Place place_of_slice(std::uint32_t slice, double value_mm) const {
+        return {set_.source, set_.slices[slice].name, "", "", brief(value_mm) + " mm"};
+    }
+    std::string names(std::uint32_t a, std::uint32_t b) const {
+        return "slices " + set_.slices[a].name + " and " + set_.slices[b].name;
+    }
+
+    Status align() {
+        std::vector<Vec2> total(set_.slices.size());
+        for (int round = 0; round < most_align_rounds; ++round) {
+            compare();
+            if (context_.cancelled()) return cancelled_error();
+            const std::vector<Vec2> shifts = estimate_shifts(set_, comparisons_, total);
+            double largest = 0;
+            for (const Contour& contour : set_.contours) {
+                const Plane& plane = set_.slices[contour.slice].plane;
+                const Vec3 shift = shifts[contour.slice].x * plane.u + shifts[contour.slice].y * plane.v;
+                for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count;
+                     ++k) {
+                    set_.points[k] += shift;
+                }
+            }
+            for (std::size_t s = 0; s < shifts.size(); ++s) {
+                total[s] = total[s] + shifts[s];
+                largest = std::max(largest, length(shifts[s]));
+            }
+            if (largest < align_precision_mm) break;
+        }
+        for (std::uint32_t s = 0; s < total.size(); ++s) {
+            const Plane& plane = set_.slices[s].plane;
+            stats_.movements[s].shift = total[s].x * plane.u + total[s].y * plane.v;
+            if (length(total[s]) > options_.max_disagreement_mm) {
+                return Error{
+                    ErrorKind::geometry, "E-RCN-002",
+                    "the slice agrees with those that it crosses only when it is shifted by more than " +
+                        brief(options_.max_disagreement_mm) + " mm",
+                    place_of_slice(s, length(total[s])),
+                    "leave the slice out, or raise the bound with --max-disagreement"};
+            }
+        }
+        return Nothing{};
+    }
+
+    // Refuses slices that are further apart than the bound, worst first.
+    Status check_bound() const {
+        const std::optional<WorstPlace> worst = worst_place(set_, comparisons_, options_.max_disagreement_mm);
+        if (!worst) return Nothing{};
+        Place place = place_of_slice(worst->a, worst->distance_mm);
+        const Structure& structure = set_.structures[worst->structure];
+        place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+        return Error{ErrorKind::geometry, "E-RCN-001",
+                     names(worst->a, worst->b) + " contradict each other by " + brief(worst->distance_mm) +
+                         " mm where their planes cross, more than " + brief(options_.max_disagreement_mm) +
+                         " mm; " + std::to_string(worst->places) + " such places, most of them in slice " +
+                         set_.slices[worst->culprit].name,
+                     std::move(place),
+                     "leave a slice out, raise the bound with --max-disagreement, or keep every vertex with "
+                     "--reconcile 0"};
+    }
+
+    Status move() {
+        double best = std::numeric_limits<double>::infinity();
+        int idle = 0;  // rounds without progress worth the name
+        for (stats_.rounds = 0; stats_.rounds < most_rounds; ++stats_.rounds) {
+            if (stats_.rounds > 0) compare();
+            if (context_.cancelled()) return cancelled_error();
+            context_.report("reconcile", static_cast<double>(stats_.rounds) / most_rounds);
+            if (!place_movements()) return Nothing{};
+            idle = worst_mm_ < 0.9 * best ? 0 : idle + 1;
+            best = std::min(best, worst_mm_);
+            if (idle == most_idle_rounds) return Nothing{};
+            apply(solve_movement(nodes_, edges_, usual_, options_.smoothing_mm));
+        }
+        compare();
+        return Nothing{};
+    }
+
+    // Fills nodes_, edges_ and usual_; false when there is nothing left to move.
+    bool place_movements() {
+        const EndPlaces ends = place_ends(set_, graph_, comparisons_);
+        const EndGroups groups = group_ends(set_, ends, comparisons_, normal_reach_mm);
+        bool any = groups.worst_mm > agreement_mm;
+        worst_mm_ = groups.worst_mm;
+        const std::size_t own = graph_.point_of_node.size();
+        nodes_.assign(own + ends.places.size() - ends.on_nodes, {});
+        usual_ = groups.position;
+        for (std::size_t p = 0; p < ends.places.size(); ++p) {
+            MovementNode& node = nodes_[p < ends.on_nodes ? ends.places[p].node : own + p - ends.on_nodes];
+            const EndGroups::Member& member = groups.members[p];
+            if (member.group == no_node) continue;
+            if (member.pinned) {
+                node = {Hold::pinned, 0, 0, member.direction};
+            } else {
+                node = {Hold::anchor, member.group, member.place, member.direction};
+            }
+        }
+        for (const LineComparison& comparison : comparisons_) any |= draw_back(comparison);
+        link_nodes(ends);
+        return any;
+    }
+
+    // Pins the arcs of intervals and gaps that only one of the slices has to the other side of the line.
+    bool draw_back(const LineComparison& comparison) {
+        bool any = false;
+        for (const bool of_a : {true, false}) {
+            const auto& ends = of_a ? comparison.ends_a : comparison.ends_b;
+            const std::uint32_t own = of_a ? comparison.a : comparison.b,
+                                other = of_a ? comparison.b : comparison.a;
+            for (const std::uint32_t i :
+                 of_a ? comparison.matching.only_first : comparison.matching.only_second) {
+                const Arc arc =
+                    arc_between(set_, ends[i], ends[i + 1], set_.slices[own].plane, set_.slices[other].plane);
+                if (arc.points.empty() || arc.height_mm > options_.max_disagreement_mm) continue;
+                any = true;
+                for (std::size_t n = 0; n < arc.points.size(); ++n) {
+                    const double height = arc.heights_mm[n];
+                    const double distance = height + clearance_mm + flattening * (arc.height_mm - height);
+                    MovementNode& node = nodes_[graph_.node_of_point[arc.points[n]]];
+                    if (node.hold == Hold::anchor) continue;
+                    if (node.hold == Hold::pinned && squared_length(node.direction) > distance * distance)
+                        continue;
+                    node = {Hold::pinned, 0, 0, distance * arc.back};
+                }
+            }
+        }
+        return any;
+    }
+
+    // Segments cut at the places inside them.
+    void link_nodes(const EndPlaces& ends) {
+        edges_.clear();
+        std::size_t next = ends.on_nodes;
+        const auto link = [&](std::uint32_t a, std::uint32_t b, double length) {
+            edges_.push_back({a, b, std::max(length, 10 * on_plane_mm)});
+        };
+        for (std::uint32_t s = 0; s < graph_.segments.size(); ++s) {
+            const auto [low, high] = graph_.segments[s];
+            std::uint32_t last = low;
+            double reached = 0;
+            for (; next < ends.places.size() && ends.places[next].segment == s; ++next) {
+                const auto node =
+                    static_cast<std::uint32_t>(graph_.point_of_node.size() + next - ends.on_nodes);
+                link(last, node, ends.places[next].distance - reached);
+                last = node;
+                reached = ends.places[next].distance;
+            }
+            const double whole =
+                length(set_.points[graph_.point_of_node[high]] - set_.points[graph_.point_of_node[low]]);
+            link(last, high, whole - reached);
+        }
+    }
+
+    // Where the contours of a slice come to with a share of the move for every point.
+    std::vector<PlaneRing> rings_of(const Slice& slice, const std::vector<Vec2>& moves,
+                                    const std::vector<double>& shares) const {
+        std::vector<PlaneRing> rings;
+        for (const Contour& contour : set_.contours_of(slice)) {
+            PlaneRing ring{contour.structure, {}};
+            for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+                ring.at.push_back(slice.plane.to_plane(moved(slice.plane, k, moves, shares)));
+            }
+            rings.push_back(std::move(ring));
+        }
+        return rings;
+    }
+
+    // Never further from where it was drawn than the bound.
+    Vec3 moved(const Plane& plane, std::uint32_t point, const std::vector<Vec2>& moves,
+               const std::vector<double>& shares) const {
+        const std::uint32_t node = graph_.node_of_point[point];
+        const Vec2 move = shares[node] * moves[node];
+        if (move == Vec2{}) return set_.points[point];
+        const Vec3 to = set_.points[point] + (move.x * plane.u + move.y * plane.v), way = to - drawn_[point];
+        const double distance = length(way);
+        if (distance <= options_.max_disagreement_mm) return to;
+        return drawn_[point] + (options_.max_disagreement_mm / distance) * way;
+    }
+
+    // Moves every slice as far as it stays sound: round a fault the step is shortened by half, again and
+    // again.
+    void apply(const std::vector<Vec2>& moves) {
+        std::vector<double> shares(nodes_.size(), 1.0);
+        parallel_for(set_.slices.size(), 1, context_.threads, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t s = begin; s < end; ++s) shorten(set_.slices[s], moves, shares);
+        });
+        for (const Contour& contour : set_.contours) {
+            const Plane& plane = set_.slices[contour.slice].plane;
+            for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+                set_.points[k] = moved(plane, k, moves, shares);
+            }
+        }
+    }
+
+    void shorten(const Slice& slice, const std::vector<Vec2>& moves, std::vector<double>& shares) const {
+        for (int n = 0; n < most_shortenings; ++n) {
+            const std::vector<RingSegment> faults =
+                slice_faults(rings_of(slice, moves, shares), set_.exclusive);
+            if (faults.empty()) return;
+            const double reach = shortening_reach_mm * (1 + n / 4);  // wider where that does not help
+            for (const RingSegment fault : faults) {
+                shorten_round(set_.contours[slice.first_contour + fault.ring], fault.place, reach, shares);
+            }
+        }
+        for (const Contour& contour : set_.contours_of(slice)) {
+            for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+                shares[graph_.node_of_point[k]] = 0;
+            }
+        }
+    }
+
+    // Halves the shares of the points within reach of a segment of a contour, and less further out.
+    void shorten_round(const Contour& contour, std::uint32_t place, double reach,
+                       std::vector<double>& shares) const {
+        for (const bool forward : {false, true}) {
+            std::uint32_t k = contour.first_point + place;
+            if (forward) k = point_after(contour, k);
+            double walked = 0;
+            for (std::uint32_t n = 0; n < contour.point_count && walked < reach; ++n) {
+                shares[graph_.node_of_point[k]] *= 0.5 + 0.5 * walked / reach;
+                const std::uint32_t next = forward ? point_after(contour, k) : point_before(contour, k);
+                walked += length(set_.points[next] - set_.points[k]);
+                k = next;
+            }
+        }
+    }
+
+    void note_movements() {
+        double sum = 0;
+        for (std::uint32_t s = 0; s < set_.slices.size(); ++s) {
+            SliceMovement& movement = stats_.movements[s];
+            double of_slice = 0;
+            std::size_t points = 0;
+            for (const Contour& contour : set_.contours_of(set_.slices[s])) {
+                for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count;
+                     ++k) {
+                    const double distance = length(set_.points[k] - drawn_[k]);
+                    of_slice += distance;
+                    movement.max_mm = std::max(movement.max_mm, distance);
+                }
+                points += contour.point_count;
+            }
+            movement.mean_mm = points > 0 ? of_slice / static_cast<double>(points) : 0;
+            sum += of_slice;
+            stats_.max_movement_mm = std::max(stats_.max_movement_mm, movement.max_mm);
+        }
+        stats_.mean_movement_mm = sum / static_cast<double>(std::max<std::size_t>(1, drawn_.size()));
+    }
+
+    void note_difference_after() {
+        for (const PairDisagreement& after : disagreements(comparisons_)) {
+            stats_.difference_after_mm += after.difference_mm;
+            const auto at = std::lower_bound(stats_.pairs.begin(), stats_.pairs.end(), after, before);
+            if (at != stats_.pairs.end() && at->slice_a == after.slice_a && at->slice_b == after.slice_b) {
+                at->difference_after_mm = after.difference_mm;
+            } else if (after.difference_mm > 0) {
+                PairDisagreement added{after.slice_a, after.slice_b, 0, 0, 0, 0, 0, 0, after.difference_mm};
+                stats_.pairs.insert(at, added);
+            }
+        }
+    }
+    static bool before(const PairDisagreement& p, const PairDisagreement& q) {
+        return std::tie(p.slice_a, p.slice_b) < std::tie(q.slice_a, q.slice_b);
+    }
+
+    // The pairs with the largest figures above `least`, largest first.
+    template <class Figure>
+    std::vector<const PairDisagreement*> largest(Figure figure, double least) const {
+        std::vector<const PairDisagreement*> named;
+        for (const PairDisagreement& pair : stats_.pairs) {
+            if (figure(pair) > least) named.push_back(&pair);
+        }
+        std::stable_sort(
+            named.begin(), named.end(),
+            [&](const PairDisagreement* p, const PairDisagreement* q) { return figure(*p) > figure(*q); });
+        return named;
+    }
+
+    void warn() {
+        warn_of_shifts();
+        warn_of_disagreement();
+        warn_of_pairs();
+        warn_of_rest();
+        warn_of_outliers();
+    }
+
+    void warn_of_shifts() {
+        std::uint32_t shifted = 0, worst = 0;
+        double sum = 0;
+        for (std::uint32_t s = 0; s < stats_.movements.size(); ++s) {
+            const double shift = length(stats_.movements[s].shift);
+            if (shift < 10 * align_precision_mm) continue;
+            ++shifted;
+            sum += shift;
+            if (shift > length(stats_.movements[worst].shift)) worst = s;
+        }
+        if (shifted == 0) return;
+        context_.warn({"W-RCN-001",
+                       std::to_string(shifted) +
+                           " slices agree better with those that they cross when they are " +
+                           "shifted in their planes, by " + brief(sum / shifted) +
+                           " mm in the mean and most in slice " + set_.slices[worst].name,
+                       place_of_slice(worst, length(stats_.movements[worst].shift)), "shifted"});
+    }
+
+    // Slices that disagree with the others far more than these among themselves: a jump of a tracker, as a
+    // rule.
+    void warn_of_outliers() {
+        std::vector<std::vector<double>> of_slice(set_.slices.size());
+        for (const PairDisagreement& pair : stats_.pairs) {
+            const double figure = std::max(pair.median_mm, pair.unmatched > 0 ? 0.5 * pair.difference_mm : 0);
+            of_slice[pair.slice_a].push_back(figure);
+            of_slice[pair.slice_b].push_back(figure);
+        }
+        for (std::uint32_t s = 0; s < of_slice.size(); ++s) {
+            std::vector<double>& figures = of_slice[s];
+            if (figures.size() < 3) continue;
+            const auto middle = figures.begin() + static_cast<std::ptrdiff_t>(figures.size() / 2);
+            std::nth_element(figures.begin(), middle, figures.end());
+            if (*middle <= std::max(outlier_mm, outlier_factor * stats_.median_mm)) continue;
+            context_.warn({"W-RCN-005",
+                           "the slice disagrees with most of those that it crosses: is it in its place?",
+                           place_of_slice(s, *middle), "kept"});
+        }
+    }
+
+    void warn_of_disagreement() {
+        if (stats_.max_mm <= agreement_mm && stats_.unmatched == 0) return;
+        std::string done = "kept as drawn";
+        if (options_.reconcile) {
+            done = "contours moved in their planes by " + brief(stats_.mean_movement_mm) +
+                   " mm in the mean and " + brief(stats_.max_movement_mm) + " mm at most";
+        }
+        context_.warn({"W-RCN-002",
+                       "slices disagree where their planes cross: region ends differ by " +
+                           brief(stats_.median_mm) + " mm in the median, " + brief(stats_.p95_mm) +
+                           " mm at 95 % and " + brief(stats_.max_mm) + " mm at most; " +
+                           std::to_string(stats_.unmatched) + " intervals or gaps are in one slice only",
+                       {set_.source, "", "", "",
+                        brief(stats_.difference_mm) + " mm on " + std::to_string(stats_.pairs.size()) +
+                            " common lines"},
+                       std::move(done)});
+    }
+
+    void warn_of_pairs() {
+        const auto figure = [](const PairDisagreement& pair) {
+            return std::max(pair.max_mm, pair.difference_mm);
+        };
+        const auto named = largest(figure, std::max(1.0, 0.1 * options_.max_disagreement_mm));
+        for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
+            const PairDisagreement& pair = *named[n];
+            context_.warn({"W-RCN-003",
+                           names(pair.slice_a, pair.slice_b) +
+                               " disagree where their planes cross: " + std::to_string(pair.ends) +
+                               " region ends by up to " + brief(pair.max_mm) + " mm, " +
+                               std::to_string(pair.unmatched) + " intervals or gaps in one of them only",
+                           place_of_slice(pair.slice_a, pair.difference_mm),
+                           options_.reconcile ? "moved" : "kept as drawn"});
+        }
+    }
+
+    void warn_of_rest() {
+        if (!options_.reconcile) return;
+        const auto figure = [](const PairDisagreement& pair) { return pair.difference_after_mm; };
+        const auto left = largest(figure, 0);
+        if (left.empty()) return;
+        std::string worst;
+        for (std::size_t n = 0; n < std::min<std::size_t>(left.size(), 3); ++n) {
+            worst += (n > 0 ? "; " : "") + names(left[n]->slice_a, left[n]->slice_b) + " " +
+                     brief(left[n]->difference_after_mm) + " mm";
+        }
+        context_.warn({"W-RCN-004",
+                       std::to_string(left.size()) +
+                           " pairs of slices could not be made to agree everywhere on their common "
+                           "line: " +
+                           worst,
+                       {set_.source, "", "", "", brief(stats_.difference_after_mm) + " mm"},
+                       "left; where they cross, the contour nearest to a point counts"});
+    }
+
+    // Contours begin at their smallest point and stand in order, as in every kept set.
+    ReconcileResult finish() {
+        for (const Slice& slice : set_.slices) {
+            const auto first = set_.contours.begin() + slice.first_contour,
+                       last = first + slice.contour_count;
+            for (auto contour = first; contour != last; ++contour) {
+                const auto begin = set_.points.begin() + contour->first_point,
+                           end = begin + contour->point_count;
+                std::rotate(begin, std::min_element(begin, end, lexicographic_less_3), end);
+            }
+            std::stable_sort(first, last, [&](const Contour& p, const Contour& q) {
+                if (p.structure != q.structure) return p.structure < q.structure;
+                return lexicographic_less(set_.points[p.first_point], set_.points[q.first_point]);
+            });
+        }
+        return {std::move(set_), std::move(stats_)};
+    }
+    static bool lexicographic_less_3(Vec3 a, Vec3 b) { return lexicographic_less(a, b); }
+
+    ContourSet set_;
+    const ReconcileOptions& options_;
+    RunContext& context_;
+    ReconcileStats stats_;
+    std::vector<Vec3> drawn_;
+    double margin_ = 0;
+    double worst_mm_ = 0;  // of places from their groups' points, in this round
+    std::vector<PlanePatch> patches_;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
+    std::vector<LineComparison> comparisons_;
+    ContourGraph graph_;
+    std::vector<MovementNode> nodes_;
+    std::vector<MovementEdge> edges_;
+    std::vector<double> usual_;
+};
+
+}  // namespace
+
+Result<ReconcileResult> reconcile_contours(ContourSet set, const ReconcileOptions& options,
+                                           RunContext& context) {
+    assert(options.max_disagreement_mm > 0 && options.smoothing_mm > 0 && options.margin_mm >= 0);
+    return Reconciler(std::move(set), options, context).run();
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,75 @@
+// reconcile_contours: slices that cross, drawn apart, are made to agree on their common lines.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/contour/contour_set.h"
+
+namespace anatomesh {
+
+struct ReconcileOptions {
+    // Move contours so that crossing slices agree. false: keep every drawn vertex, only measure.
+    bool reconcile = true;
+    // First shift every slice rigidly in its plane (breathing, a probe that slips) so that they agree best.
+    bool align = false;
+    // Contours further apart than this where their planes cross are refused, and so are larger shifts. mm,
+    // (0, 1000]
+    double max_disagreement_mm = 10;
+    // Over what length along a contour a movement fades. mm, [0.1, 1000]
+    double smoothing_mm = 10;
+    // How far beyond its own contours a slice still says "outside". mm, [0, 1000]; 0: the spacing of the
+    // planes
+    double margin_mm = 0;
+};
+
+// Two slices on their common line, all structures together: distances along the line.
+struct PairDisagreement {
+    std::uint32_t slice_a = 0, slice_b = 0;        // a < b
+    std::uint32_t ends = 0;                        // ends of regions that correspond to each other
+    std::uint32_t unmatched = 0;                   // intervals and gaps that one of the two does not have
+    double median_mm = 0, p95_mm = 0, max_mm = 0;  // of corresponding ends
+    double difference_mm = 0;                      // length of the regions' symmetric difference
+    double difference_after_mm = 0;                // the same for the contours that are kept
+};
+
+struct SliceMovement {
+    double mean_mm = 0, max_mm = 0;  // of its drawn vertices, without the shift
+    Vec3 shift;                      // by align, in the slice's plane
+};
+
+struct ReconcileStats {
+    std::vector<PairDisagreement> pairs;   // of crossing slices that draw something there, in order
+    std::vector<SliceMovement> movements;  // per slice of the set
+    std::uint64_t ends = 0, unmatched = 0;
+    double median_mm = 0, p95_mm = 0, max_mm = 0;  // over all ends, as drawn (after align)
+    double difference_mm = 0, difference_after_mm = 0;
+    double mean_movement_mm = 0, max_movement_mm = 0;
+    std::uint64_t shared_points = 0;  // points on common lines that contours of both slices now have
+    std::uint32_t rounds = 0;
+};
+
+struct ReconcileResult {
+    ContourSet kept;
+    ReconcileStats stats;
+};
+
+// Finds, for all pairs of slices that cross, where their regions begin and end on the common line; ends
+// correspond to each other by the order-preserving matching of least cost. The contours are then moved in
+// their planes by the field of displacements d that makes corresponding ends equal and has the least integral
+// of |d|^2 + smoothing^2 |d'|^2 along all contours together, found by conjugate gradients in a few rounds; an
+// interval or gap that only one of two slices has is drawn back across the line when no point has to move
+// further than the bound. At last contours that agree get the end itself as a common vertex.
+//
+// Requires: a kept contour set. Guarantees: a kept contour set again: contours stay simple, do not cross and
+// keep their nesting, by exact predicates; where that needs it a step is shortened. Slices that agree on
+// their common line afterwards (difference_after_mm of 0; all that can) have the same points there, bit for
+// bit. Where all ends agree within rounding no vertex moves. Parallel slices come back as they are. What
+// moved and what is left is said in stats and warnings W-RCN-001..005. Errors: geometry E-RCN-001 slices
+// further apart than the bound (names both), E-RCN-002 a shift above it. The same at any thread count.
+// Complexity: O(n log n + crossings) per round. No earlier method is followed.
+Result<ReconcileResult> reconcile_contours(ContourSet set, const ReconcileOptions& options,
+                                           RunContext& context);
+
+}  // namespace anatomesh

@@ -1,0 +1,301 @@
+#include "anatomesh/reconcile/reconcile.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "anatomesh/reconcile/line_ends.h"
+#include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
+#include "anatomesh/reconcile/slice_soundness.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace crossing_fixtures;
+
+constexpr double margin = 5;
+
+std::vector<LineComparison> compare(const ContourSet& set) {
+    RunContext context;
+    const std::vector<PlanePatch> patches = plane_patches(set);
+    return compare_planes(set, patches, crossing_pairs(patches, margin), margin, context);
+}
+
+ReconcileResult reconciled(const ContourSet& set, ReconcileOptions options = {}) {
+    RunContext context;
+    options.margin_mm = margin;
+    Result<ReconcileResult> result = reconcile_contours(set, options, context);
+    EXPECT_TRUE(result.ok()) << to_line(result.error());
+    return std::move(result).value();
+}
+
+std::string refused(const ContourSet& set, ReconcileOptions options = {}) {
+    RunContext context;
+    options.margin_mm = margin;
+    const Result<ReconcileResult> result = reconcile_contours(set, options, context);
+    return result.ok() ? "" : to_line(result.error());
+}
+
+void expect_exact_agreement(const ContourSet& set) {
+    for (const LineComparison& comparison : compare(set)) {
+        ASSERT_EQ(comparison.ends_a.size(), comparison.ends_b.size())
+            << "slices " << comparison.a << " and " << comparison.b;
+        for (std::size_t i = 0; i < comparison.ends_a.size(); ++i) {
+            const LineEnd &a = comparison.ends_a[i], &b = comparison.ends_b[i];
+            EXPECT_EQ(a.from, a.to) << "an end inside a segment";
+            EXPECT_EQ(b.from, b.to) << "an end inside a segment";
+            EXPECT_EQ(set.points[a.from], set.points[b.from]);
+        }
+    }
+}
+
+void expect_sound(const ContourSet& set) {
+    for (const Slice& slice : set.slices) {
+        std::vector<PlaneRing> rings;
+        for (const Contour& contour : set.contours_of(slice)) {
+            PlaneRing ring{contour.structure, {}};
+            for (const Vec3& p : set.points_of(contour)) {
+                ring.at.push_back(slice.plane.to_plane(p));
+                EXPECT_LE(std::abs(slice.plane.signed_distance(p)), 1e-9);
+                EXPECT_FALSE(lexicographic_less(p, set.points_of(contour).front()));
+            }
+            rings.push_back(std::move(ring));
+        }
+        EXPECT_TRUE(slice_faults(rings, set.exclusive).empty()) << "in slice " << slice.name;
+    }
+}
+
+std::vector<Vec3> sorted(std::span<const Vec3> points) {
+    std::vector<Vec3> all(points.begin(), points.end());
+    std::sort(all.begin(), all.end(), [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); });
+    return all;
+}
+
+TEST(Reconcile, C24_C27_sections_of_a_solid_agree_and_no_vertex_moves) {
+    std::mt19937 random(11);
+    for (int n = 0; n < 12; ++n) {
+        const auto solid = polytope(30, 20, random);
+        const ContourSet set = cut(solid, n % 3 == 0   ? three_stacks(28, 7, 0.1)
+                                          : n % 3 == 1 ? rotational_planes(12)
+                                                       : random_planes(20, 25, random));
+        const ReconcileResult result = reconciled(set);
+        EXPECT_LT(result.stats.max_mm, 1e-9);
+        EXPECT_LT(result.stats.max_movement_mm, 1e-9);
+        EXPECT_EQ(result.stats.difference_after_mm, 0);
+        const std::vector<Vec3> before = sorted(set.points), after = sorted(result.kept.points);
+        EXPECT_TRUE(std::includes(after.begin(), after.end(), before.begin(), before.end(),
+                                  [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); }));
+        expect_exact_agreement(result.kept);
+        expect_sound(result.kept);
+    }
+}
+
+TEST(Reconcile, C25_slices_drawn_apart_agree_exactly_afterwards_within_the_bound) {
+    std::mt19937 random(12);
+    for (int n = 0; n < 8; ++n) {
+        const auto planes = n % 2 == 0 ? three_stacks(24, 6, 0.05) : random_planes(14, 12, random);
+        const ContourSet set = drawn_ball(30, planes, {1.0, 0.7, 150}, random);
+        const ReconcileResult result = reconciled(set);
+        EXPECT_GT(result.stats.median_mm, 0.2);
+        EXPECT_EQ(result.stats.difference_after_mm, 0) << "case " << n;
+        EXPECT_LE(result.stats.max_movement_mm, 10);
+        EXPECT_LT(result.stats.mean_movement_mm, result.stats.median_mm);
+        expect_exact_agreement(result.kept);
+        expect_sound(result.kept);
+    }
+}
+
+TEST(Reconcile, C25_the_movement_is_shared_between_two_slices_that_cross) {
+    std::mt19937 random(1);
+    // Circles of radius 20 and 22 at right angles: each has to give way by a millimetre.
+    ContourSet set = drawn_ball(20, {make_plane({}, {0, 0, 1})}, {0, 0, 400}, random);
+    const ContourSet larger = drawn_ball(22, {make_plane({}, {1, 0, 0})}, {0, 0, 400}, random);
+    Ring ring;
+    for (const Vec3& p : larger.points) ring.push_back(larger.slices[0].plane.to_plane(p));
+    add_slice(set, larger.slices[0].plane, ring);
+    const ReconcileResult result = reconciled(set);
+    ASSERT_EQ(result.stats.pairs.size(), 1u);
+    EXPECT_EQ(result.stats.pairs[0].ends, 2u);
+    EXPECT_NEAR(result.stats.max_mm, 2, 0.01);
+    EXPECT_NEAR(result.stats.difference_mm, 4, 0.02);
+    for (const SliceMovement& movement : result.stats.movements) EXPECT_NEAR(movement.max_mm, 1, 0.05);
+    expect_exact_agreement(result.kept);
+}
+
+TEST(Reconcile, C25_refuses_above_the_bound_and_names_both_slices) {
+    std::mt19937 random(2);
+    ContourSet set = drawn_ball(40, three_stacks(30, 10, 0), {0, 0, 150}, random);
+    const Contour& contour = set.contours[3];
+    for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+        set.points[k] += 30 * set.slices[3].plane.u;
+    }
+    const std::string error = refused(set);
+    EXPECT_EQ(error.substr(0, 9), "E-RCN-001") << error;
+    EXPECT_NE(error.find("slices 3 and "), std::string::npos) << error;
+    ReconcileOptions wide;
+    wide.max_disagreement_mm = 40;
+    EXPECT_EQ(refused(set, wide), "");
+    ReconcileOptions narrow;
+    narrow.max_disagreement_mm = 0.5;
+    EXPECT_EQ(refused(drawn_ball(40, three_stacks(30, 10, 0), {2, 0, 150}, random), narrow).substr(0, 9),
+              "E-RCN-001");
+}
+
+TEST(Reconcile, C26_what_one_slice_alone_has_is_drawn_back_across_the_line) {
+    std::mt19937 random(3);
+    // A circle of radius 20 in z = 0, and a smaller section in x = 17 that does not reach down to it.
+    ContourSet set = drawn_ball(20, {make_plane({}, {0, 0, 1})}, {0, 0, 200}, random);
+    const Plane upright = make_plane({17, 0, 0}, {1, 0, 0});
+    Ring ring;
+    for (int i = 0; i < 60; ++i) {
+        const double angle = 2 * std::numbers::pi * i / 60;
+        ring.push_back(upright.to_plane({17, 8 * std::cos(angle), 10 + 8 * std::sin(angle)}));
+    }
+    add_slice(set, upright, ring);
+    const ReconcileResult result = reconciled(set);
+    EXPECT_EQ(result.stats.unmatched, 1u);
+    EXPECT_GT(result.stats.movements[0].max_mm, 3);
+    EXPECT_EQ(result.stats.movements[1].max_mm, 0);
+    EXPECT_EQ(result.stats.difference_after_mm, 0);
+    expect_sound(result.kept);
+}
+
+TEST(Reconcile, C26_beyond_its_contours_a_slice_says_nothing) {
+    std::mt19937 random(4);
+    ContourSet set = drawn_ball(20, {make_plane({}, {0, 0, 1})}, {0, 0, 200}, random);
+    const Plane upright = make_plane({5, 0, 0}, {1, 0, 0});
+    Ring ring;
+    for (const Vec3 p : {Vec3{5, -5, 30}, Vec3{5, 5, 30}, Vec3{5, 5, 40}, Vec3{5, -5, 40}})
+        ring.push_back(upright.to_plane(p));
+    add_slice(set, upright, ring);
+    const ReconcileResult result = reconciled(set);
+    EXPECT_TRUE(result.stats.pairs.empty());
+    EXPECT_EQ(sorted(result.kept.points), sorted(set.points));
+}
+
+TEST(Reconcile, kept_as_drawn_when_only_measured) {
+    std::mt19937 random(5);
+    const ContourSet set = drawn_ball(30, three_stacks(24, 6, 0.05), {2, 1, 100}, random);
+    ReconcileOptions options;
+    options.reconcile = false;
+    options.margin_mm = margin;
+    RunContext context;
+    const ReconcileResult result = reconcile_contours(set, options, context).value();
+    EXPECT_EQ(result.kept.points, set.points);
+    EXPECT_GT(result.stats.difference_mm, 10);
+    EXPECT_EQ(result.stats.difference_after_mm, result.stats.difference_mm);
+    EXPECT_TRUE(std::any_of(context.warnings.begin(), context.warnings.end(),
+                            [](const Warning& warning) { return warning.code == "W-RCN-002"; }));
+}
+
+TEST(Reconcile, parallel_slices_come_back_as_they_are) {
+    std::mt19937 random(6);
+    std::vector<Plane> planes;
+    for (int k = -5; k <= 5; ++k) planes.push_back(make_plane({0, 0, 3.0 * k}, {0, 0, 1}));
+    const ContourSet set = drawn_ball(20, planes, {3, 1, 80}, random);
+    const ReconcileResult result = reconciled(set);
+    EXPECT_EQ(result.kept.points, set.points);
+    EXPECT_TRUE(result.stats.pairs.empty());
+}
+
+TEST(Reconcile, align_finds_a_shift) {
+    std::mt19937 random(7);
+    for (int n = 0; n < 4; ++n) {
+        ContourSet set = drawn_ball(30, three_stacks(24, 5, 0.05), {0, 0, 300}, random);
+        const std::uint32_t moved = random() % set.slices.size();
+        const Plane plane = set.slices[moved].plane;
+        const Vec3 shift = 3 * normalized(plane.u + (0.3 * n) * plane.v);
+        const Contour& contour = set.contours[moved];
+        for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+            set.points[k] += shift;
+        }
+        ReconcileOptions options;
+        options.align = true;
+        const ReconcileResult result = reconciled(set, options);
+        EXPECT_LT(length(result.stats.movements[moved].shift + shift), 0.15);
+        EXPECT_LT(result.stats.max_mm, 0.5);
+        for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+            if (s == moved) continue;
+            EXPECT_LT(length(result.stats.movements[s].shift), 0.3);
+        }
+        expect_exact_agreement(result.kept);
+    }
+}
+
+TEST(Reconcile, C29_names_a_slice_that_jumped) {
+    std::mt19937 random(8);
+    ContourSet set = drawn_ball(40, three_stacks(30, 6, 0.05), {0, 0, 200}, random);
+    const Contour& contour = set.contours[5];
+    for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+        set.points[k] += 12 * set.slices[5].plane.v;
+    }
+    ReconcileOptions options;
+    options.reconcile = false;
+    options.margin_mm = margin;
+    RunContext context;
+    EXPECT_TRUE(reconcile_contours(set, options, context).ok());
+    std::vector<std::string> named;
+    for (const Warning& warning : context.warnings) {
+        if (warning.code == "W-RCN-005") named.push_back(warning.place.slice);
+    }
+    EXPECT_EQ(named, std::vector<std::string>{"5"});
+}
+
+// The same slices in another order.
+ContourSet reordered(const ContourSet& set, std::mt19937& random) {
+    std::vector<std::uint32_t> order(set.slices.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::shuffle(order.begin(), order.end(), random);
+    ContourSet result;
+    for (const std::uint32_t s : order) {
+        Ring ring;
+        for (const Vec3& p : set.points_of(set.contours[s])) ring.push_back(set.slices[s].plane.to_plane(p));
+        add_slice(result, set.slices[s].plane, ring);
+        result.slices.back().name = set.slices[s].name;
+    }
+    return result;
+}
+
+TEST(Reconcile, the_order_of_slices_does_not_matter) {
+    std::mt19937 random(9);
+    const ContourSet set = drawn_ball(30, three_stacks(24, 8, 0.05), {1, 0.5, 100}, random);
+    const ReconcileResult one = reconciled(set), two = reconciled(reordered(set, random));
+    const std::vector<Vec3> p = sorted(one.kept.points), q = sorted(two.kept.points);
+    ASSERT_EQ(p.size(), q.size());
+    for (std::size_t i = 0; i < p.size(); ++i) EXPECT_LT(length(p[i] - q[i]), 1e-3);
+    EXPECT_NEAR(one.stats.difference_mm, two.stats.difference_mm, 1e-6);
+}
+
+TEST(Reconcile, the_number_of_threads_does_not_matter) {
+    std::mt19937 random(10);
+    const ContourSet set = drawn_ball(30, three_stacks(24, 6, 0.05), {1, 0.7, 100}, random);
+    std::vector<ContourSet> results;
+    for (const int threads : {1, 3}) {
+        RunContext context;
+        context.threads = threads;
+        results.push_back(reconcile_contours(set, {}, context).value().kept);
+    }
+    EXPECT_EQ(results[0].points, results[1].points);
+}
+
+TEST(SliceFaults, finds_crossings_and_wrong_turns) {
+    const PlaneRing square{0, {{0, 0}, {10, 0}, {10, 10}, {0, 10}}};
+    const PlaneRing hole{0, {{2, 2}, {2, 8}, {8, 8}, {8, 2}}};
+    const PlaneRing island{0, {{20, 0}, {30, 0}, {30, 10}, {20, 10}}};
+    const PlaneRing bow{0, {{0, 0}, {10, 10}, {10, 0}, {0, 10}}};
+    const PlaneRing across{0, {{5, 5}, {15, 5}, {15, 8}, {5, 8}}};
+    EXPECT_TRUE(slice_faults(std::vector{square, hole, island}, false).empty());
+    EXPECT_FALSE(slice_faults(std::vector{bow}, false).empty());
+    EXPECT_FALSE(slice_faults(std::vector{square, across}, false).empty());
+    PlaneRing turned = hole;
+    std::reverse(turned.at.begin(), turned.at.end());
+    EXPECT_FALSE(slice_faults(std::vector{square, turned}, false).empty());
+    PlaneRing other = across;
+    other.structure = 1;
+    EXPECT_TRUE(slice_faults(std::vector{square, other}, false).empty());
+    EXPECT_FALSE(slice_faults(std::vector{square, other}, true).empty());
+}
+
+}  // namespace
+}  // namespace anatomesh

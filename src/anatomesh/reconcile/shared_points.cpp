@@ -1,0 +1,330 @@
+#include "anatomesh/reconcile/shared_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "anatomesh/reconcile/slice_soundness.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double snap_mm = 0.05;  // across the contour
+constexpr double same_point_mm = 1e-6;
+constexpr double least_weight = 1e-6;
+
+// A place with a line that it has to stay on.
+struct Membership {
+    std::uint32_t root = 0, place = 0;
+    const Line* line = nullptr;
+    const LineEnd* end = nullptr;
+};
+
+std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+
+// Every matched end with its line, by group, in order of places.
+std::vector<Membership> memberships(const EndPlaces& ends, std::span<const LineComparison> comparisons) {
+    std::vector<std::uint32_t> parent(ends.places.size());
+    std::iota(parent.begin(), parent.end(), 0u);
+    std::vector<Membership> members;
+    for (std::size_t c = 0; c < comparisons.size(); ++c) {
+        const LineComparison& comparison = comparisons[c];
+        for (const auto& [i, j] : comparison.matching.matched) {
+            const std::uint32_t p = ends.of_a[c][i], q = ends.of_b[c][j];
+            members.push_back({0, p, &comparison.line, &comparison.ends_a[i]});
+            members.push_back({0, q, &comparison.line, &comparison.ends_b[j]});
+            const std::uint32_t root_p = find_root(parent, p), root_q = find_root(parent, q);
+            parent[std::max(root_p, root_q)] = std::min(root_p, root_q);
+        }
+    }
+    for (Membership& member : members) member.root = find_root(parent, member.place);
+    std::stable_sort(members.begin(), members.end(), [](const Membership& p, const Membership& q) {
+        return std::tie(p.root, p.place) < std::tie(q.root, q.place);
+    });
+    return members;
+}
+
+bool same_line(const Line& p, const Line& q) {
+    if (squared_length(cross(p.direction, q.direction)) > 1e-16) return false;
+    const Vec3 offset = q.origin - p.origin;
+    return length(offset - dot(offset, p.direction) * p.direction) <= same_point_mm;
+}
+
+// The point nearest to all lines: (sum of (1 - d d^T)) x = sum of (1 - d d^T) o, by Cramer's rule.
+bool meeting_point(std::span<const Membership> members, Vec3 near, Vec3& point) {
+    Vec3 row_x, row_y, row_z, right;
+    for (const Membership& member : members) {
+        const Vec3 d = member.line->direction, o = member.line->origin - near;
+        row_x += Vec3{1, 0, 0} - d.x * d;
+        row_y += Vec3{0, 1, 0} - d.y * d;
+        row_z += Vec3{0, 0, 1} - d.z * d;
+        right += o - dot(o, d) * d;
+    }
+    const double determinant = dot(row_x, cross(row_y, row_z));
+    const auto count = static_cast<double>(members.size());
+    if (!(determinant > 1e-6 * count * count * count)) return false;
+    // The matrix is symmetric: its rows are its columns.
+    point = near + (1 / determinant) * Vec3{dot(right, cross(row_y, row_z)), dot(row_x, cross(right, row_z)),
+                                            dot(row_x, cross(row_y, right))};
+    return true;
+}
+
+class Grouper {
+  public:
+    Grouper(const ContourSet& set, const EndPlaces& ends, double reach, EndGroups& groups)
+        : set_(set), ends_(ends), reach_(reach), groups_(groups) {}
+
+    void add(std::span<const Membership> members) {
+        const auto group = static_cast<std::uint32_t>(groups_.position.size());
+        const Line& line = *members.front().line;
+        for (const Membership& member : members) {
+            EndGroups::Member& place = groups_.members[member.place];
+            if (place.group != no_node) continue;
+            place.group = group;
+            const Plane& plane = set_.slices[set_.contours[member.end->contour].slice].plane;
+            const Vec2 normal = contour_normal(set_, *member.end, reach_);
+            place.sine = dot(normal, {dot(line.direction, plane.u), dot(line.direction, plane.v)});
+            place.direction = place.sine * normal;
+            place.sine = std::abs(place.sine);
+            place.place = line.along(member.end->at);
+        }
+        const bool one_line = std::all_of(members.begin(), members.end(), [&](const Membership& member) {
+            return same_line(line, *member.line);
+        });
+        Vec3 target;
+        if (one_line || !meeting_point(members, members.front().end->at, target)) {
+            target = mean_on(line, members);
+            groups_.position.push_back(line.along(target));
+            measure(members, target);
+        } else {
+            groups_.position.push_back(0);
+            pin(members, target);
+        }
+        groups_.target.push_back(target);
+    }
+
+  private:
+    Vec3 mean_on(const Line& line, std::span<const Membership> members) const {
+        double sum = 0, weights = 0;
+        for (const Membership& member : members) {
+            const EndGroups::Member& place = groups_.members[member.place];
+            const double weight = place.sine * place.sine + least_weight;
+            sum += weight * place.place;
+            weights += weight;
+        }
+        const double position = sum / weights;
+        double spread = 0;
+        for (const Membership& member : members) {
+            spread = std::max(spread, std::abs(groups_.members[member.place].place - position));
+        }
+        for (const Membership& member : members) {
+            const Vec3 at = ends_.places[member.place].at;
+            const bool drawn = ends_.places[member.place].node != no_node && spread <= same_point_mm;
+            if (drawn && length(at - line.at(line.along(at))) <= on_plane_mm) return at;
+        }
+        return line.at(position);
+    }
+
+    void measure(std::span<const Membership> members, Vec3 target) {
+        for (const Membership& member : members) {
+            const double distance = length(target - ends_.places[member.place].at);
+            groups_.worst_mm = std::max(groups_.worst_mm, distance * groups_.members[member.place].sine);
+        }
+    }
+
+    void pin(std::span<const Membership> members, Vec3 target) {
+        for (const Membership& member : members) {
+            EndGroups::Member& place = groups_.members[member.place];
+            const Plane& plane = set_.slices[set_.contours[member.end->contour].slice].plane;
+            const Vec3 move = target - ends_.places[member.place].at;
+            place.pinned = true;
+            place.sine = 1;
+            place.direction = {dot(move, plane.u), dot(move, plane.v)};
+            groups_.worst_mm = std::max(groups_.worst_mm, length(place.direction));
+        }
+    }
+
+    const ContourSet& set_;
+    const EndPlaces& ends_;
+    const double reach_;
+    EndGroups& groups_;
+};
+
+// A shared point to be put into a contour: at its point `after`, or behind it.
+struct Insertion {
+    std::uint32_t after = 0;
+    bool replaces = false;
+    double distance = 0;  // from `after`
+    std::uint32_t group = 0;
+    Vec3 at;
+};
+
+class Inserter {
+  public:
+    Inserter(ContourSet& set, std::span<const LineComparison> comparisons, double reach)
+        : set_(set),
+          ends_(place_ends(set, make_contour_graph(set), comparisons)),
+          groups_(group_ends(set, ends_, comparisons, reach)),
+          usable_(groups_.target.size(), true),
+          insertions_(set.contours.size()) {
+        find_usable();
+        for (std::size_t c = 0; c < comparisons.size(); ++c) {
+            gather(comparisons[c].ends_a, ends_.of_a[c]);
+            gather(comparisons[c].ends_b, ends_.of_b[c]);
+        }
+        for (auto& list : insertions_) sort_and_merge(list);
+    }
+
+    SharedPoints run() {
+        // What one slice cannot take is taken out of the others too, which are then looked at again.
+        for (bool dropped = true; dropped;) {
+            dropped = false;
+            for (const Slice& slice : set_.slices) dropped |= drop_unsound(slice);
+        }
+        lay_out();
+        return {static_cast<std::uint64_t>(std::count(usable_.begin(), usable_.end(), true))};
+    }
+
+  private:
+    void find_usable() {
+        for (std::size_t p = 0; p < ends_.places.size(); ++p) {
+            const EndGroups::Member& member = groups_.members[p];
+            if (member.group == no_node) continue;
+            const double distance = length(groups_.target[member.group] - ends_.places[p].at);
+            if (distance * std::max(member.sine, 0.01) > snap_mm) usable_[member.group] = false;
+        }
+    }
+
+    void gather(const std::vector<LineEnd>& ends, const std::vector<std::uint32_t>& places) {
+        for (std::size_t e = 0; e < ends.size(); ++e) {
+            const std::uint32_t group = groups_.members[places[e]].group;
+            if (group == no_node || !usable_[group]) continue;
+            const LineEnd& end = ends[e];
+            insertions_[end.contour].push_back({end.from, end.from == end.to,
+                                                length(ends_.places[places[e]].at - set_.points[end.from]),
+                                                group, groups_.target[group]});
+        }
+    }
+
+    static void sort_and_merge(std::vector<Insertion>& list) {
+        std::sort(list.begin(), list.end(), [](const Insertion& p, const Insertion& q) {
+            return std::tuple(p.after, !p.replaces, p.distance, p.group) <
+                   std::tuple(q.after, !q.replaces, q.distance, q.group);
+        });
+        list.erase(std::unique(list.begin(), list.end(),
+                               [](const Insertion& p, const Insertion& q) {
+                                   return p.after == q.after && p.replaces == q.replaces &&
+                                          p.group == q.group;
+                               }),
+                   list.end());
+    }
+
+    // The contour with the points that `use` accepts; a point equal to its neighbour is there once.
+    template <class Use>
+    std::vector<Vec3> with_points(std::uint32_t c, Use&& use) const {
+        const Contour& contour = set_.contours[c];
+        std::vector<Vec3> points;
+        const auto add = [&](Vec3 p) {
+            if (points.empty() || points.back() != p) points.push_back(p);
+        };
+        auto next = insertions_[c].begin();
+        for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+            Vec3 at = set_.points[k];
+            while (next != insertions_[c].end() && next->after == k && next->replaces) {
+                if (use(next->group)) at = next->at;
+                ++next;
+            }
+            add(at);
+            for (; next != insertions_[c].end() && next->after == k; ++next) {
+                if (use(next->group)) add(next->at);
+            }
+        }
+        while (points.size() > 1 && points.back() == points.front()) points.pop_back();
+        return points;
+    }
+
+    template <class Use>
+    bool is_sound(const Slice& slice, Use&& use) const {
+        std::vector<PlaneRing> rings;
+        for (std::uint32_t c = slice.first_contour; c < slice.first_contour + slice.contour_count; ++c) {
+            PlaneRing ring{set_.contours[c].structure, {}};
+            for (const Vec3& p : with_points(c, use)) ring.at.push_back(slice.plane.to_plane(p));
+            if (ring.at.size() < 3) return false;
+            rings.push_back(std::move(ring));
+        }
+        return slice_faults(rings, set_.exclusive).empty();
+    }
+
+    bool drop_unsound(const Slice& slice) {
+        if (is_sound(slice, [&](std::uint32_t group) { return usable_[group]; })) return false;
+        std::vector<std::uint32_t> groups;
+        for (std::uint32_t c = slice.first_contour; c < slice.first_contour + slice.contour_count; ++c) {
+            for (const Insertion& insertion : insertions_[c]) groups.push_back(insertion.group);
+        }
+        std::sort(groups.begin(), groups.end());
+        groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
+        // One after the other, each with those before it that were sound.
+        bool dropped = false;
+        std::vector<std::uint32_t> sound;
+        for (const std::uint32_t group : groups) {
+            if (!usable_[group]) continue;
+            sound.push_back(group);
+            if (is_sound(slice,
+                         [&](std::uint32_t g) { return std::binary_search(sound.begin(), sound.end(), g); }))
+                continue;
+            sound.pop_back();
+            usable_[group] = false;
+            dropped = true;
+        }
+        return dropped;
+    }
+
+    void lay_out() {
+        std::vector<Vec3> points;
+        for (std::uint32_t c = 0; c < set_.contours.size(); ++c) {
+            const std::vector<Vec3> own = with_points(c, [&](std::uint32_t group) { return usable_[group]; });
+            fresh_.push_back(
+                {static_cast<std::uint32_t>(points.size()), static_cast<std::uint32_t>(own.size())});
+            points.insert(points.end(), own.begin(), own.end());
+        }
+        for (std::uint32_t c = 0; c < set_.contours.size(); ++c) {
+            set_.contours[c].first_point = fresh_[c].first;
+            set_.contours[c].point_count = fresh_[c].second;
+        }
+        set_.points = std::move(points);
+    }
+
+    ContourSet& set_;
+    const EndPlaces ends_;
+    const EndGroups groups_;
+    std::vector<bool> usable_;
+    std::vector<std::vector<Insertion>> insertions_;  // per contour, in its order
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> fresh_;
+};
+
+}  // namespace
+
+EndGroups group_ends(const ContourSet& set, const EndPlaces& ends,
+                     std::span<const LineComparison> comparisons, double normal_reach_mm) {
+    EndGroups groups;
+    groups.members.resize(ends.places.size());
+    const std::vector<Membership> members = memberships(ends, comparisons);
+    Grouper grouper(set, ends, normal_reach_mm, groups);
+    for (std::size_t begin = 0, end = 0; begin < members.size(); begin = end) {
+        while (end < members.size() && members[end].root == members[begin].root) ++end;
+        grouper.add({members.data() + begin, end - begin});
+    }
+    return groups;
+}
+
+SharedPoints insert_shared_points(ContourSet& set, std::span<const LineComparison> comparisons,
+                                  double normal_reach_mm) {
+    return Inserter(set, comparisons, normal_reach_mm).run();
+}
+
+}  // namespace anatomesh
