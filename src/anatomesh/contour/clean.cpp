@@ -282,6 +282,7 @@ class Cleaner {
             const Plane& plane = groups_.slices[s];
             const int axis = axis_of(plane);
             const double position = axis == 0 ? plane.origin.x : axis == 1 ? plane.origin.y : plane.origin.z;
+            given_names_.emplace_back(given[s].begin(), given[s].end());
             names_.push_back(!given[s].empty() ? *given[s].begin()
                              : axis >= 0       ? std::string(1, "xyz"[axis]) + " = " + text(position)
                                                : "plane " + std::to_string(s));
@@ -372,13 +373,36 @@ class Cleaner {
             take(std::move(resolved).value(), structure);
         }
         if (groups_.spread_mm[s] > range + 1e-9) {
-            context_.warn({"W-CON-010",
-                           "contours of one slice lie on planes that differ",
-                           {raw_.source, names_[s], "", "", brief(groups_.spread_mm[s]) + " mm"},
-                           "taken as one slice; the points stay where they are"});
+            warn_of_spread(s);
         }
         close_slice();
         return Nothing{};
+    }
+
+    void warn_of_spread(std::uint32_t s) {
+        // Names of up to this many planes are listed.
+        constexpr std::size_t most_names = 4;
+        const std::vector<std::string>& given = given_names_[s];
+        std::string planes;
+        for (std::size_t i = 0; i < given.size() && i < most_names; ++i) {
+            planes += (i == 0 ? "" : i + 1 == given.size() ? " and " : ", ") + given[i];
+        }
+        if (given.size() > most_names)
+            planes += " and " + std::to_string(given.size() - most_names) + " more";
+        std::string done = "taken as one slice; the points stay where they are; ";
+        if (given.size() < 2) {
+            done += "a contour inside another one is a hole, overlapping ones are united";
+        } else if (options_.unite_repeated_planes) {
+            done += "nearly equal contours are dropped, contradicting ones united";
+        } else {
+            done +=
+                "nearly equal contours are dropped, contradicting ones refused, one inside another is a hole";
+        }
+        context_.warn({"W-CON-010",
+                       given.size() < 2 ? "contours of one slice lie on planes that differ"
+                                        : "planes lie so near each other that they are one slice: " + planes,
+                       {raw_.source, names_[s], "", "", brief(groups_.spread_mm[s]) + " mm"},
+                       done});
     }
 
     void add_ring(Candidate candidate, std::uint32_t s, std::vector<Ring>& rings) {
@@ -498,10 +522,12 @@ class Cleaner {
             const WeldStats welded = weld_contours(set, options_.weld_mm);
             stats.max_displacement_mm = welded.max_displacement_mm;
             if (welded.moved > 0) {
-                context_.warn({"W-CON-021",
-                               std::to_string(welded.moved) + " vertices differ from one of another structure by rounding alone",
-                               {raw_.source, "", "", "", "at most " + text(welded.max_displacement_mm) + " mm"},
-                               "moved onto it"});
+                context_.warn(
+                    {"W-CON-021",
+                     std::to_string(welded.moved) +
+                         " vertices differ from one of another structure by rounding alone",
+                     {raw_.source, "", "", "", "at most " + text(welded.max_displacement_mm) + " mm"},
+                     "moved onto it"});
             }
         }
         stats.points_kept = set.points.size();
@@ -521,9 +547,10 @@ class Cleaner {
     std::vector<std::uint32_t> by_number_, rank_;  // structures in the order of their numbers, and back
     std::vector<Candidate> candidates_;
     PlaneGroups groups_;
-    std::vector<std::vector<std::uint32_t>> members_;  // per slice, of candidates_
-    std::vector<std::string> names_;                   // per slice
-    std::vector<char> repaired_;                       // per raw contour
+    std::vector<std::vector<std::uint32_t>> members_;    // per slice, of candidates_
+    std::vector<std::string> names_;                     // per slice
+    std::vector<std::vector<std::string>> given_names_;  // per slice: of the planes in the file, sorted
+    std::vector<char> repaired_;                         // per raw contour
     std::vector<RingNote> notes_;
     CleanResult result_;
 };

@@ -69,7 +69,7 @@ struct CleanResult {
 // crosses itself is read by the even-odd rule. Where two rings have to share a vertex the larger keeps it,
 // and the other's copy moves into the smaller one's own polygon by at most separation_mm: a shared vertex
 // would make every surface non-manifold. Every repair is counted and warned about, with its displacement and
-// area; above its bound it is an error. Errors: E-CON-001..009, warnings: W-CON-001..021. Complexity: O(n log
+// area; above its bound it is an error. Errors: E-CON-001..009, warnings: W-CON-001..022. Complexity: O(n log
 // n) per slice in its points, plus the crossings found.
 Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context);
 

@@ -59,6 +59,11 @@ struct Cleaned {
         for (const Warning& warning : warnings) n += warning.code == code;
         return n;
     }
+    // The first of a code. Requires: there is one.
+    const Warning& warning(const std::string& code) const {
+        return *std::find_if(warnings.begin(), warnings.end(),
+                             [&](const Warning& each) { return each.code == code; });
+    }
     std::string code() const { return result.ok() ? "" : result.error().code; }
     // Area of a structure's region in a slice: holes count negative.
     double area(std::uint32_t slice = 0, std::uint32_t structure = 0) const {
@@ -455,6 +460,34 @@ TEST(Clean, C23_plane_given_twice) {
     const Cleaned hole = clean(twice(circle(0, 0, 10, 50, 10), circle(0, 0, 5, 49, 10.001)));
     EXPECT_KEPT(hole);
     EXPECT_EQ(hole.kept().contours.size(), 2u);
+    ASSERT_EQ(hole.count("W-CON-022"), 1u);
+    const Warning& read_as_hole = hole.warning("W-CON-022");
+    EXPECT_EQ(read_as_hole.place.contour, "1");
+    EXPECT_NE(read_as_hole.message.find("of plane 1 lies inside contour 0 of plane 0"), std::string::npos)
+        << read_as_hole.message;
+    EXPECT_EQ(read_as_hole.what_was_done, "read as a hole; --holes filled takes holes as inside");
+    // Drawn on one plane, it is a hole like any other.
+    EXPECT_EQ(clean(File().add(circle(0, 0, 10, 50, 10)).add(circle(0, 0, 5, 49, 10))).count("W-CON-022"),
+              0u);
+}
+
+TEST(Clean, C23_the_warning_of_planes_made_one_names_them_and_what_became_of_contours) {
+    File file;
+    file.raw.planes = {make_plane({0, 0, 10}, {0, 0, 1}), make_plane({0, 0, 10.01}, {0, 0, 1})};
+    file.raw.plane_names = {"slices[3]", "slices[4]"};
+    file.add(circle(0, 0, 10, 50, 10), 0, ContourKind::closed_planar, 0)
+        .add(circle(40, 0, 10, 49, 10.01), 0, ContourKind::closed_planar, 1);
+    const Cleaned refused = clean(file);
+    ASSERT_EQ(refused.count("W-CON-010"), 1u);
+    const Warning& merged = refused.warning("W-CON-010");
+    EXPECT_EQ(merged.message,
+              "planes lie so near each other that they are one slice: slices[3] and slices[4]");
+    EXPECT_EQ(merged.place.value, "0.01 mm");
+    EXPECT_NE(merged.what_was_done.find("contradicting ones refused"), std::string::npos);
+    CleanOptions united;
+    united.unite_repeated_planes = true;
+    EXPECT_NE(clean(file, united).warning("W-CON-010").what_was_done.find("contradicting ones united"),
+              std::string::npos);
 }
 
 TEST(Clean, C02_contours_without_area_are_dropped) {

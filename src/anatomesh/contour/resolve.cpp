@@ -58,6 +58,7 @@ class Resolver {
             ANATOMESH_TRY(again, drop_plane_repeat(*combined));
         }
         ANATOMESH_CHECK_STATUS(read_fates(*combined));
+        note_nesting_across_planes(*combined);
         rings_ = std::move(combined->rings);
         ANATOMESH_CHECK_STATUS(separate());
         return finish(RingEdges(rings_));
@@ -134,7 +135,8 @@ class Resolver {
                                  place_of_(rings_[q].source).contour + " of plane " +
                                  std::to_string(rings_[q].plane) + " and this one of plane " +
                                  std::to_string(rings_[r].plane),
-                             std::move(place), "remove one of the two planes, or unite them with --unite-repeated-planes"};
+                             std::move(place),
+                             "remove one of the two planes, or unite them with --unite-repeated-planes"};
             }
         }
         return false;
@@ -169,6 +171,27 @@ class Resolver {
         }
         if (!exclusive_or_) read_groups(combined);
         return Nothing{};
+    }
+
+    // A plane given twice, a contour on one of them inside a contour on the other: two drawings of one
+    // outline as like as a hole.
+    void note_nesting_across_planes(const Combined& combined) {
+        if (exclusive_or_) return;
+        for (std::uint32_t r = 0; r < rings_.size(); ++r) {
+            const RingFate& fate = combined.fates[r];
+            if (fate.parent < 0) continue;
+            const auto parent = static_cast<std::uint32_t>(fate.parent);
+            if (rings_[r].plane < 0 || rings_[parent].plane < 0 || rings_[r].plane == rings_[parent].plane)
+                continue;
+            note(rings_[r].source, "W-CON-022",
+                 "a plane is given twice: this contour of plane " + std::to_string(rings_[r].plane) +
+                     " lies inside contour " + place_of_(rings_[parent].source).contour + " of plane " +
+                     std::to_string(rings_[parent].plane),
+                 brief(fate.area_mm2) + " mm2",
+                 fate.level % 2 == 1 ? "read as a hole; --holes filled takes holes as inside"
+                 : fate.level > 0    ? "read as an island in a hole"
+                                     : "adds nothing, holes are filled");
+        }
     }
 
     // What a contour did by itself.
