@@ -1,4 +1,4 @@
-# Installs into an empty folder, then configures, builds and runs a small program that finds the package there.
+# Installs into an empty folder, then configures, builds and runs the example program that finds the package there.
 set(root ${BUILD}/install-test)
 file(REMOVE_RECURSE ${root})
 function(step)
@@ -19,7 +19,8 @@ step(${root}/prefix/bin/anatomesh --version)
 step(${CMAKE_COMMAND} -S ${SOURCE} -B ${root}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
      -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${root}/prefix)
 step(${CMAKE_COMMAND} --build ${root}/build)
-execute_process(COMMAND ${root}/build/consumer WORKING_DIRECTORY ${root} RESULT_VARIABLE result)
-if(NOT result EQUAL 0)
-  message(FATAL_ERROR "the program that uses the installed library failed: ${result}")
+execute_process(COMMAND ${root}/build/ball WORKING_DIRECTORY ${root} RESULT_VARIABLE result OUTPUT_VARIABLE output)
+if(NOT result EQUAL 0 OR NOT output MATCHES "ball.vtu: [0-9]+ tetrahedra")
+  message(FATAL_ERROR "the program that uses the installed library failed: ${result}\n${output}")
 endif()
+step(${root}/prefix/bin/anatomesh check ${root}/ball.vtu)

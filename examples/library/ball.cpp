@@ -1,12 +1,11 @@
-// Uses the installed library as another project would: the model of a ball from its contours, written to a file.
+// The library without the program: contours made here, a model of them, its certificate, a file.
 #include <anatomesh/contour/clean.h>
 #include <anatomesh/pipeline/build_model.h>
-#include <anatomesh_io/file/atomic_file.h>
+#include <anatomesh_io/mesh/mesh_file.h>
 
 #include <cmath>
 #include <cstdio>
 #include <numbers>
-#include <string>
 
 namespace {
 
@@ -37,13 +36,24 @@ int failed(const anatomesh::Error& error) {
 }  // namespace
 
 int main() {
-    anatomesh::RunContext context;
+    anatomesh::RunContext context;  // threads, cancelling, progress; warnings are gathered in it
     const auto cleaned = anatomesh::clean_contours(ball(), {}, context);
     if (!cleaned) return failed(cleaned.error());
     const auto model = anatomesh::build_model(cleaned.value().kept, {}, context);
     if (!model) return failed(model.error());
-    const auto written = anatomesh::write_file_atomically(
-        "ball.txt", std::to_string(model.value().mesh.cells.size()) + " tetrahedra\n");
+
+    anatomesh::ModelFile file;
+    file.mesh = model.value().mesh;
+    file.description.structures = model.value().structures;
+    file.description.regions = model.value().regions;
+    const auto written = anatomesh::write_model("ball.vtu", file, context);
     if (!written) return failed(written.error());
-    return model.value().mesh.cells.empty() ? 1 : 0;
+
+    const anatomesh::ModelReport& report = model.value().report;
+    std::printf("ball.vtu: %zu tetrahedra, %.1f mm3\n", file.mesh.cells.size(),
+                report.structures.front().volume_mesh_mm3);
+    for (const anatomesh::Clause& clause : report.certificate) {
+        std::printf("clause %d: %s\n", clause.number, clause.evidence.c_str());
+    }
+    return 0;
 }
