@@ -29,13 +29,25 @@ constexpr int max_attempts = 3;               // with a default size; each one f
 constexpr double finer = 0.7;
 constexpr int crossing_rounds = 3;
 constexpr int deviation_rounds = 5;
-constexpr int refinement_rounds = 12;
+constexpr int refinement_rounds = 60;
 
-// Everything that one run of the method carries from stage to stage.
+// The set moved so that `origin` comes to lie at (0, 0, 0); every plane's own origin is the foot of that point on it.
+ContourSet relative_to(Vec3 origin, ContourSet set) {
+    for (Vec3& p : set.points) p = p - origin;
+    for (Slice& slice : set.slices) {
+        Plane& plane = slice.plane;
+        plane.origin = dot(plane.origin - origin, plane.normal) * plane.normal;
+    }
+    return set;
+}
+
+// Everything that one run of the method carries from stage to stage. The stages work relative to the low corner of the
+// contours' box: far from (0, 0, 0) coordinates are coarse, and a model must not depend on where the patient lay.
 class Builder {
   public:
     Builder(const ContourSet& contours, const ModelOptions& options, RunContext& context, const StageObserver& observer)
-        : contours_(contours), options_(options), context_(context), observer_(observer),
+        : source_(contours), origin_(contours.points.empty() ? Vec3{} : contours.box().low),
+          contours_(relative_to(origin_, contours)), options_(options), context_(context), observer_(observer),
           structures_(static_cast<std::uint32_t>(contours.structures.size())) {}
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
@@ -80,6 +92,7 @@ class Builder {
         const SampleStats& stats = sample_->stats;
         figures_ = {{"contour_points", static_cast<double>(stats.contour_points)},
                     {"segment_points", static_cast<double>(stats.segment_points)},
+                    {"thin_spots", static_cast<double>(stats.thin_spots)},
                     {"surface_points", static_cast<double>(stats.surface_points)},
                     {"lattice_points", static_cast<double>(stats.lattice_points)}};
         report().size_mm = stats.size_mm;
@@ -269,7 +282,16 @@ class Builder {
             model_.contour_vertices.push_back(vertex[mesh_->first_vertices()[n]]);
         }
         compact_regions();
+        move_back(mesh.points);
+        // Contour vertices keep the coordinates that they came with, bit for bit.
+        for (std::size_t n = 0; n < model_.contour_vertices.size(); ++n) {
+            mesh.points[model_.contour_vertices[n]] = source_.points[n];
+        }
         model_.structures = contours_.structures;
+    }
+
+    void move_back(std::vector<Vec3>& points) const {
+        for (Vec3& p : points) p = p + origin_;
     }
 
     // Keeps the regions that a cell lies in, ordered by their structures, so that their numbers do not depend on the
@@ -297,7 +319,7 @@ class Builder {
 
     Status certify() {
         CertificateInput input{model_.mesh, model_.regions, model_.structures};
-        input.contours = &contours_;
+        input.contours = &source_;
         input.field_volumes_mm3 = volumes_mm3_;
         measure_model(input, context_, report());
         ANATOMESH_CHECK_STATUS(end_stage("certificate", 1.0));
@@ -333,11 +355,7 @@ class Builder {
     Status end_stage(const std::string& name, double share_done) {
         end_stage_timing(name);
         if (observer_ && mesh_) {
-            if (!model_.mesh.cells.empty()) {
-                observer_(name, model_.mesh);
-            } else if (!mesh_->regions().empty()) {
-                observer_(name, {mesh_->points(), mesh_->cells().cells, mesh_->regions()});
-            }
+            show(name);
             stage_start_ = Clock::now();
         }
         context_.report(name, share_done);
@@ -345,7 +363,18 @@ class Builder {
         return Nothing{};
     }
 
-    const ContourSet& contours_;
+    void show(const std::string& name) const {
+        if (name == "certificate") return observer_(name, model_.mesh);
+        TetMesh mesh = model_.mesh;
+        if (mesh.cells.empty()) mesh = {mesh_->points(), mesh_->cells().cells, mesh_->regions()};
+        if (mesh.regions.empty()) return;
+        move_back(mesh.points);
+        observer_(name, mesh);
+    }
+
+    const ContourSet& source_;  // as given
+    const Vec3 origin_;
+    const ContourSet contours_;  // relative to it
     const ModelOptions& options_;
     RunContext& context_;
     const StageObserver& observer_;

@@ -254,5 +254,59 @@ TEST(BuildModel, progress_rises_and_the_observer_sees_valid_stages) {
     }
 }
 
+TEST(BuildModel, C35_thin_plate) {
+    Drawing drawing;
+    for (int z = 0; z < 8; ++z) drawing.add(0, 2 * z, divided(rectangle({-10, -0.25}, {10, 0.25}), 2));
+    expect_structure(certified_model(drawing), 0, {1, 0, 20 * 0.5 * 16, 0.02});
+}
+
+TEST(BuildModel, C14_points_1e_6_mm_apart_beside_10_mm) {
+    Drawing drawing;
+    for (int z = 0; z < 4; ++z) {
+        drawing.add(0, 3 * z, {{0, 0}, {10, 0}, {10, 1e-6}, {10, 10}, {0, 10}});
+    }
+    expect_structure(certified_model(drawing), 0, {1, 0, 100 * 12, 0.01});
+}
+
+// Walls much thinner than what they stand on keep their shape.
+TEST(BuildModel, C35_thin_fin_on_a_block) {
+    for (const double thickness : {1.2, 0.7, 0.4, 0.2}) {
+        SCOPED_TRACE(thickness);
+        Drawing drawing;
+        for (int z = 0; z < 8; ++z) {
+            const Polygon outline{{0, 0}, {20, 0}, {20, 20}, {10 + thickness, 20}, {10 + thickness, 35}, {10, 35}, {10, 20}, {0, 20}};
+            drawing.add(0, 2 * z, divided(outline, 2));
+        }
+        expect_structure(certified_model(drawing), 0, {1, 0, (400 + 15 * thickness) * 16, 0.02});
+    }
+}
+
+TEST(BuildModel, C35_thin_gap_in_a_block) {
+    for (const double width : {0.7, 0.4, 0.2}) {
+        SCOPED_TRACE(width);
+        Drawing drawing;
+        for (int z = 0; z < 8; ++z) {
+            const Polygon outline{{0, 0}, {20, 0}, {20, 20}, {10 + width, 20}, {10 + width, 5}, {10, 5}, {10, 20}, {0, 20}};
+            drawing.add(0, 2 * z, divided(outline, 2));
+        }
+        expect_structure(certified_model(drawing), 0, {1, 0, (400 - 15 * width) * 16, 0.02});
+    }
+}
+
+// A thin-walled cylinder about a thick core that sets the default size.
+TEST(BuildModel, C35_thin_tube_round_a_rod) {
+    for (const double thickness : {1.2, 0.5, 0.25}) {
+        SCOPED_TRACE(thickness);
+        Drawing drawing;
+        for (int z = 0; z < 8; ++z) {
+            drawing.add(0, 2 * z, circle({}, 12, 38));
+            drawing.add(0, 2 * z, circle({}, 16, 50));
+            drawing.add(0, 2 * z, circle({}, 16 + thickness, 50));
+        }
+        const double area = pi * (144 + thickness * (32 + thickness));
+        expect_structure(certified_model(drawing), 0, {2, 1, area * 16, 0.02});
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh

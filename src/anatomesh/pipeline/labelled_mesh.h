@@ -30,6 +30,7 @@ class LabelledMesh {
     const DelaunaySnapshot& cells() const { return snapshot_; }
     const std::vector<Region>& sides() const { return sides_; }
     std::vector<Region>& regions() { return regions_; }
+    const std::vector<Region>& regions() const { return regions_; }
     RegionRegistry& registry() { return registry_; }
     const PointGrid& grid() const { return grid_; }
     std::span<const std::uint32_t> first_vertices() const { return delaunay_.first_vertices(); }

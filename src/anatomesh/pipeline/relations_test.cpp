@@ -196,5 +196,19 @@ TEST(Relations, random_drawings_of_overlapping_structures_are_certified) {
     }
 }
 
+// M3, G-31
+TEST(Relations, an_exact_translation_moves_the_points_and_keeps_the_cells) {
+    Drawing drawing = awkward_solid();
+    const Model reference = model_of(drawing.raw, 1);
+    const Vec3 shift{1024, -2048, 512};
+    drawing.move([&](Vec3 p) { return p + shift; });
+    const Model moved = model_of(drawing.raw, 1);
+    ASSERT_EQ(moved.mesh.points.size(), reference.mesh.points.size());
+    EXPECT_TRUE(moved.mesh.cells == reference.mesh.cells);
+    for (std::size_t v = 0; v < moved.mesh.points.size(); ++v) {
+        ASSERT_LT(length(moved.mesh.points[v] - shift - reference.mesh.points[v]), 1e-9);
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh

@@ -10,6 +10,7 @@
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/sample/interface_probe.h"
+#include "anatomesh/sample/thin_walls.h"
 
 namespace anatomesh {
 
@@ -19,6 +20,7 @@ constexpr double surface_spacing = 0.6;     // smallest distance of two surface 
 constexpr double protected_spacing = 0.5;   // of a free point from a contour point, in sizes
 constexpr double surface_band = 0.45;       // lattice points this near an interface are moved onto it, in sizes
 constexpr double lattice_shift = 0.04;      // of a lattice point from its place, at most, in half steps
+constexpr double size_per_spacing = 1.05;   // of the default size: thin walls get finer points of their own
 constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
 constexpr double position_tolerance = 2e-3; // surface points lie on the interface to within this, in sizes
 
@@ -200,23 +202,50 @@ void collect_contour_vertices(const ContourSet& contours, PointSample& sample) {
     sample.stats.contour_points = sample.points.size();
 }
 
-SegmentGuard split_segments(const ContourSet& contours, double size, PointSample& sample) {
-    SegmentGuard guard(size, 2 * sample.points.size());
-    for (const Vec3& p : sample.points) guard.add_point(p);
-    std::vector<std::array<std::uint32_t, 2>> segments;
+struct Segment {
+    std::uint32_t a, b;  // vertices of the sample, a < b
+    std::uint32_t structure;
+    friend auto operator<=>(const Segment&, const Segment&) = default;
+};
+
+// Walls shared by structures are drawn more than once: once is enough, with the first of them.
+std::vector<Segment> collect_segments(const ContourSet& contours, const PointSample& sample) {
+    std::vector<Segment> segments;
     for (const Contour& contour : contours.contours) {
         for (std::uint32_t n = 0; n < contour.point_count; ++n) {
             const std::uint32_t a = sample.contour_vertices[contour.first_point + n];
             const std::uint32_t b = sample.contour_vertices[contour.first_point + (n + 1) % contour.point_count];
-            if (a != b) segments.push_back({std::min(a, b), std::max(a, b)});
+            if (a != b) segments.push_back({std::min(a, b), std::max(a, b), contour.structure});
         }
     }
-    // Walls shared by two structures are drawn twice: once is enough.
     std::sort(segments.begin(), segments.end());
-    segments.erase(std::unique(segments.begin(), segments.end()), segments.end());
-    for (const auto& [a, b] : segments) {
-        const Vec3 p = sample.points[a], q = sample.points[b];
-        const int pieces = std::max(1, static_cast<int>(std::ceil(length(q - p) / (longest_segment * size))));
+    const auto repeats = [](const Segment& s, const Segment& t) { return s.a == t.a && s.b == t.b; };
+    segments.erase(std::unique(segments.begin(), segments.end(), repeats), segments.end());
+    return segments;
+}
+
+// `thin` receives the places where a segment runs along a thin wall.
+SegmentGuard split_segments(const std::vector<Segment>& segments, const StructureField& field, double size, int threads,
+                            PointSample& sample, std::vector<ThinSpot>& thin) {
+    SegmentGuard guard(size, 2 * sample.points.size());
+    for (const Vec3& p : sample.points) guard.add_point(p);
+    std::vector<int> levels(segments.size(), 0);
+    parallel_for(segments.size(), 256, threads, [&](std::size_t first, std::size_t last) {
+        const WallGauge gauge(field, thin_wall * size);
+        for (std::size_t n = first; n < last; ++n) {
+            const Vec3 middle = 0.5 * (sample.points[segments[n].a] + sample.points[segments[n].b]);
+            if (const auto normal = gauge.normal(segments[n].structure, middle)) {
+                levels[n] = level_of(gauge.thickness(segments[n].structure, middle, *normal), size);
+            }
+        }
+    });
+    for (std::size_t n = 0; n < segments.size(); ++n) {
+        const Vec3 p = sample.points[segments[n].a], q = sample.points[segments[n].b];
+        const double wanted = longest_segment * size / (1 << levels[n]);
+        const int pieces = std::max(1, static_cast<int>(std::ceil(length(q - p) / wanted)));
+        for (int piece = 0; levels[n] > 0 && piece <= pieces; ++piece) {
+            thin.push_back({p + (static_cast<double>(piece) / pieces) * (q - p), levels[n]});
+        }
         Vec3 from = p;
         for (int piece = 1; piece <= pieces; ++piece) {
             const Vec3 to = piece == pieces ? q : p + (static_cast<double>(piece) / pieces) * (q - p);
@@ -241,21 +270,58 @@ struct LatticePoint {
 // Lattice points moved onto interfaces, each kept if it is far enough from those before it.
 void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>& near, const StructureField& field,
                         std::uint32_t structures, double size, const SegmentGuard& guard, PointGrid& surface,
-                        PointSample& sample, int threads) {
+                        PointSample& sample, std::vector<ThinSpot>& thin, int threads) {
     std::vector<std::optional<Vec3>> moved(near.size());
+    std::vector<int> levels(near.size(), 0);
     parallel_for(near.size(), 1024, threads, [&](std::size_t first, std::size_t last) {
         InterfaceProbe probe(field, structures);
+        const WallGauge gauge(field, thin_wall * size);
+        std::vector<std::uint32_t> changed;
         for (std::size_t n = first; n < last; ++n) {
             const Vec3 p = lattice.position(near[n].i, near[n].j, near[n].k);
             moved[n] = probe.project(p, 2.0 * surface_band * size, position_tolerance * size);
+            if (!moved[n]) continue;
+            if (const auto thickness = thickness_beside(p, *moved[n], gauge, probe, structures, changed)) {
+                levels[n] = level_of(*thickness, size);
+            }
         }
     });
+    for (std::size_t n = 0; n < near.size(); ++n) {
+        if (levels[n] > 0) thin.push_back({*moved[n], levels[n]});
+    }
     for (const std::optional<Vec3>& p : moved) {
         if (!p || surface.any_within(*p, surface_spacing * size) || !guard.allows(*p, protected_spacing * size)) continue;
         surface.add(*p);
         sample.points.push_back(*p);
     }
-    sample.stats.surface_points = surface.size();
+}
+
+// Points on the interfaces about the places where a wall is thin, the finer the thinner it is.
+void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const StructureField& field, std::uint32_t structures,
+                          double size, const SegmentGuard& guard, PointGrid& surface, PointSample& sample, int threads) {
+    for (int level = max_thin_level; level > 0; --level) {
+        const double local = size / (1 << level);
+        const std::vector<Vec3> sites = fine_sites(low, thin, level, size);
+        std::vector<std::optional<Vec3>> moved(sites.size());
+        parallel_for(sites.size(), 256, threads, [&](std::size_t first, std::size_t last) {
+            InterfaceProbe probe(field, structures);
+            const WallGauge gauge(field, thin_wall * size);
+            std::vector<std::uint32_t> changed;
+            for (std::size_t n = first; n < last; ++n) {
+                if (probe.distance(sites[n]) >= surface_band * local) continue;
+                moved[n] = probe.project(sites[n], 2.0 * surface_band * local, position_tolerance * local);
+                if (!moved[n]) continue;
+                // A spot's neighbourhood may be thicker than the spot.
+                const auto thickness = thickness_beside(sites[n], *moved[n], gauge, probe, structures, changed);
+                if (thickness && level_of(0.8 * *thickness, size) < level) moved[n].reset();
+            }
+        });
+        for (const std::optional<Vec3>& p : moved) {
+            if (!p || surface.any_within(*p, surface_spacing * local) || !guard.allows(*p, protected_spacing * local)) continue;
+            surface.add(*p);
+            sample.points.push_back(*p);
+        }
+    }
 }
 
 void add_lattice_points(const Lattice& lattice, const Sites& sites, double size, double growth, const SegmentGuard& guard,
@@ -326,7 +392,7 @@ double default_size(const ContourSet& contours, const StructureField& field) {
     }
     const double vertex_spacing = total / static_cast<double>(std::max<std::size_t>(1, contours.points.size()));
     const double spacing = field.slice_spacing();
-    const double size = std::clamp(std::sqrt(vertex_spacing * spacing), 0.7 * spacing, 2 * spacing);
+    const double size = std::clamp(size_per_spacing * std::sqrt(vertex_spacing * spacing), 0.7 * spacing, 2 * spacing);
     return thick > 0 ? std::min(size, thick / total) : size;
 }
 
@@ -350,7 +416,8 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
                      {}, "give a larger --size"};
     }
     collect_contour_vertices(contours, sample);
-    sample.guard = split_segments(contours, size, sample);
+    std::vector<ThinSpot> thin;
+    sample.guard = split_segments(collect_segments(contours, sample), field, size, context.threads, sample, thin);
     const SegmentGuard& guard = sample.guard;
     for (int a = 0; a < 3; ++a) lattice.size[a] = 2 * static_cast<std::uint32_t>(extent[a] / size) + 1;
 
@@ -368,7 +435,10 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
         }
     }
     PointGrid surface(surface_spacing * size, near.size());
-    add_surface_points(lattice, near, field, structures, size, guard, surface, sample, context.threads);
+    add_surface_points(lattice, near, field, structures, size, guard, surface, sample, thin, context.threads);
+    add_thin_wall_points(lattice.low, thin, field, structures, size, guard, surface, sample, context.threads);
+    sample.stats.surface_points = surface.size();
+    sample.stats.thin_spots = thin.size();
     add_lattice_points(lattice, sites, size, options.growth, guard, surface, sample);
     add_frame(box, sample);
     return sample;

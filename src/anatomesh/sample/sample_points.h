@@ -22,6 +22,7 @@ struct SampleStats {
     std::uint64_t contour_points = 0;       // distinct contour vertices
     std::uint64_t segment_points = 0;       // on long contour segments
     std::uint64_t surface_points = 0;       // on interfaces between the slices
+    std::uint64_t thin_spots = 0;           // places where a wall or gap is thinner than half the size
     std::uint64_t lattice_points = 0;       // inside and, near the surface, outside
     std::uint64_t frame_points = 0;         // corners of a box far outside, so that no contour lies on the hull
 };
@@ -41,12 +42,14 @@ struct PointSample {
 std::vector<double> mean_thickness(const ContourSet& contours);
 
 // The edge length that suits the data: the geometric mean of the slice spacing and the mean spacing of the vertices
-// along the contours, that is the side of a square with the surface's area per contour vertex; between 0.7
+// along the contours, that is about the side of a square with the surface's area per contour vertex; between 0.7
 // and 2 spacings, and not above the mean thickness of what is drawn: a wall needs an edge length across it.
 double default_size(const ContourSet& contours, const StructureField& field);
 
 // Contour vertices are kept exactly. Long segments get intermediate points. A body-centred cubic lattice fills
-// the inside (coarser with depth) and one layer outside; its points near an interface are moved onto it. No free
+// the inside (coarser with depth) and one layer outside; its points near an interface are moved onto it. Where a wall or
+// a gap of a structure is thinner than half the size, its surface gets points of a lattice up to 8 times finer, and contour
+// segments along it are split as finely: walls down to about a twentieth of the size stay whole. No free
 // point lies within half the size of a contour point or in the diametral ball of a contour segment, so that
 // contour segments tend to be edges of the Delaunay tetrahedralization.
 // Points between the slices are there from the start: points on parallel planes alone have Delaunay

@@ -85,15 +85,17 @@ TEST(SamplePoints, free_points_keep_their_distances) {
     const Case given = case_of(ball_with_a_long_bar());
     for (const double size : {0.7, 1.0, 1.6}) {
         const PointSample sample = sample_of(given, size);
+        // Thin walls may have points 8 times as close.
+        const double local = sample.stats.thin_spots > 0 ? size / 8 : size;
         const std::size_t first_surface = sample.stats.contour_points + sample.stats.segment_points;
         const std::size_t first_lattice = first_surface + sample.stats.surface_points;
         const std::size_t end = sample.points.size() - 8;
         for (std::size_t n = first_surface; n < end; ++n) {
             const Vec3 p = sample.points[n];
             for (std::size_t c = 0; c < first_surface; ++c)
-                ASSERT_GE(length(sample.points[c] - p), 0.5 * size);
+                ASSERT_GE(length(sample.points[c] - p), 0.5 * local);
             for (std::size_t s = first_surface; s < std::min(n, first_lattice); ++s) {
-                ASSERT_GE(length(sample.points[s] - p), (n < first_lattice ? 0.6 : 0.5) * size * (1 - 1e-12));
+                ASSERT_GE(length(sample.points[s] - p), (n < first_lattice ? 0.6 : 0.5) * local * (1 - 1e-12));
             }
         }
     }
@@ -151,14 +153,14 @@ TEST(SamplePoints, depth_makes_the_lattice_coarser) {
     EXPECT_EQ(graded.stats.surface_points, even.stats.surface_points);
 }
 
-TEST(SamplePoints, the_default_size_is_the_side_of_a_square_a_contour_vertex) {
+TEST(SamplePoints, the_default_size_is_about_the_side_of_a_square_a_contour_vertex) {
     const auto with_corners = [](double corner_spacing) {
         Drawing drawing;
         for (int z = 0; z < 4; ++z) drawing.add(0, 2 * z, divided(rectangle({0, 0}, {16, 16}), corner_spacing));
         return case_of(kept(drawing.raw));
     };
     const Case given = with_corners(4);
-    EXPECT_NEAR(default_size(given.set, *given.field), std::sqrt(8), 1e-12);
+    EXPECT_NEAR(default_size(given.set, *given.field), 1.05 * std::sqrt(8), 1e-12);
     EXPECT_EQ(sample_of(given, 0).stats.size_mm, default_size(given.set, *given.field));
     // Bounded by the slice spacing.
     const Case sparse = with_corners(16), dense = with_corners(0.1);
