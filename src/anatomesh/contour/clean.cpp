@@ -229,8 +229,8 @@ class Cleaner {
         // The usual way to say that a contour is closed is no blemish.
         if (repeated > 0 && points.front() == points.back()) --repeated;
         if (repeated > 0) {
-            note(c, "W-CON-007", "points equal to their predecessor", std::to_string(repeated) + " points",
-                 "dropped");
+            note(c, "W-CON-007", "points equal to their predecessor",
+                 std::to_string(repeated) + (repeated == 1 ? " point" : " points"), "dropped");
             result_.log[c].rule = "repeated points dropped";
             repaired_[c] = 1;
         }
@@ -418,7 +418,8 @@ class Cleaner {
             return;
         }
         if (spikes > 0) {
-            note(raw, "W-CON-012", "the contour turns back on itself", std::to_string(spikes) + " points",
+            note(raw, "W-CON-012", "the contour turns back on itself",
+                 std::to_string(spikes) + (spikes == 1 ? " point" : " points"),
                  "spikes removed; no other point moves");
             result_.log[raw].rule = "spikes removed";
             repaired_[raw] = 1;

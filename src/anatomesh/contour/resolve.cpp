@@ -259,7 +259,7 @@ class Resolver {
         for (const Separation& separation : done) {
             const std::uint32_t source = rings_[separation.ring].source;
             note(source, "W-CON-020", "two rings of one structure touch at a vertex",
-                 std::to_string(separation.vertices) + " vertices",
+                 std::to_string(separation.vertices) + (separation.vertices == 1 ? " vertex" : " vertices"),
                  "moved apart by " + brief(separation.displacement_mm) + " mm");
             RingReading& reading = readings_[source];
             reading.displacement_mm = std::max(reading.displacement_mm, separation.displacement_mm);

@@ -18,6 +18,11 @@ namespace {
 
 using Surfaces = std::vector<std::vector<Triangle>>;  // by structure
 
+// "1 structure", "2 structures".
+std::string counted(std::uint64_t count, const std::string& noun) {
+    return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
 std::string count_of(std::uint64_t part, std::uint64_t total) {
     return std::to_string(part) + " of " + std::to_string(total);
 }
@@ -165,12 +170,13 @@ std::string moves_text(std::span<const Warning> warnings) {
         if (warning.code == "W-CON-021") welded += leading_number(warning.message);
     }
     std::string text;
-    const auto add = [&](std::uint64_t count, const char* what) {
-        if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + what;
+    const auto add = [&](std::uint64_t count, const std::string& what) {
+        if (count > 0) text += (text.empty() ? "" : ", ") + what;
     };
-    add(apart, " moved apart where rings touch (W-CON-020)");
-    add(welded, " moved onto one of another structure (W-CON-021)");
-    add(onto_plane, " contours with points moved onto their plane (W-CON-009)");
+    add(apart, std::to_string(apart) + " moved apart where rings touch (W-CON-020)");
+    add(welded, std::to_string(welded) + " moved onto one of another structure (W-CON-021)");
+    add(onto_plane,
+        "those of " + counted(onto_plane, "contour") + " off their plane moved onto it (W-CON-009)");
     return text.empty() ? "" : "; cleaning moved vertices before: " + text;
 }
 
@@ -219,7 +225,7 @@ Clause clause_validity(const MeshCheck& check, const ModelReport& report) {
         std::to_string(report.tetrahedra) + " tetrahedra, " + std::to_string(check.boundary_triangles) +
         " boundary facets, by exact arithmetic: " + to_line(check) +
         (check.boundary_checked ? "" : " (crossings of the boundary not checked)") + "; surfaces of " +
-        std::to_string(report.structures.size()) + " structures: " + std::to_string(open) + " open edges, " +
+        counted(report.structures.size(), "structure") + ": " + std::to_string(open) + " open edges, " +
         std::to_string(edges) + " non-manifold edges, " + std::to_string(vertices) + " non-manifold vertices";
     return clause;
 }

@@ -106,7 +106,7 @@ TEST(Certificate, a_contour_vertex_off_by_one_bit_breaks_clause_1) {
 TEST(Certificate, clause_1_says_what_cleaning_moved_before) {
     const std::vector<Warning> warnings{
         {"W-CON-020", "two rings touch", {"", "", "", "", "3 vertices"}, "moved apart by 0.05 mm"},
-        {"W-CON-020", "two rings touch", {"", "", "", "", "1 vertices"}, "moved apart by 0.01 mm"},
+        {"W-CON-020", "two rings touch", {"", "", "", "", "1 vertex"}, "moved apart by 0.01 mm"},
         {"W-CON-021", "12 vertices differ from one of another structure", {}, "moved onto it"},
         {"W-CON-003", "a contour of fewer than three points", {}, "left out"}};
     EXPECT_EQ(
