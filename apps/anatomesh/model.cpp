@@ -26,6 +26,7 @@
 #include "outputs.h"
 #include "progress_bar.h"
 #include "read_input.h"
+#include "reconcile_step.h"
 #include "summary.h"
 #include "verbs.h"
 
@@ -54,6 +55,7 @@ struct ModelVerbOptions {
     double size_mm = 0;
     double max_gap_spacings = FieldOptions{}.max_gap_spacings;
     double slice_thickness_mm = 0;  // 0: not stated
+    ReconcileStepOptions reconcile;
     std::string caps = "half";
     std::string output, report, html, contours;
     std::vector<std::string> surfaces;
@@ -152,6 +154,13 @@ void complete_report(ModelReport& report, InputContours& contours, const ModelVe
     append_number(size, report.size_mm);
     report.options.emplace_back("size_mm", size);
     report.options.emplace_back("caps", options.caps);
+    if (!report.crossing.pairs.empty()) {
+        std::string bound;
+        append_number(bound, options.reconcile.stage.max_disagreement_mm);
+        report.options.emplace_back("max_disagreement_mm", bound);
+        report.options.emplace_back("reconcile", options.reconcile.reconcile);
+        report.options.emplace_back("align", options.reconcile.stage.align ? "yes" : "no");
+    }
     std::string gap;
     append_number(gap, options.max_gap_spacings);
     report.options.emplace_back("max_gap_spacings", gap);
@@ -228,6 +237,9 @@ Status run_model(ModelVerbOptions options, Session& session) {
     ANATOMESH_TRY(InputContours contours, contours_of(std::move(opened), options.input, context));
     StageReport tracing{"contours", watch.lap(), contours.kept.points.size(), 0, {}};
 
+    ANATOMESH_TRY(CrossingReport crossing, reconcile_step(contours.kept, options.reconcile, context));
+    StageReport reconciling{"reconcile", watch.lap(), contours.kept.points.size(), 0, {}};
+
     // A second attempt at the model shows its stages again: the last one counts.
     std::vector<ModelFile> dumps(options.dumps.size());
     const StageObserver observer = [&](const std::string& stage, const TetMesh& mesh) {
@@ -251,7 +263,8 @@ Status run_model(ModelVerbOptions options, Session& session) {
         ANATOMESH_TRY(const std::string bytes, format_model(options.dumps[i].path, dumps[i], context));
         ANATOMESH_CHECK_STATUS(files.add(options.dumps[i].path, bytes));
     }
-    model.report.stages.insert(model.report.stages.begin(), {std::move(reading), std::move(tracing)});
+    model.report.stages.insert(model.report.stages.begin(), {std::move(reading), std::move(tracing), std::move(reconciling)});
+    model.report.crossing = std::move(crossing);
     complete_report(model.report, contours, options, session);
     begin("writing", 0.9, 1);
     ANATOMESH_CHECK_STATUS(stage_outputs(model, contours.kept, options, files, session));
@@ -278,6 +291,7 @@ Work declare_model(CLI::App& verb) {
         "Join contours of a structure over a gap of up to so many slice spacings, 1 to 1000000 (default 2)");
     add_number(verb, "--slice-thickness", options->slice_thickness_mm, 0.001, 1000, "MM",
                "How thick a slice is when there is only one, 0.001 to 1000");
+    add_reconcile_options(verb, options->reconcile);
     add_texts(verb, "--surface", options->surfaces, "FILE",
               "Also write the surface: .vtp, .stl, .ply or .obj; may be repeated");
     add_text(verb, "--contours", options->contours, "FILE",

@@ -83,6 +83,30 @@ struct ContourReport {
     double max_displacement_mm = 0, area_change_mm2 = 0;
 };
 
+// Two slices whose planes cross, on their common line; lengths in mm.
+struct CrossingPairReport {
+    std::string slice_a, slice_b;
+    std::uint64_t ends = 0, unmatched = 0;  // region ends that correspond; intervals and gaps of one slice only
+    double median_mm = 0, p95_mm = 0, max_mm = 0;             // distances of corresponding ends, as drawn
+    double difference_mm = 0, difference_after_mm = 0;        // length of the symmetric difference: as drawn, as kept
+};
+
+struct SliceMovementReport {
+    std::string slice;
+    double mean_mm = 0, max_mm = 0;   // of its drawn vertices, by reconciling
+    std::array<double, 3> shift{};    // rigid, by --align
+};
+
+// How far crossing slices agreed, and what was moved. Without pairs: no planes cross.
+struct CrossingReport {
+    bool reconciled = false;
+    std::uint64_t ends = 0, unmatched = 0, shared_points = 0;
+    double median_mm = 0, p95_mm = 0, max_mm = 0, difference_mm = 0, difference_after_mm = 0;
+    double mean_movement_mm = 0, max_movement_mm = 0;
+    std::vector<CrossingPairReport> pairs;
+    std::vector<SliceMovementReport> slices;
+};
+
 struct ModelReport {
     std::string version, command;
     std::vector<std::pair<std::string, std::string>> libraries;  // name, version: "CGAL" -> "5.5.1"
@@ -106,6 +130,7 @@ struct ModelReport {
     std::uint64_t listed_cells_total = 0,
                   listed_cells_forced = 0;  // forced: by the input, with the reason known
     std::vector<ContourReport> contour_log;
+    CrossingReport crossing;
     std::vector<StageReport> stages;
     std::vector<Warning> warnings;
 };

@@ -146,6 +146,39 @@ Json contour_log_json(const ModelReport& report) {
     return list;
 }
 
+Json crossing_json(const CrossingReport& crossing) {
+    Json pairs = Json::array(), slices = Json::array();
+    for (const CrossingPairReport& pair : crossing.pairs) {
+        pairs.push_back({{"slices", {pair.slice_a, pair.slice_b}},
+                         {"ends", pair.ends},
+                         {"unmatched", pair.unmatched},
+                         {"median_mm", number(pair.median_mm)},
+                         {"p95_mm", number(pair.p95_mm)},
+                         {"max_mm", number(pair.max_mm)},
+                         {"difference_mm", number(pair.difference_mm)},
+                         {"difference_after_mm", number(pair.difference_after_mm)}});
+    }
+    for (const SliceMovementReport& slice : crossing.slices) {
+        slices.push_back({{"slice", slice.slice},
+                          {"mean_movement_mm", number(slice.mean_mm)},
+                          {"max_movement_mm", number(slice.max_mm)},
+                          {"shift_mm", slice.shift}});
+    }
+    return {{"reconciled", crossing.reconciled},
+            {"ends", crossing.ends},
+            {"unmatched", crossing.unmatched},
+            {"shared_points", crossing.shared_points},
+            {"median_mm", number(crossing.median_mm)},
+            {"p95_mm", number(crossing.p95_mm)},
+            {"max_mm", number(crossing.max_mm)},
+            {"difference_mm", number(crossing.difference_mm)},
+            {"difference_after_mm", number(crossing.difference_after_mm)},
+            {"mean_movement_mm", number(crossing.mean_movement_mm)},
+            {"max_movement_mm", number(crossing.max_movement_mm)},
+            {"pairs", std::move(pairs)},
+            {"slices", std::move(slices)}};
+}
+
 Json stages_json(const ModelReport& report) {
     Json list = Json::array();
     for (const StageReport& stage : report.stages) {
@@ -195,7 +228,7 @@ Json timing_json(const ModelReport& report) {
 std::string report_json(const ModelReport& report) {
     Json versions{{"anatomesh", report.version}};
     for (const auto& [name, version] : report.libraries) versions[name] = version;
-    const Json json{
+    Json json{
         {"format", "anatomesh-report"},
         {"format_version", 1},
         {"versions", std::move(versions)},
@@ -229,6 +262,7 @@ std::string report_json(const ModelReport& report) {
         {"stages", stages_json(report)},
         {"timing", timing_json(report)},
     };
+    if (!report.crossing.pairs.empty()) json["crossing_slices"] = crossing_json(report.crossing);
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

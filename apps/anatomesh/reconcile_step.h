@@ -1,0 +1,25 @@
+// Reconciling slices that cross, between reading the contours and building the model.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "anatomesh/measure/report.h"
+#include "anatomesh/reconcile/reconcile.h"
+
+namespace anatomesh {
+
+struct ReconcileStepOptions {
+    ReconcileOptions stage;
+    std::string reconcile = "1";  // "0": only measure
+};
+
+// --max-disagreement, --reconcile, --align.
+void add_reconcile_options(CLI::App& verb, ReconcileStepOptions& options);
+
+// Reconciles `kept` in place. The report of its crossing slices; without any it is empty and `kept` as it
+// was.
+Result<CrossingReport> reconcile_step(ContourSet& kept, const ReconcileStepOptions& options,
+                                      RunContext& context);
+
+}  // namespace anatomesh
