@@ -89,6 +89,12 @@ void DicomWriter::decimals(DicomTag tag, std::initializer_list<double> values) {
     element(tag, "DS", text);
 }
 
+void DicomWriter::append(DicomTag tag, std::string_view element) {
+    assert(last_.back() < tag);
+    last_.back() = tag;
+    bytes_ += element;
+}
+
 void DicomWriter::begin_sequence(DicomTag tag) {
     header(tag, "SQ", undefined_length);
 }

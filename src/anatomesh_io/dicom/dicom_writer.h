@@ -29,6 +29,9 @@ class DicomWriter {
     // DS: the shortest text of at most 16 characters nearest to each value.
     void decimals(DicomTag tag, std::initializer_list<double> values);
 
+    // An element, whole sequences among them, that another writer of the same syntax has written.
+    void append(DicomTag tag, std::string_view element);
+
     void begin_sequence(DicomTag tag);
     void end_sequence();
     void begin_item();

@@ -1,0 +1,247 @@
+#include "anatomesh_io/dicom/choose.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "anatomesh_io/contour/raw_builder.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double same_plane_mm = 0.05;
+
+Error choice_error(const char* code, std::string message, const std::string& file, std::string value,
+                   std::string next_step) {
+    return {ErrorKind::input,
+            code,
+            std::move(message),
+            {file, {}, {}, {}, std::move(value)},
+            std::move(next_step)};
+}
+
+const char* name_of_kind(DicomKind kind) {
+    switch (kind) {
+        case DicomKind::image:
+            return "image";
+        case DicomKind::rtstruct:
+            return "RTSTRUCT";
+        case DicomKind::segmentation:
+            return "SEG";
+        case DicomKind::other:
+            break;
+    }
+    return "other object";
+}
+
+std::string list_of(const DicomFolder& folder, const std::vector<std::size_t>& candidates) {
+    constexpr std::size_t most = 20;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(candidates.size(), most); ++i)
+        list += (i ? "; " : "") + describe_series(folder, folder.series[candidates[i]]);
+    return list + (candidates.size() > most ? "; ..." : "");
+}
+
+bool is_usable(DicomKind kind) {
+    return kind != DicomKind::other;
+}
+
+class Chooser {
+  public:
+    Chooser(const DicomFolder& folder, RunContext& context) : folder_(folder), context_(context) {}
+
+    Result<DicomChoice> choose(const std::string& series) {
+        ANATOMESH_TRY(const std::size_t chosen, series.empty() ? only_one() : named(series));
+        const DicomSeries& found = folder_.series[chosen];
+        DicomChoice choice;
+        choice.kind = found.kind;
+        choice.objects = found.objects;
+        if (choice.kind == DicomKind::image) return choice;
+        if (choice.objects.size() > 1)
+            return choice_error("E-DCM-029",
+                                fmt::format("the series holds {} objects", choice.objects.size()),
+                                folder_.path, describe_series(folder_, found), "give one of its files");
+        const DicomObject& object = folder_.objects[choice.objects[0]];
+        if (object.damage) return *object.damage;
+        ANATOMESH_TRY(choice.images, images_of(object));
+        return choice;
+    }
+
+  private:
+    std::vector<std::size_t> of_kind(std::initializer_list<DicomKind> kinds) const {
+        std::vector<std::size_t> found;
+        for (std::size_t i = 0; i < folder_.series.size(); ++i)
+            if (std::find(kinds.begin(), kinds.end(), folder_.series[i].kind) != kinds.end())
+                found.push_back(i);
+        return found;
+    }
+
+    Result<std::size_t> only_one() const {
+        const auto drawn = of_kind({DicomKind::rtstruct, DicomKind::segmentation});
+        if (drawn.size() == 1) return drawn[0];
+        const auto images = of_kind({DicomKind::image});
+        const auto& candidates = drawn.empty() ? images : drawn;
+        if (candidates.size() == 1) return candidates[0];
+        if (!candidates.empty())
+            return choice_error("E-DCM-029",
+                                drawn.empty() ? "the folder holds several series of images"
+                                              : "the folder holds several RTSTRUCT or SEG objects",
+                                folder_.path, {},
+                                "choose one with --series: " +
+                                    list_of(folder_, of_kind({DicomKind::image, DicomKind::rtstruct,
+                                                              DicomKind::segmentation})));
+        if (!folder_.damaged.empty()) return folder_.damaged[0];
+        return choice_error("E-DCM-031",
+                            folder_.objects.empty() ? "no DICOM object is here"
+                                                    : "no image, RTSTRUCT or SEG is among the DICOM objects",
+                            folder_.path, fmt::format("{} files", folder_.files),
+                            "give a folder with a series, an RTSTRUCT or a SEG");
+    }
+
+    Result<std::size_t> named(const std::string& series) const {
+        std::vector<std::size_t> found;
+        for (std::size_t i = 0; i < folder_.series.size(); ++i)
+            if (is_usable(folder_.series[i].kind) &&
+                (folder_.series[i].uid == series || folder_.series[i].name == series))
+                found.push_back(i);
+        if (found.size() == 1) return found[0];
+        const auto all = of_kind({DicomKind::image, DicomKind::rtstruct, DicomKind::segmentation});
+        bool changed = false;
+        return choice_error("E-DCM-028",
+                            found.empty() ? "there is no such series in the folder"
+                                          : "several series of the folder have this name",
+                            folder_.path, valid_utf8(series.substr(0, 64), changed),
+                            all.empty() ? "there is none" : "there are: " + list_of(folder_, all));
+    }
+
+    // The series that an object refers to, when it is there; else nothing.
+    Result<std::vector<std::uint32_t>> images_of(const DicomObject& object) {
+        std::vector<std::uint32_t> images;
+        for (const DicomSeries& series : folder_.series) {
+            if (series.kind != DicomKind::image) continue;
+            const bool is_named = std::find(object.referenced_series.begin(), object.referenced_series.end(),
+                                            series.uid) != object.referenced_series.end();
+            if (is_named) images.insert(images.end(), series.objects.begin(), series.objects.end());
+        }
+        for (const std::uint32_t index : images) {
+            const DicomObject& image = folder_.objects[index];
+            if (!image.frame_of_reference.empty() && !object.frame_of_reference.empty() &&
+                image.frame_of_reference != object.frame_of_reference)
+                return choice_error(
+                    "E-DCM-032",
+                    "the contours and their images have different frames of reference: no transform "
+                    "is applied",
+                    object.label, image.label,
+                    "give the object alone, without its images, to take it as it is");
+            if (image.patient_key != object.patient_key || image.study != object.study)
+                return choice_error("E-DCM-033",
+                                    "the object and its images are of different patients or studies",
+                                    object.label, image.label,
+                                    "give the object alone, without its images, to take it as it is");
+        }
+        check_references(object, images);
+        return images;
+    }
+
+    void check_references(const DicomObject& object, const std::vector<std::uint32_t>& images) {
+        std::set<std::string> there;
+        for (const std::uint32_t index : images) there.insert(folder_.objects[index].sop_instance);
+        std::size_t absent = 0;
+        for (const std::string& instance : object.referenced_instances) absent += !there.contains(instance);
+        if (absent == 0) return;
+        context_.warn({"W-DCM-018",
+                       fmt::format("{} of {} images that the object refers to are not here", absent,
+                                   object.referenced_instances.size()),
+                       {object.label, {}, {}, {}, {}},
+                       images.empty() ? "it was read without its images, and not compared with them"
+                                      : "it was compared with those that are here"});
+    }
+
+    const DicomFolder& folder_;
+    RunContext& context_;
+};
+
+}  // namespace
+
+std::string describe_series(const DicomFolder& folder, const DicomSeries& series) {
+    const DicomObject& first = folder.objects[series.objects[0]];
+    bool changed = false;
+    const std::string modality = valid_utf8(first.modality.substr(0, 16), changed);
+    if (series.kind != DicomKind::image)
+        return fmt::format("{}: {}", series.name,
+                           series.kind == DicomKind::other ? modality : name_of_kind(series.kind));
+    std::uint64_t frames = 0;
+    for (const std::uint32_t index : series.objects) frames += folder.objects[index].frames;
+    return fmt::format("{}: {}, {} images of {} x {}", series.name, modality, frames, first.columns,
+                       first.rows);
+}
+
+Result<DicomChoice> choose_dicom(const DicomFolder& folder, const std::string& series, RunContext& context) {
+    return Chooser(folder, context).choose(series);
+}
+
+void check_against_images(const RawContours& contours, const DicomFolder& folder,
+                          const std::vector<std::uint32_t>& images, RunContext& context) {
+    std::vector<const DicomFrame*> planes;
+    for (const std::uint32_t index : images)
+        for (const DicomFrame& plane : folder.objects[index].planes) planes.push_back(&plane);
+    if (planes.empty()) return;
+    const Vec3 normal = cross(planes[0]->row, planes[0]->column);
+    std::vector<double> heights;
+    for (const DicomFrame* plane : planes) heights.push_back(dot(plane->position, normal));
+    std::sort(heights.begin(), heights.end());
+    const auto distance = [&](double height) {
+        const auto above = std::lower_bound(heights.begin(), heights.end(), height);
+        double nearest = above == heights.end() ? 1e300 : *above - height;
+        if (above != heights.begin()) nearest = std::min(nearest, height - *(above - 1));
+        return nearest;
+    };
+    // Whether a point lies within the pixels of the first image, wherever along the normal.
+    const DicomFrame& first = *planes[0];
+    const auto is_aside = [&](Vec3 point) {
+        const Vec3 p = point - first.position;
+        const double i = dot(p, first.row) / first.spacing[0], j = dot(p, first.column) / first.spacing[1];
+        return i < -0.5 || j < -0.5 || i > first.columns - 0.5 || j > first.rows - 0.5;
+    };
+    std::uint64_t off = 0, outside = 0;
+    double worst = 0;
+    for (const RawContour& contour : contours.contours) {
+        if (contour.point_count == 0) continue;
+        double low = 1e300, high = -1e300;
+        bool all_aside = true;
+        for (std::uint32_t p = 0; p < contour.point_count; ++p) {
+            const Vec3 point = contours.points[contour.first_point + p];
+            low = std::min(low, dot(point, normal));
+            high = std::max(high, dot(point, normal));
+            all_aside = all_aside && is_aside(point);
+        }
+        if (high - low > same_plane_mm) continue;  // not drawn on these images
+        const double away = distance((low + high) / 2);
+        const double spacing =
+            heights.size() > 1 ? (heights.back() - heights.front()) / static_cast<double>(heights.size() - 1)
+                               : 1;
+        if (all_aside || low < heights.front() - spacing || high > heights.back() + spacing) {
+            ++outside;
+        } else if (away > same_plane_mm) {
+            ++off;
+            worst = std::max(worst, away);
+        }
+    }
+    if (off > 0)
+        context.warn({"W-DCM-019",
+                      fmt::format("{} contours lie between the images they refer to", off),
+                      {contours.source, {}, {}, {}, fmt::format("up to {:.3g} mm", worst)},
+                      "they stay where their coordinates say"});
+    if (outside > 0)
+        context.warn({"W-DCM-020",
+                      fmt::format("{} contours lie outside the images they refer to", outside),
+                      {contours.source, {}, {}, {}, {}},
+                      "they stay where their coordinates say"});
+}
+
+}  // namespace anatomesh
