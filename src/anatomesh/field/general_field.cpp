@@ -2,147 +2,109 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/slice_regions.h"
+#include "anatomesh/reconcile/plane_patches.h"
 
 namespace anatomesh {
 
 namespace {
 
-// The part of a plane on which its contours say something.
-struct Patch {
-    Plane plane;
-    Box2 box;                  // of the contours
-    double low = 0, high = 0;  // of the contour points along the normal: their deviations from the plane
+constexpr std::uint32_t most_near = 16;  // patches that a query takes into account: the nearest
+constexpr std::uint32_t no_structure = 0xffffffffu;
+constexpr double least_share = 0.01;      // of a patch that others hide: less is nothing
+constexpr double fade_of_outside = 0.01;  // weight of outside at the radius
+constexpr double never = -std::numeric_limits<double>::infinity();
+
+// A patch with what its side of the sweep is: whether no other patch within the radius lies beyond it.
+struct FieldPatch {
+    PlanePatch patch;
     std::uint32_t first_map = 0, map_count = 0;
+    bool open_below = false, open_above = false;
 };
 
-// The offset from p to the nearest point of the patch grown by `margin` in its plane.
-Vec3 offset_to(const Patch& patch, double margin, Vec3 p) {
-    const Vec2 q = patch.plane.to_plane(p);
-    const double h = patch.plane.signed_distance(p);
-    const double x = std::clamp(q.x, patch.box.low.x - margin, patch.box.high.x + margin) - q.x;
-    const double y = std::clamp(q.y, patch.box.low.y - margin, patch.box.high.y + margin) - q.y;
-    return x * patch.plane.u + y * patch.plane.v +
-           (std::clamp(h, patch.low, patch.high) - h) * patch.plane.normal;
-}
-
-std::vector<Patch> patches_of(const ContourSet& set) {
-    std::vector<Patch> patches;
-    for (const Slice& slice : set.slices) {
-        Patch patch{slice.plane, {}, 0, 0, 0, 0};
-        for (const Contour& contour : set.contours_of(slice)) {
-            for (const Vec3& point : set.points_of(contour)) {
-                const double h = slice.plane.signed_distance(point);
-                const bool first = patch.box.empty();
-                patch.low = first ? h : std::min(patch.low, h);
-                patch.high = first ? h : std::max(patch.high, h);
-                patch.box.extend(slice.plane.to_plane(point));
-            }
-        }
-        patches.push_back(patch);
-    }
-    return patches;
-}
-
-struct Spacings {
-    double median, wide;  // wide: nine tenths of the places have a neighbour within it
+// A patch as a point sees it.
+struct Seen {
+    std::uint32_t patch = 0;
+    double distance = 0;  // from the point
+    double height = 0;    // of the point above the plane
+    double lateral = 0;   // how far the point's projection lies beside the grown patch
+    double weight = 0;    // infinite on the patch itself
+    Vec3 offset;          // to the nearest point of the grown patch
+    Vec2 at;              // the point's projection
 };
 
-// How far contour vertices are from the nearest plane that runs within 30 degrees of their own.
-Spacings measure_spacings(const ContourSet& set, const std::vector<Patch>& patches) {
-    constexpr double cos_30 = 0.866;
-    const std::size_t samples = std::clamp<std::size_t>(4000 / (patches.size() + 1), 2, 16);
-    std::vector<double> gaps;
-    for (std::size_t i = 0; i < patches.size(); ++i) {
-        std::vector<Vec3> points;
-        for (const Contour& contour : set.contours_of(set.slices[i])) {
-            const auto added = set.points_of(contour);
-            points.insert(points.end(), added.begin(), added.end());
-        }
-        for (std::size_t sample = 0; sample < std::min(samples, points.size()); ++sample) {
-            const Vec3 p = points[points.size() * sample / std::min(samples, points.size())];
-            double nearest = std::numeric_limits<double>::infinity();
-            for (std::size_t j = 0; j < patches.size(); ++j) {
-                if (j == i || patches[j].box.empty()) continue;
-                if (std::abs(dot(patches[i].plane.normal, patches[j].plane.normal)) < cos_30) continue;
-                nearest = std::min(nearest, length(offset_to(patches[j], 0, p)));
-            }
-            if (std::isfinite(nearest) && nearest > 0) gaps.push_back(nearest);
-        }
-    }
-    if (gaps.empty()) {
-        const double apart = set.box().diagonal() / static_cast<double>(patches.size() + 1);
-        return {apart, apart};
-    }
-    std::sort(gaps.begin(), gaps.end());
-    return {gaps[gaps.size() / 2], gaps[gaps.size() * 9 / 10]};
-}
+// The patches that count at a point, nearest first.
+struct Sight {
+    std::array<Seen, most_near> near;
+    std::uint32_t count = 0;
+    double outside = 0;  // weight of "outside"
+    double beyond_end = never;
+
+    std::span<const Seen> patches() const { return {near.data(), count}; }
+};
 
 class GeneralField final : public FieldQueries<GeneralField> {
   public:
-    GeneralField(std::vector<Patch> patches, Spacings spacings, double margin, double clamp, bool partition)
-        : patches_(std::move(patches)), spacing_(spacings.median), margin_(margin) {
+    GeneralField(PlaneSpacings spacings, double margin, double clamp, bool partition, EndCaps caps)
+        : spacing_(spacings.median), margin_(margin), caps_(caps) {
         clamp_ = clamp;
         partition_ = partition;
         radius_ = std::max(3 * spacings.wide, 2 * spacings.median);
+        reach_ = std::max(spacings.wide, spacings.median);
     }
 
     double slice_spacing() const override { return spacing_; }
     Box3 box() const override { return box_; }
 
-    RawValue raw(std::uint32_t structure, Vec3 p) const { return {blend(structure, weights(p))}; }
-    double raw_union(Vec3 p) const { return blend(union_, weights(p)); }
+    RawValue raw(std::uint32_t structure, Vec3 p) const {
+        const Sight sight = look(p);
+        return {blend(structure, sight), sight.beyond_end};
+    }
+    double raw_union(Vec3 p) const { return blend(union_, look(p)); }
 
     template <class Body>
     void each_raw(Vec3 p, Body body) const {
-        const Weights near = weights(p);
-        std::vector<std::uint32_t> structures;
-        for (const Weighted& w : near.patches) {
-            const Patch& patch = patches_[w.patch];
-            for (std::uint32_t m = patch.first_map; m < patch.first_map + patch.map_count; ++m) {
-                if (structure_of_[m] != union_) structures.push_back(structure_of_[m]);
-            }
-        }
-        std::sort(structures.begin(), structures.end());
-        structures.erase(std::unique(structures.begin(), structures.end()), structures.end());
-        for (const std::uint32_t s : structures) {
-            const double value = blend(s, near);
-            if (value < clamp_) body(s, RawValue{value});
+        const Sight sight = look(p);
+        for (std::uint32_t s = next_structure(sight, 0); s != no_structure;
+             s = next_structure(sight, s + 1)) {
+            const double value = blend(s, sight);
+            if (value < clamp_) body(s, RawValue{value, sight.beyond_end});
         }
     }
 
-    Status build(const ContourSet& set, RunContext& context);
+    Status build(const ContourSet& set, std::vector<PlanePatch> patches, RunContext& context);
 
   private:
-    struct Weighted {
-        std::uint32_t patch;
-        double weight;  // infinite on the patch itself
-        Vec2 q;
-    };
-    struct Weights {
-        std::vector<Weighted> patches;
-        double outside = 0;
-    };
-
-    Weights weights(Vec3 p) const;
-    double distance(std::uint32_t structure, const Weighted& weighted) const;
-    double blend(std::uint32_t structure, const Weights& near) const;
+    Sight look(Vec3 p) const;
+    // From a point of a patch's plane to the patch grown by the margin.
+    Vec2 way_to_box(const PlanePatch& patch, Vec2 q) const {
+        return {std::clamp(q.x, patch.box.low.x - margin_, patch.box.high.x + margin_) - q.x,
+                std::clamp(q.y, patch.box.low.y - margin_, patch.box.high.y + margin_) - q.y};
+    }
+    void find_near(Vec3 p, Sight& sight) const;
+    void weigh(Sight& sight) const;
+    void end(Sight& sight) const;
+    double distance(std::uint32_t structure, const Seen& near) const;
+    double blend(std::uint32_t structure, const Sight& sight) const;
+    std::uint32_t next_structure(const Sight& sight, std::uint32_t from) const;
     Status build_maps(const ContourSet& set, RunContext& context);
-    void build_grid();
+    void find_open_sides();
+    void build_grid(int threads);
 
-    std::vector<Patch> patches_;
+    std::vector<FieldPatch> patches_;
     std::vector<std::optional<DistanceMap>> maps_;  // per patch in order of structure, the union last
     std::vector<std::uint32_t> structure_of_;
     std::uint32_t union_ = 0;
-    double spacing_ = 0, margin_ = 0, radius_ = 0;
+    double spacing_ = 0, margin_ = 0, radius_ = 0, reach_ = 0;
+    EndCaps caps_;
     Box3 box_;
     // Cells over the box; each lists the patches within the radius of any of its points.
     double inverse_cell_ = 0;
@@ -150,9 +112,9 @@ class GeneralField final : public FieldQueries<GeneralField> {
     std::vector<std::uint32_t> cell_begin_, cell_patches_;
 };
 
-GeneralField::Weights GeneralField::weights(Vec3 p) const {
-    Weights near;
-    if (!box_.contains(p)) return near;
+// The nearest patches within the radius, sorted by distance.
+void GeneralField::find_near(Vec3 p, Sight& sight) const {
+    if (!box_.contains(p)) return;
     const Vec3 at = inverse_cell_ * (p - box_.low);
     const auto index = [](double v, std::uint32_t n) {
         return std::min(static_cast<std::uint32_t>(v), n - 1);
@@ -160,50 +122,155 @@ GeneralField::Weights GeneralField::weights(Vec3 p) const {
     const std::size_t cell =
         (static_cast<std::size_t>(index(at.z, cells_[2])) * cells_[1] + index(at.y, cells_[1])) * cells_[0] +
         index(at.x, cells_[0]);
+    struct Key {
+        double square;
+        std::uint32_t patch;
+    };
+    std::array<Key, most_near> keys;
+    const double square_radius = radius_ * radius_;
+    for (std::uint32_t i = cell_begin_[cell]; i < cell_begin_[cell + 1]; ++i) {
+        const PlanePatch& patch = patches_[cell_patches_[i]].patch;
+        const double height = patch.plane.signed_distance(p);
+        const double across = std::clamp(height, patch.low, patch.high) - height;
+        if (across * across >= square_radius) continue;
+        const Vec2 way = way_to_box(patch, patch.plane.to_plane(p));
+        const double square = squared_length(way) + across * across;
+        if (square >= square_radius) continue;
+        if (sight.count == most_near && square >= keys[most_near - 1].square) continue;
+        std::uint32_t place = sight.count == most_near ? most_near - 1 : sight.count++;
+        for (; place > 0 && keys[place - 1].square > square; --place) keys[place] = keys[place - 1];
+        keys[place] = {square, cell_patches_[i]};
+    }
+    for (std::uint32_t n = 0; n < sight.count; ++n) {
+        const PlanePatch& patch = patches_[keys[n].patch].patch;
+        const double height = patch.plane.signed_distance(p);
+        const double across = std::clamp(height, patch.low, patch.high) - height;
+        const Vec2 at = patch.plane.to_plane(p), way = way_to_box(patch, at);
+        sight.near[n] = {keys[n].patch,
+                         std::sqrt(keys[n].square),
+                         height,
+                         length(way),
+                         0,
+                         way.x * patch.plane.u + way.y * patch.plane.v + across * patch.plane.normal,
+                         at};
+    }
+}
+
+// Weights that fall as 1 / distance, which between two parallel patches is linear interpolation. A patch
+// counts less the further the way to it leads through a nearer one.
+void GeneralField::weigh(Sight& sight) const {
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < sight.count; ++i) {
+        Seen& near = sight.near[i];
+        double share = 1;
+        for (std::uint32_t j = 0; j < kept && share > least_share; ++j) {
+            const Seen& nearer = sight.near[j];
+            const double shown = 1 - nearer.lateral / margin_;
+            if (shown <= 0) continue;
+            const double square = nearer.height * nearer.height + nearer.lateral * nearer.lateral;
+            const double along = dot(patches_[nearer.patch].patch.plane.normal, near.offset);
+            // 1 where the way keeps to this side of the nearer patch, 0 where it ends on the patch or behind
+            // it.
+            const double side = square > 0 ? std::clamp(1 + along * nearer.height / square, 0.0, 1.0) : 1.0;
+            share *= 1 - shown * (1 - side);
+        }
+        share = (share - least_share) / (1 - least_share);
+        if (share <= 0) continue;
+        near.weight = share * (radius_ - near.distance) / (radius_ * near.distance);
+        sight.near[kept++] = near;
+    }
+    sight.count = kept;
+}
+
+// What lies beyond the end of the sweep. All patches on one side of the point: "outside" joins in like a
+// patch half a spacing away; but beyond a patch that no other one lies behind, its region goes on for half a
+// spacing, or not at all.
+void GeneralField::end(Sight& sight) const {
+    sight.outside = fade_of_outside / radius_;
+    if (sight.count == 0 || sight.near[0].distance == 0) {
+        for (const Seen& near : sight.patches()) {
+            const FieldPatch& patch = patches_[near.patch];
+            if (near.distance == 0 && caps_ == EndCaps::flat && (patch.open_below || patch.open_above))
+                sight.beyond_end = 0;
+        }
+        return;
+    }
+    const double local = sight.count > 1 ? sight.near[1].distance - sight.near[0].distance : spacing_;
+    const double half = caps_ == EndCaps::flat ? 0 : 0.5 * std::clamp(local, 0.5 * spacing_, 2 * reach_);
+    for (const Seen& near : sight.patches()) {
+        const FieldPatch& patch = patches_[near.patch];
+        if (near.lateral > 0) continue;
+        if (patch.open_above) sight.beyond_end = std::max(sight.beyond_end, near.height - half);
+        if (patch.open_below) sight.beyond_end = std::max(sight.beyond_end, -near.height - half);
+    }
+    const FieldPatch& first = patches_[sight.near[0].patch];
+    const bool is_open = sight.near[0].height > 0 ? first.open_above : first.open_below;
+    if (is_open && sight.near[0].lateral == 0) return;
     double total = 0;
     Vec3 pull;
-    for (std::uint32_t i = cell_begin_[cell]; i < cell_begin_[cell + 1]; ++i) {
-        const Patch& patch = patches_[cell_patches_[i]];
-        const Vec3 offset = offset_to(patch, margin_, p);
-        const double r = length(offset);
-        if (r >= radius_) continue;
-        const double root = (radius_ - r) / (radius_ * r);
-        const double weight = root * root;
-        near.patches.push_back({cell_patches_[i], weight, patch.plane.to_plane(p)});
-        if (!std::isfinite(weight)) continue;
-        total += weight;
-        pull += (weight / r) * offset;
+    for (const Seen& near : sight.patches()) {
+        total += near.weight;
+        pull += (near.weight / near.distance) * near.offset;
     }
-    // All patches on one side: beyond the end of the sweep, where outside weighs as much as a plane half a
-    // spacing away. Patches on both sides: only enough to fade out at the radius.
     const double one_sided = total > 0 ? length(pull) / total : 0;
     const double square = one_sided * one_sided, fourth = square * square;
-    near.outside = 4 / (spacing_ * spacing_) * fourth * fourth + 0.01 / (radius_ * radius_);
-    return near;
+    sight.outside += fourth * fourth * 2 / spacing_;
 }
 
-double GeneralField::distance(std::uint32_t structure, const Weighted& weighted) const {
-    const Patch& patch = patches_[weighted.patch];
-    const auto first = structure_of_.begin() + patch.first_map, last = first + patch.map_count;
-    const auto found = std::lower_bound(first, last, structure);
-    if (found == last || *found != structure) return clamp_;
-    return maps_[static_cast<std::size_t>(found - structure_of_.begin())]->value(weighted.q);
+Sight GeneralField::look(Vec3 p) const {
+    Sight sight;
+    find_near(p, sight);
+    // On a patch it alone counts, or those that cross there.
+    std::uint32_t on = 0;
+    while (on < sight.count && sight.near[on].distance == 0) ++on;
+    if (on > 0) {
+        sight.count = on;
+        for (std::uint32_t i = 0; i < on; ++i) sight.near[i].weight = std::numeric_limits<double>::infinity();
+    } else {
+        weigh(sight);
+    }
+    end(sight);
+    return sight;
 }
 
-double GeneralField::blend(std::uint32_t structure, const Weights& near) const {
-    double sum = near.outside * clamp_, total = near.outside;
+double GeneralField::distance(std::uint32_t structure, const Seen& near) const {
+    const FieldPatch& patch = patches_[near.patch];
+    for (std::uint32_t m = patch.first_map; m < patch.first_map + patch.map_count; ++m) {
+        if (structure_of_[m] == structure) return maps_[m]->value(near.at);
+    }
+    return clamp_;
+}
+
+double GeneralField::blend(std::uint32_t structure, const Sight& sight) const {
+    const double soft = 0.5 * clamp_;
+    double total = sight.outside / (soft + clamp_), sum = total * clamp_;
     double on_patch = std::numeric_limits<double>::infinity();
-    for (const Weighted& weighted : near.patches) {
-        const double d = distance(structure, weighted);
-        if (std::isfinite(weighted.weight)) {
-            sum += weighted.weight * d;
-            total += weighted.weight;
+    for (const Seen& near : sight.patches()) {
+        const double d = distance(structure, near);
+        if (std::isfinite(near.weight)) {
+            const double weight = near.weight / (soft + std::abs(d));
+            sum += weight * d;
+            total += weight;
         } else if (std::abs(d) < std::abs(on_patch)) {
             on_patch = d;  // where planes cross, the boundary nearest to the point counts
         }
     }
     if (std::isfinite(on_patch)) return on_patch;
-    return total > 0 ? sum / total : clamp_;
+    return sum / total;
+}
+
+// The lowest structure from `from` on that a patch in sight draws.
+std::uint32_t GeneralField::next_structure(const Sight& sight, std::uint32_t from) const {
+    std::uint32_t next = no_structure;
+    for (const Seen& near : sight.patches()) {
+        const FieldPatch& patch = patches_[near.patch];
+        for (std::uint32_t m = patch.first_map; m < patch.first_map + patch.map_count; ++m) {
+            if (structure_of_[m] < from || structure_of_[m] == union_) continue;
+            next = std::min(next, structure_of_[m]);
+            break;
+        }
+    }
+    return next;
 }
 
 Status GeneralField::build_maps(const ContourSet& set, RunContext& context) {
@@ -239,35 +306,95 @@ Status GeneralField::build_maps(const ContourSet& set, RunContext& context) {
     return Nothing{};
 }
 
-void GeneralField::build_grid() {
-    constexpr double most_cells = 1 << 18;
-    const Vec3 size = box_.high - box_.low;
-    const double cell = std::max(0.5 * radius_, std::cbrt(size.x * size.y * size.z / most_cells));
-    inverse_cell_ = 1 / cell;
-    const std::array<double, 3> sizes{size.x, size.y, size.z};
-    for (std::size_t a = 0; a < 3; ++a) cells_[a] = static_cast<std::uint32_t>(sizes[a] * inverse_cell_) + 1;
-    const double reach = radius_ + 0.5 * std::sqrt(3.0) * cell * (1 + 1e-9);
-    cell_begin_.assign(1, 0);
-    for (std::uint32_t k = 0; k < cells_[2]; ++k) {
-        for (std::uint32_t j = 0; j < cells_[1]; ++j) {
-            for (std::uint32_t i = 0; i < cells_[0]; ++i) {
-                const Vec3 centre = box_.low + Vec3{(i + 0.5) * cell, (j + 0.5) * cell, (k + 0.5) * cell};
-                for (std::uint32_t n = 0; n < patches_.size(); ++n) {
-                    if (patches_[n].map_count == 0) continue;
-                    if (squared_length(offset_to(patches_[n], margin_, centre)) <= reach * reach) {
-                        cell_patches_.push_back(n);
-                    }
-                }
-                cell_begin_.push_back(static_cast<std::uint32_t>(cell_patches_.size()));
+// A side of a patch is open when all patches within the radius keep to the other one.
+void GeneralField::find_open_sides() {
+    std::vector<std::array<Vec3, 4>> corners;
+    std::vector<Vec3> centers;
+    std::vector<double> radii;
+    for (const FieldPatch& one : patches_) {
+        const Box2& box = one.patch.box;
+        const Plane& plane = one.patch.plane;
+        corners.push_back({plane.to_space(box.low), plane.to_space({box.high.x, box.low.y}),
+                           plane.to_space(box.high), plane.to_space({box.low.x, box.high.y})});
+        centers.push_back(plane.to_space(0.5 * (box.low + box.high)));
+        radii.push_back(0.5 * length(box.high - box.low));
+    }
+    const double rounding = 1e-9 * (1 + box_.diagonal());
+    for (std::size_t i = 0; i < patches_.size(); ++i) {
+        FieldPatch& one = patches_[i];
+        if (one.map_count == 0) continue;
+        one.open_below = one.open_above = true;
+        for (std::size_t j = 0; j < patches_.size() && (one.open_below || one.open_above); ++j) {
+            if (j == i || patches_[j].map_count == 0) continue;
+            if (length(centers[i] - centers[j]) > radii[i] + radii[j] + radius_) continue;
+            for (const Vec3& corner : corners[j]) {
+                const double height = one.patch.plane.signed_distance(corner);
+                if (height > one.patch.high + rounding) one.open_above = false;
+                if (height < one.patch.low - rounding) one.open_below = false;
             }
         }
     }
 }
 
-Status GeneralField::build(const ContourSet& set, RunContext& context) {
+// Blocks of cells keep the patches near them, their cells choose from these.
+void GeneralField::build_grid(int threads) {
+    constexpr double most_cells = 1 << 18;
+    constexpr std::uint32_t block = 8;
+    const Vec3 size = box_.high - box_.low;
+    const double cell = std::max(0.5 * radius_, std::cbrt(size.x * size.y * size.z / most_cells));
+    inverse_cell_ = 1 / cell;
+    const std::array<double, 3> sizes{size.x, size.y, size.z};
+    for (std::size_t a = 0; a < 3; ++a) cells_[a] = static_cast<std::uint32_t>(sizes[a] * inverse_cell_) + 1;
+    const auto [nx, ny, nz] = cells_;
+    const double half_diagonal = 0.5 * std::sqrt(3.0) * cell * (1 + 1e-9);
+    const auto within = [&](Vec3 center, double reach, std::span<const std::uint32_t> from,
+                            std::vector<std::uint32_t>& out) {
+        for (const std::uint32_t n : from) {
+            if (squared_length(patches_[n].patch.offset_from(center, margin_)) <= reach * reach)
+                out.push_back(n);
+        }
+    };
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t n = 0; n < patches_.size(); ++n) {
+        if (patches_[n].map_count > 0) all.push_back(n);
+    }
+    const std::uint32_t bx = (nx + block - 1) / block, by = (ny + block - 1) / block;
+    // A layer of cells a job.
+    std::vector<std::vector<std::uint32_t>> counts(nz), lists(nz);
+    parallel_for(nz, block, threads, [&](std::size_t begin, std::size_t end) {
+        std::vector<std::vector<std::uint32_t>> near(std::size_t{bx} * by);
+        for (std::size_t b = 0; b < near.size(); ++b) {
+            const double x = (static_cast<double>(b % bx) + 0.5) * block,
+                         y = (static_cast<double>(b / bx) + 0.5) * block,
+                         z = 0.5 * static_cast<double>(begin + end);
+            within(box_.low + cell * Vec3{x, y, z}, radius_ + block * half_diagonal, all, near[b]);
+        }
+        for (std::size_t k = begin; k < end; ++k) {
+            for (std::uint32_t j = 0; j < ny; ++j) {
+                for (std::uint32_t i = 0; i < nx; ++i) {
+                    const Vec3 center =
+                        box_.low + cell * Vec3{i + 0.5, j + 0.5, static_cast<double>(k) + 0.5};
+                    const std::size_t before = lists[k].size();
+                    within(center, radius_ + half_diagonal, near[(j / block) * std::size_t{bx} + i / block],
+                           lists[k]);
+                    counts[k].push_back(static_cast<std::uint32_t>(lists[k].size() - before));
+                }
+            }
+        }
+    });
+    cell_begin_.assign(1, 0);
+    for (std::uint32_t k = 0; k < nz; ++k) {
+        for (const std::uint32_t count : counts[k]) cell_begin_.push_back(cell_begin_.back() + count);
+        cell_patches_.insert(cell_patches_.end(), lists[k].begin(), lists[k].end());
+    }
+}
+
+Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patches, RunContext& context) {
+    for (PlanePatch& patch : patches) patches_.push_back({std::move(patch), 0, 0, false, false});
     ANATOMESH_CHECK_STATUS(build_maps(set, context));
-    box_ = set.box().grown(radius_);
-    build_grid();
+    box_ = set.box().grown(reach_);
+    find_open_sides();
+    build_grid(context.threads);
     return Nothing{};
 }
 
@@ -276,16 +403,16 @@ Status GeneralField::build(const ContourSet& set, RunContext& context) {
 Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSet& set,
                                                                  const FieldOptions& options,
                                                                  RunContext& context) {
-    std::vector<Patch> patches = patches_of(set);
-    const Spacings spacings = measure_spacings(set, patches);
+    std::vector<PlanePatch> patches = plane_patches(set);
+    const PlaneSpacings spacings = plane_spacings(set, patches);
     const double clamp = options.clamp_mm > 0 ? options.clamp_mm : 1.5 * spacings.median;
     const double margin = options.plane_margin_mm > 0 ? options.plane_margin_mm : spacings.median;
     std::vector<bool> used(set.structures.size(), false);
     for (const Contour& contour : set.contours) used[contour.structure] = true;
     const bool several = std::count(used.begin(), used.end(), true) > 1;
     auto field =
-        std::make_shared<GeneralField>(std::move(patches), spacings, margin, clamp, set.exclusive && several);
-    ANATOMESH_CHECK_STATUS(field->build(set, context));
+        std::make_shared<GeneralField>(spacings, margin, clamp, set.exclusive && several, options.caps);
+    ANATOMESH_CHECK_STATUS(field->build(set, std::move(patches), context));
     return std::shared_ptr<const StructureField>(std::move(field));
 }
 

@@ -5,12 +5,13 @@
 
 namespace anatomesh {
 
-// Every plane is a finite patch: the box of its contours and a margin. A point takes the clamped in-plane
-// signed distances of its projections onto the patches within a radius R, weighted with ((R - r) / (R r))^2
-// where r is the distance from the patch (Franke and Little's form of Shepard's weights; Franke, Math. Comp.
-// 38, 1982): on a patch itself it alone counts. Points that see patches on one side only, beyond the last
-// plane of a sweep, fade to outside half a spacing away. Requires: at least one contour. See docs/method.md.
-// Complexity: a query is linear in the patches within R.
+// Every plane is a finite patch: the box of its contours and a margin, beyond which it says nothing. A point takes the
+// clamped in-plane signed distances of its projections onto the patches within a radius R, with weights (R - r) / (R r),
+// r its distance from the patch, less for patches behind nearer ones; between two parallel patches it is the field of
+// parallel_field.h. On a patch itself it alone counts. Beyond the last plane of a sweep its region goes on for half the
+// local spacing, or ends (`flat`); elsewhere points that see patches on one side only fade to outside. Requires: at least
+// one contour. See docs/method.md. Complexity: a query is linear in the patches within R, of which the nearest 16 count;
+// building is linear in the planes and the cells near them.
 Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSet& set,
                                                                  const FieldOptions& options,
                                                                  RunContext& context);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "anatomesh/field/field_fixtures.h"
@@ -78,6 +79,134 @@ TEST(GeneralField, on_a_plane_away_from_others_the_drawn_region_holds) {
     EXPECT_GT(field->value(0, {0, 1, 0}), 0);
     EXPECT_LT(field->value(0, {100, 0, 9.9}), 0);
     EXPECT_GT(field->value(0, {100, 0, 10.1}), 0);
+}
+
+// An ellipsoid cut by planes: the sections, seen from the point of the plane nearest to the middle.
+constexpr Vec3 axes{80, 60, 50};
+
+double ellipsoid(Vec3 p) {
+    return p.x * p.x / (axes.x * axes.x) + p.y * p.y / (axes.y * axes.y) + p.z * p.z / (axes.z * axes.z) - 1;
+}
+
+ContourSet cut_ellipsoid(const std::vector<Plane>& planes) {
+    SetBuilder builder;
+    for (const Plane& plane : planes) {
+        const Vec2 middle = plane.to_plane({});
+        if (ellipsoid(plane.to_space(middle)) >= 0) continue;
+        Ring ring;
+        for (int i = 0; i < 200; ++i) {
+            const double angle = 2 * std::numbers::pi * i / 200;
+            const Vec2 ray{std::cos(angle), std::sin(angle)};
+            double inside = 0, outside = 200;
+            for (int step = 0; step < 50; ++step) {
+                const double half = 0.5 * (inside + outside);
+                (ellipsoid(plane.to_space(middle + half * ray)) < 0 ? inside : outside) = half;
+            }
+            ring.push_back(middle + inside * ray);
+        }
+        builder.slice(plane);
+        builder.ring(0, ring);
+    }
+    return builder.set;
+}
+
+std::vector<Plane> fan(int count) {
+    std::vector<Plane> planes;
+    for (int k = 0; k < count; ++k) {
+        const double angle = (-45 + 90.0 * k / (count - 1)) * std::numbers::pi / 180;
+        planes.push_back(make_plane({0, 0, -120}, {std::cos(angle), 0, -std::sin(angle)}));
+    }
+    return planes;
+}
+
+std::vector<Plane> about_an_axis(int count) {
+    std::vector<Plane> planes;
+    for (int k = 0; k < count; ++k) {
+        const double angle = std::numbers::pi * k / count;
+        planes.push_back(make_plane({3, 2, 0}, {std::cos(angle), std::sin(angle), 0}));
+    }
+    return planes;
+}
+
+struct Errors {
+    double mean = 0, p95 = 0;
+};
+
+// Distances of the field's surface from the truth along rays from the middle, in directions that `seen`
+// accepts.
+template <class Seen>
+Errors errors_of(const StructureField& field, Seen seen) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    std::vector<double> errors;
+    while (errors.size() < 3000) {
+        const Vec3 direction = normalized({unit(random), unit(random), unit(random)});
+        const double truth = 1 / std::sqrt(ellipsoid(direction) + 1);
+        if (!seen(truth * direction)) continue;
+        double inside = 0.5 * truth, outside = 1.5 * truth;
+        for (int step = 0; step < 40; ++step) {
+            const double half = 0.5 * (inside + outside);
+            (field.value(0, half * direction) < 0 ? inside : outside) = half;
+        }
+        errors.push_back(std::abs(inside - truth));
+    }
+    std::sort(errors.begin(), errors.end());
+    Errors result;
+    for (const double error : errors) result.mean += error / static_cast<double>(errors.size());
+    result.p95 = errors[errors.size() * 95 / 100];
+    return result;
+}
+
+TEST(GeneralField, C27_C28_thirty_six_planes_give_the_solid_back) {
+    const Errors axis = errors_of(*field_of(cut_ellipsoid(about_an_axis(36))), [](Vec3) { return true; });
+    EXPECT_LT(axis.mean, 0.12);
+    EXPECT_LT(axis.p95, 0.4);
+    const Errors swept = errors_of(*field_of(cut_ellipsoid(fan(36))), [](Vec3 p) {
+        return std::abs(std::atan2(p.x, p.z + 120)) < 30 * std::numbers::pi / 180;
+    });
+    EXPECT_LT(swept.mean, 0.3);
+    EXPECT_LT(swept.p95, 1.0);
+}
+
+TEST(GeneralField, ends_of_a_sweep_are_flat_or_half_a_spacing_further) {
+    std::vector<Plane> planes;
+    for (int k = -8; k <= 8; ++k) {
+        const double angle = k * std::numbers::pi / 180;
+        planes.push_back(make_plane({0, 0, -200}, {std::cos(angle), 0, -std::sin(angle)}));
+    }
+    const ContourSet set = cut_ellipsoid(planes);
+    RunContext context;
+    FieldOptions flat;
+    flat.caps = EndCaps::flat;
+    const auto with_flat = make_structure_field(set, flat, context).value(), with_half = field_of(set);
+    const Plane& last = set.slices.back().plane;
+    const Vec3 middle = last.to_space(last.to_plane({}));
+    const double away = dot(last.normal, middle) > 0 ? 1 : -1;
+    const double spacing = length(middle) - length(set.slices[set.slices.size() - 2].plane.to_space(
+                                                set.slices[set.slices.size() - 2].plane.to_plane({})));
+    EXPECT_GT(with_flat->value(0, middle + (0.05 * away) * last.normal), 0);
+    EXPECT_LT(with_flat->value(0, middle - (0.05 * away) * last.normal), 0);
+    EXPECT_LT(with_half->value(0, middle + (0.4 * spacing * away) * last.normal), 0);
+    EXPECT_GT(with_half->value(0, middle + (0.6 * spacing * away) * last.normal), 0);
+}
+
+TEST(GeneralField, the_surface_stays_within_a_spacing_of_what_the_planes_see) {
+    const ContourSet set = cut_ellipsoid(about_an_axis(24));
+    const auto field = field_of(set);
+    const Box3 seen = set.box(), box = field->box();
+    EXPECT_LT(box.high.x - seen.high.x, 15);
+    EXPECT_LT(seen.low.z - box.low.z, 15);
+}
+
+TEST(GeneralField, changes_by_little_over_short_ways) {
+    const auto field = field_of(crossing_stacks());
+    std::mt19937 random(8);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3 p = 22 * Vec3{unit(random), unit(random), unit(random)};
+        const Vec3 q = p + 1e-4 * Vec3{unit(random), unit(random), unit(random)};
+        EXPECT_LT(std::abs(field->value(0, p) - field->value(0, q)), 0.05);
+    }
 }
 
 TEST(GeneralField, far_from_all_planes_is_outside) {
