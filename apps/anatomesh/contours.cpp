@@ -6,8 +6,10 @@
 #include <string>
 
 #include "anatomesh_io/contour/write_contours.h"
+#include "anatomesh_io/dicom/write_objects.h"
 #include "anatomesh_io/file/atomic_file.h"
 #include "answer.h"
+#include "dicom_input.h"
 #include "input_options.h"
 #include "option_values.h"
 #include "outputs.h"
@@ -58,13 +60,29 @@ nlohmann::ordered_json answer_of(const InputContours& contours, const std::strin
 }
 
 Status check_names(const ContoursOptions& options) {
-    ANATOMESH_CHECK_STATUS(check_contour_output(options.output));
+    ANATOMESH_CHECK_STATUS(check_extension(options.output, {".json", ".vtp", ".csl", ".dcm"}));
     std::vector<std::string> outputs{options.output};
     if (!options.report.empty()) {
         ANATOMESH_CHECK_STATUS(check_extension(options.report, {".json"}));
         outputs.push_back(options.report);
     }
     return check_outputs({options.input.input}, outputs);
+}
+
+Result<std::string> file_of(const InputContours& contours, const ContoursOptions& options,
+                            RunContext& context) {
+    if (!check_extension(options.output, {".dcm"}).ok()) {
+        ANATOMESH_TRY(const ContourFormat format, contour_format_of(options.output));
+        return format_contours(contours.kept, format, context);
+    }
+    if (contours.kept.frame != Frame::lps)
+        return Error{ErrorKind::usage,
+                     "E-CMD-018",
+                     "contours whose axes are not known cannot become DICOM",
+                     {options.input.input, "", "", "", ""},
+                     "give --frame LPS or --frame RAS"};
+    ANATOMESH_TRY(const DicomSource source, output_source(options.input, contours.dicom_source, context));
+    return format_rtstruct(contours.kept, source);
 }
 
 Status run_contours(ContoursOptions options, Session& session) {
@@ -80,8 +98,8 @@ Status run_contours(ContoursOptions options, Session& session) {
 
     const ContourSet& kept = contours.kept;
     AtomicFileSet files;
-    ANATOMESH_TRY(const ContourFormat format, contour_format_of(options.output));
-    ANATOMESH_CHECK_STATUS(files.add(options.output, format_contours(kept, format, session.context)));
+    ANATOMESH_TRY(const std::string bytes, file_of(contours, options, session.context));
+    ANATOMESH_CHECK_STATUS(files.add(options.output, bytes));
     const nlohmann::ordered_json answer = answer_of(contours, options.output);
     if (!options.report.empty()) {
         nlohmann::ordered_json report = answer;
@@ -104,7 +122,9 @@ Work declare_contours(CLI::App& verb) {
     add_reading_options(verb, options->input);
     add_selection_options(verb, options->input);
     add_cleaning_options(verb, options->input);
-    add_text(verb, "-o,--output", options->output, "OUT", "File to write: .json, .vtp or .csl")->required();
+    add_text(verb, "-o,--output", options->output, "OUT",
+             "File to write: .json, .vtp, .csl or .dcm (RTSTRUCT)")
+        ->required();
     add_text(verb, "--report", options->report, "FILE",
              "Also write what was read, how and with which warnings: .json");
     return [options](Session& session) { return run_contours(*options, session); };

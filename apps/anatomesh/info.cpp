@@ -1,6 +1,7 @@
 // anatomesh info: what is in an image, label map or contour file.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "anatomesh/contour/clean.h"
 #include "anatomesh/image/select.h"
 #include "answer.h"
+#include "dicom_input.h"
 #include "input_options.h"
 #include "plural.h"
 #include "read_input.h"
@@ -55,6 +57,36 @@ Result<Json> image_json(const LoadedImage& loaded, RunContext& context) {
              {"voxels", voxels[i]},
              {"volume_mm3", static_cast<double>(voxels[i]) * voxel_volume(geometry)}});
     }
+    return json;
+}
+
+// As that of a label map.
+Json segmentation_json(const LoadedSegmentation& loaded) {
+    const ImageGeometry& geometry = loaded.layers[0].geometry;
+    Json json;
+    json["size"] = geometry.size;
+    json["spacing_mm"] = {length(geometry.step[0]), length(geometry.step[1]), length(geometry.step[2])};
+    json["origin_mm"] = vector_json(geometry.origin);
+    json["axes"] = {vector_json(normalized(geometry.step[0])), vector_json(normalized(geometry.step[1])),
+                    vector_json(normalized(geometry.step[2]))};
+    json["voxel_type"] = loaded.type;
+    json["layers"] = loaded.layers.size();
+    json["frames"] = loaded.frames;
+    json["label_map"] = true;
+    json["structures"] = Json::array();
+    std::int32_t largest = 0;
+    for (const LabelMap& layer : loaded.layers) {
+        const std::vector<std::uint64_t> voxels = count_voxels(layer);
+        for (std::size_t i = 0; i < voxels.size(); ++i) {
+            largest = std::max(largest, layer.structures[i].number);
+            json["structures"].push_back(
+                {{"number", layer.structures[i].number},
+                 {"name", layer.structures[i].name},
+                 {"voxels", voxels[i]},
+                 {"volume_mm3", static_cast<double>(voxels[i]) * voxel_volume(geometry)}});
+        }
+    }
+    json["values"] = {{"low", 0.0}, {"high", static_cast<double>(largest)}, {"not_finite", 0}};
     return json;
 }
 
@@ -134,8 +166,19 @@ std::string text_of(const Json& answer) {
     return text;
 }
 
+Status give_folder(const InputOptions& options, Session& session) {
+    Json answer;
+    answer["file"] = options.input;
+    answer["kind"] = "DICOM folder";
+    ANATOMESH_TRY(answer["folder"], folder_json(options, session.context));
+    const std::string text =
+        fmt::format("{}: DICOM folder\n{}", options.input, folder_text(answer["folder"]));
+    return give_answer(session, answer, text);
+}
+
 Status run_info(InputOptions options, Session& session) {
     options.limits = session.limits;
+    if (options.series.empty() && is_dicom_folder(options.input)) return give_folder(options, session);
     ANATOMESH_TRY(const OpenedInput input, open_input(options, session.context));
     Json answer;
     answer["file"] = options.input;
@@ -145,6 +188,8 @@ Status run_info(InputOptions options, Session& session) {
     answer["inputs"] = inputs_json(input.files);
     if (input.image) {
         ANATOMESH_TRY(answer["image"], image_json(*input.image, session.context));
+    } else if (input.segmentation) {
+        answer["image"] = segmentation_json(*input.segmentation);
     } else {
         ANATOMESH_TRY(answer["contours"], contours_json(*input.contours, options.cleaning, session.context));
     }

@@ -43,7 +43,8 @@ void add_optional_count(CLI::App& verb, const std::string& name, std::optional<s
 
 void add_reading_options(CLI::App& verb, InputOptions& options) {
     verb.add_option("INPUT", options.input,
-                    "Image, label map or contour file; its kind is found from its content")
+                    "Image, label map or contour file, or a folder of DICOM objects; its kind is found from "
+                    "its content")
         ->type_name("FILE")
         ->required();
     add_choice(verb, "--frame", options.frame, {"LPS", "RAS"},
@@ -54,6 +55,13 @@ void add_reading_options(CLI::App& verb, InputOptions& options) {
              "Where the axes of an image without orientation run to, as RAS");
     add_optional_count(verb, "--volume", options.volume, 0,
                        "Which volume of an image that holds several, from 0");
+    add_text(verb, "--series", options.series, "UID",
+             "Which series of a folder of DICOM objects, by its UID or the name that info gives it");
+    verb.add_flag("--allow-gaps", options.allow_gaps,
+                  "Interpolate between DICOM images where slices are missing or not equidistant");
+    verb.add_flag(
+        "--keep-patient-ids", options.keep_patient_ids,
+        "Keep names of DICOM files in messages, and the patient's identity and all UIDs in DICOM outputs");
 }
 
 void add_cleaning_options(CLI::App& verb, InputOptions& options) {

@@ -24,6 +24,9 @@ struct InputOptions {
     std::string nifti_transform;     // "qform", "sform" or empty
     std::string assume_orientation;  // "RAS" or the like, or empty
     std::optional<std::uint32_t> volume;
+    std::string series;             // of a folder of DICOM objects; empty: the one there is
+    bool allow_gaps = false;        // --allow-gaps
+    bool keep_patient_ids = false;  // --keep-patient-ids
 
     std::vector<std::string> structures;
     std::optional<Threshold> threshold;
@@ -39,7 +42,8 @@ struct InputOptions {
     Limits limits;
 };
 
-// INPUT and how to place it: --frame, --use, --assume-orientation, --volume.
+// INPUT and how to place it: --frame, --use, --assume-orientation, --volume, --series, --allow-gaps,
+// --keep-patient-ids.
 void add_reading_options(CLI::App& verb, InputOptions& options);
 
 // How drawn contours are read and repaired: --holes, --unite-repeated-planes, --closing-gap, --plane-repair,

@@ -21,6 +21,8 @@
 #include "anatomesh_io/report/report_html.h"
 #include "anatomesh_io/report/report_json.h"
 #include "estimate.h"
+#include "dicom_input.h"
+#include "dicom_outputs.h"
 #include "input_options.h"
 #include "option_values.h"
 #include "outputs.h"
@@ -60,6 +62,7 @@ struct ModelVerbOptions {
     std::string output, report, html, contours;
     std::vector<std::string> surfaces;
     std::vector<DumpOption> dumps;
+    DicomOutputs dicom;
 };
 
 // The stages whose mesh can be dumped, in the order of the pipeline.
@@ -82,10 +85,12 @@ std::vector<std::string> outputs_of(const ModelVerbOptions& options) {
     if (!options.contours.empty()) outputs.push_back(options.contours);
     if (!options.html.empty()) outputs.push_back(options.html);
     for (const DumpOption& dump : options.dumps) outputs.push_back(dump.path);
+    for (const std::string& path : options.dicom.paths()) outputs.push_back(path);
     return outputs;
 }
 
 Status check_output_names(const ModelVerbOptions& options) {
+    ANATOMESH_CHECK_STATUS(check_dicom_outputs(options.dicom));
     ANATOMESH_CHECK_STATUS(check_mesh_output(options.output, false));
     for (const std::string& surface : options.surfaces) {
         ANATOMESH_CHECK_STATUS(check_surface_output(surface));
@@ -268,6 +273,10 @@ Status run_model(ModelVerbOptions options, Session& session) {
     complete_report(model.report, contours, options, session);
     begin("writing", 0.9, 1);
     ANATOMESH_CHECK_STATUS(stage_outputs(model, contours.kept, options, files, session));
+    if (!options.dicom.paths().empty()) {
+        ANATOMESH_TRY(const DicomSource source, output_source(options.input, contours.dicom_source, context));
+        ANATOMESH_CHECK_STATUS(add_dicom_outputs(model, source, options.dicom, files, context));
+    }
     context.progress = nullptr;
     bar.reset();
     return files.commit([&] { return answer(model, options, session); });
@@ -300,6 +309,7 @@ Work declare_model(CLI::App& verb) {
              "Where the report goes: .json (default: the model's name with .report.json)");
     add_text(verb, "--html", options->html, "FILE",
              "Also write the report as one page with a view of the model: .html");
+    add_dicom_output_options(verb, options->dicom);
     verb.add_option_function<std::vector<std::string>>(
             "--dump",
             [options](const std::vector<std::string>& texts) {

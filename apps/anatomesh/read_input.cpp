@@ -16,6 +16,7 @@
 #include "anatomesh_io/contour/number_text.h"
 #include "anatomesh_io/contour/read_contours.h"
 #include "anatomesh_io/file/input_file.h"
+#include "dicom_input.h"
 #include "mesh_input.h"
 
 namespace anatomesh {
@@ -43,7 +44,7 @@ std::string number_text(double value) {
 
 bool is_image(FileKind kind) {
     return kind == FileKind::nifti || kind == FileKind::nrrd || kind == FileKind::metaimage ||
-           kind == FileKind::invesalius;
+           kind == FileKind::invesalius || kind == FileKind::dicom || kind == FileKind::dicom_segmentation;
 }
 
 bool is_contour_file(FileKind kind) {
@@ -184,34 +185,75 @@ Result<LabelMap> labels_of(const LoadedImage& image, const InputOptions& options
     return to_label_map(image, context);
 }
 
+Status trace_layer(const LabelMap& labels, const GreyImage* grey, const InputOptions& options,
+                   std::vector<TraceResult>& layers, RunContext& context) {
+    TraceOptions tracing;
+    tracing.every = options.every.value_or(1);
+    tracing.offset = options.offset;
+    if (options.min_area_mm2) tracing.min_area_mm2 = *options.min_area_mm2;
+    if (options.epsilon_mm) tracing.epsilon_mm = *options.epsilon_mm;
+    ANATOMESH_TRY(
+        TraceResult traced,
+        trace_contours(labels, grey, options.threshold ? options.threshold->low : 0, tracing, context));
+    layers.push_back(std::move(traced));
+    return Nothing{};
+}
+
+// Requires: at least one layer.
+InputContours traced_contours(std::vector<TraceResult> layers, const InputOptions& options,
+                              std::vector<InputReport> files) {
+    InputContours result;
+    result.files = std::move(files);
+    result.hole_rule = "a pixel of no structure inside one is a hole";
+    std::vector<ContourSet> sets;
+    for (TraceResult& layer : layers) {
+        result.traced_points += layer.stats.points_traced;
+        result.islands_left_out += layer.stats.islands_left_out;
+        result.epsilon_mm = layer.stats.epsilon_mm;
+        sets.push_back(std::move(layer.kept));
+    }
+    result.kept = merge_layers(std::move(sets));
+    const double pixel = result.kept.pixel_mm;
+    result.options.emplace_back("min_area_mm2",
+                                number_text(options.min_area_mm2.value_or(4 * pixel * pixel)));
+    return result;
+}
+
 Result<InputContours> contours_of_image(OpenedInput input, const InputOptions& options, RunContext& context) {
     ANATOMESH_TRY(LabelMap labels, labels_of(*input.image, options, context));
     ANATOMESH_TRY(const auto chosen, find_structures(labels.structures, options.structures, options.input));
     if (chosen.size() < labels.structures.size()) select_structures(labels, chosen);
     if (options.keep_largest) keep_largest(labels, *options.keep_largest);
     if (context.cancelled()) return cancelled_error();
-
-    TraceOptions tracing;
-    tracing.every = options.every.value_or(1);
-    tracing.offset = options.offset;
-    if (options.min_area_mm2) tracing.min_area_mm2 = *options.min_area_mm2;
-    if (options.epsilon_mm) tracing.epsilon_mm = *options.epsilon_mm;
     const GreyImage* grey = options.threshold ? &input.image->image : nullptr;
-    ANATOMESH_TRY(
-        TraceResult traced,
-        trace_contours(labels, grey, options.threshold ? options.threshold->low : 0, tracing, context));
+    std::vector<TraceResult> layers;
+    ANATOMESH_CHECK_STATUS(trace_layer(labels, grey, options, layers, context));
+    return traced_contours(std::move(layers), options, std::move(input.files));
+}
 
-    InputContours result;
-    result.kept = std::move(traced.kept);
-    result.files = std::move(input.files);
-    result.hole_rule = "a pixel of no structure inside one is a hole";
-    result.traced_points = traced.stats.points_traced;
-    result.islands_left_out = traced.stats.islands_left_out;
-    result.epsilon_mm = traced.stats.epsilon_mm;
-    const double pixel = result.kept.pixel_mm;
-    result.options.emplace_back("min_area_mm2",
-                                number_text(options.min_area_mm2.value_or(4 * pixel * pixel)));
-    return result;
+// Layers are traced one by one; a structure lies in one of them.
+Result<InputContours> contours_of_segmentation(OpenedInput input, const InputOptions& options,
+                                               RunContext& context) {
+    const char* why = "the input is a segmentation";
+    if (options.threshold) return does_not_apply("--threshold", options.input, why);
+    std::vector<LabelMap>& maps = input.segmentation->layers;
+    std::vector<Structure> all;
+    for (const LabelMap& map : maps) all.insert(all.end(), map.structures.begin(), map.structures.end());
+    ANATOMESH_TRY(const auto chosen, find_structures(all, options.structures, options.input));
+    std::vector<TraceResult> layers;
+    std::uint32_t first = 0;
+    for (LabelMap& map : maps) {
+        std::vector<std::uint32_t> own;
+        for (const std::uint32_t index : chosen)
+            if (index >= first && index - first < map.structures.size()) own.push_back(index - first);
+        first += static_cast<std::uint32_t>(map.structures.size());
+        if (own.empty()) continue;
+        if (own.size() < map.structures.size()) select_structures(map, own);
+        if (options.keep_largest) keep_largest(map, *options.keep_largest);
+        if (context.cancelled()) return cancelled_error();
+        ANATOMESH_CHECK_STATUS(trace_layer(map, nullptr, options, layers, context));
+    }
+    return traced_contours(std::move(layers), options, std::move(input.files));
 }
 
 // The contours of the chosen structures, everything else dropped.
@@ -304,6 +346,8 @@ std::vector<std::pair<std::string, std::string>> used_options(const InputOptions
     if (!options.assume_orientation.empty())
         used.emplace_back("assume_orientation", options.assume_orientation);
     if (options.volume) used.emplace_back("volume", std::to_string(*options.volume));
+    if (!options.series.empty()) used.emplace_back("series", options.series);
+    if (options.allow_gaps) used.emplace_back("allow_gaps", "yes");
     used.emplace_back("structure", options.structures.empty()
                                        ? "all"
                                        : fmt::format("{}", fmt::join(options.structures, ", ")));
@@ -334,20 +378,18 @@ std::vector<std::string> names_of(const std::vector<InputReport>& files) {
     return names;
 }
 
+bool is_dicom_folder(const std::string& path) {
+    std::error_code error;
+    return fs::is_directory(path, error) && !has_contour_file(path);
+}
+
 Result<OpenedInput> open_input(const InputOptions& options, RunContext& context) {
     constexpr const char* kinds =
         "inputs are NIfTI, NRRD, MetaImage, InVesalius projects, contour JSON, CSL, VTK polydata, DICOM "
-        "RTSTRUCT, "
-        "and folders of contours in VTK polydata";
+        "images, RTSTRUCT and SEG, folders of DICOM objects, and folders of contours in VTK polydata";
     std::error_code error;
     if (fs::is_directory(options.input, error)) {
-        if (!has_contour_file(options.input)) {
-            return Error{ErrorKind::input,
-                         "E-CMD-012",
-                         "this is a folder, and no contour file (.vtp) is in it",
-                         {options.input, "", "", "", ""},
-                         std::string("name a file in it; ") + kinds};
-        }
+        if (!has_contour_file(options.input)) return open_dicom(options, context);
         ANATOMESH_CHECK_STATUS(check_reading_options(options, FileKind::vtk_polydata));
         return open_contours(options, FileKind::vtk_polydata, true, context);
     }
@@ -355,6 +397,7 @@ Result<OpenedInput> open_input(const InputOptions& options, RunContext& context)
     if (is_image(kind) || is_contour_file(kind)) {
         ANATOMESH_CHECK_STATUS(check_reading_options(options, kind));
     }
+    if (kind == FileKind::dicom || kind == FileKind::dicom_segmentation) return open_dicom(options, context);
     if (is_image(kind)) return open_image(options, kind, context);
     if (is_contour_file(kind)) return open_contours(options, kind, false, context);
     return Error{
@@ -372,8 +415,12 @@ Result<InputContours> contours_of(OpenedInput input, const InputOptions& options
         return usage_error("E-CMD-008", "--offset must be less than --every", options.input,
                            "give --every too, or a smaller --offset");
     }
-    ANATOMESH_TRY(InputContours result, input.image ? contours_of_image(std::move(input), options, context)
-                                                    : contours_of_file(std::move(input), options, context));
+    auto source = std::move(input.dicom_source);
+    const auto read = input.image          ? contours_of_image
+                      : input.segmentation ? contours_of_segmentation
+                                           : contours_of_file;
+    ANATOMESH_TRY(InputContours result, read(std::move(input), options, context));
+    result.dicom_source = std::move(source);
     auto used = used_options(options);
     used.insert(used.end(), result.options.begin(), result.options.end());
     used.emplace_back("epsilon_mm", result.epsilon_mm > 0 ? number_text(result.epsilon_mm) : "exact");

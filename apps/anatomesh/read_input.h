@@ -13,24 +13,31 @@
 #include "anatomesh/contour/contour_set.h"
 #include "anatomesh/contour/raw_contours.h"
 #include "anatomesh/measure/report.h"
+#include "anatomesh_io/dicom/dicom_source.h"
+#include "anatomesh_io/dicom/segmentation.h"
 #include "anatomesh_io/file/detect.h"
 #include "anatomesh_io/image/read_image.h"
 #include "input_options.h"
 
 namespace anatomesh {
 
-// An input as it was read: an image, or contours.
+// An input as it was read: an image, contours, or a segmentation.
 struct OpenedInput {
     FileKind kind = FileKind::unknown;
     std::vector<InputReport> files;
     std::optional<LoadedImage> image;
     std::optional<RawContours> contours;
+    std::optional<LoadedSegmentation> segmentation;
+    std::optional<DicomSource> dicom_source;  // the study it is of, when it is DICOM
 };
 
 // Reads the input whole. Errors: those of the readers; E-CMD-012 a kind of file that is no image and no
 // contours; usage E-CMD-008 an option that this kind of file has no use for. Warnings: W-CMD-003 an option
 // that was not needed.
 Result<OpenedInput> open_input(const InputOptions& options, RunContext& context);
+
+// Whether this is a folder that is not one of contour files (.vtp).
+bool is_dicom_folder(const std::string& path);
 
 // The paths of files that were read.
 std::vector<std::string> names_of(const std::vector<InputReport>& files);
@@ -45,8 +52,10 @@ struct InputContours {
     std::uint64_t traced_points = 0;  // before simplification; of drawn contours, the points in the file
     std::uint32_t islands_left_out = 0;
     double epsilon_mm = 0;
+    std::optional<DicomSource> dicom_source;
 };
 
+// Segmentations: chosen structures -> largest pieces -> kept slices -> traced and simplified.
 // Images: threshold or labels -> chosen structures -> largest pieces -> kept slices -> traced and simplified.
 // Contours: chosen structures -> cleaned -> kept slices -> simplified when --epsilon says so.
 // Errors: usage E-CMD-005 no such structure, E-CMD-007 grey image without a threshold, E-CMD-008 an option

@@ -153,7 +153,7 @@ class WrongCommands(harness.TestCase):
         self.assert_refused(["model", "ball.json", "-o", "a.xyz"], 2, "E-CMD-004", ".vtu", ".msh", ".inp")
         self.assert_refused(["model", "ball.json", "-o", "a"], 2, ".vtu")
         self.assert_refused(["model", "ball.json", "-o", "a.vtu", "--surface", "a.vtu"], 2, ".stl", ".ply")
-        self.assert_refused(["contours", "ball.json", "-o", "a.dcm"], 2, ".json", ".vtp", ".csl")
+        self.assert_refused(["contours", "ball.json", "-o", "a.png"], 2, ".json", ".vtp", ".csl")
 
     def test_P04_structure_not_found_lists_the_names(self):
         self.write("pair.json", shapes.touching_balls().document())

@@ -1,5 +1,6 @@
 #include "anatomesh_io/dicom/write_objects.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <functional>
@@ -318,11 +319,38 @@ void write_shared_groups(DicomWriter& writer, const ImageGeometry& geometry) {
     writer.end_item();
 }
 
-void write_frame_groups(DicomWriter& writer, const VoxelModel& model,
-                        const std::vector<SegmentFrame>& frames) {
+// The image that a frame was drawn on.
+void write_derivation(DicomWriter& writer, const DicomSource::Image& image) {
+    writer.begin_sequence(tags::derivation_image_sequence);
+    writer.begin_item();
+    writer.begin_sequence(tags::source_image_sequence);
+    writer.begin_item();
+    writer.element(tags::referenced_sop_class, "UI", image.sop_class);
+    writer.element(tags::referenced_sop_instance, "UI", image.sop_instance);
+    write_code(writer, {0x0040, 0xA170}, "121322", "DCM", "Source image for image processing operation");
+    writer.end_item();
+    writer.end_sequence();
+    write_code(writer, {0x0008, 0x9215}, "113076", "DCM", "Segmentation");
+    writer.end_item();
+    writer.end_sequence();
+}
+
+// The image of every slice of the grid; null where there is none.
+std::vector<const DicomSource::Image*> images_of_slices(const ImageGeometry& grid,
+                                                        const DicomSource& source) {
+    const Vec3 normal = normalized(cross(grid.step[0], grid.step[1]));
+    std::vector<const DicomSource::Image*> images;
+    for (std::uint32_t k = 0; k < grid.size[2]; ++k)
+        images.push_back(image_in_plane(source, {grid.position(0, 0, k), normal}));
+    return images;
+}
+
+void write_frame_groups(DicomWriter& writer, const VoxelModel& model, const std::vector<SegmentFrame>& frames,
+                        const std::vector<const DicomSource::Image*>& images) {
     for (const SegmentFrame& frame : frames) {
         const Vec3 at = model.geometry.position(0, 0, frame.slice);
         writer.begin_item();
+        if (images[frame.slice]) write_derivation(writer, *images[frame.slice]);
         writer.begin_sequence(tags::frame_content_sequence);
         writer.begin_item();
         writer.unsigned_long(tags::dimension_index_values, {frame.structure + 1, frame.slice + 1});
@@ -393,11 +421,18 @@ std::string format_segmentation(const VoxelModel& model, const DicomSource& sour
     object.text(tags::content_creator, "PN", "");
     object.text(tags::segmentation_type, "CS", "BINARY");
     add_pixel_format(object, model.geometry, packed.frames.size());
-    if (!source.images.empty())
+    // Only what frames refer to is listed.
+    const auto images = images_of_slices(model.geometry, source);
+    std::vector<const DicomSource::Image*> referenced;
+    for (const SegmentFrame& frame : packed.frames)
+        if (images[frame.slice]) referenced.push_back(images[frame.slice]);
+    std::sort(referenced.begin(), referenced.end());
+    referenced.erase(std::unique(referenced.begin(), referenced.end()), referenced.end());
+    if (!referenced.empty())
         object.sequence(tags::referenced_series_sequence, [&](DicomWriter& writer) {
             writer.begin_item();
             writer.begin_sequence(tags::referenced_instance_sequence);
-            for (const DicomSource::Image& image : source.images) write_reference(writer, image);
+            for (const DicomSource::Image* image : referenced) write_reference(writer, *image);
             writer.end_sequence();
             writer.element(tags::series_instance, "UI", source.series);
             writer.end_item();
@@ -408,7 +443,7 @@ std::string format_segmentation(const VoxelModel& model, const DicomSource& sour
     object.sequence(tags::shared_groups,
                     [&](DicomWriter& writer) { write_shared_groups(writer, model.geometry); });
     object.sequence(tags::per_frame_groups,
-                    [&](DicomWriter& writer) { write_frame_groups(writer, model, packed.frames); });
+                    [&](DicomWriter& writer) { write_frame_groups(writer, model, packed.frames, images); });
     object.text(tags::pixel_data, "OB", packed.bits);
     return object.file(segmentation_class);
 }

@@ -1,0 +1,63 @@
+#include "dicom_outputs.h"
+
+#include "anatomesh/mesh/topology.h"
+#include "anatomesh_io/dicom/voxelize.h"
+#include "anatomesh_io/dicom/write_objects.h"
+#include "anatomesh_io/mesh/mesh_file.h"
+#include "option_values.h"
+#include "outputs.h"
+
+namespace anatomesh {
+
+std::vector<std::string> DicomOutputs::paths() const {
+    std::vector<std::string> all;
+    if (!surface.empty()) all.push_back(surface);
+    if (!segmentation.empty()) all.push_back(segmentation);
+    return all;
+}
+
+void add_dicom_output_options(CLI::App& verb, DicomOutputs& outputs) {
+    add_text(verb, "--dicom-surface", outputs.surface, "FILE",
+             "Also write the surface as a DICOM object (Encapsulated STL) of the input's study: .dcm");
+    add_text(verb, "--dicom-segmentation", outputs.segmentation, "FILE",
+             "Also write the model as a DICOM segmentation on the grid of the input's images: .dcm");
+}
+
+Status check_dicom_outputs(const DicomOutputs& outputs) {
+    for (const std::string& path : outputs.paths()) {
+        ANATOMESH_CHECK_STATUS(check_extension(path, {".dcm"}));
+    }
+    return Nothing{};
+}
+
+Status add_dicom_outputs(const Model& model, const DicomSource& source, const DicomOutputs& outputs,
+                         AtomicFileSet& files, RunContext& context) {
+    if (outputs.paths().empty()) return Nothing{};
+    if (model.report.space != "LPS")
+        return Error{ErrorKind::usage,
+                     "E-CMD-018",
+                     "a model whose axes are not known cannot become DICOM",
+                     {outputs.paths()[0], "", "", "", ""},
+                     "give --frame LPS or --frame RAS"};
+    if (!outputs.surface.empty()) {
+        SurfaceFile surface;
+        surface.surface = extract_interfaces(model.mesh);
+        surface.description.structures = model.structures;
+        surface.description.regions = model.regions;
+        ANATOMESH_TRY(const std::string stl, format_surface("surface.stl", surface, context));
+        ANATOMESH_CHECK_STATUS(files.add(
+            outputs.surface, format_encapsulated(SurfaceObject::stl, stl, "model surface", source)));
+    }
+    if (!outputs.segmentation.empty()) {
+        VoxelModel voxels;
+        voxels.geometry = source.grid ? *source.grid : grid_around(model.mesh, model.report.size_mm / 2);
+        voxels.regions = voxelize(model.mesh, voxels.geometry, context);
+        voxels.structures = model.structures;
+        voxels.members = model.regions.members;
+        if (context.cancelled()) return cancelled_error();
+        ANATOMESH_CHECK_STATUS(files.add(outputs.segmentation, format_segmentation(voxels, source)));
+    }
+    return Nothing{};
+}
+
+}  // namespace anatomesh

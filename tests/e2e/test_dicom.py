@@ -1,0 +1,244 @@
+"""DICOM from the command line: folders, image series, segmentations, RTSTRUCT in both directions, privacy."""
+import json
+import os
+import re
+import shutil
+import subprocess
+import unittest
+
+import numpy
+import pydicom
+from pydicom.dataset import FileDataset, FileMetaDataset
+from pydicom.uid import ExplicitVRLittleEndian
+
+import harness
+
+CT = "1.2.840.10008.5.1.4.1.1.2"
+PLANTED = {"PatientName": "Zzplanted^Name", "PatientID": "ZZPLANTEDID", "PatientBirthDate": "19420228",
+           "AccessionNumber": "ZZACC", "InstitutionName": "ZZPLANTED HOSPITAL", "ReferringPhysicianName": "Zzdoctor",
+           "StudyDescription": "ZZSTUDY", "SeriesDescription": "ZZSERIES", "StudyDate": "19991231",
+           "ProtocolName": "ZZPROTOCOL", "OperatorsName": "Zzoperator", "StationName": "ZZSTATION"}
+
+
+def ball(count=20, size=32, spacing=2.0, radius=22.0):
+    """Slices of a ball of 300 in -1000, off the middle."""
+    axis = (numpy.arange(size) - (size - 1) / 2) * spacing
+    heights = (numpy.arange(count) - (count - 1) / 2) * 3.0
+    z, y, x = numpy.meshgrid(heights, axis, axis, indexing="ij")
+    values = numpy.where((x - 4) ** 2 + y ** 2 + z ** 2 < radius ** 2, 300, -1000).astype("<i2")
+    return values, heights, axis
+
+
+def write_series(folder, names=None, series="1.2.826.0.1.3680043.8.498.1", **changes):
+    values, heights, axis = ball()
+    paths = []
+    for k in range(len(heights)):
+        meta = FileMetaDataset()
+        meta.MediaStorageSOPClassUID = CT
+        meta.MediaStorageSOPInstanceUID = f"{series}.{k + 1}"
+        meta.TransferSyntaxUID = ExplicitVRLittleEndian
+        path = folder / (names[k] if names else f"slice{k:03}")
+        data = FileDataset(str(path), {}, file_meta=meta, preamble=b"\0" * 128)
+        data.SOPClassUID, data.SOPInstanceUID, data.Modality = CT, f"{series}.{k + 1}", "CT"
+        data.StudyInstanceUID, data.SeriesInstanceUID = "1.2.826.0.1.3680043.8.498.7", series
+        data.FrameOfReferenceUID = "1.2.826.0.1.3680043.8.498.8"
+        for keyword, value in PLANTED.items():
+            setattr(data, keyword, value)
+        data.add_new((0x0009, 0x0010), "LO", "ZZPRIVATE")
+        data.add_new((0x0009, 0x1001), "LO", "ZZPRIVATEVALUE")
+        data.InstanceNumber, data.SliceThickness = k + 1, 5
+        data.ImagePositionPatient = [axis[0], axis[0], heights[k]]
+        data.ImageOrientationPatient, data.PixelSpacing = [1, 0, 0, 0, 1, 0], [2, 2]
+        data.Rows = data.Columns = len(axis)
+        data.SamplesPerPixel, data.PhotometricInterpretation = 1, "MONOCHROME2"
+        data.BitsAllocated = data.BitsStored = 16
+        data.HighBit, data.PixelRepresentation = 15, 1
+        data.RescaleSlope, data.RescaleIntercept = 1, 0
+        data.PixelData = values[k].tobytes()
+        for keyword, value in changes.items():
+            setattr(data, keyword, value)
+        data.is_little_endian, data.is_implicit_VR = True, False
+        data.save_as(str(path), write_like_original=False)
+        paths.append(path)
+    return paths
+
+
+def dciodvfy_errors(path):
+    if not shutil.which("dciodvfy"):
+        raise unittest.SkipTest("no dciodvfy (dicom3tools)")
+    done = subprocess.run(["dciodvfy", str(path)], capture_output=True, text=True)
+    return [line for line in (done.stdout + done.stderr).splitlines() if line.startswith("Error")]
+
+
+class Folders(harness.TestCase):
+    def setUp(self):
+        super().setUp()
+        self.study = self.folder / "study"
+        self.study.mkdir()
+
+    def test_info_lists_what_is_there(self):
+        write_series(self.study)
+        (self.study / "notes.txt").write_text("no DICOM")
+        found = self.run_program("info", "study", "--json").json()
+        self.assertEqual(found["kind"], "DICOM folder")
+        self.assertEqual(found["folder"]["skipped"], 1)
+        self.assertEqual(len(found["folder"]["series"]), 1)
+        series = found["folder"]["series"][0]
+        self.assertEqual(series["objects"], 20)
+        image = self.run_program("info", "study", "--series", series["series"], "--json").json()["image"]
+        self.assertEqual(image["size"], [32, 32, 20])
+        self.assertEqual(image["spacing_mm"], [2, 2, 3])
+
+    def test_a_folder_without_dicom(self):
+        (self.study / "notes.txt").write_text("no DICOM")
+        self.assert_refused(["model", "study", "-o", "x.vtu"], 3, "E-DCM-031")
+
+    def test_model_of_images_is_that_of_the_same_nifti_volume(self):
+        write_series(self.study)
+        self.run_program("contours", "study", "--threshold", "0", "-o", "a.json")
+        shutil.rmtree(self.study)
+        self.study.mkdir()
+        # G01: other names, another order.
+        write_series(self.study, names=[f"x{(7 * k) % 20:02}" for k in range(20)])
+        self.run_program("contours", "study", "--threshold", "0", "-o", "b.json")
+        self.assertEqual((self.folder / "a.json").read_bytes(), (self.folder / "b.json").read_bytes())
+        points = numpy.array([p for s in json.loads((self.folder / "a.json").read_text())["slices"]
+                              for c in s["contours"] for p in c["points"]])
+        # O07: left is +x; the ball lies 4 mm to the left.
+        self.assertAlmostEqual((points[:, 0].min() + points[:, 0].max()) / 2, 4, delta=1.1)
+
+    def test_contours_as_rtstruct_and_back(self):
+        write_series(self.study)
+        self.run_program("contours", "study", "--threshold", "0", "-o", "a.json")
+        self.run_program("contours", "study", "--threshold", "0", "--keep-patient-ids", "-o", "rs.dcm")
+        made = pydicom.dcmread(self.folder / "rs.dcm")
+        self.assertEqual(made.Modality, "RTSTRUCT")
+        self.assertEqual(made.PatientID, "ZZPLANTEDID")
+        self.assertEqual(made.FrameOfReferenceUID, "1.2.826.0.1.3680043.8.498.8")
+        contours = made.ROIContourSequence[0].ContourSequence
+        for contour in contours:
+            self.assertEqual(len(contour.ContourData), 3 * contour.NumberOfContourPoints)
+            self.assertTrue(contour.ContourImageSequence[0].ReferencedSOPInstanceUID.startswith("1.2.826"))
+        self.assertEqual(dciodvfy_errors(self.folder / "rs.dcm"), [])
+        if shutil.which("drtdump"):
+            done = subprocess.run(["drtdump", str(self.folder / "rs.dcm")], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        # Beside its images it is what the folder's model is made of.
+        shutil.copy(self.folder / "rs.dcm", self.study / "rs")
+        self.run_program("contours", "study", "-o", "b.json")
+        a, b = (json.loads((self.folder / name).read_text()) for name in ("a.json", "b.json"))
+        self.assertEqual(sum(len(s["contours"]) for s in a["slices"]), sum(len(s["contours"]) for s in b["slices"]))
+        points = [numpy.array([p for s in each["slices"] for c in s["contours"] for p in c["points"]]) for each in (a, b)]
+        self.assertEqual(len(points[0]), len(points[1]))
+        self.assertLess(numpy.abs(points[0].mean(axis=0) - points[1].mean(axis=0)).max(), 1e-9)
+
+    def test_several_series(self):
+        write_series(self.study)
+        (self.study / "more").mkdir()
+        write_series(self.study / "more", series="1.2.826.0.1.3680043.8.498.2")
+        self.assert_refused(["contours", "study", "--threshold", "0", "-o", "x.json"], 3, "E-DCM-029", "20 images")
+        self.run_program("contours", "study", "--threshold", "0", "--series", "1.2.826.0.1.3680043.8.498.2", "-o", "x.json")
+
+    def test_G03_a_missing_slice(self):
+        paths = write_series(self.study)
+        os.remove(paths[9])
+        self.assert_refused(["contours", "study", "--threshold", "0", "-o", "x.json"], 3, "E-DCM-014", "--allow-gaps")
+        self.run_program("contours", "study", "--threshold", "0", "--allow-gaps", "-o", "x.json")
+
+
+class ModelObjects(harness.TestCase):
+    def test_surface_and_segmentation_of_the_study(self):
+        study = self.folder / "study"
+        study.mkdir()
+        write_series(study)
+        self.run_program("model", "study", "--threshold", "0", "--size", "6", "-o", "m.vtu", "--keep-patient-ids",
+                         "--dicom-surface", "stl.dcm", "--dicom-segmentation", "seg.dcm")
+        surface, voxels = pydicom.dcmread(self.folder / "stl.dcm"), pydicom.dcmread(self.folder / "seg.dcm")
+        for made in (surface, voxels):
+            self.assertEqual(made.StudyInstanceUID, "1.2.826.0.1.3680043.8.498.7")
+            self.assertEqual(made.FrameOfReferenceUID, "1.2.826.0.1.3680043.8.498.8")
+        self.assertEqual(surface.MIMETypeOfEncapsulatedDocument, "model/stl")
+        stl = surface.EncapsulatedDocument[:surface.EncapsulatedDocumentLength]
+        triangles = int.from_bytes(stl[80:84], "little")
+        self.assertEqual(len(stl), 84 + 50 * triangles)
+        # The voxels of the segmentation are those of the ball, by pydicom's own unpacking.
+        pixels = voxels.pixel_array
+        wanted, heights, _ = ball()
+        wanted = wanted > 0
+        read = numpy.zeros_like(wanted)
+        for frame, item in zip(pixels, voxels.PerFrameFunctionalGroupsSequence):
+            z = float(item.PlanePositionSequence[0].ImagePositionPatient[2])
+            read[numpy.argmin(abs(heights - z))] |= frame > 0
+        self.assertGreater(2 * (read & wanted).sum() / (read.sum() + wanted.sum()), 0.97)
+        self.assertEqual(dciodvfy_errors(self.folder / "stl.dcm"), [])
+        self.assertEqual(dciodvfy_errors(self.folder / "seg.dcm"), [])
+        # Our own reader takes the segmentation for what it is.
+        found = self.run_program("info", "seg.dcm", "--json").json()["image"]
+        self.assertEqual(found["structures"][0]["voxels"], int(read.sum()))
+
+
+class Privacy(harness.TestCase):
+    def test_O05_nothing_planted_gets_out(self):
+        study = self.folder / "study"
+        study.mkdir()
+        paths = write_series(study, names=[f"Zzplanted_Name_{k:02}.dcm" for k in range(20)])
+        (study / "ZZPLANTED damaged.dcm").write_bytes(paths[0].read_bytes()[:900])
+        texts = []
+        for words in (["info", "study"], ["info", "study", "--json"],
+                      ["model", "study", "--threshold", "0", "-o", "m.vtu", "--html", "m.html", "--size", "6",
+                       "--contours", "m.json"],
+                      ["contours", "study", "--threshold", "0", "-o", "m.dcm"]):
+            if "model" in words or "contours" in words:
+                (study / "ZZPLANTED damaged.dcm").unlink(missing_ok=True)
+            done = self.run_program(*words)
+            texts += [done.out.encode(), done.err.encode()]
+        refused = self.run_program("contours", "study", "--threshold", "0", "--volume", "7", "-o", "n.dcm", expect=3)
+        texts.append(refused.err.encode())
+        for output in self.folder.glob("m*"):
+            texts.append(output.read_bytes())
+        for text in texts:
+            found = re.search(rb"zz(planted|acc|doctor|study|series|protocol|operator|station|private)|19991231|19420228|1\.2\.826\.0\.1\.3680043\.8\.498", text, re.I)
+            self.assertIsNone(found, found and text[max(0, found.start() - 60):found.end() + 60])
+        report = json.loads((self.folder / "m.report.json").read_text())
+        self.assertEqual(len(report["inputs"][0]["sha256"]), 64)
+
+    def test_asked_for_it_is_kept(self):
+        study = self.folder / "study"
+        study.mkdir()
+        write_series(study)
+        self.run_program("contours", "study", "--threshold", "0", "--keep-patient-ids", "-o", "m.dcm")
+        made = pydicom.dcmread(self.folder / "m.dcm")
+        self.assertEqual(str(made.PatientName), PLANTED["PatientName"])
+        self.assertEqual(made.StudyInstanceUID, "1.2.826.0.1.3680043.8.498.7")
+
+
+class RealFolders(harness.TestCase):
+    def test_contours_with_their_series(self):
+        for study in ("thigh_mr/STS_001", "sarcoma_ct_mr/STS_002"):
+            folder = harness.data(*study.split("/"))
+            found = self.run_program("info", folder, "--json").json()["folder"]
+            kinds = [series["kind"] for series in found["series"]]
+            self.assertIn("RTSTRUCT", kinds)
+            self.assertIn("images", kinds)
+
+    def test_compressed_series_equal_the_values_of_pydicom(self):
+        folder = harness.data("body_ct_mr_labels", "example_ct_dicom")
+        image = self.run_program("info", folder, "--series",
+                                 self.run_program("info", folder, "--json").json()["folder"]["series"][0]["series"],
+                                 "--json").json()["image"]
+        files = [pydicom.dcmread(path) for path in folder.iterdir()]
+        self.assertEqual(image["size"], [files[0].Columns, files[0].Rows, len(files)])
+        heights = sorted(float(f.ImagePositionPatient[2]) for f in files)
+        self.assertAlmostEqual(image["spacing_mm"][2], heights[1] - heights[0], places=6)
+
+    def test_segmentation(self):
+        path = harness.data("dicom_seg", "liver.dcm")
+        found = self.run_program("info", path, "--json").json()["image"]
+        self.assertEqual(found["voxel_type"], "BINARY")
+        self.run_program("contours", path, "-o", "liver.json")
+        overlaps = harness.data("dicom_seg", "partial_overlaps.dcm")
+        self.run_program("contours", overlaps, "-o", "overlaps.json")
+
+
+if __name__ == "__main__":
+    harness.main("__main__")
