@@ -1,6 +1,6 @@
 // Tetrahedralization: the Delaunay tetrahedralization of a growing set of points.
 //
-// The only door to the Delaunay kernel: nothing outside tetrahedralize.cpp knows which one it is.
+// The only door to the Delaunay kernel: nothing outside this room includes it.
 #pragma once
 
 #include <array>
@@ -15,40 +15,48 @@
 namespace anatomesh {
 
 // The cells at one moment, as flat arrays. neighbors[c][i] is the cell across the facet opposite vertex i,
-// no_cell on the convex hull. previous[c] is the index the same cell had in the last snapshot taken, no_cell for
-// a cell made since: what was computed for an unchanged cell carries over.
+// no_cell on the convex hull. previous[c] is the index the same cell had in the last snapshot taken, no_cell
+// for a cell made since: what was computed for an unchanged cell carries over. Cells left of the last
+// snapshot come first, in the order they had; else neighbours in this order are near in space.
+// Cells, neighbors and their order are a function of the points and their batches, not of the threads.
 struct DelaunaySnapshot {
     std::vector<Cell> cells;
     std::vector<std::array<std::uint32_t, 4>> neighbors;
     std::vector<std::uint32_t> previous;
 };
 
-// Guarantees: exact predicates; cospherical points are decided the same way every time, so equal points in
-// equal order give equal cells; all cells positive; the union of the cells is the convex hull of the points.
-// Complexity: expected O(n log n) for points that fill space; points on few parallel planes alone may give many
-// cells a point. Follows: Bowyer, Comput. J. 24, 1981; Watson, Comput. J. 24, 1981; insertion order along a
-// Hilbert curve in random rounds (Amenta, Choi and Rote, SoCG 2003); CGAL 5.5 does the work.
+// Guarantees: exact predicates for all finite doubles, however large or small. Cospherical points are decided
+// as if moved by infinitely small amounts that depend on their coordinates alone (in_perturbed_sphere): one
+// set of points has one set of cells, whatever the order of insertion, the batches and the number of threads.
+// All cells positive, none flat; the union of the cells is the convex hull of the points. Complexity:
+// expected O(n log n) for points that fill space; points on few parallel planes alone may give many cells a
+// point. 64 bytes a cell. Follows: see kernel.h.
 class Tetrahedralization {
   public:
-    // Errors: geometry E-DEL-001 fewer than four distinct points, or all of them in one plane (M-01).
-    static Result<Tetrahedralization> create(std::span<const Vec3> points);
+    static constexpr std::size_t most_points = std::size_t{1} << 27;
+
+    // `threads`: at least 1; how many work at once.
+    // Errors: geometry E-DEL-001 fewer than four distinct points, or all of them in one plane (M-01);
+    // geometry E-DEL-002 a coordinate is not finite; limit E-DEL-003 more than most_points points.
+    static Result<Tetrahedralization> create(std::span<const Vec3> points, int threads = 1);
 
     Tetrahedralization(Tetrahedralization&&) noexcept;
     Tetrahedralization& operator=(Tetrahedralization&&) noexcept;
     ~Tetrahedralization();
 
-    // Adds points; a point equal to one already there is dropped. Returns for each its vertex: an index into points().
-    std::vector<std::uint32_t> insert(std::span<const Vec3> points);
+    // Adds points; a point equal to one already there is dropped. Returns for each its vertex: an index into
+    // points(). Requires: finite coordinates.
+    std::vector<std::uint32_t> insert(std::span<const Vec3> points, int threads = 1);
 
-    const std::vector<Vec3>& points() const;      // distinct, in order of first appearance
+    const std::vector<Vec3>& points() const;                // distinct, in order of first appearance
     std::span<const std::uint32_t> first_vertices() const;  // vertex of each point given to create()
 
     void snapshot(DelaunaySnapshot& snapshot);
 
   private:
-    struct Kernel;
-    explicit Tetrahedralization(std::unique_ptr<Kernel> kernel);
-    std::unique_ptr<Kernel> kernel_;
+    struct State;
+    explicit Tetrahedralization(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
 };
 
 }  // namespace anatomesh

@@ -1,4 +1,7 @@
 // Exact geometric predicates: the sign is that of exact arithmetic on the given doubles, always.
+//
+// Requires: finite coordinates; exact for all of them, however large or small. A ladder: rounded arithmetic
+// with a proved bound of its error decides nearly always, predicates_exact.h the rest.
 #pragma once
 
 #include "anatomesh/geom/vec.h"
@@ -13,5 +16,21 @@ int orient3d(Vec3 a, Vec3 b, Vec3 c, Vec3 d);
 
 // Positive if e lies inside the sphere through the positively oriented cell (a, b, c, d), 0 if on it.
 int in_sphere(Vec3 a, Vec3 b, Vec3 c, Vec3 d, Vec3 e);
+
+// Same sign, where 0 is decided as if every point were moved off the sphere by an infinitely small amount of
+// its own, the more the later it comes in lexicographic order: never 0 for five distinct points of which (a,
+// b, c, d) is a positive cell. The cells whose perturbed spheres hold no point are the one Delaunay
+// tetrahedralization of the perturbed points; none of them is flat (Devillers and Teillaud, Comput. Geom. 44,
+// 2011). A point e equal to one of the others is outside.
+int in_perturbed_sphere(Vec3 a, Vec3 b, Vec3 c, Vec3 d, Vec3 e);
+
+// What rounding can do to the two determinants when all differences of coordinates are at most `extent` in
+// magnitude: a determinant that orient3d or in_sphere compute by at most as many roundings from differences
+// of coordinates has the right sign when its magnitude is above the bound. Infinite where the range of
+// doubles gives no bound.
+struct RoundingBounds {
+    double orient3d, in_sphere;
+};
+RoundingBounds rounding_bounds(Vec3 extent);
 
 }  // namespace anatomesh
