@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "anatomesh/improve/vertex_mover.h"
 #include "anatomesh/mesh/quality.h"
@@ -14,7 +15,8 @@ namespace anatomesh {
 
 namespace {
 
-// Signs of the structures that an interface bounds: +1 where they lie on its inner side, -1 on its outer side.
+// Signs of the structures that an interface bounds: +1 where they lie on its inner side, -1 on its outer
+// side.
 using Signs = std::vector<std::pair<std::uint32_t, double>>;
 
 Signs signs_between(const RegionTable& table, Region inner, Region outer) {
@@ -40,8 +42,8 @@ struct Interface {
     double offset = 0;     // how far it is to move outward, mm
 };
 
-// The displacement that moves all planes through a vertex by their offsets, as well as can be in the least squares
-// weighed by area; exact for one plane, or up to three different ones.
+// The displacement that moves all planes through a vertex by their offsets, as well as can be in the least
+// squares weighed by area; exact for one plane, or up to three different ones.
 class PlaneFit {
   public:
     void add(Vec3 normal, double area, double offset) {
@@ -56,11 +58,13 @@ class PlaneFit {
     Vec3 solve() const {
         std::array<std::array<double, 3>, 3> a = matrix_;
         for (int i = 0; i < 3; ++i) a[i][i] += stiffness * area_;
-        const Vec3 c0{a[0][0], a[1][0], a[2][0]}, c1{a[0][1], a[1][1], a[2][1]}, c2{a[0][2], a[1][2], a[2][2]};
+        const Vec3 c0{a[0][0], a[1][0], a[2][0]}, c1{a[0][1], a[1][1], a[2][1]},
+            c2{a[0][2], a[1][2], a[2][2]};
         const Vec3 b{right_[0], right_[1], right_[2]};
         const double determinant = dot(c0, cross(c1, c2));
         if (!(determinant > 0)) return {};
-        return {dot(b, cross(c1, c2)) / determinant, dot(c0, cross(b, c2)) / determinant, dot(c0, cross(c1, b)) / determinant};
+        return {dot(b, cross(c1, c2)) / determinant, dot(c0, cross(b, c2)) / determinant,
+                dot(c0, cross(c1, b)) / determinant};
     }
 
   private:
@@ -74,7 +78,11 @@ class Balancer {
   public:
     Balancer(TetMesh& mesh, const RegionTable& regions, const std::vector<std::uint8_t>& fixed,
              std::span<const double> targets, double max_radius_edge, const BalanceOptions& options)
-        : mesh_(mesh), regions_(regions), targets_(targets), options_(options), mover_(mesh, max_radius_edge),
+        : mesh_(mesh),
+          regions_(regions),
+          targets_(targets),
+          options_(options),
+          mover_(mesh, max_radius_edge, std::sin(options.min_dihedral_degrees * std::numbers::pi / 180)),
           moved_(mesh.points.size()) {
         collect(fixed);
     }
@@ -104,10 +112,12 @@ class Balancer {
                 const std::uint32_t n = neighbors[4 * c + i];
                 const Region inner = mesh_.regions[c], outer = n == no_cell ? Region{0} : mesh_.regions[n];
                 if (inner <= outer) continue;
-                const auto [place, added] = numbers.try_emplace({inner, outer}, static_cast<std::uint32_t>(interfaces_.size()));
+                const auto [place, added] =
+                    numbers.try_emplace({inner, outer}, static_cast<std::uint32_t>(interfaces_.size()));
                 if (added) interfaces_.push_back({signs_between(regions_, inner, outer), 0, 0});
                 const auto& f = facet_vertices[i];
-                all.push_back({{mesh_.cells[c][f[0]], mesh_.cells[c][f[1]], mesh_.cells[c][f[2]]}, place->second});
+                all.push_back(
+                    {{mesh_.cells[c][f[0]], mesh_.cells[c][f[1]], mesh_.cells[c][f[2]]}, place->second});
             }
         }
         start_.assign(mesh_.points.size() + 1, 0);
@@ -136,7 +146,8 @@ class Balancer {
         for (std::size_t c = 0; c < mesh_.cells.size(); ++c) {
             if (mesh_.regions[c] == 0) continue;
             const Cell& cell = mesh_.cells[c];
-            const double volume = signed_volume(mesh_.points[cell[0]], mesh_.points[cell[1]], mesh_.points[cell[2]], mesh_.points[cell[3]]);
+            const double volume = signed_volume(mesh_.points[cell[0]], mesh_.points[cell[1]],
+                                                mesh_.points[cell[2]], mesh_.points[cell[3]]);
             for (const std::uint32_t s : regions_.members[mesh_.regions[c]]) missing[s] -= volume;
         }
         return missing;
@@ -150,8 +161,8 @@ class Balancer {
         return worst;
     }
 
-    // Gives every interface its offset. Conjugate gradients for sum over interfaces of area x signs x (signs . numbers) = missing; (Hestenes and Stiefel,
-    // J. Res. Natl. Bur. Stand. 49, 1952).
+    // Gives every interface its offset. Conjugate gradients for sum over interfaces of area x signs x (signs
+    // . numbers) = missing; (Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49, 1952).
     void find_offsets(const std::vector<double>& missing) {
         for (Interface& interface : interfaces_) interface.free_area = 0;
         for (const std::uint32_t v : free_) {
@@ -177,7 +188,8 @@ class Balancer {
         std::vector<double> residual = missing;
         std::vector<std::uint8_t> has_area(missing.size(), 0);
         for (const Interface& interface : interfaces_) {
-            for (const auto& [s, sign] : interface.signs) has_area[s] = interface.free_area > 0 || has_area[s];
+            for (const auto& [s, sign] : interface.signs)
+                has_area[s] = interface.free_area > 0 || has_area[s];
         }
         for (std::size_t s = 0; s < residual.size(); ++s) {
             if (!has_area[s]) residual[s] = 0;
@@ -195,7 +207,8 @@ class Balancer {
                 residual[n] -= length_of_step * image[n];
             }
             const double next = inner(residual, residual);
-            for (std::size_t n = 0; n < x.size(); ++n) direction[n] = residual[n] + next / square * direction[n];
+            for (std::size_t n = 0; n < x.size(); ++n)
+                direction[n] = residual[n] + next / square * direction[n];
             square = next;
         }
         for (Interface& interface : interfaces_) {
@@ -238,8 +251,9 @@ class Balancer {
 
 }  // namespace
 
-BalanceStats balance_volumes(TetMesh& mesh, const RegionTable& regions, const std::vector<std::uint8_t>& fixed,
-                             std::span<const double> target_mm3, double max_radius_edge, const BalanceOptions& options) {
+BalanceStats balance_volumes(TetMesh& mesh, const RegionTable& regions,
+                             const std::vector<std::uint8_t>& fixed, std::span<const double> target_mm3,
+                             double max_radius_edge, const BalanceOptions& options) {
     assert(fixed.size() == mesh.points.size());
     return Balancer(mesh, regions, fixed, target_mm3, max_radius_edge, options).run();
 }

@@ -14,7 +14,11 @@ class Improver {
   public:
     Improver(TetMesh& mesh, const std::vector<std::uint8_t>& fixed, const StructureField& field,
              std::uint32_t structures, const ImproveOptions& options)
-        : mesh_(mesh), fixed_(fixed), options_(options), mover_(mesh, options.max_radius_edge), probe_(field, structures) {
+        : mesh_(mesh),
+          fixed_(fixed),
+          options_(options),
+          mover_(mesh, options.max_radius_edge),
+          probe_(field, structures) {
         find_interface_vertices();
     }
 
@@ -85,10 +89,12 @@ class Improver {
     bool smooth(std::uint32_t v) {
         const double start = mover_.worst_ratio(v), reach = mover_.shortest_edge(v);
         bool moved = false;
-        for (double step = 0.3 * reach; step > 0.02 * reach && mover_.worst_ratio(v) > options_.max_radius_edge; step *= 0.5) {
+        for (double step = 0.3 * reach;
+             step > 0.02 * reach && mover_.worst_ratio(v) > options_.max_radius_edge; step *= 0.5) {
             for (int direction = 0; direction < 6; ++direction) {
                 const double d = direction % 2 ? -step : step;
-                Vec3 to = mesh_.points[v] + Vec3{direction / 2 == 0 ? d : 0, direction / 2 == 1 ? d : 0, direction / 2 == 2 ? d : 0};
+                Vec3 to = mesh_.points[v] + Vec3{direction / 2 == 0 ? d : 0, direction / 2 == 1 ? d : 0,
+                                                 direction / 2 == 2 ? d : 0};
                 if (on_interface_[v]) {
                     const auto onto = probe_.project(to, 2 * step, 0.1 * options_.tolerance_mm);
                     if (onto) to = *onto;

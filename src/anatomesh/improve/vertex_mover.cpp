@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "anatomesh/geom/predicates.h"
+#include "anatomesh/improve/cell_shape.h"
 #include "anatomesh/mesh/quality.h"
 
 namespace anatomesh {
@@ -15,19 +16,21 @@ constexpr double nearly_flat = 1e-3;  // six volumes in cubes of the longest edg
 }  // namespace
 
 bool VertexMover::try_move(std::uint32_t v, Vec3 p) {
-    const double before = worst_ratio(v), flattest_before = flattest(v);
+    const double before = worst_ratio(v);
+    const Shape shape_before = shape(v);
     const Vec3 from = mesh_.points[v];
     mesh_.points[v] = p;
-    if (worst_ratio(v) <= std::max(before, max_radius_edge_) && keeps_shape(v, flattest_before)) return true;
+    if (worst_ratio(v) <= std::max(before, max_radius_edge_) && keeps_shape(v, shape_before)) return true;
     mesh_.points[v] = from;
     return false;
 }
 
 bool VertexMover::try_better(std::uint32_t v, Vec3 p) {
-    const double before = worst_ratio(v), flattest_before = flattest(v);
+    const double before = worst_ratio(v);
+    const Shape shape_before = shape(v);
     const Vec3 from = mesh_.points[v];
     mesh_.points[v] = p;
-    if (worst_ratio(v) < before && keeps_shape(v, flattest_before)) return true;
+    if (worst_ratio(v) < before && keeps_shape(v, shape_before)) return true;
     mesh_.points[v] = from;
     return false;
 }
@@ -55,22 +58,29 @@ double VertexMover::shortest_edge(std::uint32_t v) const {
     return std::sqrt(squared);
 }
 
-double VertexMover::flattest(std::uint32_t v) const {
-    double least = INFINITY;
+VertexMover::Shape VertexMover::shape(std::uint32_t v) const {
+    Shape worst{INFINITY, INFINITY};
     for (const std::uint32_t cell : stars_.at(v)) {
         const Cell& c = mesh_.cells[cell];
         double longest = 0;
         for (const auto& [i, j] : cell_edges) {
             longest = std::max(longest, squared_length(mesh_.points[c[i]] - mesh_.points[c[j]]));
         }
-        const double volume = signed_volume(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]], mesh_.points[c[3]]);
-        least = std::min(least, 6 * volume / (longest * std::sqrt(longest)));
+        const Vec3 p0 = mesh_.points[c[0]], p1 = mesh_.points[c[1]], p2 = mesh_.points[c[2]],
+                   p3 = mesh_.points[c[3]];
+        worst.flattest =
+            std::min(worst.flattest, 6 * signed_volume(p0, p1, p2, p3) / (longest * std::sqrt(longest)));
+        if (good_sine_ > 0 && mesh_.regions[cell] != 0)
+            worst.sine = std::min(worst.sine, least_sine(p0, p1, p2, p3));
     }
-    return least;
+    return worst;
 }
 
-bool VertexMover::keeps_shape(std::uint32_t v, double flattest_before) const {
-    if (!(flattest(v) >= std::min(flattest_before, nearly_flat))) return false;
+bool VertexMover::keeps_shape(std::uint32_t v, const Shape& before) const {
+    const Shape now = shape(v);
+    if (!(now.flattest >= std::min(before.flattest, nearly_flat)) ||
+        !(now.sine >= std::min(before.sine, good_sine_)))
+        return false;
     return std::all_of(stars_.at(v).begin(), stars_.at(v).end(), [&](std::uint32_t cell) {
         const Cell& c = mesh_.cells[cell];
         return orient3d(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]], mesh_.points[c[3]]) > 0;

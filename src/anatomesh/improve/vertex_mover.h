@@ -11,12 +11,18 @@ namespace anatomesh {
 // Connectivity and regions of the mesh must not change while a mover looks at it.
 class VertexMover {
   public:
-    VertexMover(TetMesh& mesh, double max_radius_edge)
-        : mesh_(mesh), max_radius_edge_(max_radius_edge), stars_(mesh.cells, mesh.points.size()) {}
+    // `good_sine`: a least sine of dihedral angles that cells inside may fall to; below it they may not get
+    // worse.
+    VertexMover(TetMesh& mesh, double max_radius_edge, double good_sine = 0)
+        : mesh_(mesh),
+          max_radius_edge_(max_radius_edge),
+          good_sine_(good_sine),
+          stars_(mesh.cells, mesh.points.size()) {}
 
-    // Moves v to p and says true if every cell at v stays positive (exactly) and the worst radius-edge ratio of the
-    // cells inside at v stays below the bound or falls, and no cell at v becomes nearly flat (six volumes below a
-    // thousandth of the cube of its longest edge) unless one was flatter before; else leaves it and says false.
+    // Moves v to p and says true if every cell at v stays positive (exactly) and the worst radius-edge ratio
+    // of the cells inside at v stays below the bound or falls, and no cell at v becomes nearly flat (six
+    // volumes below a thousandth of the cube of its longest edge) unless one was flatter before, and the
+    // least sine inside stays above `good_sine` or does not fall; else leaves it and says false.
     bool try_move(std::uint32_t v, Vec3 p);
 
     // As try_move, but only if the worst ratio falls.
@@ -27,11 +33,16 @@ class VertexMover {
     double shortest_edge(std::uint32_t v) const;
 
   private:
-    double flattest(std::uint32_t v) const;
-    bool keeps_shape(std::uint32_t v, double flattest_before) const;
+    // The worst of the cells at a vertex.
+    struct Shape {
+        double flattest;  // of all
+        double sine;      // of those inside
+    };
+    Shape shape(std::uint32_t v) const;
+    bool keeps_shape(std::uint32_t v, const Shape& before) const;
 
     TetMesh& mesh_;
-    double max_radius_edge_;
+    double max_radius_edge_, good_sine_;
     VertexStars stars_;
 };
 

@@ -11,6 +11,7 @@
 #include "anatomesh/field/volume.h"
 #include "anatomesh/improve/balance_volumes.h"
 #include "anatomesh/improve/improve.h"
+#include "anatomesh/improve/improve_dihedrals.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
@@ -240,6 +241,7 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * stats.size_mm;
         const ImproveStats improved = improve(model_.mesh, fixed, *field_, structures_, options, context_);
+        const DihedralStats dihedrals = improve_angles(fixed);
         BalanceOptions balance;
         balance.max_offset_mm = balance_reach * stats.size_mm;
         const BalanceStats balanced =
@@ -248,10 +250,36 @@ class Builder {
                     {"vertices_smoothed", static_cast<double>(improved.vertices_smoothed)},
                     {"above_bound_before", static_cast<double>(improved.above_bound_before)},
                     {"above_bound_after", static_cast<double>(improved.above_bound_after)},
+                    {"angles_below_target_before", static_cast<double>(dihedrals.bad_before)},
+                    {"angles_below_target_after", static_cast<double>(dihedrals.bad_after)},
+                    {"vertices_moved", static_cast<double>(dihedrals.vertices_moved)},
+                    {"surface_vertices_moved", static_cast<double>(dihedrals.surface_vertices_moved)},
+                    {"edges_removed", static_cast<double>(dihedrals.edges_removed)},
+                    {"facets_removed", static_cast<double>(dihedrals.facets_removed)},
+                    {"surface_edges_flipped", static_cast<double>(dihedrals.surface_edges_flipped)},
+                    {"cells_peeled", static_cast<double>(dihedrals.cells_peeled)},
+                    {"edges_collapsed", static_cast<double>(dihedrals.edges_collapsed)},
+                    {"vertices_inserted", static_cast<double>(dihedrals.vertices_inserted)},
                     {"largest_volume_offset_mm", balanced.largest_offset_mm},
                     {"volume_difference_before", balanced.worst_before},
                     {"volume_difference_after", balanced.worst_after}};
         return end_stage("improve", 0.85);
+    }
+
+    // Contour segments that are edges of the surface stay edges of it.
+    DihedralStats improve_angles(std::vector<std::uint8_t>& fixed) {
+        std::vector<VertexPair> segments;
+        const auto vertex = [&](std::size_t point) { return mesh_->first_vertices()[sample_->contour_vertices[point]]; };
+        for (const Contour& contour : contours_.contours) {
+            for (std::uint32_t n = 0; n < contour.point_count; ++n) {
+                segments.push_back({vertex(contour.first_point + n), vertex(contour.first_point + (n + 1) % contour.point_count)});
+            }
+        }
+        DihedralOptions options;
+        options.max_radius_edge = options_.max_radius_edge;
+        options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
+        options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
+        return improve_dihedrals(model_.mesh, fixed, edges_along(model_.mesh, segments), *field_, structures_, options, context_);
     }
 
     // Keeps the cells of a region, and the points that they use, in their order.

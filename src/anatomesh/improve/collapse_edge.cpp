@@ -1,0 +1,99 @@
+#include <algorithm>
+
+#include "anatomesh/improve/operations.h"
+
+namespace anatomesh {
+
+namespace {
+
+// A vertex of a surface between two regions may go along an edge of it, if the only neighbours on the surface
+// that both ends share are the two across the edge (link condition, Dey, Edelsbrunner, Guha and Nekhayev,
+// Publ. Inst. Math. 66, 1999), and if the surface stays near the field's interface.
+bool may_leave_surface(Workbench& bench, std::uint32_t from, std::uint32_t to) {
+    const Region side = bench.mesh.region(bench.star[0]);
+    Region other = side;
+    std::vector<std::array<std::uint32_t, 2>> rim;  // of the disc round `from`, seen from `side`
+    double before = 0;
+    for (const std::uint32_t c : bench.star) {
+        const Region region = bench.mesh.region(c);
+        if (region != side) {
+            if (other == side) other = region;
+            if (region != other) return false;
+            continue;
+        }
+        const Cell& cell = bench.mesh.cell(c);
+        for (int i = 0; i < 4; ++i) {
+            if (cell[i] == from) continue;
+            const std::uint32_t n = bench.mesh.neighbor(c, i);
+            if (n == no_cell) return false;
+            if (bench.mesh.region(n) == side) continue;
+            std::array<std::uint32_t, 3> f{cell[facet_vertices[i][0]], cell[facet_vertices[i][1]],
+                                           cell[facet_vertices[i][2]]};
+            while (f[0] != from) f = {f[1], f[2], f[0]};
+            rim.push_back({f[1], f[2]});
+            before = std::max(before, bench.facet_distance(bench.mesh.point(from), bench.mesh.point(f[1]),
+                                                           bench.mesh.point(f[2])));
+        }
+    }
+    int at_edge = 0;
+    for (const auto& [u, w] : rim) at_edge += u == to || w == to;
+    if (at_edge != 2) return false;
+    const Vec3 p = bench.mesh.point(from), q = bench.mesh.point(to);
+    for (const auto& [u, w] : rim) {
+        if (u == to || w == to) continue;
+        const Vec3 pu = bench.mesh.point(u), pw = bench.mesh.point(w);
+        const Vec3 old_normal = cross(pu - p, pw - p), new_normal = cross(pu - q, pw - q);
+        if (!(dot(old_normal, new_normal) > 0.5 * length(old_normal) * length(new_normal))) return false;
+        if (!bench.near_interface(to, u, w, before)) return false;
+    }
+    // No edge from `to` to the rest of the rim may lie on an interface yet.
+    std::vector<std::uint32_t> across, rest;
+    for (const auto& [u, w] : rim) {
+        if (u == to) across.push_back(w);
+        if (w == to) across.push_back(u);
+    }
+    for (const auto& [u, w] : rim) {
+        if (u != to && std::find(across.begin(), across.end(), u) == across.end()) rest.push_back(u);
+    }
+    bench.mesh.star(to, bench.others);
+    for (const std::uint32_t c : bench.others) {
+        const Cell& cell = bench.mesh.cell(c);
+        for (int e = 0; e < 6; ++e) {
+            const std::uint32_t a = cell[cell_edges[e][0]], b = cell[cell_edges[e][1]];
+            if (a != to && b != to) continue;
+            if (std::find(rest.begin(), rest.end(), a == to ? b : a) == rest.end()) continue;
+            if (bench.mesh.edge_on_interface(c, e)) return false;
+        }
+    }
+    return true;
+}
+
+}  // namespace
+
+bool collapse_edge(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second) {
+    const std::uint32_t a = bench.mesh.cell(cell)[cell_edges[e][0]],
+                        b = bench.mesh.cell(cell)[cell_edges[e][1]];
+    const std::uint32_t from = first_onto_second ? a : b, to = first_onto_second ? b : a;
+    if (bench.fixed(from)) return false;
+    bench.mesh.star(from, bench.star);
+    const Bar bar = bench.bar_of(bench.star);
+    const double needed = bench.needed_sine(bar);
+    bench.cells.clear();
+    bench.regions.clear();
+    bool surface = false;
+    for (const std::uint32_t c : bench.star) {
+        surface = surface || bench.mesh.region(c) != bench.mesh.region(cell);
+        Cell moved = bench.mesh.cell(c);
+        if (std::find(moved.begin(), moved.end(), to) != moved.end()) continue;
+        std::replace(moved.begin(), moved.end(), from, to);
+        if (bench.value(moved, bench.mesh.region(c), bar) < needed) return false;
+        bench.cells.push_back(moved);
+        bench.regions.push_back(bench.mesh.region(c));
+    }
+    if (surface && !may_leave_surface(bench, from, to)) return false;
+    if (!bench.commit(bench.star, bench.cells, bench.regions)) return false;
+    ++bench.stats.edges_collapsed;
+    return true;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,180 @@
+#include "anatomesh/improve/edit_mesh.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "anatomesh/mesh/topology.h"
+
+namespace anatomesh {
+
+EditMesh::EditMesh(TetMesh mesh)
+    : points_(std::move(mesh.points)),
+      cells_(std::move(mesh.cells)),
+      regions_(std::move(mesh.regions)),
+      neighbors_(cells_.size()),
+      cell_of_(points_.size(), no_cell),
+      mark_(cells_.size(), 0) {
+    const std::vector<std::uint32_t> neighbors = cell_neighbors(cells_, points_.size());
+    for (std::uint32_t c = 0; c < cells_.size(); ++c) {
+        for (int i = 0; i < 4; ++i) {
+            neighbors_[c][i] = neighbors[4 * c + i];
+            cell_of_[cells_[c][i]] = c;
+        }
+    }
+}
+
+TetMesh EditMesh::take() && {
+    std::size_t kept = 0;
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+        if (cells_[c][0] == no_cell) continue;
+        cells_[kept] = cells_[c];
+        regions_[kept++] = regions_[c];
+    }
+    cells_.resize(kept);
+    regions_.resize(kept);
+    return {std::move(points_), std::move(cells_), std::move(regions_)};
+}
+
+std::uint32_t EditMesh::add_point(Vec3 p) {
+    points_.push_back(p);
+    cell_of_.push_back(no_cell);
+    return static_cast<std::uint32_t>(points_.size() - 1);
+}
+
+void EditMesh::star(std::uint32_t v, std::vector<std::uint32_t>& cells) {
+    cells.clear();
+    if (cell_of_[v] == no_cell) return;
+    ++stamp_;
+    cells.push_back(cell_of_[v]);
+    mark_[cell_of_[v]] = stamp_;
+    for (std::size_t n = 0; n < cells.size(); ++n) {
+        const std::uint32_t c = cells[n];
+        for (int i = 0; i < 4; ++i) {
+            const std::uint32_t across = neighbors_[c][i];
+            if (cells_[c][i] == v || across == no_cell || mark_[across] == stamp_) continue;
+            mark_[across] = stamp_;
+            cells.push_back(across);
+        }
+    }
+}
+
+// From cell c = (a, b, leave, keep) across its facet (a, b, keep): the cell there and its fourth vertex.
+std::uint32_t EditMesh::next_round(std::uint32_t c, std::uint32_t a, std::uint32_t b, std::uint32_t leave,
+                                   std::uint32_t keep, std::uint32_t& fresh) const {
+    int i = 0;
+    while (cells_[c][i] != leave) ++i;
+    const std::uint32_t next = neighbors_[c][i];
+    if (next == no_cell) return no_cell;
+    for (const std::uint32_t v : cells_[next]) {
+        if (v != a && v != b && v != keep) fresh = v;
+    }
+    return next;
+}
+
+void EditMesh::ring(std::uint32_t c, int e, EdgeRing& ring) const {
+    const Cell& cell = cells_[c];
+    ring.a = cell[cell_edges[e][0]];
+    ring.b = cell[cell_edges[e][1]];
+    ring.cells.assign(1, c);
+    std::uint32_t leave = cell[across_edges[e][0]], keep = cell[across_edges[e][1]];
+    ring.ring.assign(1, leave);
+    for (std::uint32_t at = c;;) {
+        std::uint32_t fresh = no_cell;
+        at = next_round(at, ring.a, ring.b, leave, keep, fresh);
+        ring.closed = at == c;
+        if (at == c || at == no_cell) return;
+        ring.cells.push_back(at);
+        ring.ring.push_back(keep);
+        leave = keep;
+        keep = fresh;
+    }
+}
+
+bool EditMesh::edge_on_interface(std::uint32_t c, int e) const {
+    const std::uint32_t a = cells_[c][cell_edges[e][0]], b = cells_[c][cell_edges[e][1]];
+    std::uint32_t leave = cells_[c][across_edges[e][0]], keep = cells_[c][across_edges[e][1]];
+    for (std::uint32_t at = c;;) {
+        std::uint32_t fresh = no_cell;
+        at = next_round(at, a, b, leave, keep, fresh);
+        if (at == c) return false;
+        if (at == no_cell || regions_[at] != regions_[c]) return true;
+        leave = keep;
+        keep = fresh;
+    }
+}
+
+bool EditMesh::vertex_on_interface(std::uint32_t v) {
+    star(v, scratch_);
+    return std::any_of(scratch_.begin(), scratch_.end(),
+                       [&](std::uint32_t c) { return regions_[c] != regions_[scratch_[0]]; });
+}
+
+void EditMesh::replace(std::span<const std::uint32_t> removed, std::span<const Cell> added,
+                       std::span<const Region> regions, std::vector<std::uint32_t>& slots) {
+    const auto sorted = [](const Cell& cell, int i) {
+        const auto& f = facet_vertices[i];
+        std::array<std::uint32_t, 3> facet{cell[f[0]], cell[f[1]], cell[f[2]]};
+        if (facet[0] > facet[1]) std::swap(facet[0], facet[1]);
+        if (facet[1] > facet[2]) std::swap(facet[1], facet[2]);
+        if (facet[0] > facet[1]) std::swap(facet[0], facet[1]);
+        return facet;
+    };
+    // The cells beyond the outer facets, seen from there; hull facets have none.
+    sides_.clear();
+    ++stamp_;
+    for (const std::uint32_t c : removed) mark_[c] = stamp_;
+    for (const std::uint32_t c : removed) {
+        for (int i = 0; i < 4; ++i) {
+            const std::uint32_t across = neighbors_[c][i];
+            if (across == no_cell || mark_[across] == stamp_) continue;
+            int back = 0;
+            while (neighbors_[across][back] != c) ++back;
+            sides_.push_back({sorted(cells_[c], i), across, back});
+        }
+        for (const std::uint32_t v : cells_[c]) cell_of_[v] = no_cell;
+    }
+    for (std::size_t n = 0; n < removed.size(); ++n) {
+        cells_[removed[n]][0] = no_cell;
+        if (n >= added.size()) free_.push_back(removed[n]);
+    }
+    // Vertices whose listed cell went and that have no new one keep a cell outside the cavity.
+    for (const Side& side : sides_) {
+        for (const std::uint32_t v : side.facet) cell_of_[v] = side.cell;
+    }
+    slots.clear();
+    for (std::size_t n = 0; n < added.size(); ++n) {
+        std::uint32_t slot = no_cell;
+        if (n < removed.size()) {
+            slot = removed[n];
+        } else if (!free_.empty()) {
+            slot = free_.back();
+            free_.pop_back();
+        } else {
+            slot = static_cast<std::uint32_t>(cells_.size());
+            cells_.emplace_back();
+            regions_.emplace_back();
+            neighbors_.emplace_back();
+            mark_.push_back(0);
+        }
+        cells_[slot] = added[n];
+        regions_[slot] = regions[n];
+        neighbors_[slot].fill(no_cell);
+        slots.push_back(slot);
+        for (int i = 0; i < 4; ++i) {
+            cell_of_[added[n][i]] = slot;
+            sides_.push_back({sorted(added[n], i), slot, i});
+        }
+    }
+    std::sort(sides_.begin(), sides_.end(), [](const Side& x, const Side& y) { return x.facet < y.facet; });
+    for (std::size_t n = 0; n + 1 < sides_.size(); ++n) {
+        const Side &x = sides_[n], &y = sides_[n + 1];
+        if (x.facet != y.facet) continue;
+        assert(n + 2 == sides_.size() || sides_[n + 2].facet != x.facet);
+        neighbors_[x.cell][x.index] = y.cell;
+        neighbors_[y.cell][y.index] = x.cell;
+        ++n;
+    }
+}
+
+}  // namespace anatomesh

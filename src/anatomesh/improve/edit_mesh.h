@@ -1,0 +1,84 @@
+// EditMesh: a tetrahedral mesh with its adjacency, changed one small cavity at a time.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/cut/star.h"
+#include "anatomesh/mesh/tet_mesh.h"
+
+namespace anatomesh {
+
+// The other two corners of each of cell_edges, such that (i, j, k, l) is an even permutation: with a positive
+// cell the vertices k, l run counter-clockwise seen against the direction from i to j.
+inline constexpr std::array<std::array<int, 2>, 6> across_edges{
+    {{2, 3}, {3, 1}, {1, 2}, {0, 3}, {2, 0}, {0, 1}}};
+
+// The cells round an edge (a, b): cell n has the vertices a, b, ring[n], ring[n + 1], in positive order.
+struct EdgeRing {
+    std::uint32_t a = 0, b = 0;
+    std::vector<std::uint32_t> cells, ring;
+    bool closed = false;  // false when the edge lies on the hull of the mesh; then the ring is not complete
+};
+
+// Cells keep their numbers until they are removed; numbers of removed cells are used again.
+// Memory: 40 bytes a cell beside the mesh. Not thread-safe: it keeps scratch space.
+class EditMesh {
+  public:
+    // Requires: cells positive, no facet in more than two. Complexity: O(cells).
+    explicit EditMesh(TetMesh mesh);
+
+    // The mesh without the removed cells, in the order of their numbers. Points stay, used or not.
+    TetMesh take() &&;
+
+    std::size_t cell_count() const { return cells_.size(); }  // removed ones included
+    std::size_t point_count() const { return points_.size(); }
+    bool alive(std::uint32_t cell) const { return cells_[cell][0] != no_cell; }
+    const Cell& cell(std::uint32_t c) const { return cells_[c]; }
+    Region region(std::uint32_t c) const { return regions_[c]; }
+    std::uint32_t neighbor(std::uint32_t c, int facet) const { return neighbors_[c][facet]; }
+    Vec3 point(std::uint32_t v) const { return points_[v]; }
+
+    void move_point(std::uint32_t v, Vec3 to) { points_[v] = to; }
+    std::uint32_t add_point(Vec3 p);
+    void set_region(std::uint32_t c, Region region) { regions_[c] = region; }
+
+    // All cells at a vertex, in an order that depends on the mesh alone. Complexity: linear in them.
+    void star(std::uint32_t v, std::vector<std::uint32_t>& cells);
+
+    // The cells round edge `e` of cell_edges of a cell.
+    void ring(std::uint32_t c, int e, EdgeRing& ring) const;
+
+    // Whether the cells at an edge, or at a vertex, lie in more than one region.
+    bool edge_on_interface(std::uint32_t c, int e) const;
+    bool vertex_on_interface(std::uint32_t v);
+
+    // Puts `added` into the place of `removed`. Requires: the same outer facets. Complexity: k log k.
+    // `slots` receives the numbers of the added cells.
+    void replace(std::span<const std::uint32_t> removed, std::span<const Cell> added,
+                 std::span<const Region> regions, std::vector<std::uint32_t>& slots);
+
+  private:
+    struct Side {
+        std::array<std::uint32_t, 3> facet;  // sorted vertices
+        std::uint32_t cell;
+        int index;
+    };
+    std::uint32_t next_round(std::uint32_t c, std::uint32_t a, std::uint32_t b, std::uint32_t leave,
+                             std::uint32_t keep, std::uint32_t& fresh) const;
+
+    std::vector<Vec3> points_;
+    std::vector<Cell> cells_;
+    std::vector<Region> regions_;
+    std::vector<CellNeighbors> neighbors_;
+    std::vector<std::uint32_t> cell_of_;  // by vertex: one cell at it, no_cell if none
+    std::vector<std::uint32_t> free_;     // numbers of removed cells
+    std::vector<std::uint32_t> mark_;     // by cell; equal to stamp_ = seen
+    std::uint32_t stamp_ = 0;
+    std::vector<std::uint32_t> scratch_;
+    std::vector<Side> sides_;
+};
+
+}  // namespace anatomesh

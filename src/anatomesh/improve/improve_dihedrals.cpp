@@ -1,0 +1,122 @@
+#include "anatomesh/improve/improve_dihedrals.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <queue>
+#include <utility>
+
+#include "anatomesh/improve/operations.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double radians_per_degree = std::numbers::pi / 180;
+constexpr double margin_degrees = 3;  // how far above the target operations aim
+
+// A cell and its sine when it was found bad: not up to date when the cell has another sine since.
+struct BadCell {
+    double sine;
+    std::uint32_t cell;
+    friend bool operator<(const BadCell& a, const BadCell& b) {  // the worst on top of the queue
+        return a.sine != b.sine ? a.sine > b.sine : a.cell > b.cell;
+    }
+};
+
+class Climber {
+  public:
+    explicit Climber(Workbench& bench)
+        : bench_(bench), target_(std::sin(bench.options.target_degrees * radians_per_degree)) {
+        bench.goal = std::sin((bench.options.target_degrees + margin_degrees) * radians_per_degree);
+    }
+
+    void run(RunContext& context) {
+        collect();
+        bench_.stats.bad_before = queue_.size();
+        bench_.stats.worst_before_degrees = worst_degrees();
+        for (int pass = 0; pass < bench_.options.passes && !queue_.empty() && !context.cancelled(); ++pass) {
+            const std::uint64_t gained = drain();
+            collect();
+            if (gained * 50 < queue_.size() || gained == 0) break;
+        }
+        bench_.stats.bad_after = queue_.size();
+        bench_.stats.worst_after_degrees = worst_degrees();
+    }
+
+  private:
+    void collect() {
+        std::vector<BadCell> bad;
+        for (std::uint32_t c = 0; c < bench_.mesh.cell_count(); ++c) {
+            if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) continue;
+            if (const double sine = bench_.sine(c); sine < target_) bad.push_back({sine, c});
+        }
+        queue_ = std::priority_queue<BadCell>({}, std::move(bad));
+    }
+
+    double worst_degrees() const {
+        return queue_.empty() ? bench_.options.target_degrees
+                              : std::asin(std::max(0.0, queue_.top().sine)) / radians_per_degree;
+    }
+
+    std::uint64_t drain() {
+        std::uint64_t gained = 0;
+        while (!queue_.empty()) {
+            const BadCell bad = queue_.top();
+            queue_.pop();
+            if (!bench_.mesh.alive(bad.cell) || bench_.mesh.region(bad.cell) == 0 ||
+                bench_.sine(bad.cell) != bad.sine)
+                continue;
+            ++bench_.stats.tries;
+            if (!better(bad.cell)) continue;
+            ++gained;
+            for (const std::uint32_t c : bench_.changed) {
+                if (bench_.mesh.region(c) == 0) continue;
+                if (const double sine = bench_.sine(c); sine < target_) queue_.push({sine, c});
+            }
+        }
+        return gained;
+    }
+
+    // The operations in the order of their price.
+    bool better(std::uint32_t cell) {
+        for (int e = 0; e < 6; ++e) {
+            if (remove_edge(bench_, cell, e)) return true;
+        }
+        for (int i = 0; i < 4; ++i) {
+            if (remove_facet(bench_, cell, i)) return true;
+        }
+        for (const std::uint32_t v : Cell(bench_.mesh.cell(cell))) {
+            if (move_vertex(bench_, v)) return true;
+        }
+        if (peel_cell(bench_, cell)) return true;
+        for (int e = 0; e < 6; ++e) {
+            if (collapse_edge(bench_, cell, e, true) || collapse_edge(bench_, cell, e, false)) return true;
+        }
+        for (int e = 0; e < 6; ++e) {
+            if (insert_vertex(bench_, cell, e)) return true;
+        }
+        return false;
+    }
+
+    Workbench& bench_;
+    double target_;
+    std::priority_queue<BadCell> queue_;
+};
+
+}  // namespace
+
+DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint8_t>& fixed,
+                                std::span<const VertexPair> fixed_edges, const StructureField& field,
+                                std::uint32_t structures, const DihedralOptions& options,
+                                RunContext& context) {
+    assert(fixed.size() == mesh.points.size());
+    assert(std::is_sorted(fixed_edges.begin(), fixed_edges.end()));
+    Workbench bench(std::move(mesh), fixed, fixed_edges, field, structures, options);
+    Climber(bench).run(context);
+    mesh = std::move(bench.mesh).take();
+    return bench.stats;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,63 @@
+// improve_dihedrals: raises the smallest dihedral angles of the cells inside, by local hill-climbing.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/field/structure_field.h"
+#include "anatomesh/mesh/tet_mesh.h"
+
+namespace anatomesh {
+
+using VertexPair = std::array<std::uint32_t, 2>;  // smaller vertex first
+
+struct DihedralOptions {
+    double target_degrees =
+        15;  // cells inside with an angle below it (or above 180 less it) are worked on. [0, 40]
+    double max_radius_edge =
+        2.0;  // no operation makes a ratio above it that is also above what it was. [1.2, 10]
+    double tolerance_mm =
+        0.05;  // vertices of an interface stay within this of the field's, or as near as they were. > 0
+    double max_deviation_mm =
+        0.1;         // of the middle of a changed interface facet from the field's, or as near as before. > 0
+    int passes = 4;  // over the cells that are still bad. [0, 100]
+};
+
+struct DihedralStats {
+    std::uint64_t bad_before = 0, bad_after = 0;                 // cells inside below the target
+    double worst_before_degrees = 90, worst_after_degrees = 90;  // by the least sine
+    // Operations that were applied.
+    std::uint64_t vertices_moved = 0, surface_vertices_moved = 0, edges_removed = 0, facets_removed = 0,
+                  surface_edges_flipped = 0, cells_peeled = 0, edges_collapsed = 0, vertices_inserted = 0,
+                  tries = 0;
+};
+
+// Takes the cells inside (of a region other than 0) with a dihedral angle below the target, worst first, and
+// tries on each in turn: edge removal and facet removal (2-3, 3-2, 4-4 and general), moving its vertices,
+// giving it to the other side of an interface, collapsing its edges, inserting a vertex. What makes the least
+// sine of the dihedral angles of all cells concerned larger is done, nothing else. Guarantees: no cell inside
+// with an angle below the least before; all cells positive by exact orientation; vertices with fixed[v] != 0
+// do not move and stay on their surfaces; `fixed_edges` (sorted, ends fixed) that lie on an interface stay
+// edges of it; the interfaces keep their topology: each operation replaces a disc of an interface by a disc;
+// junctions of three or more regions do not change. No ratio above the bound arises but in the place of one
+// as large. Cells outside serve as room; they stay positive, and none gets nearly flat but in the place of
+// one as flat. Same result every time. `fixed` grows with the points. Cells keep no order. Points no longer
+// used stay in the list. Requires: the mesh holds the cells outside too, and every vertex on its hull is
+// fixed. Complexity: linear in the cells, and in the operations tried for the bad ones. Follows: Klingner and
+// Shewchuk, Proc. 16th International Meshing Roundtable, 2007; Freitag and Ollivier-Gooch, Int. J. Numer.
+// Methods Eng. 40, 1997.
+DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint8_t>& fixed,
+                                std::span<const VertexPair> fixed_edges, const StructureField& field,
+                                std::uint32_t structures, const DihedralOptions& options,
+                                RunContext& context);
+
+// The mesh edges on interfaces that lie along the segments, as fixed_edges wants them: for each segment whose
+// ends are joined by a chain of interface edges along the straight line, the edges of the chain. Complexity:
+// O(n log n).
+std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const VertexPair> segments);
+
+}  // namespace anatomesh

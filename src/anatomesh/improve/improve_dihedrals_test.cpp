@@ -1,0 +1,126 @@
+#include "anatomesh/improve/improve_dihedrals.h"
+
+#include "anatomesh/improve/labelled_meshes_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+struct Improved {
+    TetMesh mesh;
+    std::vector<std::uint8_t> fixed;
+    DihedralStats stats;
+};
+
+Improved improved(const LabelledCase& c, std::span<const VertexPair> edges = {},
+                  DihedralOptions options = {}) {
+    Improved result{c.mesh, c.fixed, {}};
+    RunContext context;
+    result.stats =
+        improve_dihedrals(result.mesh, result.fixed, edges, c.field, c.structures, options, context);
+    return result;
+}
+
+// Vertices on the surface of a structure.
+std::vector<std::uint8_t> on_surface(const TetMesh& mesh, const RegionTable& regions,
+                                     std::uint32_t structure) {
+    std::vector<std::uint8_t> on(mesh.points.size(), 0);
+    for (const Triangle& f : structure_surface(mesh, regions, structure)) {
+        for (const std::uint32_t v : f) on[v] = 1;
+    }
+    return on;
+}
+
+TEST(ImproveDihedrals, keeps_surfaces_volume_and_fixed_vertices_and_makes_nothing_worse) {
+    for (const LabelledCase& c : labelled_cases()) {
+        SCOPED_TRACE(c.name);
+        const Improved done = improved(c);
+        expect_sound_mesh(done.mesh, c.mesh);
+        expect_same_surfaces(done.mesh, c.mesh, c.regions, c.structures);
+        ASSERT_EQ(done.fixed.size(), done.mesh.points.size());
+        for (std::size_t v = 0; v < c.fixed.size(); ++v) {
+            ASSERT_EQ(done.fixed[v], c.fixed[v]);
+            ASSERT_TRUE(!c.fixed[v] || done.mesh.points[v] == c.mesh.points[v]);
+        }
+        for (std::uint32_t s = 0; s < c.structures; ++s) {
+            const auto before = on_surface(c.mesh, c.regions, s), after = on_surface(done.mesh, c.regions, s);
+            for (std::size_t v = 0; v < c.fixed.size(); ++v)
+                ASSERT_TRUE(!c.fixed[v] || before[v] == after[v]);
+        }
+        EXPECT_GE(worst_sine(done.mesh), worst_sine(c.mesh));
+        EXPECT_LE(worst_ratio(done.mesh), std::max(2.0, worst_ratio(c.mesh)) * (1 + 1e-9));
+        EXPECT_LE(done.stats.bad_after, done.stats.bad_before);
+    }
+}
+
+// Most of the bad cells of a mesh whose vertices are free can be mended.
+TEST(ImproveDihedrals, reaches_the_target_where_vertices_are_free) {
+    const LabelledCase c = sampled_case("ball", AnalyticField({ball({}, 6)}, 7), 1, 1'000'000);
+    const Improved done = improved(c);
+    EXPECT_GT(done.stats.bad_before, 10u);
+    EXPECT_EQ(done.stats.bad_after, 0u);
+    EXPECT_GE(worst_sine(done.mesh), std::sin(15 * 3.14159265358979 / 180));
+    const auto off_interface = [&](const TetMesh& mesh) {
+        std::size_t off = 0;
+        const auto on = on_surface(mesh, c.regions, 0);
+        for (std::size_t v = 0; v < on.size(); ++v)
+            off += on[v] && c.field.interface_distance(mesh.points[v]) > 0.05;
+        return off;
+    };
+    EXPECT_LE(off_interface(done.mesh), off_interface(c.mesh));
+}
+
+TEST(ImproveDihedrals, repeats_bit_for_bit_and_leaves_what_is_good) {
+    const LabelledCase c = random_case("random", AnalyticField({ball({}, 7)}, 9), 1, 7);
+    const Improved first = improved(c), second = improved(c);
+    EXPECT_EQ(first.mesh.points, second.mesh.points);
+    EXPECT_EQ(first.mesh.cells, second.mesh.cells);
+    EXPECT_EQ(first.mesh.regions, second.mesh.regions);
+    DihedralOptions easy;
+    easy.target_degrees = 0;
+    const Improved untouched = improved(c, {}, easy);
+    EXPECT_EQ(untouched.mesh.points, c.mesh.points);
+    EXPECT_EQ(untouched.mesh.cells, c.mesh.cells);
+    EXPECT_EQ(untouched.stats.tries, 0u);
+}
+
+// All edges of a surface whose vertices are fixed are kept when asked for.
+TEST(ImproveDihedrals, keeps_fixed_edges_on_the_surface) {
+    LabelledCase c = random_case("random", AnalyticField({ball({}, 7)}, 9), 1, 11);
+    std::vector<VertexPair> edges;
+    for (const Triangle& f : structure_surface(c.mesh, c.regions, 0)) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            c.fixed[f[i]] = 1;
+            edges.push_back({std::min(f[i], f[(i + 1) % 3]), std::max(f[i], f[(i + 1) % 3])});
+        }
+    }
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    EXPECT_EQ(edges_along(c.mesh, edges), edges);
+    const Improved kept = improved(c, edges);
+    EXPECT_GT(kept.stats.edges_removed, 0u);
+    EXPECT_EQ(kept.stats.surface_edges_flipped, 0u);
+    EXPECT_EQ(edges_along(kept.mesh, edges), edges);
+    DihedralOptions loose;
+    loose.max_deviation_mm = 10;
+    const Improved flipped = improved(c, {}, loose);
+    EXPECT_GT(flipped.stats.surface_edges_flipped, 0u);
+}
+
+TEST(EdgesAlong, finds_the_chain_of_a_segment_and_nothing_for_one_that_is_missing) {
+    const LabelledCase c = sampled_case("box", AnalyticField({ball({}, 3)}, 4), 1);
+    std::vector<Triangle> surface = structure_surface(c.mesh, c.regions, 0);
+    const auto [a, b, d] = surface[0];
+    const VertexPair edge{std::min(a, b), std::max(a, b)};
+    EXPECT_EQ(edges_along(c.mesh, std::vector<VertexPair>{{b, a}, {a, b}}), std::vector<VertexPair>{edge});
+    std::uint32_t far = a;
+    for (const Triangle& f : surface) {
+        if (length(c.mesh.points[f[0]] - c.mesh.points[a]) > length(c.mesh.points[far] - c.mesh.points[a]))
+            far = f[0];
+    }
+    EXPECT_TRUE(edges_along(c.mesh, std::vector<VertexPair>{{a, far}}).empty());
+}
+
+}  // namespace
+}  // namespace anatomesh

@@ -1,0 +1,35 @@
+// The operations of improve_dihedrals(). Each tries one change of the mesh on a workbench, does it if it
+// raises the least sine of the cells concerned, says whether it did, and leaves the cells made or reshaped in
+// `changed`.
+#pragma once
+
+#include <cstdint>
+
+#include "anatomesh/improve/workbench.h"
+
+namespace anatomesh {
+
+// Takes away edge `e` of a cell: the cells round it are replaced by those of the best triangulation of its
+// ring (dynamic programme of Klincsek, Annals of Discrete Mathematics 9, 1980). For an edge of the surface
+// between two regions the facets at it are flipped: the ring is triangulated on either side of the new
+// diagonal.
+bool remove_edge(Workbench& bench, std::uint32_t cell, int e);
+
+// Takes away a facet between two cells of one region: three cells round the edge that joins their apices.
+bool remove_facet(Workbench& bench, std::uint32_t cell, int facet);
+
+// Moves a vertex uphill; on a surface between two regions along it.
+bool move_vertex(Workbench& bench, std::uint32_t v);
+
+// Gives a cell to the region outside beside it, where the surface stays a disc and near the field's
+// interface.
+bool peel_cell(Workbench& bench, std::uint32_t cell);
+
+// Moves vertex `from` onto `to`, the other end of edge `e` of a cell, and drops the cells at the edge.
+bool collapse_edge(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second);
+
+// Takes out the cells round edge `e` of a cell, and more where it helps, and joins a new vertex to the hole's
+// facets.
+bool insert_vertex(Workbench& bench, std::uint32_t cell, int e);
+
+}  // namespace anatomesh

@@ -1,0 +1,76 @@
+#include "anatomesh/improve/workbench.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "anatomesh/geom/predicates.h"
+#include "anatomesh/improve/cell_shape.h"
+
+namespace anatomesh {
+
+Workbench::Workbench(TetMesh mesh_in, std::vector<std::uint8_t>& fixed,
+                     std::span<const VertexPair> fixed_edges, const StructureField& field,
+                     std::uint32_t structures, const DihedralOptions& options_in)
+    : mesh(std::move(mesh_in)),
+      probe(field, structures),
+      options(options_in),
+      fixed_(fixed),
+      fixed_edges_(fixed_edges) {}
+
+bool Workbench::fixed_edge(std::uint32_t a, std::uint32_t b) const {
+    if (!fixed(a) || !fixed(b)) return false;
+    return std::binary_search(fixed_edges_.begin(), fixed_edges_.end(),
+                              VertexPair{std::min(a, b), std::max(a, b)});
+}
+
+double Workbench::sine(const Cell& c) const {
+    return least_sine(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3]));
+}
+
+Bar Workbench::bar_of(std::span<const std::uint32_t> cells_in) const {
+    Bar bar;
+    for (const std::uint32_t n : cells_in) {
+        const Cell& c = mesh.cell(n);
+        if (mesh.region(n) == 0) {
+            bar.outside_sine = std::min(bar.outside_sine, sine(c));
+            continue;
+        }
+        bar.sine = std::min(bar.sine, sine(c));
+        bar.squared_ratio = std::max(
+            bar.squared_ratio,
+            squared_radius_edge(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3])));
+    }
+    return bar;
+}
+
+double Workbench::value(const Cell& c, Region region, const Bar& bar) const {
+    const Vec3 p0 = mesh.point(c[0]), p1 = mesh.point(c[1]), p2 = mesh.point(c[2]), p3 = mesh.point(c[3]);
+    const double sine = least_sine(p0, p1, p2, p3);
+    if (region == 0) return sine > 0 && sine >= needed_outside_sine(bar) ? 1 : -1;
+    if (!(sine > 0) || squared_radius_edge(p0, p1, p2, p3) > allowed_squared_ratio(bar)) return -1;
+    return sine;
+}
+
+bool Workbench::commit(std::span<const std::uint32_t> removed, std::span<const Cell> added,
+                       std::span<const Region> new_regions) {
+    for (const Cell& c : added) {
+        if (orient3d(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3])) <= 0)
+            return false;
+    }
+    mesh.replace(removed, added, new_regions, changed);
+    return true;
+}
+
+bool Workbench::positive(std::span<const std::uint32_t> cells_in) const {
+    return std::all_of(cells_in.begin(), cells_in.end(), [&](std::uint32_t n) {
+        const Cell& c = mesh.cell(n);
+        return orient3d(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3])) > 0;
+    });
+}
+
+bool Workbench::near_interface(std::uint32_t a, std::uint32_t b, std::uint32_t c, double before) {
+    return facet_distance(mesh.point(a), mesh.point(b), mesh.point(c)) <=
+           std::max(before, options.max_deviation_mm);
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,81 @@
+// Workbench: the mesh under improvement, what must not change, and the rules by which a change is accepted.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/improve/edit_mesh.h"
+#include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/improve/local_star.h"
+#include "anatomesh/sample/interface_probe.h"
+
+namespace anatomesh {
+
+// What the cells of a cavity are now; their successors must be better.
+struct Bar {
+    double sine = 1;           // the worst inside
+    double outside_sine = 1;   // the worst outside
+    double squared_ratio = 0;  // the largest inside
+};
+
+// The operations (operations.h) propose cavities; the workbench knows whether they gain and puts them in.
+class Workbench {
+  public:
+    Workbench(TetMesh mesh, std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
+              const StructureField& field, std::uint32_t structures, const DihedralOptions& options);
+
+    EditMesh mesh;
+    InterfaceProbe probe;
+    DihedralOptions options;
+    DihedralStats stats;
+    double goal = 0;                     // sine that is good enough
+    std::vector<std::uint32_t> changed;  // cells that the last operation made or reshaped
+
+    bool fixed(std::uint32_t v) const { return fixed_[v] != 0; }
+    bool fixed_edge(std::uint32_t a, std::uint32_t b) const;
+    std::uint32_t add_point(Vec3 p) {
+        fixed_.push_back(0);
+        return mesh.add_point(p);
+    }
+
+    double sine(const Cell& c) const;
+    double sine(std::uint32_t c) const { return sine(mesh.cell(c)); }
+
+    Bar bar_of(std::span<const std::uint32_t> cells) const;
+    // What a new cell must reach.
+    double needed_sine(const Bar& bar) const { return bar.sine + min_gain * (0.02 + bar.sine); }
+    double needed_outside_sine(const Bar& bar) const { return std::min(bar.outside_sine, flat_outside); }
+    double allowed_squared_ratio(const Bar& bar) const {
+        return std::max(bar.squared_ratio, options.max_radius_edge * options.max_radius_edge);
+    }
+    // The sine of a new cell, negative if it may not be; cells outside that may be count as perfect.
+    double value(const Cell& c, Region region, const Bar& bar) const;
+
+    // Replaces cells by others of the same outer facets if all of these are positive, exactly.
+    bool commit(std::span<const std::uint32_t> removed, std::span<const Cell> added,
+                std::span<const Region> regions);
+
+    bool positive(std::span<const std::uint32_t> cells) const;  // exactly
+
+    // Whether a facet of an interface lies near enough to the field's: its centroid within the bound, or not
+    // farther than `before`.
+    bool near_interface(std::uint32_t a, std::uint32_t b, std::uint32_t c, double before);
+    double facet_distance(Vec3 a, Vec3 b, Vec3 c) { return probe.distance((1.0 / 3.0) * (a + b + c)); }
+
+    // Scratch space of the operations.
+    EdgeRing ring;
+    LocalStar local;
+    std::vector<std::uint32_t> star, cavity, others;
+    std::vector<Cell> cells;
+    std::vector<Region> regions;
+
+  private:
+    static constexpr double min_gain = 0.02;
+    static constexpr double flat_outside = 0.01;
+
+    std::vector<std::uint8_t>& fixed_;
+    std::span<const VertexPair> fixed_edges_;
+};
+
+}  // namespace anatomesh
