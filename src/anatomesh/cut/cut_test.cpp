@@ -135,5 +135,43 @@ TEST(Cut, contour_vertices_are_brought_onto_the_surface) {
     }
 }
 
+// Edges near a ball's surface, all of it inside: relabelling brings some onto the surface and never loses the manifold for it.
+TEST(Cut, pieces_of_contour_segments_are_brought_onto_the_surface) {
+    std::uint64_t before = 0, after = 0;
+    for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+        Case random = random_case(seed, 200, {{0}});
+        std::vector<std::array<std::uint32_t, 3>> pieces;
+        for (const Cell& cell : random.mesh.cells) {
+            if (cell[0] >= 200 || cell[1] >= 200 || pieces.size() >= 60) continue;
+            const Vec3 middle = 0.5 * (random.mesh.points[cell[0]] + random.mesh.points[cell[1]]);
+            if (length(middle) > 0.75) pieces.push_back({cell[0], cell[1], 0});
+        }
+        const ContourOwners owners({}, random.mesh.points.size(), pieces);
+        const VertexStars stars(random.mesh.cells, random.mesh.points.size());
+        std::vector<std::uint32_t> unsound;
+        const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars, owners,
+                                           random.mesh.regions, random.registry, unsound);
+        before += stats.lost_pieces_before;
+        after += stats.lost_pieces_after;
+        // Counted anew from the regions.
+        std::uint64_t lost = 0;
+        std::sort(pieces.begin(), pieces.end());
+        pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
+        for (const auto& [a, b, structure] : pieces) {
+            bool in = false, out = false;
+            for (std::size_t c = 0; c < random.mesh.cells.size(); ++c) {
+                const Cell& cell = random.mesh.cells[c];
+                if (std::count(cell.begin(), cell.end(), a) + std::count(cell.begin(), cell.end(), b) < 2) continue;
+                (random.mesh.regions[c] == 0 ? out : in) = true;
+            }
+            lost += in != out;
+        }
+        EXPECT_EQ(stats.lost_pieces_after, lost);
+        EXPECT_LE(stats.unsound_after, stats.unsound_before);
+    }
+    EXPECT_GT(before, 10u);
+    EXPECT_LT(2 * after, before);
+}
+
 }  // namespace
 }  // namespace anatomesh

@@ -10,6 +10,7 @@ namespace anatomesh {
 
 namespace {
 
+constexpr int defect_weight = 4;      // against one end of a lost piece of a contour segment: a manifold comes first
 constexpr double flat_share = 1e-6;  // six volumes in cubes of the longest edge
 
 struct Move {
@@ -33,6 +34,8 @@ class Relabeler {
           analyzer_(cells, neighbors, stars, regions, registry.table(), owners) {}
 
     int defect(std::uint32_t vertex) { return analyzer_.defect(vertex); }
+    int lost_pieces(std::uint32_t vertex) { return analyzer_.lost_piece_count(vertex); }
+    int total(std::uint32_t vertex) { return defect_weight * defect(vertex) + lost_pieces(vertex); }
 
     bool lost(std::uint32_t vertex) {
         analyzer_.lost_structures(vertex, lost_);
@@ -52,6 +55,9 @@ class Relabeler {
         analyzer_.lost_structures(vertex, lost_);
         const std::vector<std::uint32_t> lost = lost_;
         for (const std::uint32_t structure : lost) try_regain(vertex, structure);
+        analyzer_.lost_pieces(vertex, lost_pieces_);
+        const std::vector<ContourOwners::Piece> lost_edges = lost_pieces_;
+        for (const ContourOwners::Piece& piece : lost_edges) try_regain_piece(vertex, piece);
         if (!best_) return 0;
         for (const std::uint32_t c : best_->cells) {
             regions_[c] = best_->region;
@@ -110,6 +116,26 @@ class Relabeler {
         }
     }
 
+    // A cell at the edge, or it and one of those beside or behind it, changes sides, joined to cells of that side.
+    void try_regain_piece(std::uint32_t vertex, ContourOwners::Piece piece) {
+        for (const std::uint32_t c : stars_.at(vertex)) {
+            if (std::find(cells_[c].begin(), cells_[c].end(), piece.other) == cells_[c].end()) continue;
+            const bool was_inside = inside(c, piece.structure);
+            consider({{c}, other_side(regions_[c], piece.structure, was_inside), 0});
+            for (const std::uint32_t next : neighbors_[c]) {
+                if (next == no_cell) continue;
+                if (inside(next, piece.structure) != was_inside) {
+                    consider({{c}, regions_[next], 0});
+                    continue;
+                }
+                for (const std::uint32_t far : neighbors_[next]) {
+                    if (far == no_cell || inside(far, piece.structure) == was_inside) continue;
+                    consider({{c, next}, regions_[far], 0});
+                }
+            }
+        }
+    }
+
     bool inside(std::uint32_t cell, std::uint32_t structure) const {
         return registry_.table().contains(regions_[cell], structure);
     }
@@ -148,13 +174,13 @@ class Relabeler {
         for (const std::uint32_t c : move.cells) around_.insert(around_.end(), cells_[c].begin(), cells_[c].end());
         std::sort(around_.begin(), around_.end());
         around_.erase(std::unique(around_.begin(), around_.end()), around_.end());
-        for (const std::uint32_t v : around_) change -= analyzer_.defect(v);
+        for (const std::uint32_t v : around_) change -= total(v);
         before_.clear();
         for (const std::uint32_t c : move.cells) {
             before_.push_back(regions_[c]);
             regions_[c] = move.region;
         }
-        for (const std::uint32_t v : around_) change += analyzer_.defect(v);
+        for (const std::uint32_t v : around_) change += total(v);
         for (std::size_t n = 0; n < move.cells.size(); ++n) regions_[move.cells[n]] = before_[n];
         return change;
     }
@@ -175,6 +201,7 @@ class Relabeler {
     std::optional<Move> best_;
     std::vector<StarPiece> pieces_;
     std::vector<std::uint32_t> lost_, around_;
+    std::vector<ContourOwners::Piece> lost_pieces_;
     std::vector<Region> before_;
 };
 
@@ -200,18 +227,21 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
     }
     std::vector<std::uint32_t> queue;
     for (std::uint32_t v = 0; v < suspect.size(); ++v) {
-        if ((suspect[v] || !owners.at(v).empty()) && relabeler.defect(v) > 0) {
-            queue.push_back(v);
-            stats.lost_before += relabeler.lost(v);
-        }
+        if (!suspect[v] && owners.at(v).empty() && owners.pieces_at(v).empty()) continue;
+        const bool unsound_here = relabeler.defect(v) > 0;
+        const int lost_pieces = relabeler.lost_pieces(v);
+        if (unsound_here || lost_pieces > 0) queue.push_back(v);
+        stats.unsound_before += unsound_here;
+        stats.lost_before += unsound_here && relabeler.lost(v);
+        stats.lost_pieces_before += static_cast<std::uint64_t>(lost_pieces);
     }
-    stats.unsound_before = queue.size();
+    stats.lost_pieces_before /= 2;
 
     while (!queue.empty()) {
         std::vector<std::uint32_t> next;
         bool moved = false;
         for (const std::uint32_t v : queue) {
-            if (relabeler.defect(v) == 0) continue;
+            if (relabeler.total(v) == 0) continue;
             const std::size_t count = relabeler.improve(v, next);
             stats.cells_moved += count;
             moved = moved || count > 0;
@@ -221,14 +251,19 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
         next.erase(std::unique(next.begin(), next.end()), next.end());
         queue.clear();
         for (const std::uint32_t v : next) {
-            if (relabeler.defect(v) > 0) queue.push_back(v);
+            if (relabeler.total(v) > 0) queue.push_back(v);
         }
         if (!moved) break;
     }
     for (std::uint32_t c = 0; c < cells.size(); ++c) {
         if (nearly_flat(points, cells[c]) && relabeler.peel(c)) ++stats.flat_cells_peeled;
     }
-    unsound = std::move(queue);
+    unsound.clear();
+    for (const std::uint32_t v : queue) {
+        if (relabeler.defect(v) > 0) unsound.push_back(v);
+        stats.lost_pieces_after += static_cast<std::uint64_t>(relabeler.lost_pieces(v));
+    }
+    stats.lost_pieces_after /= 2;
     stats.unsound_after = unsound.size();
     for (const std::uint32_t v : unsound) stats.lost_after += relabeler.lost(v);
     return stats;

@@ -13,13 +13,15 @@ namespace anatomesh {
 struct RelabelStats {
     std::uint64_t unsound_before = 0, unsound_after = 0;  // vertices
     std::uint64_t lost_before = 0, lost_after = 0;        // contour vertices off their structure's surface
+    std::uint64_t lost_pieces_before = 0, lost_pieces_after = 0;  // of contour segments, off their structure's surface
     std::uint64_t cells_moved = 0;
     std::uint64_t flat_cells_peeled = 0;                  // nearly flat cells given to the region beside them
 };
 
-// Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect): at an unsound vertex a piece too
+// Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect, and the pieces of contour segments off
+// their surface): at an unsound vertex a piece too
 // many is given to the region beside it, or, where a contour vertex is off its surface, one or two cells at it
-// change sides, whenever the sum falls. Vertices are taken in rising order, round by round, until nothing falls.
+// change sides, or, where a piece of a contour segment is, one or two cells at that edge, whenever the sum falls. Vertices are taken in rising order, round by round, until nothing falls.
 // Guarantees: the sum never rises; same result every time. Does not always reach 0: what is left is for
 // split_unsound(). `unsound` receives the vertices left, in rising order.
 // Last, nearly flat cells at an interface (six volumes below a millionth of the cube of the longest edge: four vertices

@@ -17,15 +17,29 @@ VertexStars::VertexStars(std::span<const Cell> cells, std::size_t point_count) :
     }
 }
 
-ContourOwners::ContourOwners(std::vector<std::array<std::uint32_t, 2>> pairs, std::size_t point_count)
-    : start_(point_count + 1, 0) {
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    for (const auto& [vertex, structure] : pairs) {
+ContourOwners::ContourOwners(std::vector<std::array<std::uint32_t, 2>> vertices, std::size_t point_count,
+                             const std::vector<std::array<std::uint32_t, 3>>& pieces)
+    : start_(point_count + 1, 0), piece_start_(point_count + 1, 0) {
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    for (const auto& [vertex, structure] : vertices) {
         ++start_[vertex + 1];
         structures_.push_back(structure);
     }
     for (std::size_t v = 0; v < point_count; ++v) start_[v + 1] += start_[v];
+    std::vector<std::array<std::uint32_t, 3>> both;
+    both.reserve(2 * pieces.size());
+    for (const auto& [a, b, structure] : pieces) {
+        both.push_back({a, b, structure});
+        both.push_back({b, a, structure});
+    }
+    std::sort(both.begin(), both.end());
+    both.erase(std::unique(both.begin(), both.end()), both.end());
+    for (const auto& [vertex, other, structure] : both) {
+        ++piece_start_[vertex + 1];
+        pieces_.push_back({other, structure});
+    }
+    for (std::size_t v = 0; v < point_count; ++v) piece_start_[v + 1] += piece_start_[v];
 }
 
 StarAnalyzer::StarAnalyzer(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
@@ -118,6 +132,30 @@ int StarAnalyzer::defect(std::uint32_t vertex) {
         if (!(in && out)) sum += lost_weight;
     }
     return sum;
+}
+
+// Whether all cells round the edge lie on one side of the structure. An edge that is not in the mesh is not looked at.
+bool StarAnalyzer::piece_lost(std::uint32_t vertex, ContourOwners::Piece piece) const {
+    bool in = false, out = false;
+    for (const std::uint32_t c : stars_.at(vertex)) {
+        const Cell& cell = cells_[c];
+        if (cell[0] != piece.other && cell[1] != piece.other && cell[2] != piece.other && cell[3] != piece.other) continue;
+        (table_.contains(regions_[c], piece.structure) ? in : out) = true;
+    }
+    return in != out;
+}
+
+int StarAnalyzer::lost_piece_count(std::uint32_t vertex) {
+    int count = 0;
+    for (const ContourOwners::Piece& piece : owners_.pieces_at(vertex)) count += piece_lost(vertex, piece);
+    return count;
+}
+
+void StarAnalyzer::lost_pieces(std::uint32_t vertex, std::vector<ContourOwners::Piece>& pieces) {
+    pieces.clear();
+    for (const ContourOwners::Piece& piece : owners_.pieces_at(vertex)) {
+        if (piece_lost(vertex, piece)) pieces.push_back(piece);
+    }
 }
 
 void StarAnalyzer::excess_pieces(std::uint32_t vertex, std::vector<StarPiece>& pieces) {

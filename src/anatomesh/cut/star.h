@@ -24,19 +24,32 @@ class VertexStars {
     std::vector<std::uint32_t> start_, cells_;
 };
 
-// The structures whose contours have a vertex at a mesh vertex: they must have it on their surface.
+// The structures whose contours have a vertex at a mesh vertex, or a segment along a mesh edge: they must have it on their
+// surface.
 class ContourOwners {
   public:
+    // A piece of a contour segment, seen from one of its ends.
+    struct Piece {
+        std::uint32_t other, structure;
+        friend auto operator<=>(const Piece&, const Piece&) = default;
+    };
+
     ContourOwners() = default;
-    // pairs (vertex, structure), in any order, repeats allowed.
-    ContourOwners(std::vector<std::array<std::uint32_t, 2>> pairs, std::size_t point_count);
+    // vertices: pairs (vertex, structure); pieces: triples (vertex, vertex, structure). In any order, repeats allowed.
+    ContourOwners(std::vector<std::array<std::uint32_t, 2>> vertices, std::size_t point_count,
+                  const std::vector<std::array<std::uint32_t, 3>>& pieces = {});
     std::span<const std::uint32_t> at(std::uint32_t vertex) const {
         if (vertex + 1 >= start_.size()) return {};
         return {structures_.data() + start_[vertex], start_[vertex + 1] - start_[vertex]};
     }
+    std::span<const Piece> pieces_at(std::uint32_t vertex) const {
+        if (vertex + 1 >= piece_start_.size()) return {};
+        return {pieces_.data() + piece_start_[vertex], piece_start_[vertex + 1] - piece_start_[vertex]};
+    }
 
   private:
-    std::vector<std::uint32_t> start_, structures_;
+    std::vector<std::uint32_t> start_, structures_, piece_start_;
+    std::vector<Piece> pieces_;
 };
 
 // A set of regions whose surface must be a manifold: all regions of one structure, or one region by itself (region 0,
@@ -61,7 +74,8 @@ struct StarPiece {
 // Looks at stars of a mesh whose regions change under it. Keeps scratch space: not thread-safe.
 // A vertex is *sound* when every body cuts its star into at most one piece inside and one outside (then the
 // body's surface passes through it as one disc or not at all: no non-manifold edge or vertex there) and
-// every structure with a contour vertex there has it on its surface.
+// every structure with a contour vertex there has it on its surface. Pieces of contour segments off the surface are
+// defects too, but do not make a vertex unsound.
 class StarAnalyzer {
   public:
     StarAnalyzer(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
@@ -70,6 +84,11 @@ class StarAnalyzer {
     // 0 for a sound vertex, else the number of pieces too many, plus `lost_weight` for each structure with a
     // contour vertex here that is not on its surface.
     int defect(std::uint32_t vertex);
+
+    // The pieces of contour segments at the vertex that are edges of the mesh but not of their structure's surface,
+    // both ends counted: a sum over vertices counts each twice.
+    int lost_piece_count(std::uint32_t vertex);
+    void lost_pieces(std::uint32_t vertex, std::vector<ContourOwners::Piece>& pieces);
 
     // Pieces of those sides that have more than one. Empty for a vertex without excess pieces.
     void excess_pieces(std::uint32_t vertex, std::vector<StarPiece>& pieces);
@@ -81,6 +100,7 @@ class StarAnalyzer {
 
   private:
     void load(std::uint32_t vertex);
+    bool piece_lost(std::uint32_t vertex, ContourOwners::Piece piece) const;
     void find_cuts();
     void add_cut(Body body);
     int count_pieces(std::uint32_t cut);

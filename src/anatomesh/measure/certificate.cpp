@@ -242,7 +242,7 @@ Clause clause_shape(const CertificateInput& input, const ShapeFindings& found, c
     Clause clause{4, ClauseState::kept,
                   "Radius-edge ratio at most 2 for every tetrahedron that the input does not force to be "
                   "worse, but for "
-                  "0.5 % of them while the mean is at most 1.05; dihedral angles of at least 10 degrees are "
+                  "0.5 % of them while the mean is at most 1.2; dihedral angles of at least 10 degrees are "
                   "not promised "
                   "yet.",
                   ""};

@@ -35,7 +35,7 @@ inline constexpr double certificate_max_radius_edge = 2.0;
 // Cells above the bound that nothing forces may be this share of all cells, while the mean ratio of the cells
 // that nothing forces is at most this. Without contours nothing is known to force any.
 inline constexpr double certificate_share_over_bound = 0.005;
-inline constexpr double certificate_mean_radius_edge = 1.05;
+inline constexpr double certificate_mean_radius_edge = 1.2;
 inline constexpr double certificate_volume_tolerance = 0.002;  // relative
 
 // Fills, and only these: vertices, tetrahedra, surface_triangles, structures, regions, quality, certificate,

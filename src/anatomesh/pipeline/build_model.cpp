@@ -15,6 +15,7 @@
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
+#include "anatomesh/refine/missing_segments.h"
 #include "anatomesh/refine/refine.h"
 #include "anatomesh/sample/sample_points.h"
 
@@ -31,6 +32,8 @@ constexpr double finer = 0.7;
 constexpr int crossing_rounds = 3;
 constexpr int deviation_rounds = 5;
 constexpr int refinement_rounds = 60;
+constexpr int segment_rounds = 8;
+constexpr double shortest_piece = 0.3;       // of a contour segment that is still split, in sizes
 
 // The set moved so that `origin` comes to lie at (0, 0, 0); every plane's own origin is the foot of that point on it.
 ContourSet relative_to(Vec3 origin, ContourSet set) {
@@ -136,6 +139,10 @@ class Builder {
             }
         }
         owner_pairs_ = std::move(owners);
+        const auto vertices = mesh_->first_vertices();
+        for (const SegmentPiece& piece : sample_->pieces) {
+            pieces_.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
+        }
         return end_stage("delaunay", 0.35);
     }
 
@@ -154,7 +161,7 @@ class Builder {
         for (int round = 0; round < crossing_rounds; ++round) {
             std::vector<Vec3> found;
             find_crossing_points(mesh_->points(), mesh_->cells(), mesh_->sides(), *field_, structures_, mesh_->grid(),
-                                 crossing_spacing, found, context_);
+                                 sample_->guard, crossing_spacing, found, context_);
             if (found.empty()) break;
             crossing_points += static_cast<double>(found.size());
             ANATOMESH_CHECK_STATUS(grow(found));
@@ -169,33 +176,85 @@ class Builder {
             deviation_points += static_cast<double>(found.size());
             ANATOMESH_CHECK_STATUS(grow(found));
         }
+        ANATOMESH_CHECK_STATUS(recover_segments());
         RefineOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.max_reach_mm = 3 * sample_->stats.size_mm;
         for (int round = 0; round < refinement_rounds; ++round) {
             std::vector<Vec3> found;
             const RefineStats stats = find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), mesh_->sides(),
-                                                             *field_, structures_, mesh_->grid(), options, found, context_);
+                                                             *field_, structures_, mesh_->grid(), sample_->guard, options, found, context_);
             if (round == 0) report().radius_edge_mean_before_refinement = stats.radius_edge_mean;
             circumcenters += static_cast<double>(stats.circumcenters);
             surface_points += static_cast<double>(stats.surface_points);
             // The last few are not worth a round.
-            if (found.size() * 2000 < mesh_->points().size() && round > 2) break;
-            if (found.empty()) break;
-            ANATOMESH_CHECK_STATUS(grow(found));
+            const std::size_t count = found.size() + stats.balls.size();
+            if (count == 0 || (count * 2000 < mesh_->points().size() && round > 2)) break;
+            ANATOMESH_CHECK_STATUS(grow(found, stats.balls));
         }
+        ANATOMESH_CHECK_STATUS(recover_segments());
         figures_ = {{"crossing_points", crossing_points},
                     {"deviation_points", deviation_points},
                     {"circumcenters", circumcenters},
-                    {"surface_points", surface_points}};
+                    {"surface_points", surface_points},
+                    {"segment_points", static_cast<double>(segment_vertices_.size())}};
         return end_stage("refine", 0.6);
     }
 
-    Status grow(const std::vector<Vec3>& found) {
+    // Inserts the points, and the middles of the pieces of contour segments with these diametral balls.
+    Status grow(std::vector<Vec3> found, const std::vector<std::uint32_t>& balls = {}) {
         if (context_.cancelled()) return cancelled_error();
-        mesh_->insert(found);
+        std::vector<SegmentPiece> split;
+        std::vector<SegmentPiece> kept;
+        for (const SegmentPiece& piece : pieces_) {
+            const bool wanted = std::binary_search(balls.begin(), balls.end(), piece.ball) && piece_length(piece) > shortest_piece_mm();
+            (wanted ? split : kept).push_back(piece);
+        }
+        std::stable_sort(split.begin(), split.end(), [](auto& x, auto& y) { return x.ball < y.ball; });
+        const std::size_t others = found.size();
+        for (const SegmentPiece& piece : split) found.push_back(0.5 * (mesh_->points()[piece.a] + mesh_->points()[piece.b]));
+        const std::vector<std::uint32_t> vertices = mesh_->insert(found);
+        pieces_ = std::move(kept);
+        add_halves(split, {vertices.begin() + static_cast<std::ptrdiff_t>(others), vertices.end()});
         mesh_->update(context_);
         return check_region_count();
+    }
+
+    // Pieces in the order of their balls; those of several structures with one ball share its halves too.
+    void add_halves(const std::vector<SegmentPiece>& split, const std::vector<std::uint32_t>& middles) {
+        SegmentGuard& guard = sample_->guard;
+        std::uint32_t low = 0, high = 0;
+        for (std::size_t k = 0; k < split.size(); ++k) {
+            const SegmentPiece& piece = split[k];
+            if (k == 0 || split[k - 1].ball != piece.ball) {
+                guard.drop_ball(piece.ball);
+                const Vec3 middle = mesh_->points()[middles[k]];
+                low = guard.add_segment(mesh_->points()[piece.a], middle);
+                high = guard.add_segment(middle, mesh_->points()[piece.b]);
+                segment_vertices_.push_back(middles[k]);
+            }
+            pieces_.push_back({piece.a, middles[k], piece.structure, low});
+            pieces_.push_back({middles[k], piece.b, piece.structure, high});
+        }
+    }
+
+    double shortest_piece_mm() const { return shortest_piece * sample_->stats.size_mm; }
+    double piece_length(const SegmentPiece& piece) const {
+        return length(mesh_->points()[piece.b] - mesh_->points()[piece.a]);
+    }
+
+    // Splits pieces of contour segments that are not edges, until all are.
+    Status recover_segments() {
+        for (int round = 0; round < segment_rounds; ++round) {
+            std::vector<std::uint32_t> balls;
+            for (const std::uint32_t n : missing_pieces(mesh_->cells().cells, mesh_->points().size(), pieces_)) {
+                if (piece_length(pieces_[n]) > shortest_piece_mm()) balls.push_back(pieces_[n].ball);
+            }
+            if (balls.empty()) break;
+            std::sort(balls.begin(), balls.end());
+            ANATOMESH_CHECK_STATUS(grow({}, balls));
+        }
+        return Nothing{};
     }
 
     Status check_region_count() {
@@ -208,7 +267,9 @@ class Builder {
     Status cut_cells() {
         TetMesh& mesh = model_.mesh;
         mesh.points = mesh_->points();
-        const ContourOwners owners(owner_pairs_, mesh.points.size());
+        std::vector<std::array<std::uint32_t, 3>> pieces;
+        for (const SegmentPiece& piece : pieces_) pieces.push_back({piece.a, piece.b, piece.structure});
+        const ContourOwners owners(owner_pairs_, mesh.points.size(), pieces);
         std::vector<std::uint32_t> unsound;
         RelabelStats relabelled;
         {
@@ -223,6 +284,8 @@ class Builder {
         figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
                     {"flat_cells_peeled", static_cast<double>(relabelled.flat_cells_peeled)},
+                    {"lost_pieces", static_cast<double>(relabelled.lost_pieces_before)},
+                    {"lost_pieces_after_relabelling", static_cast<double>(relabelled.lost_pieces_after)},
                     {"unsound_after_relabelling", static_cast<double>(relabelled.unsound_after)},
                     {"edges_split", static_cast<double>(split.edges_split)},
                     {"vertices_split", static_cast<double>(split.vertices_split)},
@@ -236,6 +299,7 @@ class Builder {
         const SampleStats& stats = sample_->stats;
         const auto vertices = mesh_->first_vertices();
         for (std::size_t n = 0; n < stats.contour_points + stats.segment_points; ++n) fixed[vertices[n]] = 1;
+        for (const std::uint32_t v : segment_vertices_) fixed[v] = 1;
         for (std::size_t n = vertices.size() - stats.frame_points; n < vertices.size(); ++n) fixed[vertices[n]] = 1;
         ImproveOptions options;
         options.max_radius_edge = options_.max_radius_edge;
@@ -413,6 +477,8 @@ class Builder {
     std::optional<PointSample> sample_;
     std::optional<LabelledMesh> mesh_;
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
+    std::vector<SegmentPiece> pieces_;             // of contour segments, between vertices of mesh_
+    std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling
     Model model_;
     std::vector<std::pair<std::string, double>> figures_;  // of the stage under way
     Clock::time_point stage_start_ = Clock::now();

@@ -20,10 +20,11 @@ CullStats LabelledMesh::update(RunContext& context) {
     return cull(points(), snapshot_.cells, sides_, field_, structures_, regions_, registry_, context);
 }
 
-void LabelledMesh::insert(std::span<const Vec3> points) {
+std::vector<std::uint32_t> LabelledMesh::insert(std::span<const Vec3> points) {
     const std::size_t before = delaunay_.points().size();
-    delaunay_.insert(points);
+    std::vector<std::uint32_t> vertices = delaunay_.insert(points);
     for (std::size_t n = before; n < delaunay_.points().size(); ++n) grid_.add(delaunay_.points()[n]);
+    return vertices;
 }
 
 }  // namespace anatomesh

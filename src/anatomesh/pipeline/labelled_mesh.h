@@ -24,7 +24,8 @@ class LabelledMesh {
     // Takes the cells as they are now and decides the regions of the new ones.
     CullStats update(RunContext& context);
 
-    void insert(std::span<const Vec3> points);
+    // Returns the vertex of each.
+    std::vector<std::uint32_t> insert(std::span<const Vec3> points);
 
     const std::vector<Vec3>& points() const { return delaunay_.points(); }
     const DelaunaySnapshot& cells() const { return snapshot_; }

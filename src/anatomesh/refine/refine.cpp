@@ -14,6 +14,11 @@ namespace anatomesh {
 
 namespace {
 
+// A segment survives most points in its diametral ball, and the few that do not are split: keeping its core free is enough.
+constexpr double protected_share = 0.5;
+
+constexpr double clear_of_surface = 0.15;  // of a circumcentre taken in a surface point's place, in circumradii
+
 struct BadCell {
     std::uint32_t cell;
     double ratio;
@@ -21,6 +26,7 @@ struct BadCell {
     double radius = 0;
     std::optional<Vec3> point;
     bool on_surface = false;
+    std::uint32_t ball = SegmentGuard::no_ball;  // of a piece to split instead
 };
 
 // Six volumes in cubes of the longest edge; 0.71 for the regular cell.
@@ -56,7 +62,7 @@ double shortest_edge(const std::vector<Vec3>& points, const Cell& cell) {
 
 // Where to put a point that takes the cell away.
 void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfaceProbe& probe, const PointGrid& all_points,
-                  const RefineOptions& options, BadCell& bad) {
+                  const SegmentGuard& guard, const RefineOptions& options, BadCell& bad) {
     const Vec3 a = points[cell[0]], b = points[cell[1]], c = points[cell[2]], d = points[cell[3]];
     const double shortest = shortest_edge(points, cell);
     const Vec3 center = bad.flat ? largest_facet_center({a, b, c, d}) : circumcenter(a, b, c, d);
@@ -71,7 +77,19 @@ void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfacePr
     bad.on_surface = on_surface.has_value();
     if (!on_surface) on_surface = center;
     // Rounding and the points of earlier rounds can bring even a circumcentre close to a vertex.
-    if (!all_points.any_within(*on_surface, options.min_spacing * shortest)) bad.point = on_surface;
+    if (all_points.any_within(*on_surface, options.min_spacing * shortest)) {
+        // A vertex is there already, so the circumcentre itself, unless that lies nearly on the interface too.
+        if (!bad.on_surface || bad.flat || probe.distance(center) < clear_of_surface * bad.radius) return;
+        bad.on_surface = false;
+        on_surface = center;
+        if (all_points.any_within(center, options.min_spacing * shortest)) return;
+    }
+    const std::uint32_t ball = guard.ball_at(*on_surface, protected_share);
+    if (ball == SegmentGuard::no_ball) {
+        bad.point = on_surface;
+    } else if (guard.ball_radius(ball) > 0.5 * shortest) {
+        bad.ball = ball;
+    }
 }
 
 }  // namespace
@@ -79,7 +97,8 @@ void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfacePr
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<Region>& regions, const std::vector<Region>& sides,
                                    const StructureField& field, std::uint32_t structures, const PointGrid& all_points,
-                                   const RefineOptions& options, std::vector<Vec3>& found, RunContext& context) {
+                                   const SegmentGuard& guard, const RefineOptions& options, std::vector<Vec3>& found,
+                                   RunContext& context) {
     RefineStats stats;
     std::vector<BadCell> bad;
     std::uint64_t inside = 0;
@@ -99,14 +118,14 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
             stats.radius_edge_mean += ratio;
             stats.above_bound += ratio > options.max_radius_edge;
         }
-        if (flat || ratio > options.max_radius_edge) bad.push_back({c, flat ? 0 : ratio, flat, 0, std::nullopt, false});
+        if (flat || ratio > options.max_radius_edge) bad.push_back({c, flat ? 0 : ratio, flat, 0, std::nullopt, false, SegmentGuard::no_ball});
     }
     stats.radius_edge_mean /= static_cast<double>(std::max<std::uint64_t>(1, inside));
 
     parallel_for(bad.size(), 256, context.threads, [&](std::size_t first, std::size_t last) {
         InterfaceProbe probe(field, structures);
         for (std::size_t n = first; n < last; ++n) {
-            choose_point(points, mesh.cells[bad[n].cell], probe, all_points, options, bad[n]);
+            choose_point(points, mesh.cells[bad[n].cell], probe, all_points, guard, options, bad[n]);
         }
     });
     // Worst first; one point for each neighbourhood a round.
@@ -115,6 +134,7 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
     for (const BadCell& cell : bad) reach += cell.radius;
     PointGrid chosen(bad.empty() ? 1.0 : std::max(1e-300, reach / static_cast<double>(bad.size())), bad.size());
     for (const BadCell& cell : bad) {
+        if (cell.ball != SegmentGuard::no_ball) stats.balls.push_back(cell.ball);
         if (!cell.point) {
             ++stats.refused;
             continue;
@@ -124,13 +144,15 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
         found.push_back(*cell.point);
         ++(cell.on_surface ? stats.surface_points : stats.circumcenters);
     }
+    std::sort(stats.balls.begin(), stats.balls.end());
+    stats.balls.erase(std::unique(stats.balls.begin(), stats.balls.end()), stats.balls.end());
     return stats;
 }
 
 CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<Region>& sides, const StructureField& field,
-                                   std::uint32_t structures, const PointGrid& all_points, double min_spacing,
-                                   std::vector<Vec3>& found, RunContext& context) {
+                                   std::uint32_t structures, const PointGrid& all_points, const SegmentGuard& guard,
+                                   double min_spacing, std::vector<Vec3>& found, RunContext& context) {
     CrossingStats stats;
     std::vector<std::array<std::uint32_t, 2>> edges;
     for (const Cell& cell : mesh.cells) {
@@ -150,7 +172,8 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
             const Vec3 p = points[edges[n][0]], q = points[edges[n][1]];
             const double span = length(q - p);
             const std::optional<Vec3> crossing = probe.first_crossing(p, q, 0.25 * span, 1e-3 * span);
-            if (crossing && !all_points.any_within(*crossing, min_spacing * span)) crossings[n] = crossing;
+            if (!crossing || all_points.any_within(*crossing, min_spacing * span) || !guard.outside_balls(*crossing)) continue;
+            crossings[n] = crossing;
         }
     });
     double total = 0;

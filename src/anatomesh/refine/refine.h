@@ -26,13 +26,15 @@ struct RefineStats {
     std::uint64_t flat = 0;              // cells inside or at an interface that are nearly flat, before
     std::uint64_t circumcenters = 0, surface_points = 0;  // points to insert
     std::uint64_t refused = 0;           // bad cells for which no allowed point was found
+    std::vector<std::uint32_t> balls;    // of the guard: pieces of contour segments to split instead; rising, distinct
     double radius_edge_mean = 0;         // over the cells inside, before
 };
 
 // Points that improve the cells inside: the circumcentre of each bad cell; where an interface lies between the cell
 // and its circumcentre, the point where it is crossed; where one passes close to the circumcentre, the nearest point of it.
 // A nearly flat cell, whose own circumcentre rounding spoils, takes that of its largest facet.
-// Contour points are never moved. Points found in one round keep out of each other's empty spheres.
+// Contour points are never moved, and no point goes into the inner half of the diametral
+// ball of a piece of a contour segment: that piece is to be split instead, if it is longer than the cell's shortest edge. Points found in one round keep out of each other's empty spheres.
 // Terminates when repeated: a circumcentre is farther from every point than twice the shortest edge of its cell,
 // and points on interfaces keep min_spacing; so spacing never falls below a share of the contours' own.
 // Complexity: linear in the cells. Same result at any thread count.
@@ -40,7 +42,8 @@ struct RefineStats {
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<Region>& regions, const std::vector<Region>& sides,
                                    const StructureField& field, std::uint32_t structures, const PointGrid& all_points,
-                                   const RefineOptions& options, std::vector<Vec3>& found, RunContext& context);
+                                   const SegmentGuard& guard, const RefineOptions& options, std::vector<Vec3>& found,
+                                   RunContext& context);
 
 struct CrossingStats {
     std::uint64_t crossing_edges = 0;  // mesh edges from one region to another with no vertex between
@@ -53,8 +56,8 @@ struct CrossingStats {
 // Requires: sides as find_sides() (cull/cull.h) gives them. Complexity: O(cells log cells). Same result at any thread count.
 CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<Region>& sides, const StructureField& field,
-                                   std::uint32_t structures, const PointGrid& all_points, double min_spacing,
-                                   std::vector<Vec3>& found, RunContext& context);
+                                   std::uint32_t structures, const PointGrid& all_points, const SegmentGuard& guard,
+                                   double min_spacing, std::vector<Vec3>& found, RunContext& context);
 
 struct DeviationOptions {
     double max_deviation_mm = 0.1;  // of the middle of an interface facet from the field's interface. > 0

@@ -11,6 +11,7 @@ namespace {
 using namespace fixtures;
 
 constexpr double size = 1;
+const SegmentGuard no_segments(size, 0);
 
 std::vector<Vec3> refinement(const CulledMesh& mesh, const StructureField& field, RefineStats& stats,
                              int threads = 1) {
@@ -18,7 +19,7 @@ std::vector<Vec3> refinement(const CulledMesh& mesh, const StructureField& field
     context.threads = threads;
     std::vector<Vec3> found;
     stats = find_refinement_points(mesh.points(), mesh.cells, mesh.regions, mesh.sides, field, 1, mesh.grid,
-                                   {}, found, context);
+                                   no_segments, {}, found, context);
     return found;
 }
 
@@ -115,7 +116,7 @@ TEST(Refine, crossing_points_lie_on_the_interface_and_apart) {
     for (int round = 0; round < 4; ++round) {
         std::vector<Vec3> found;
         const CrossingStats stats = find_crossing_points(mesh.points(), mesh.cells, mesh.sides, field, 1,
-                                                         mesh.grid, 0.3, found, context);
+                                                         mesh.grid, no_segments, 0.3, found, context);
         if (round == 0) {
             first = stats.crossing_edges;
             EXPECT_GT(found.size(), 20u);

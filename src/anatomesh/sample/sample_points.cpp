@@ -202,66 +202,74 @@ void collect_contour_vertices(const ContourSet& contours, PointSample& sample) {
     sample.stats.contour_points = sample.points.size();
 }
 
-struct Segment {
-    std::uint32_t a, b;  // vertices of the sample, a < b
-    std::uint32_t structure;
-    friend auto operator<=>(const Segment&, const Segment&) = default;
-};
-
-// Walls shared by structures are drawn more than once: once is enough, with the first of them.
-std::vector<Segment> collect_segments(const ContourSet& contours, const PointSample& sample) {
-    std::vector<Segment> segments;
-    for (const Contour& contour : contours.contours) {
-        for (std::uint32_t n = 0; n < contour.point_count; ++n) {
-            const std::uint32_t a = sample.contour_vertices[contour.first_point + n];
-            const std::uint32_t b = sample.contour_vertices[contour.first_point + (n + 1) % contour.point_count];
-            if (a != b) segments.push_back({std::min(a, b), std::max(a, b), contour.structure});
-        }
-    }
-    std::sort(segments.begin(), segments.end());
-    const auto repeats = [](const Segment& s, const Segment& t) { return s.a == t.a && s.b == t.b; };
-    segments.erase(std::unique(segments.begin(), segments.end(), repeats), segments.end());
-    return segments;
-}
-
-// `thin` receives the places where a segment runs along a thin wall.
-SegmentGuard split_segments(const std::vector<Segment>& segments, const StructureField& field, double size, int threads,
-                            PointSample& sample, std::vector<ThinSpot>& thin) {
-    SegmentGuard guard(size, 2 * sample.points.size());
-    for (const Vec3& p : sample.points) guard.add_point(p);
+// How much finer than the size the pieces of each segment must be.
+std::vector<int> segment_levels(const std::vector<ContourSegment>& segments, const std::vector<Vec3>& points,
+                                const StructureField& field, double size, int threads) {
     std::vector<int> levels(segments.size(), 0);
     parallel_for(segments.size(), 256, threads, [&](std::size_t first, std::size_t last) {
         const WallGauge gauge(field, thin_wall * size);
         for (std::size_t n = first; n < last; ++n) {
-            const Vec3 middle = 0.5 * (sample.points[segments[n].a] + sample.points[segments[n].b]);
-            if (const auto normal = gauge.normal(segments[n].structure, middle)) {
-                levels[n] = level_of(gauge.thickness(segments[n].structure, middle, *normal), size);
+            const Vec3 middle = 0.5 * (points[segments[n].a] + points[segments[n].b]);
+            for (const std::uint32_t structure : segments[n].structures) {
+                const auto normal = gauge.normal(structure, middle);
+                if (normal) levels[n] = std::max(levels[n], level_of(gauge.thickness(structure, middle, *normal), size));
             }
         }
     });
-    for (std::size_t n = 0; n < segments.size(); ++n) {
-        const Vec3 p = sample.points[segments[n].a], q = sample.points[segments[n].b];
-        const double wanted = longest_segment * size / (1 << levels[n]);
-        const int pieces = std::max(1, static_cast<int>(std::ceil(length(q - p) / wanted)));
-        for (int piece = 0; levels[n] > 0 && piece <= pieces; ++piece) {
-            thin.push_back({p + (static_cast<double>(piece) / pieces) * (q - p), levels[n]});
+    return levels;
+}
+
+// Cuts contour segments where they meet those of other structures, and into pieces short enough.
+class SegmentSplitter {
+  public:
+    SegmentSplitter(double size, PointSample& sample) : size_(size), sample_(sample), guard_(size, 2 * sample.points.size()) {}
+
+    // `thin` receives the places where a segment runs along a thin wall.
+    SegmentGuard split(const ContourSet& contours, const StructureField& field, int threads, std::vector<ThinSpot>& thin) {
+        const std::vector<ContourSegment> segments = distinct_segments(contours, sample_.contour_vertices);
+        const std::vector<SegmentCut> cuts = cuts_at_contacts(contours, segments, sample_.points);
+        const std::vector<int> levels = segment_levels(segments, sample_.points, field, size_, threads);
+        for (const Vec3& p : sample_.points) guard_.add_point(p);
+        auto cut = cuts.begin();
+        for (std::uint32_t s = 0; s < segments.size(); ++s) {
+            const ContourSegment& segment = segments[s];
+            std::uint32_t from = segment.a;
+            for (; cut != cuts.end() && cut->segment == s; from = cut++->point) add_pieces(segment, levels[s], from, cut->point, thin);
+            add_pieces(segment, levels[s], from, segment.b, thin);
         }
-        Vec3 from = p;
-        for (int piece = 1; piece <= pieces; ++piece) {
-            const Vec3 to = piece == pieces ? q : p + (static_cast<double>(piece) / pieces) * (q - p);
+        sample_.stats.segment_points = sample_.points.size() - sample_.stats.contour_points;
+        return std::move(guard_);
+    }
+
+  private:
+    void add_pieces(const ContourSegment& segment, int level, std::uint32_t a, std::uint32_t b, std::vector<ThinSpot>& thin) {
+        const Vec3 p = sample_.points[a], q = sample_.points[b];
+        const int pieces = std::max(1, static_cast<int>(std::ceil(length(q - p) * (1 << level) / (longest_segment * size_))));
+        const auto at = [&](int piece) { return p + (static_cast<double>(piece) / pieces) * (q - p); };
+        for (int piece = 0; level > 0 && piece <= pieces; ++piece) thin.push_back({at(piece), level});
+        std::uint32_t from = a;
+        for (int piece = 1; piece < pieces; ++piece) {
             // Another contour has a vertex there already: its own points would come too close.
-            if (piece < pieces && guard.any_point_within(to, 0.2 * length(q - p) / pieces)) continue;
-            guard.add_segment(from, to);
-            if (piece < pieces) {
-                sample.points.push_back(to);
-                guard.add_point(to);
-            }
+            if (guard_.any_point_within(at(piece), 0.2 * length(q - p) / pieces)) continue;
+            const auto to = static_cast<std::uint32_t>(sample_.points.size());
+            sample_.points.push_back(at(piece));
+            guard_.add_point(at(piece));
+            add_piece(segment, from, to);
             from = to;
         }
+        add_piece(segment, from, b);
     }
-    sample.stats.segment_points = sample.points.size() - sample.stats.contour_points;
-    return guard;
-}
+
+    void add_piece(const ContourSegment& segment, std::uint32_t from, std::uint32_t to) {
+        if (from == to) return;
+        const std::uint32_t ball = guard_.add_segment(sample_.points[from], sample_.points[to]);
+        for (const std::uint32_t structure : segment.structures) sample_.pieces.push_back({from, to, structure, ball});
+    }
+
+    double size_;
+    PointSample& sample_;
+    SegmentGuard guard_;
+};
 
 struct LatticePoint {
     std::uint32_t i, j, k;
@@ -399,7 +407,7 @@ double default_size(const ContourSet& contours, const StructureField& field) {
 Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field, const SampleOptions& options,
                                   RunContext& context) {
     const double size = options.size_mm > 0 ? options.size_mm : default_size(contours, field);
-    PointSample sample{{}, {}, SegmentGuard(size, 0), {}};
+    PointSample sample{{}, {}, {}, SegmentGuard(size, 0), {}};
     sample.stats.size_mm = size;
 
     // The lattice, two steps larger than the box of the field on every side.
@@ -417,7 +425,7 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
     }
     collect_contour_vertices(contours, sample);
     std::vector<ThinSpot> thin;
-    sample.guard = split_segments(collect_segments(contours, sample), field, size, context.threads, sample, thin);
+    sample.guard = SegmentSplitter(size, sample).split(contours, field, context.threads, thin);
     const SegmentGuard& guard = sample.guard;
     for (int a = 0; a < 3; ++a) lattice.size[a] = 2 * static_cast<std::uint32_t>(extent[a] / size) + 1;
 

@@ -7,6 +7,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/contour_set.h"
 #include "anatomesh/field/structure_field.h"
+#include "anatomesh/sample/contour_segments.h"
 #include "anatomesh/sample/segment_guard.h"
 
 namespace anatomesh {
@@ -20,7 +21,7 @@ struct SampleOptions {
 struct SampleStats {
     double size_mm = 0;                     // the edge length used
     std::uint64_t contour_points = 0;       // distinct contour vertices
-    std::uint64_t segment_points = 0;       // on long contour segments
+    std::uint64_t segment_points = 0;       // on contour segments: on long ones, and where two cross
     std::uint64_t surface_points = 0;       // on interfaces between the slices
     std::uint64_t thin_spots = 0;           // places where a wall or gap is thinner than half the size
     std::uint64_t lattice_points = 0;       // inside and, near the surface, outside
@@ -33,6 +34,7 @@ struct SampleStats {
 struct PointSample {
     std::vector<Vec3> points;
     std::vector<std::uint32_t> contour_vertices;  // of every point of the contour set: its index into points
+    std::vector<SegmentPiece> pieces;             // what the contour segments were split into
     SegmentGuard guard;                           // of the contour points and the split segments
     SampleStats stats;
 };

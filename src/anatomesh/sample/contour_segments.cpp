@@ -1,0 +1,125 @@
+#include "anatomesh/sample/contour_segments.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "anatomesh/contour/segment_index.h"
+#include "anatomesh/geom/predicates.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double touching = 1e-7;  // an end this near to another segment lies on it, in lengths of that segment
+
+// Share of the way along s at which p lies on it, if it does.
+bool lies_on(const Segment2& s, Vec2 p, double& share) {
+    const Vec2 way = s.b - s.a;
+    const double squared = dot(way, way);
+    if (!(squared > 0)) return false;
+    share = dot(p - s.a, way) / squared;
+    if (!(share > touching && share < 1 - touching)) return false;
+    return std::abs(cross(way, p - s.a)) <= touching * squared;
+}
+
+// Finds the contacts of the segments of one slice.
+class SliceContacts {
+  public:
+    SliceContacts(const Plane& plane, const std::vector<ContourSegment>& segments, std::vector<std::uint32_t> chosen,
+                  std::vector<Vec3>& points, std::vector<SegmentCut>& cuts)
+        : plane_(plane), segments_(segments), chosen_(std::move(chosen)), points_(points), cuts_(cuts) {}
+
+    void find() {
+        std::vector<Segment2> flat;
+        for (const std::uint32_t s : chosen_) {
+            flat.push_back({plane_.to_plane(points_[segments_[s].a]), plane_.to_plane(points_[segments_[s].b])});
+        }
+        const SegmentIndex index(std::move(flat));
+        index.for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
+            meet(chosen_[i], index.segments()[i], chosen_[j], index.segments()[j]);
+            return true;
+        });
+    }
+
+  private:
+    void meet(std::uint32_t s, const Segment2& p, std::uint32_t t, const Segment2& q) {
+        const ContourSegment &one = segments_[s], &other = segments_[t];
+        bool touch = false;
+        touch |= cut_at_end(s, p, q.a, other.a);
+        touch |= cut_at_end(s, p, q.b, other.b);
+        touch |= cut_at_end(t, q, p.a, one.a);
+        touch |= cut_at_end(t, q, p.b, one.b);
+        if (touch || one.a == other.a || one.a == other.b || one.b == other.a || one.b == other.b) return;
+        if (orient2d(p.a, p.b, q.a) * orient2d(p.a, p.b, q.b) >= 0) return;
+        if (orient2d(q.a, q.b, p.a) * orient2d(q.a, q.b, p.b) >= 0) return;
+        const Vec2 u = p.b - p.a, v = q.b - q.a;
+        const double area = cross(u, v);
+        const double along = cross(q.a - p.a, v) / area, along_other = cross(q.a - p.a, u) / area;
+        if (!(along > 0 && along < 1 && along_other > 0 && along_other < 1)) return;
+        const auto point = static_cast<std::uint32_t>(points_.size());
+        points_.push_back(points_[one.a] + along * (points_[one.b] - points_[one.a]));
+        cuts_.push_back({s, along, point});
+        cuts_.push_back({t, along_other, point});
+    }
+
+    bool cut_at_end(std::uint32_t segment, const Segment2& s, Vec2 end, std::uint32_t point) {
+        double share = 0;
+        if (point == segments_[segment].a || point == segments_[segment].b || !lies_on(s, end, share)) return false;
+        cuts_.push_back({segment, share, point});
+        return true;
+    }
+
+    const Plane& plane_;
+    const std::vector<ContourSegment>& segments_;
+    std::vector<std::uint32_t> chosen_;
+    std::vector<Vec3>& points_;
+    std::vector<SegmentCut>& cuts_;
+};
+
+}  // namespace
+
+std::vector<ContourSegment> distinct_segments(const ContourSet& contours, const std::vector<std::uint32_t>& vertices) {
+    struct Drawn {
+        std::uint32_t a, b, slice, structure;
+        auto operator<=>(const Drawn&) const = default;
+    };
+    std::vector<Drawn> drawn;
+    for (const Contour& contour : contours.contours) {
+        for (std::uint32_t n = 0; n < contour.point_count; ++n) {
+            const std::uint32_t a = vertices[contour.first_point + n];
+            const std::uint32_t b = vertices[contour.first_point + (n + 1) % contour.point_count];
+            if (a != b) drawn.push_back({std::min(a, b), std::max(a, b), contour.slice, contour.structure});
+        }
+    }
+    std::sort(drawn.begin(), drawn.end());
+    std::vector<ContourSegment> segments;
+    for (const Drawn& d : drawn) {
+        if (segments.empty() || segments.back().a != d.a || segments.back().b != d.b) segments.push_back({d.a, d.b, d.slice, {}});
+        segments.back().structures.push_back(d.structure);
+    }
+    for (ContourSegment& segment : segments) {
+        std::sort(segment.structures.begin(), segment.structures.end());
+        segment.structures.erase(std::unique(segment.structures.begin(), segment.structures.end()), segment.structures.end());
+    }
+    return segments;
+}
+
+std::vector<SegmentCut> cuts_at_contacts(const ContourSet& contours, const std::vector<ContourSegment>& segments,
+                                         std::vector<Vec3>& points) {
+    std::vector<SegmentCut> cuts;
+    if (contours.structures.size() < 2) return cuts;  // contours of one structure do not meet
+    std::vector<std::vector<std::uint32_t>> by_slice(contours.slices.size());
+    for (std::uint32_t s = 0; s < segments.size(); ++s) by_slice[segments[s].slice].push_back(s);
+    for (std::uint32_t slice = 0; slice < by_slice.size(); ++slice) {
+        SliceContacts(contours.slices[slice].plane, segments, std::move(by_slice[slice]), points, cuts).find();
+    }
+    std::sort(cuts.begin(), cuts.end(), [](const SegmentCut& x, const SegmentCut& y) {
+        return x.segment != y.segment ? x.segment < y.segment : x.point < y.point;
+    });
+    const auto repeats = [](const SegmentCut& x, const SegmentCut& y) { return x.segment == y.segment && x.point == y.point; };
+    cuts.erase(std::unique(cuts.begin(), cuts.end(), repeats), cuts.end());
+    std::sort(cuts.begin(), cuts.end());
+    return cuts;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,43 @@
+// Contour segments as pieces between vertices of the sample: what must become chains of edges of the mesh.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/contour/contour_set.h"
+
+namespace anatomesh {
+
+// A straight piece of a contour segment of one structure. A segment that several structures share has a piece for each.
+struct SegmentPiece {
+    std::uint32_t a = 0, b = 0;  // indices of points, a != b
+    std::uint32_t structure = 0;
+    std::uint32_t ball = 0;  // of a SegmentGuard; the same for all structures that share it
+    friend auto operator<=>(const SegmentPiece&, const SegmentPiece&) = default;
+};
+
+// A distinct segment between two points, with the structures that have it in a contour.
+struct ContourSegment {
+    std::uint32_t a = 0, b = 0;  // a < b
+    std::uint32_t slice = 0;     // the first one that it lies in
+    std::vector<std::uint32_t> structures;
+};
+
+// `vertices` gives the point of every point of the contour set. Sorted by (a, b).
+std::vector<ContourSegment> distinct_segments(const ContourSet& contours, const std::vector<std::uint32_t>& vertices);
+
+// A point within a segment: where contours of different structures cross or touch.
+struct SegmentCut {
+    std::uint32_t segment = 0;
+    double share = 0;          // of the way from a to b, in (0, 1)
+    std::uint32_t point = 0;
+    friend auto operator<=>(const SegmentCut&, const SegmentCut&) = default;
+};
+
+// Both segments of a crossing are cut at one new point, appended to `points`; where a segment's end lies on another one
+// (within 1e-7 of its length), that one is cut there. Sorted; at most one cut of a segment at a point.
+// Complexity: O(n log n + contacts).
+std::vector<SegmentCut> cuts_at_contacts(const ContourSet& contours, const std::vector<ContourSegment>& segments,
+                                         std::vector<Vec3>& points);
+
+}  // namespace anatomesh
