@@ -11,6 +11,7 @@
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/levels.h"
+#include "anatomesh/field/slice_motion.h"
 #include "anatomesh/field/slice_regions.h"
 #include "anatomesh/field/volume.h"
 
@@ -27,13 +28,28 @@ std::string text(double value) {
     return {buffer.data(), end.ptr};
 }
 
-// Between two slices: the mean of their distances, weighted with the nearness of the slice and of its
-// contour. Its zero set is that of (1 - t) s(a) + t s(b) with s(d) = d / (1 + |d| / softness): half-way
-// between the slices it is shape-based interpolation as it stands, yet a contour without a counterpart is
-// left at a steep angle.
-double blend_distances(double a, double b, double t, double softness) {
+std::string structure_text(const Structure& structure) {
+    return structure.name.empty() ? std::to_string(structure.number) : structure.name;
+}
+
+std::string slice_text(const ContourSet& set, std::uint32_t slice) {
+    return set.slices[slice].name.empty() ? "slice " + std::to_string(slice) : set.slices[slice].name;
+}
+
+// Between two slices, at the ends of a path from one to the other: the mean of their distances, weighted with
+// the nearness of the slice and of its contour. Its zero set is that of (1 - t) s(a) + t s(b) with s(d) = d /
+// (1 + |d| / softness): a contour without a counterpart is left at a steep angle. The bends of the path are
+// added as a cubic has them, but never so much that a path well inside at both ends leaves the structure, or
+// the other way round: a bend moves the surface by a share of the gap at most.
+double blend_distances(double a, double b, double t, double gap, double softness,
+                       const SliceMotion::Path& path) {
+    constexpr double largest_bow = 0.025;
     const double weight_a = (1 - t) * (softness + std::abs(b)), weight_b = t * (softness + std::abs(a));
-    return (weight_a * a + weight_b * b) / (weight_a + weight_b);
+    const double inverse = 1 / (weight_a + weight_b), ease = t * (1 - t);
+    const double most =
+        0.9 * (weight_a * std::abs(a) + weight_b * std::abs(b)) * inverse + 4 * ease * largest_bow * gap;
+    const double bow = ease * ((1 - t) * path.bend_below - t * path.bend_above);
+    return (weight_a * a + weight_b * b) * inverse + std::clamp(bow, -most, most);
 }
 
 // Between a slice (distance d, t = 0) and one on which the structure is not drawn at all: it keeps its shape
@@ -52,6 +68,7 @@ class Track {
             levels_.push_back({level.low, level.high,
                                level.slice == Level::no_slice ? empty_level : map_of_slice[level.slice]});
         }
+        motions_.resize(levels_.size() - 1);
         is_flat_ =
             std::any_of(flat_.begin(), flat_.end(), [](const auto& e) { return std::isfinite(e.low); });
         const double length = high() - low();
@@ -77,16 +94,20 @@ class Track {
         const auto bucket = static_cast<std::size_t>((z - low()) * inverse_bucket_);
         std::size_t i = buckets_[std::min(bucket, buckets_.size() - 1)];
         while (i + 1 < levels_.size() && levels_[i + 1].low <= z) ++i;
-        const auto distance = [&](const Known& level) {
-            return maps[static_cast<std::size_t>(level.map)]->value(q);
+        const auto distance = [&](const Known& level, Vec2 at) {
+            return maps[static_cast<std::size_t>(level.map)]->value(at);
         };
         const Known& below = levels_[i];
-        if (z <= below.high) return below.map == empty_level ? clamp : distance(below);
+        if (z <= below.high) return below.map == empty_level ? clamp : distance(below, q);
         const Known& above = levels_[i + 1];
-        const double t = (z - below.high) / (above.low - below.high);
-        if (above.map == empty_level) return below.map == empty_level ? clamp : ending(distance(below), t);
-        if (below.map == empty_level) return ending(distance(above), 1 - t);
-        return blend_distances(distance(below), distance(above), t, 0.5 * clamp);
+        const double gap = above.low - below.high, t = (z - below.high) / gap;
+        if (above.map == empty_level) return below.map == empty_level ? clamp : ending(distance(below, q), t);
+        if (below.map == empty_level) return ending(distance(above, q), 1 - t);
+        const SliceMotion::Path path = motions_[i].at(q, t);
+        const double value =
+            blend_distances(distance(below, q - t * path.move), distance(above, q + (1 - t) * path.move), t,
+                            gap, 0.5 * clamp, path);
+        return std::clamp(value, -clamp, clamp);
     }
 
     // How far z lies beyond the flat ends of its part; negative within.
@@ -99,22 +120,41 @@ class Track {
 
     std::size_t pair_count() const { return levels_.empty() ? 0 : levels_.size() - 1; }
 
+    // How the structure moves between levels i and i + 1; both must be drawn, else nothing happens.
+    void find_motion(std::size_t i, const std::vector<std::optional<DistanceMap>>& maps) {
+        if (levels_[i].map == empty_level || levels_[i + 1].map == empty_level) return;
+        const auto map = [&](std::size_t level) {
+            return &*maps[static_cast<std::size_t>(levels_[level].map)];
+        };
+        const auto gap = [&](std::size_t level) { return levels_[level + 1].low - levels_[level].high; };
+        SliceMotion::Beyond below, above;
+        if (i > 0 && levels_[i - 1].map != empty_level) below = {map(i - 1), gap(i - 1)};
+        if (i + 2 < levels_.size() && levels_[i + 2].map != empty_level) above = {map(i + 2), gap(i + 1)};
+        motions_[i] = SliceMotion(*map(i), *map(i + 1), gap(i), below, above);
+    }
+    const SliceMotion& motion(std::size_t i) const { return motions_[i]; }
+
     // Two neighbouring levels as the maps drawn there (empty_level: none) and the positions they reach.
     struct Pair {
         std::int32_t below, above;
         double below_low, below_high, above_low;
+        const SliceMotion* motion;
     };
     Pair pair(std::size_t i) const {
-        return {levels_[i].map, levels_[i + 1].map, levels_[i].low, levels_[i].high, levels_[i + 1].low};
+        return {levels_[i].map,  levels_[i + 1].map, levels_[i].low,
+                levels_[i].high, levels_[i + 1].low, &motions_[i]};
     }
 
-    // Calls body(z from, z to, map) for the stretch of the axis on which a map has a say.
+    // Calls body(z from, z to, map, how far the structure moves beside it) for the stretch of the axis on
+    // which a map has a say.
     template <class Body>
     void each_stretch(Body body) const {
         for (std::size_t i = 0; i < levels_.size(); ++i) {
             if (levels_[i].map == empty_level) continue;
             body(i > 0 ? levels_[i - 1].high : low(), i + 1 < levels_.size() ? levels_[i + 1].low : high(),
-                 static_cast<std::size_t>(levels_[i].map));
+                 static_cast<std::size_t>(levels_[i].map),
+                 std::max(i > 0 ? motions_[i - 1].max_move() : 0.0,
+                          i < motions_.size() ? motions_[i].max_move() : 0.0));
         }
     }
 
@@ -124,6 +164,7 @@ class Track {
         std::int32_t map;
     };
     std::vector<Known> levels_;
+    std::vector<SliceMotion> motions_;  // between a level and the next
     std::vector<StructureLevels::Extent> flat_;
     std::vector<std::uint32_t> buckets_;
     double inverse_bucket_ = 0;
@@ -184,6 +225,8 @@ class ParallelField final : public FieldQueries<ParallelField> {
     double inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
     bool is_alone(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
     Status build_maps(const ContourSet& set, RunContext& context);
+    Status find_motions(const ContourSet& set, RunContext& context);
+    void warn_about_jumps(const ContourSet& set, RunContext& context) const;
     void build_tracks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
                       const FieldOptions& options, RunContext& context);
     void build_near_table();
@@ -193,6 +236,7 @@ class ParallelField final : public FieldQueries<ParallelField> {
     double spacing_ = 0;
     Box3 box_;
     std::vector<std::optional<DistanceMap>> maps_;
+    std::vector<std::uint32_t> slice_of_map_;
     std::vector<std::vector<std::int32_t>> map_of_;  // [structure][slice]; the union comes last
     std::vector<Track> tracks_;
     Track union_;
@@ -223,6 +267,7 @@ Status ParallelField::build_maps(const ContourSet& set, RunContext& context) {
             if (row.empty()) row.assign(set.slices.size(), empty_level);
             row[region.slice] = static_cast<std::int32_t>(jobs.size());
             jobs.push_back(&region);
+            slice_of_map_.push_back(region.slice);
         }
     }
     maps_.resize(jobs.size());
@@ -237,8 +282,7 @@ Status ParallelField::build_maps(const ContourSet& set, RunContext& context) {
 
 void warn_about_levels(const ContourSet& set, std::uint32_t structure, const StructureLevels& levels,
                        RunContext& context) {
-    const Structure& named = set.structures[structure];
-    const std::string name = named.name.empty() ? std::to_string(named.number) : named.name;
+    const std::string name = structure_text(set.structures[structure]);
     const auto warn_gap = [&](const std::pair<double, double>& gap, const char* code, const char* message,
                               const char* done) {
         context.warn(
@@ -285,6 +329,47 @@ void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceI
     }
 }
 
+Status ParallelField::find_motions(const ContourSet& set, RunContext& context) {
+    std::vector<std::pair<Track*, std::size_t>> jobs;
+    const auto add = [&](Track& track) {
+        for (std::size_t i = 0; i < track.pair_count(); ++i) jobs.emplace_back(&track, i);
+    };
+    for (Track& track : tracks_) add(track);
+    add(union_);
+    parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
+            jobs[j].first->find_motion(jobs[j].second, maps_);
+        }
+    });
+    if (context.cancelled()) return cancelled_error();
+    warn_about_jumps(set, context);
+    return Nothing{};
+}
+
+// Neighbouring slices on which a structure has no point in common, as seen along the normal: what is between
+// them is a guess.
+void ParallelField::warn_about_jumps(const ContourSet& set, RunContext& context) const {
+    const auto slice_at = [&](std::int32_t map) {
+        return slice_text(set, slice_of_map_[static_cast<std::size_t>(map)]);
+    };
+    for (std::size_t s = 0; s < tracks_.size(); ++s) {
+        std::size_t jumps = 0;
+        std::string first;
+        for (std::size_t i = 0; i < tracks_[s].pair_count(); ++i) {
+            const Track::Pair pair = tracks_[s].pair(i);
+            if (pair.motion->overlaps()) continue;
+            if (jumps++ == 0) first = slice_at(pair.below) + " and " + slice_at(pair.above);
+        }
+        if (jumps == 0) continue;
+        const std::string count =
+            jumps == 1 ? "1 pair of slices" : std::to_string(jumps) + " pairs of slices";
+        context.warn({"W-FLD-005",
+                      "the regions drawn on neighbouring slices do not overlap",
+                      {set.source, first, structure_text(set.structures[s]), "", count},
+                      "joined where the outline of one is near that of the other and faces the same way"});
+    }
+}
+
 // Buckets as fine as the levels lie; a structure is entered with the box of those maps that have a say there.
 void ParallelField::build_near_table() {
     double high = -std::numeric_limits<double>::infinity();
@@ -294,7 +379,7 @@ void ParallelField::build_near_table() {
         if (track.empty()) continue;
         low_ = std::min(low_, track.low());
         high = std::max(high, track.high());
-        track.each_stretch([&](double, double, std::size_t) { ++levels; });
+        track.each_stretch([&](double, double, std::size_t, double) { ++levels; });
     }
     const std::size_t buckets = std::min<std::size_t>(2 * levels + 1, 4096);
     inverse_bucket_ = static_cast<double>(buckets) / (high - low_);
@@ -304,8 +389,8 @@ void ParallelField::build_near_table() {
             std::clamp((z - low_) * inverse_bucket_, 0.0, static_cast<double>(buckets - 1)));
     };
     for (std::uint32_t s = 0; s < tracks_.size(); ++s) {
-        tracks_[s].each_stretch([&](double from, double to, std::size_t map) {
-            const Box2& box = maps_[map]->box();
+        tracks_[s].each_stretch([&](double from, double to, std::size_t map, double move) {
+            const Box2 box = maps_[map]->box().grown(move);
             for (std::size_t b = bucket_of(from); b <= bucket_of(to); ++b) {
                 if (entries[b].empty() || entries[b].back().structure != s) entries[b].push_back({s, box});
                 entries[b].back().box.extend(box.low);
@@ -322,8 +407,8 @@ void ParallelField::build_near_table() {
 
 void ParallelField::build_box() {
     for (const Track& track : tracks_) {
-        track.each_stretch([&](double from, double to, std::size_t map) {
-            const Box2& region = maps_[map]->region_box();
+        track.each_stretch([&](double from, double to, std::size_t map, double move) {
+            const Box2 region = maps_[map]->region_box().grown(move);
             for (const double z : {from, to}) {
                 for (const Vec2 corner : {region.low, region.high, Vec2{region.low.x, region.high.y},
                                           Vec2{region.high.x, region.low.y}}) {
@@ -345,6 +430,7 @@ Status ParallelField::build(const ContourSet& set, const std::vector<SliceInterv
                      ""};
     }
     build_tracks(set, intervals, options, context);
+    ANATOMESH_CHECK_STATUS(find_motions(set, context));
     build_near_table();
     build_box();
     return Nothing{};
@@ -369,23 +455,36 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
         return map == empty_level ? clamp_ : maps_[static_cast<std::size_t>(map)]->value(q);
     };
     const double a = distance(pair.below), b = distance(pair.above);
-    if (a < 0 && b < 0) return 0;
+    // Where the boundary is further away on both levels than it moves between them, nothing changes.
+    const double move = std::min(2 * length(pair.motion->at(q, 0.5).move), pair.motion->max_move());
+    const double nearest = std::min(std::abs(a), std::abs(b));
+    if ((a < 0) == (b < 0) && nearest > std::min(move, 0.99 * clamp_) && (a < 0 || !partition_)) return 0;
     const double by_slices = 0.5 * (a < 0) + 0.5 * (b < 0);
+    const double gap = pair.above_low - pair.below_high;
     if (!partition_ || is_alone(structure, pair, q)) {
-        if (by_slices == 0 || pair.below == empty_level || pair.above == empty_level) return 0;
-        // The blend vanishes where (1 - t) s(a) + t s(b) does; see blend_distances().
-        const double softness = 0.5 * clamp_;
-        const double sa = a / (softness + std::abs(a)), sb = b / (softness + std::abs(b));
-        const double zero = sa / (sa - sb);
-        return (a < 0 ? zero : 1 - zero) - by_slices;
+        if (pair.below == empty_level || pair.above == empty_level) return 0;
+        const Vec3 foot = frame_.to_space(q) + pair.below_high * frame_.normal;
+        constexpr int parts = 6;
+        double inside = 0, last = a;
+        for (int k = 1; k <= parts; ++k) {
+            const double next =
+                k == parts ? b : raw(structure, foot + (k * gap / parts) * frame_.normal).value;
+            if (last < 0 || next < 0) {
+                inside += last < 0 && next < 0
+                              ? 1
+                              : std::min(last, next) / (std::min(last, next) - std::max(last, next));
+            }
+            last = next;
+        }
+        return inside / parts - by_slices;
     }
-    if (std::min(a, b) > 0.25 * clamp_) return 0;  // what others leave between them is thinner
+    if (std::min(a, b) > 0.25 * clamp_ + move) return 0;  // what others leave between them is thinner
     constexpr int sections = 12;
     int inside = 0;
     std::vector<std::uint32_t> owners;
     const Vec3 foot = frame_.to_space(q);
     for (int k = 0; k < sections; ++k) {
-        const double z = pair.below_high + (k + 0.5) / sections * (pair.above_low - pair.below_high);
+        const double z = pair.below_high + (k + 0.5) / sections * gap;
         members(foot + z * frame_.normal, owners);
         inside += !owners.empty() && owners.front() == structure;
     }
@@ -409,7 +508,7 @@ StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Track:
     StructureVolume volume{gap * area + thickness, gap * area + thickness};
     if (box.empty() || (!partition_ && (pair.below == empty_level || pair.above == empty_level)))
         return volume;
-    if (partition_) box = box.grown(0.25 * clamp_);
+    box = box.grown(pair.motion->max_move() + (partition_ ? 0.25 * clamp_ : 0));
     const double correction =
         lattice_integral(box, points, [&](Vec2 q) { return inside_share(structure, pair, q); });
     volume.by_field += gap * correction;

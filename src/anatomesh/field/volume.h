@@ -22,8 +22,8 @@ struct VolumeOptions {
 
 // The volume of every structure by the integral of the field's cross-sections.
 // Parallel slices: slice integration of the drawn areas, which are exact, plus the integral of the difference
-// between it and the field, which is not zero only where the two contours differ; along the normal in closed
-// form (where structures of an exclusive set meet: 12 sections), in the plane on a lattice that no straight
+// between it and the field, which is not zero only where the two contours differ; along the normal by
+// seven values (where structures of an exclusive set meet: 12 sections), in the plane on a lattice that no straight
 // wall runs along. Planes in any position: a lattice in space. Error: some 0.01 % for organs; it falls with
 // points^-3/4. Guarantees: the same at any thread count. Errors: cancelled.
 inline Result<std::vector<StructureVolume>> field_volumes(const StructureField& field,

