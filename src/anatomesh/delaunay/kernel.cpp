@@ -28,6 +28,10 @@ std::uint32_t vertex_of(const DelaunayKernel::KernelCell& cell, int place) {
     return cell.vertex[place] & ~removed;
 }
 
+Vec3 absolute(Vec3 v) {
+    return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
+}
+
 }  // namespace
 
 // ---- What an insertion works with ----
@@ -110,7 +114,24 @@ int DelaunayKernel::KernelCell::infinite_place() const {
 
 [[gnu::always_inline]] inline bool DelaunayKernel::conflicts(const KernelCell& cell, Vec3 q) const {
     const double value = form_value(cell, q);
-    return std::abs(value) > conflict_bound_ ? value > 0 : conflicts_exactly(cell, q);
+    return std::abs(value) > conflict_bound_ ? value > 0 : conflicts_nearly(cell, q, value);
+}
+
+// Within the bound from the box: the same with the bound from the five points, then exactly.
+bool DelaunayKernel::conflicts_nearly(const KernelCell& cell, Vec3 q, double value) const {
+    const int infinite = cell.infinite_place();
+    if (infinite < 0) {
+        const Vec3 origin = vertices_[vertex_of(cell, 0)].position;
+        Vec3 extent = absolute(q - origin);
+        for (int i = 1; i < 4; ++i) {
+            const Vec3 d = absolute(vertices_[cell.vertex[i]].position - origin);
+            extent = {std::max(extent.x, d.x), std::max(extent.y, d.y), std::max(extent.z, d.z)};
+        }
+        if (std::abs(value) >
+            in_sphere_rounding * extent.x * extent.y * extent.z * squared_length(extent) + underflow_bound_)
+            return value > 0;
+    }
+    return conflicts_exactly(cell, q);
 }
 
 bool DelaunayKernel::conflicts_exactly(const KernelCell& cell, Vec3 q) const {
@@ -135,6 +156,7 @@ void DelaunayKernel::update_bounds() {
     const RoundingBounds bounds = rounding_bounds(extent);
     orient_bound_ = bounds.orient3d;
     conflict_bound_ = bounds.in_sphere;
+    underflow_bound_ = bounds.in_sphere_underflow;
     // A power of two, at most the quotient of the bounds without their parts for underflow. It grows with the
     // box, so that ghosts made before are within the bound as well. None when out of range: then exact tests
     // decide.
@@ -278,7 +300,7 @@ bool DelaunayKernel::find_cavity(Worker& worker, Vec3 q, std::uint32_t first) {
             KernelCell& other = cells_[link >> 2];
             double value = form_value(other, q);
             if (!(std::abs(value) > bound)) [[unlikely]] {
-                value = other.alive() && conflicts_exactly(other, q) ? 1 : -1;
+                value = other.alive() && conflicts_nearly(other, q, value) ? 1 : -1;
             }
             const bool alive = other.alive(), conflict = alive & (value > 0);
             if (bounded && conflict && !in_region(other, worker.region)) {

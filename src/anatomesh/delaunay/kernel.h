@@ -68,6 +68,7 @@ class DelaunayKernel {
 
     double form_value(const KernelCell& cell, Vec3 q) const;
     bool conflicts(const KernelCell& cell, Vec3 q) const;
+    bool conflicts_nearly(const KernelCell& cell, Vec3 q, double value) const;
     bool conflicts_exactly(const KernelCell& cell, Vec3 q) const;
     bool in_region(const KernelCell& cell, std::uint8_t region) const;
 
@@ -95,7 +96,7 @@ class DelaunayKernel {
     std::vector<std::uint32_t> free_slots_;
     std::uint32_t last_cell_ = 0;  // where the next search starts
     Box3 box_;
-    double orient_bound_ = 0, conflict_bound_ = 0;
+    double orient_bound_ = 0, conflict_bound_ = 0, underflow_bound_ = 0;
     double ghost_scale_ = 0;  // of the forms of ghost cells, so that one bound serves both kinds
 };
 

@@ -82,11 +82,12 @@ RoundingBounds rounding_bounds(Vec3 extent) {
     const double largest = std::max({extent.x, extent.y, extent.z}), squares = squared_length(extent);
     if (!(largest <= 0x1p200)) {
         constexpr double infinity = std::numeric_limits<double>::infinity();
-        return {infinity, infinity};
+        return {infinity, infinity, infinity};
     }
     const double volume = extent.x * extent.y * extent.z, factor = (1 + largest) * (1 + largest);
-    return {48.12 * roundoff * volume + 0x1p-1060 * factor,
-            409 * roundoff * (volume * squares) + 0x1p-1060 * (factor * factor)};
+    const double lost = 0x1p-1060 * (factor * factor);
+    return {48.12 * roundoff * volume + 0x1p-1060 * factor, in_sphere_rounding * (volume * squares) + lost,
+            lost};
 }
 
 }  // namespace anatomesh

@@ -30,7 +30,11 @@ int in_perturbed_sphere(Vec3 a, Vec3 b, Vec3 c, Vec3 d, Vec3 e);
 // doubles gives no bound.
 struct RoundingBounds {
     double orient3d, in_sphere;
+    double in_sphere_underflow;  // the part of in_sphere that is due to underflow
 };
 RoundingBounds rounding_bounds(Vec3 extent);
+
+// in_sphere's part due to rounding: this times the product of the extents and the sum of their squares.
+inline constexpr double in_sphere_rounding = 409 * 0x1p-53;
 
 }  // namespace anatomesh
