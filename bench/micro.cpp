@@ -12,6 +12,7 @@
 #include "anatomesh/delaunay/tetrahedralize.h"
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/structure_field.h"
+#include "delaunay_peer.h"
 
 namespace {
 
@@ -120,14 +121,53 @@ void distance_map_512(benchmark::State& state) {
 }
 BENCHMARK(distance_map_512)->Unit(benchmark::kMillisecond);
 
-void delaunay(benchmark::State& state) {
-    const std::vector<Vec3> points =
-        random_points(static_cast<std::size_t>(state.range(0)), {{0, 0, 0}, {200, 200, 200}});
-    for (auto _ : state) benchmark::DoNotOptimize(Tetrahedralization::create(points));
+const Box3 cube{{0, 0, 0}, {200, 200, 200}};
+
+void count_points(benchmark::State& state, const std::vector<Vec3>& points) {
     state.counters["points/s"] =
         benchmark::Counter(static_cast<double>(points.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
-BENCHMARK(delaunay)->Arg(10'000)->Arg(100'000)->Unit(benchmark::kMillisecond);
+
+// Arguments: points, threads.
+void delaunay(benchmark::State& state) {
+    const std::vector<Vec3> points = random_points(static_cast<std::size_t>(state.range(0)), cube);
+    const int threads = static_cast<int>(state.range(1));
+    for (auto _ : state) benchmark::DoNotOptimize(Tetrahedralization::create(points, threads));
+    count_points(state, points);
+}
+BENCHMARK(delaunay)
+    ->ArgsProduct({{10'000, 100'000, 1'000'000}, {1, 2}})
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
+
+void delaunay_by_cgal(benchmark::State& state) {
+    const std::vector<Vec3> points = random_points(static_cast<std::size_t>(state.range(0)), cube);
+    for (auto _ : state) benchmark::DoNotOptimize(cells_by_cgal(points));
+    count_points(state, points);
+}
+BENCHMARK(delaunay_by_cgal)
+    ->Arg(10'000)
+    ->Arg(100'000)
+    ->Arg(1'000'000)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+// A few thousand points into many, and what the stages then read of it.
+void delaunay_insertion(benchmark::State& state) {
+    const std::vector<Vec3> points = random_points(150'000, cube), more = random_points(153'000, cube);
+    for (auto _ : state) {
+        state.PauseTiming();
+        Tetrahedralization mesh = std::move(Tetrahedralization::create(points)).value();
+        DelaunaySnapshot cells;
+        mesh.snapshot(cells);
+        state.ResumeTiming();
+        mesh.insert(std::span(more).subspan(150'000));
+        mesh.snapshot(cells);
+        benchmark::DoNotOptimize(cells);
+    }
+}
+BENCHMARK(delaunay_insertion)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 
