@@ -144,7 +144,7 @@ TEST(Cut, pieces_of_contour_segments_are_brought_onto_the_surface) {
         for (const Cell& cell : random.mesh.cells) {
             if (cell[0] >= 200 || cell[1] >= 200 || pieces.size() >= 60) continue;
             const Vec3 middle = 0.5 * (random.mesh.points[cell[0]] + random.mesh.points[cell[1]]);
-            if (length(middle) > 0.75) pieces.push_back({cell[0], cell[1], 0});
+            if (length(middle) > 0.75) pieces.push_back({std::min(cell[0], cell[1]), std::max(cell[0], cell[1]), 0});
         }
         const ContourOwners owners({}, random.mesh.points.size(), pieces);
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());

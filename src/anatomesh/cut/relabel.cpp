@@ -10,7 +10,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int defect_weight = 4;      // against one end of a lost piece of a contour segment: a manifold comes first
+constexpr int defect_weight = 256;    // against one end of a lost piece of a contour segment: a manifold comes first
 constexpr double flat_share = 1e-6;  // six volumes in cubes of the longest edge
 
 struct Move {
