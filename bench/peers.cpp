@@ -17,10 +17,10 @@
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh_io/mesh/mesh_file.h"
 #include "anatomesh_io/report/report_json.h"
-#include "input_options.h"
+#include "anatomesh/input_options.h"
 #include "mesh3.h"
-#include "option_values.h"
-#include "read_input.h"
+#include "anatomesh/option_values.h"
+#include "anatomesh/read_input.h"
 
 namespace anatomesh {
 
