@@ -43,7 +43,7 @@ class SliceMotion {
     // The path that is at q at the share t of the way from the slice below to the one above.
     Path at(Vec2 q, double t) const {
         const Path first = at_middle(q);
-        return t == 0.5 ? first : at_middle(q - (t - 0.5) * first.move);
+        return t == 0.5 || first.move == Vec2{} ? first : at_middle(q - (t - 0.5) * first.move);
     }
 
     double max_move() const { return max_move_; }  // no path moves further, mm
