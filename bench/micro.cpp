@@ -10,7 +10,9 @@
 
 #include "anatomesh/contour/trace.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
+#include "anatomesh/field/bit_volume.h"
 #include "anatomesh/field/distance_map.h"
+#include "anatomesh/field/distance_raster.h"
 #include "anatomesh/field/structure_field.h"
 #include "delaunay_peer.h"
 
@@ -94,11 +96,8 @@ void query_field(benchmark::State& state) {
 }
 BENCHMARK(query_field);
 
-// Construction, then the value at each of 512 x 512 points: one slice's map as the 2006 method has it,
-// clamped at 16 pixels as the field clamps it.
-void distance_map_512(benchmark::State& state) {
-    const ContourSet contours = traced_ball(512, 16);
-    const Slice& slice = contours.slices[contours.slices.size() / 2];
+// The edges of all contours of a slice, in its plane.
+std::vector<Edge2> edges_of(const ContourSet& contours, const Slice& slice) {
     std::vector<Edge2> edges;
     for (const Contour& contour : contours.contours_of(slice)) {
         const auto points = contours.points_of(contour);
@@ -107,6 +106,13 @@ void distance_map_512(benchmark::State& state) {
             edges.push_back({slice.plane.to_plane(a), slice.plane.to_plane(b)});
         }
     }
+    return edges;
+}
+
+// Construction, then the value at each of 512 x 512 points, clamped at 16 pixels as the field clamps it.
+void distance_map_512(benchmark::State& state) {
+    const ContourSet contours = traced_ball(512, 16);
+    const std::vector<Edge2> edges = edges_of(contours, contours.slices[contours.slices.size() / 2]);
     for (auto _ : state) {
         const DistanceMap map(edges, 16);
         const Box2 box = map.region_box();
@@ -120,6 +126,31 @@ void distance_map_512(benchmark::State& state) {
     state.counters["edges"] = static_cast<double>(edges.size());
 }
 BENCHMARK(distance_map_512)->Unit(benchmark::kMillisecond);
+
+// One slice's bit volume and distance map as the 2006 method has them: n x n pixels, no clamp.
+void rasters_of_slices(benchmark::State& state) {
+    const auto n = static_cast<std::uint32_t>(state.range(0)),
+               slices = static_cast<std::uint32_t>(state.range(1));
+    const ContourSet contours = traced_ball(n, 64);
+    const PixelGrid grid{{0, 0}, {1, 1}, n, n};
+    double edge_count = 0;
+    std::vector<std::vector<Edge2>> edges;
+    for (std::uint32_t k = 0; k < slices; ++k) {
+        const std::size_t middle = contours.slices.size() / 2;
+        edges.push_back(edges_of(contours, contours.slices[(middle + k) % contours.slices.size()]));
+        edge_count += static_cast<double>(edges.back().size());
+    }
+    for (auto _ : state) {
+        BitVolume bits(grid, slices);
+        for (std::uint32_t k = 0; k < slices; ++k) {
+            bits.fill(k, edges[k]);
+            benchmark::DoNotOptimize(distance_raster(edges[k], grid));
+        }
+        benchmark::DoNotOptimize(bits.count());
+    }
+    state.counters["edges/slice"] = edge_count / slices;
+}
+BENCHMARK(rasters_of_slices)->Args({512, 1})->Args({256, 256})->Unit(benchmark::kMillisecond);
 
 const Box3 cube{{0, 0, 0}, {200, 200, 200}};
 

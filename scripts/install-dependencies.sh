@@ -6,9 +6,9 @@ set -eu
 
 # What compiles the program and what it needs to run.
 build="g++ make cmake ninja-build libboost-dev libtbb-dev libdcmtk-dev libgdcm-dev
-zlib1g-dev libssl-dev libexpat1-dev nlohmann-json3-dev libfmt-dev libcli11-dev"
+libinsighttoolkit5-dev zlib1g-dev libssl-dev libexpat1-dev nlohmann-json3-dev libfmt-dev libcli11-dev"
 # What the tests need besides: the unit tests' framework, and libraries that judge our readers and writers.
-test="libgtest-dev libcgal-dev libgmp-dev libmpfr-dev libinsighttoolkit5-dev python3 python3-numpy python3-scipy python3-vtk9
+test="libgtest-dev libcgal-dev libgmp-dev libmpfr-dev python3 python3-numpy python3-scipy python3-vtk9
 python3-meshio python3-nibabel
 python3-pydicom python3-jsonschema gmsh locales dcmtk dicom3tools"
 # The CT skull of the demonstration.

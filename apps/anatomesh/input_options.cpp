@@ -106,15 +106,23 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
             cleaning.max_repair_area_share));
 }
 
-void add_selection_options(CLI::App& verb, InputOptions& options) {
-    add_texts(verb, "--structure", options.structures, "NAME",
-              "Structure to take, by name or number; may be repeated (default: all)");
+void add_threshold_option(CLI::App& verb, InputOptions& options) {
     verb.add_option_function<std::string>(
             "--threshold", [&options](const std::string& text) { options.threshold = threshold_of(text); },
             "Take the voxels of a grey image from LO up (to HI)")
         ->type_name("LO[:HI]");
+}
+
+void add_keep_largest_option(CLI::App& verb, InputOptions& options) {
     add_optional_count(verb, "--keep-largest", options.keep_largest, 1,
                        "Keep the N largest connected pieces of each structure of the whole image");
+}
+
+void add_selection_options(CLI::App& verb, InputOptions& options) {
+    add_texts(verb, "--structure", options.structures, "NAME",
+              "Structure to take, by name or number; may be repeated (default: all)");
+    add_threshold_option(verb, options);
+    add_keep_largest_option(verb, options);
     add_optional_count(verb, "--every", options.every, 1, "Keep every Nth slice");
     add_count(verb, "--offset", options.offset, 0, largest_count,
               "The first slice that --every keeps, from 0 (default 0)");

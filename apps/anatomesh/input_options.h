@@ -54,4 +54,8 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options);
 // --min-area.
 void add_selection_options(CLI::App& verb, InputOptions& options);
 
+// Two of these alone.
+void add_threshold_option(CLI::App& verb, InputOptions& options);
+void add_keep_largest_option(CLI::App& verb, InputOptions& options);
+
 }  // namespace anatomesh

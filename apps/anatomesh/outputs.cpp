@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "anatomesh/base/text.h"
 #include "anatomesh_io/file/atomic_file.h"
 #include "anatomesh_io/mesh/mesh_file.h"
 
@@ -104,9 +105,9 @@ Status check_contour_output(const std::string& path) {
 }
 
 Status check_extension(const std::string& path, const std::vector<std::string>& extensions) {
-    std::string extension = fs::path(path).extension().string();
-    for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return Nothing{};
+    const std::string name = lower_case(fs::path(path).filename().string());
+    for (const std::string& extension : extensions)
+        if (name.size() > extension.size() && name.ends_with(extension)) return Nothing{};
     return unknown_extension(path, fmt::format("{}", fmt::join(extensions, ", ")));
 }
 

@@ -50,11 +50,20 @@ const VerbEntry verb_entries[] = {
      R"(Examples:
   anatomesh info liver.nii.gz
   anatomesh info rtss.dcm --json)"},
+    {"segment", "Find a structure in a grey image: its label map or its contours", declare_segment,
+     R"(Examples:
+  anatomesh segment ct.nii.gz --threshold 226 --keep-largest 1 --fill-holes -o bone.nrrd
+  anatomesh segment ct.nii.gz --seed 62.5,-20,113 --name spleen -o spleen.json
+  anatomesh segment ct.nii.gz --threshold 150:1500 --seed 30,5,-410 --close 3 -o femur.nii.gz)"},
     {"contours", "Write the contours of an image, label map or contour file", declare_contours,
      R"(Examples:
   anatomesh contours labels.nii.gz -o organs.vtp
   anatomesh contours Cranium.inv3 --threshold 226 --keep-largest 1 --every 2 -o skull.json
   anatomesh contours rtss.dcm --structure GTV -o gtv.csl)"},
+    {"field", "Write the bit volume or the distance map of contours as an image", declare_field,
+     R"(Examples:
+  anatomesh field rtss.dcm --structure GTV -o gtv_distance.nrrd
+  anatomesh field organs.json --what bits --pixel 0.5 -o organs.nii.gz)"},
     {"model", "Make a tetrahedral model and its report", declare_model,
      R"(Examples:
   anatomesh model labels.nii.gz -o organs.vtu

@@ -16,7 +16,9 @@ using Work = std::function<Status(Session&)>;
 // Each adds its options to `verb`, which outlives the Work. Options common to all verbs (--json, --quiet,
 // --threads) are the program's.
 Work declare_info(CLI::App& verb);
+Work declare_segment(CLI::App& verb);
 Work declare_contours(CLI::App& verb);
+Work declare_field(CLI::App& verb);
 Work declare_model(CLI::App& verb);
 Work declare_check(CLI::App& verb);
 Work declare_compare(CLI::App& verb);

@@ -12,7 +12,7 @@ import unittest
 import harness
 import shapes
 
-VERBS = ("info", "contours", "model", "check", "compare", "convert", "completion", "manual")
+VERBS = ("info", "segment", "contours", "field", "model", "check", "compare", "convert", "completion", "manual")
 
 
 class Help(harness.TestCase):

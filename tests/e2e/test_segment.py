@@ -1,0 +1,97 @@
+"""The verb segment: a structure of a grey image as a label map or as contours."""
+import nibabel
+import numpy as np
+
+import harness
+import images
+
+
+def ball(shape, center, radius, spacing):
+    n = np.meshgrid(*[np.arange(s) for s in shape], indexing="ij")
+    return sum(((a - c) * s) ** 2 for a, c, s in zip(n, center, spacing)) < radius ** 2
+
+
+class Segment(harness.TestCase):
+    def setUp(self):
+        super().setUp()
+        self.truth = ball((48, 44, 32), (24, 22, 16), 14, (1, 1, 1.5))
+        noise = np.random.default_rng(7).normal(0, 8, self.truth.shape)
+        values = (20 + 80 * self.truth + noise).astype(np.int16)
+        self.image = images.write_nrrd(self.folder / "image.nrrd", values, (1, 1, 1.5), (-30, 12, 5))
+        self.seed = "-6,34,29"
+
+    def test_every_method_finds_the_ball(self):
+        for words, least in ((["--threshold", "60"], 0.99), ([], 0.99),
+                             (["--threshold", "60", "--seed", self.seed], 0.99),
+                             (["--method", "confidence", "--seed", self.seed, "--close", "2"], 0.95),
+                             (["--method", "region", "--seed", self.seed], 0.85),
+                             (["--iterations", "200", "--seed-voxel", "24,22,16"], 0.9)):
+            answer = self.run_program("segment", "image.nrrd", *words, "-o", "out.nrrd", "--json").json()
+            labels, origin, _, _, _ = images.read_nrrd(self.folder / "out.nrrd")
+            self.assertGreater(images.dice(labels == 1, self.truth), least, words)
+            self.assertEqual(answer["voxels"], np.count_nonzero(labels))
+            self.assertEqual(list(origin), [-30, 12, 5])
+
+    def test_clean_up_name_number_and_formats(self):
+        words = ["segment", "image.nrrd", "--threshold", "50", "--median", "1.6", "--keep-largest", "1", "--fill-holes",
+                 "--name", "ball", "--number", "7"]
+        self.run_program(*words, "-o", "out.nrrd")
+        labels, _, _, _, pairs = images.read_nrrd(self.folder / "out.nrrd")
+        self.assertEqual(set(np.unique(labels)), {0, 7})
+        self.assertEqual(pairs["Segment0_Name"], "ball")
+        self.assertGreater(images.dice(labels == 7, self.truth), 0.99)
+        self.run_program(*words, "-o", "out.nii.gz")
+        self.assertTrue(np.array_equal(np.asarray(nibabel.load(self.folder / "out.nii.gz").dataobj), labels))
+        self.run_program(*words, "-o", "out.json")
+        info = self.run_program("info", "out.json").out
+        self.assertIn("ball", info)
+        self.run_program("field", "out.json", "--what", "bits", "-o", "bits.nrrd")
+        bits, _, _, _, _ = images.read_nrrd(self.folder / "bits.nrrd")
+        self.assertLess(abs(np.count_nonzero(bits) / np.count_nonzero(self.truth) - 1), 0.02)
+
+    def test_a_model_of_the_label_map(self):
+        self.run_program("segment", "image.nrrd", "--threshold", "60", "--median", "1.6", "--keep-largest", "1", "-o", "out.nrrd")
+        self.run_program("model", "out.nrrd", "-o", "ball.vtu")
+        self.run_program("check", "ball.vtu")
+
+    def test_one_thread_or_many_give_the_same_bytes(self):
+        for threads in (1, 2):
+            self.run_program("segment", "image.nrrd", "--seed", self.seed, "-o", f"{threads}.nrrd", "--threads", threads)
+        self.assertEqual((self.folder / "1.nrrd").read_bytes(), (self.folder / "2.nrrd").read_bytes())
+
+    def test_wrong_seeds_and_empty_results_are_refused(self):
+        segment = ["segment", "image.nrrd", "-o", "out.nrrd"]
+        self.assert_refused([*segment, "--method", "grow", "--threshold", "60"], 2, "E-SGM-005", "--seed")
+        self.assert_refused([*segment, "--method", "grow", "--seed", self.seed], 2, "E-SGM-006", "--threshold")
+        self.assert_refused([*segment, "--seed", "500,0,0"], 2, "E-SGM-007", "48 x 44 x 32")
+        self.assert_refused([*segment, "--seed-voxel", "48,0,0"], 2, "E-SGM-007")
+        for seed in ("1,2", "1,2,3,4", "a,b,c", "1;2;3", "nan,1,2", "1,,2", ""):
+            self.assert_refused([*segment, "--seed", seed], 2, "E-CMD-001")
+        self.assert_refused([*segment, "--seed-voxel", "1.5,2,3"], 2, "E-CMD-001")
+        self.assert_refused([*segment, "--threshold", "60", "--seed", "-30,12,5"], 4, "E-SGM-002", "voxel 0, 0, 0")
+        self.assert_refused([*segment, "--threshold", "900"], 4, "E-SGM-001", "run from")
+        self.assert_refused([*segment, "--threshold", "60", "--open", "30"], 4, "E-SGM-004", "--open")
+
+    def test_options_and_inputs_that_do_not_apply(self):
+        segment = ["segment", "image.nrrd", "-o", "out.nrrd"]
+        self.assert_refused([*segment, "--method", "otsu", "--threshold", "3"], 2, "E-CMD-008")
+        self.assert_refused([*segment, "--method", "otsu", "--seed", self.seed], 2, "E-CMD-008")
+        self.assert_refused([*segment, "--threshold", "3", "--spread", "3"], 2, "E-CMD-008")
+        self.assert_refused([*segment, "--threshold", "3", "--iterations", "3"], 2, "E-CMD-008")
+        self.assert_refused(["segment", "image.nrrd", "-o", "out.stl"], 2, "E-CMD-004")
+        self.run_program("segment", "image.nrrd", "-o", "out.json")
+        self.assert_refused(["segment", "out.json", "-o", "again.nrrd"], 3, "E-SGM-008")
+
+
+class RealImages(harness.TestCase):
+    def test_spleen_of_a_ct_from_one_seed_against_its_label(self):
+        """The label was made by a trained network."""
+        image = harness.data("body_ct_mr_labels", "example_ct.nii.gz")
+        truth = harness.data("body_ct_mr_labels", "example_seg_fast_force_split.nii.gz")
+        self.run_program("segment", image, "--seed", "109,-107.3,406.3", "-o", "spleen.nii.gz")
+        found = np.asarray(nibabel.load(self.folder / "spleen.nii.gz").dataobj) == 1
+        self.assertGreater(images.dice(found, np.asarray(nibabel.load(truth).dataobj) == 1), 0.85)
+
+
+if __name__ == "__main__":
+    harness.main(__name__)
