@@ -36,16 +36,23 @@ class Climber {
         collect();
         bench_.stats.bad_before = queue_.size();
         bench_.stats.worst_before_degrees = worst_degrees();
-        for (int pass = 0; pass < bench_.options.passes && !queue_.empty() && !context.cancelled(); ++pass) {
-            const std::uint64_t gained = drain();
-            collect();
-            if (gained * 50 < queue_.size() || gained == 0) break;
-        }
+        climb(context);
+        // What is left may have more room.
+        bench_.options.max_deviation_mm *= bench_.options.last_deviation;
+        climb(context);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
     }
 
   private:
+    void climb(RunContext& context) {
+        for (int pass = 0; pass < bench_.options.passes && !queue_.empty() && !context.cancelled(); ++pass) {
+            const std::uint64_t gained = drain();
+            collect();
+            if (gained * 50 < queue_.size() || gained == 0) break;
+        }
+    }
+
     void collect() {
         std::vector<BadCell> bad;
         for (std::uint32_t c = 0; c < bench_.mesh.cell_count(); ++c) {

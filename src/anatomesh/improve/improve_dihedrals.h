@@ -23,7 +23,9 @@ struct DihedralOptions {
     double tolerance_mm =
         0.05;  // vertices of an interface stay within this of the field's, or as near as they were. > 0
     double max_deviation_mm =
-        0.1;         // of the middle of a changed interface facet from the field's, or as near as before. > 0
+        0.1;  // of the middle of a changed interface facet from the field's, or as near as before. > 0
+    double last_deviation =
+        2;  // the bound grows by this factor for the cells that are still bad after all passes. [1, 10]
     int passes = 4;  // over the cells that are still bad. [0, 100]
 };
 
