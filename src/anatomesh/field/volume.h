@@ -13,7 +13,7 @@ namespace anatomesh {
 struct VolumeOptions {
     // Points of the sampling lattice over the box of a structure between two neighbouring slices, at most.
     // [100, 1e8]
-    std::uint32_t points_per_slab = 40000;
+    std::uint32_t points_per_slab = 15000;
     // Points in all slabs of all structures: fewer a slab where there are many of them, but 4000. [1e4, 4e9]
     std::uint32_t points_in_slabs = 8000000;
     // Points over the field's box for planes that are not parallel. [1000, 1e9]
