@@ -162,6 +162,7 @@ class Builder {
             std::vector<Vec3> found;
             find_crossing_points(mesh_->points(), mesh_->cells(), mesh_->sides(), *field_, structures_, mesh_->grid(),
                                  sample_->guard, crossing_spacing, found, context_);
+            if (not_worth_a_round(found.size(), 500) && round > 0) break;
             if (found.empty()) break;
             crossing_points += static_cast<double>(found.size());
             ANATOMESH_CHECK_STATUS(grow(found));
@@ -172,11 +173,11 @@ class Builder {
             std::vector<Vec3> found;
             find_deviation_points(mesh_->points(), mesh_->cells(), mesh_->regions(), *field_, structures_, mesh_->grid(),
                                   sample_->guard, deviation, found, context_);
-            if (found.size() * 500 < mesh_->points().size()) break;
+            if (not_worth_a_round(found.size(), 500)) break;
             deviation_points += static_cast<double>(found.size());
             ANATOMESH_CHECK_STATUS(grow(found));
         }
-        ANATOMESH_CHECK_STATUS(recover_segments());
+        ANATOMESH_CHECK_STATUS(recover_segments(500));
         RefineOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.max_reach_mm = 3 * sample_->stats.size_mm;
@@ -187,12 +188,11 @@ class Builder {
             if (round == 0) report().radius_edge_mean_before_refinement = stats.radius_edge_mean;
             circumcenters += static_cast<double>(stats.circumcenters);
             surface_points += static_cast<double>(stats.surface_points);
-            // The last few are not worth a round.
             const std::size_t count = found.size() + stats.balls.size();
-            if (count == 0 || (count * 2000 < mesh_->points().size() && round > 2)) break;
+            if (count == 0 || (round > 2 && not_worth_a_round(count, 800))) break;
             ANATOMESH_CHECK_STATUS(grow(found, stats.balls));
         }
-        ANATOMESH_CHECK_STATUS(recover_segments());
+        ANATOMESH_CHECK_STATUS(recover_segments(0));
         figures_ = {{"crossing_points", crossing_points},
                     {"deviation_points", deviation_points},
                     {"circumcenters", circumcenters},
@@ -200,6 +200,9 @@ class Builder {
                     {"segment_points", static_cast<double>(segment_vertices_.size())}};
         return end_stage("refine", 0.6);
     }
+
+    // The last few points: a round looks at the whole mesh.
+    bool not_worth_a_round(std::size_t count, std::size_t share) const { return count * share < mesh_->points().size(); }
 
     // Inserts the points, and the middles of the pieces of contour segments with these diametral balls.
     Status grow(std::vector<Vec3> found, const std::vector<std::uint32_t>& balls = {}) {
@@ -243,14 +246,15 @@ class Builder {
         return length(mesh_->points()[piece.b] - mesh_->points()[piece.a]);
     }
 
-    // Splits pieces of contour segments that are not edges, until all are.
-    Status recover_segments() {
+    // Splits pieces of contour segments that are not edges, until all are, or, with a share above 0, fewer than one in so
+    // many is missing.
+    Status recover_segments(std::size_t share) {
         for (int round = 0; round < segment_rounds; ++round) {
             std::vector<std::uint32_t> balls;
             for (const std::uint32_t n : missing_pieces(mesh_->cells().cells, mesh_->points().size(), pieces_)) {
                 if (piece_length(pieces_[n]) > shortest_piece_mm()) balls.push_back(pieces_[n].ball);
             }
-            if (balls.empty()) break;
+            if (balls.empty() || (share > 0 && balls.size() * share < pieces_.size())) break;
             std::sort(balls.begin(), balls.end());
             ANATOMESH_CHECK_STATUS(grow({}, balls));
         }
