@@ -31,7 +31,10 @@ constexpr int max_attempts = 3;               // with a default size; each one f
 constexpr double finer = 0.7;
 constexpr int crossing_rounds = 3;
 constexpr int deviation_rounds = 5;
-constexpr int refinement_rounds = 60;
+constexpr int refinement_rounds = 12;
+constexpr int protected_rounds = 4;           // of these, the first keep out of the balls of contour segments
+constexpr int small_mesh_rounds = 60;         // tiny segments need a round for each doubling of the size,
+constexpr std::size_t small_mesh = 20000;     // in meshes of fewer points than this
 constexpr int segment_rounds = 8;
 constexpr double shortest_piece = 0.3;       // of a contour segment that is still split, in sizes
 
@@ -140,7 +143,10 @@ class Builder {
         }
         owner_pairs_ = std::move(owners);
         const auto vertices = mesh_->first_vertices();
+        // Where contours of several structures meet at small angles, splitting segments does not end well: those sets rely on
+        // the protection that sampling gives.
         for (const SegmentPiece& piece : sample_->pieces) {
+            if (structures_ > 1) break;
             pieces_.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
         }
         return end_stage("delaunay", 0.35);
@@ -181,7 +187,10 @@ class Builder {
         RefineOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.max_reach_mm = 3 * sample_->stats.size_mm;
-        for (int round = 0; round < refinement_rounds; ++round) {
+        if (pieces_.empty()) options.protected_share = 0;
+        for (int round = 0; round < (mesh_->points().size() < small_mesh ? small_mesh_rounds : refinement_rounds); ++round) {
+            // Where contours meet at small angles, segments and shape cannot both have their way: shape has the last word.
+            if (round == protected_rounds) options.protected_share = 0;
             std::vector<Vec3> found;
             const RefineStats stats = find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), mesh_->sides(),
                                                              *field_, structures_, mesh_->grid(), sample_->guard, options, found, context_);

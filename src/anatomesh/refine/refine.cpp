@@ -14,9 +14,6 @@ namespace anatomesh {
 
 namespace {
 
-// A segment survives most points in its diametral ball, and the few that do not are split: keeping its core free is enough.
-constexpr double protected_share = 0.5;
-
 constexpr double clear_of_surface = 0.15;  // of a circumcentre taken in a surface point's place, in circumradii
 
 struct BadCell {
@@ -84,7 +81,7 @@ void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfacePr
         on_surface = center;
         if (all_points.any_within(center, options.min_spacing * shortest)) return;
     }
-    const std::uint32_t ball = guard.ball_at(*on_surface, protected_share);
+    const std::uint32_t ball = guard.ball_at(*on_surface, options.protected_share);
     if (ball == SegmentGuard::no_ball) {
         bad.point = on_surface;
     } else if (guard.ball_radius(ball) > 0.5 * shortest) {

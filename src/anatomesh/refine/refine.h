@@ -18,6 +18,7 @@ struct RefineOptions {
     double flatness = 0.004;         // cells with six volumes below this many cubes of their longest edge are split. [0, 0.1]
     double min_spacing = 0.75;       // of a new point from others, in shortest edges of its cell. (0, 1]
     double max_reach_mm = 10;        // points of one round keep at most this far from each other. > 0
+    double protected_share = 0.5;    // of the diametral balls of contour segments, kept free of points, by radius. [0, 1]
     double surface_pull = 0.35;      // a circumcentre this near an interface is moved onto it, in circumradii. [0, 0.5]
 };
 
@@ -33,7 +34,7 @@ struct RefineStats {
 // Points that improve the cells inside: the circumcentre of each bad cell; where an interface lies between the cell
 // and its circumcentre, the point where it is crossed; where one passes close to the circumcentre, the nearest point of it.
 // A nearly flat cell, whose own circumcentre rounding spoils, takes that of its largest facet.
-// Contour points are never moved, and no point goes into the inner half of the diametral
+// Contour points are never moved, and no point goes into the protected share of the diametral
 // ball of a piece of a contour segment: that piece is to be split instead, if it is longer than the cell's shortest edge. Points found in one round keep out of each other's empty spheres.
 // Terminates when repeated: a circumcentre is farther from every point than twice the shortest edge of its cell,
 // and points on interfaces keep min_spacing; so spacing never falls below a share of the contours' own.

@@ -12,13 +12,18 @@ namespace {
 
 constexpr double touching = 1e-7;  // an end this near to another segment lies on it, in lengths of that segment
 
+// Whether a point this share of the way along s is no nearer than `distance` to its ends.
+bool clear_of_ends(const Segment2& s, double share, double distance) {
+    const double whole = length(s.b - s.a);
+    return share * whole > distance && (1 - share) * whole > distance;
+}
+
 // Share of the way along s at which p lies on it, if it does.
 bool lies_on(const Segment2& s, Vec2 p, double& share) {
     const Vec2 way = s.b - s.a;
     const double squared = dot(way, way);
     if (!(squared > 0)) return false;
     share = dot(p - s.a, way) / squared;
-    if (!(share > touching && share < 1 - touching)) return false;
     return std::abs(cross(way, p - s.a)) <= touching * squared;
 }
 
@@ -26,8 +31,8 @@ bool lies_on(const Segment2& s, Vec2 p, double& share) {
 class SliceContacts {
   public:
     SliceContacts(const Plane& plane, const std::vector<ContourSegment>& segments, std::vector<std::uint32_t> chosen,
-                  std::vector<Vec3>& points, std::vector<SegmentCut>& cuts)
-        : plane_(plane), segments_(segments), chosen_(std::move(chosen)), points_(points), cuts_(cuts) {}
+                  double clearance, std::vector<Vec3>& points, std::vector<SegmentCut>& cuts)
+        : plane_(plane), segments_(segments), chosen_(std::move(chosen)), clearance_(clearance), points_(points), cuts_(cuts) {}
 
     void find() {
         std::vector<Segment2> flat;
@@ -55,7 +60,7 @@ class SliceContacts {
         const Vec2 u = p.b - p.a, v = q.b - q.a;
         const double area = cross(u, v);
         const double along = cross(q.a - p.a, v) / area, along_other = cross(q.a - p.a, u) / area;
-        if (!(along > 0 && along < 1 && along_other > 0 && along_other < 1)) return;
+        if (!clear_of_ends(p, along, clearance_) || !clear_of_ends(q, along_other, clearance_)) return;
         const auto point = static_cast<std::uint32_t>(points_.size());
         points_.push_back(points_[one.a] + along * (points_[one.b] - points_[one.a]));
         cuts_.push_back({s, along, point});
@@ -65,13 +70,14 @@ class SliceContacts {
     bool cut_at_end(std::uint32_t segment, const Segment2& s, Vec2 end, std::uint32_t point) {
         double share = 0;
         if (point == segments_[segment].a || point == segments_[segment].b || !lies_on(s, end, share)) return false;
-        cuts_.push_back({segment, share, point});
+        if (clear_of_ends(s, share, clearance_)) cuts_.push_back({segment, share, point});
         return true;
     }
 
     const Plane& plane_;
     const std::vector<ContourSegment>& segments_;
     std::vector<std::uint32_t> chosen_;
+    double clearance_;
     std::vector<Vec3>& points_;
     std::vector<SegmentCut>& cuts_;
 };
@@ -105,13 +111,13 @@ std::vector<ContourSegment> distinct_segments(const ContourSet& contours, const 
 }
 
 std::vector<SegmentCut> cuts_at_contacts(const ContourSet& contours, const std::vector<ContourSegment>& segments,
-                                         std::vector<Vec3>& points) {
+                                         double clearance_mm, std::vector<Vec3>& points) {
     std::vector<SegmentCut> cuts;
     if (contours.structures.size() < 2) return cuts;  // contours of one structure do not meet
     std::vector<std::vector<std::uint32_t>> by_slice(contours.slices.size());
     for (std::uint32_t s = 0; s < segments.size(); ++s) by_slice[segments[s].slice].push_back(s);
     for (std::uint32_t slice = 0; slice < by_slice.size(); ++slice) {
-        SliceContacts(contours.slices[slice].plane, segments, std::move(by_slice[slice]), points, cuts).find();
+        SliceContacts(contours.slices[slice].plane, segments, std::move(by_slice[slice]), clearance_mm, points, cuts).find();
     }
     std::sort(cuts.begin(), cuts.end(), [](const SegmentCut& x, const SegmentCut& y) {
         return x.segment != y.segment ? x.segment < y.segment : x.point < y.point;

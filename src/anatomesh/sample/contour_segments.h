@@ -35,9 +35,10 @@ struct SegmentCut {
 };
 
 // Both segments of a crossing are cut at one new point, appended to `points`; where a segment's end lies on another one
-// (within 1e-7 of its length), that one is cut there. Sorted; at most one cut of a segment at a point.
+// (within 1e-7 of its length), that one is cut there. Nothing is cut within `clearance_mm` of an end: points so close would
+// force tiny cells. Sorted; at most one cut of a segment at a point.
 // Complexity: O(n log n + contacts).
 std::vector<SegmentCut> cuts_at_contacts(const ContourSet& contours, const std::vector<ContourSegment>& segments,
-                                         std::vector<Vec3>& points);
+                                         double clearance_mm, std::vector<Vec3>& points);
 
 }  // namespace anatomesh

@@ -43,7 +43,7 @@ TEST(ContourSegments, crossing_contours_share_a_new_point) {
     Given given = given_by(drawing);
     const std::size_t before = given.points.size();
     const auto segments = distinct_segments(given.set, given.vertices);
-    const auto cuts = cuts_at_contacts(given.set, segments, given.points);
+    const auto cuts = cuts_at_contacts(given.set, segments, 0.1, given.points);
     ASSERT_EQ(given.points.size(), before + 2);
     ASSERT_EQ(cuts.size(), 4u);
     EXPECT_TRUE(std::is_sorted(cuts.begin(), cuts.end()));
@@ -59,7 +59,7 @@ TEST(ContourSegments, a_segment_is_cut_where_another_ends_on_it) {
     drawing.add(1, 0, rectangle({2, 4}, {5, 7}));
     Given given = given_by(drawing);
     const std::size_t before = given.points.size();
-    const auto cuts = cuts_at_contacts(given.set, distinct_segments(given.set, given.vertices), given.points);
+    const auto cuts = cuts_at_contacts(given.set, distinct_segments(given.set, given.vertices), 0.1, given.points);
     EXPECT_EQ(given.points.size(), before);
     // Cleaning may have welded the two corners into the long side already; then nothing is left to cut.
     const auto segments = distinct_segments(given.set, given.vertices);
@@ -72,7 +72,7 @@ TEST(ContourSegments, contours_of_one_structure_are_left_alone) {
     drawing.add(0, 0, rectangle({0, 0}, {8, 8}));
     drawing.add(0, 0, rectangle({2, 2}, {5, 5}));
     Given given = given_by(drawing);
-    EXPECT_TRUE(cuts_at_contacts(given.set, distinct_segments(given.set, given.vertices), given.points).empty());
+    EXPECT_TRUE(cuts_at_contacts(given.set, distinct_segments(given.set, given.vertices), 0.1, given.points).empty());
 }
 
 TEST(MissingPieces, finds_those_that_are_no_edges) {

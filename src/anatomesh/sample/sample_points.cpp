@@ -21,6 +21,7 @@ constexpr double protected_spacing = 0.5;   // of a free point from a contour po
 constexpr double surface_band = 0.45;       // lattice points this near an interface are moved onto it, in sizes
 constexpr double lattice_shift = 0.04;      // of a lattice point from its place, at most, in half steps
 constexpr double size_per_spacing = 1.05;   // of the default size: thin walls get finer points of their own
+constexpr double contact_clearance = 0.2;   // of a contact of two contours from the ends of its segments, in sizes
 constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
 constexpr double position_tolerance = 2e-3; // surface points lie on the interface to within this, in sizes
 
@@ -227,7 +228,7 @@ class SegmentSplitter {
     // `thin` receives the places where a segment runs along a thin wall.
     SegmentGuard split(const ContourSet& contours, const StructureField& field, int threads, std::vector<ThinSpot>& thin) {
         const std::vector<ContourSegment> segments = distinct_segments(contours, sample_.contour_vertices);
-        const std::vector<SegmentCut> cuts = cuts_at_contacts(contours, segments, sample_.points);
+        const std::vector<SegmentCut> cuts = cuts_at_contacts(contours, segments, contact_clearance * size_, sample_.points);
         const std::vector<int> levels = segment_levels(segments, sample_.points, field, size_, threads);
         for (const Vec3& p : sample_.points) guard_.add_point(p);
         auto cut = cuts.begin();
