@@ -138,9 +138,9 @@ class Options(harness.TestCase):
         flat = judge.Model(self.folder / "shape.vtu")
         self.figures("--caps", "half")
         half = judge.Model(self.folder / "shape.vtu")
-        # Free vertices of a cap move by some hundredths of a millimetre when volumes are balanced.
-        self.assertAlmostEqual(flat.points[:, 2].max(), 14.0, delta=0.06)
-        self.assertAlmostEqual(half.points[:, 2].max(), 15.0, delta=0.06)
+        # Free vertices of a cap move by some hundredths of a slice when cells are improved and volumes balanced.
+        self.assertAlmostEqual(flat.points[:, 2].max(), 14.0, delta=0.1)
+        self.assertAlmostEqual(half.points[:, 2].max(), 15.0, delta=0.1)
 
     def test_every_and_offset_take_every_nth_slice(self):
         for every, offset, slices in ((1, 0, 15), (2, 0, 8), (2, 1, 7), (4, 3, 3)):
