@@ -34,15 +34,20 @@ double voxel_volume(const ImageGeometry& geometry) {
     return std::abs(dot(cross(geometry.step[0], geometry.step[1]), geometry.step[2]));
 }
 
-Result<Json> image_json(const LoadedImage& loaded, RunContext& context) {
-    const ImageGeometry& geometry = loaded.image.geometry;
-    const ImageFacts& facts = loaded.facts;
+Json geometry_json(const ImageGeometry& geometry) {
     Json json;
     json["size"] = geometry.size;
     json["spacing_mm"] = {length(geometry.step[0]), length(geometry.step[1]), length(geometry.step[2])};
     json["origin_mm"] = vector_json(geometry.origin);
     json["axes"] = {vector_json(normalized(geometry.step[0])), vector_json(normalized(geometry.step[1])),
                     vector_json(normalized(geometry.step[2]))};
+    return json;
+}
+
+Result<Json> image_json(const LoadedImage& loaded, RunContext& context) {
+    const ImageGeometry& geometry = loaded.image.geometry;
+    const ImageFacts& facts = loaded.facts;
+    Json json = geometry_json(geometry);
     json["voxel_type"] = facts.voxel_type;
     json["values"] = {{"low", facts.low}, {"high", facts.high}, {"not_finite", facts.not_finite}};
     json["label_map"] = looks_like_label_map(facts);
@@ -63,12 +68,7 @@ Result<Json> image_json(const LoadedImage& loaded, RunContext& context) {
 // As that of a label map.
 Json segmentation_json(const LoadedSegmentation& loaded) {
     const ImageGeometry& geometry = loaded.layers[0].geometry;
-    Json json;
-    json["size"] = geometry.size;
-    json["spacing_mm"] = {length(geometry.step[0]), length(geometry.step[1]), length(geometry.step[2])};
-    json["origin_mm"] = vector_json(geometry.origin);
-    json["axes"] = {vector_json(normalized(geometry.step[0])), vector_json(normalized(geometry.step[1])),
-                    vector_json(normalized(geometry.step[2]))};
+    Json json = geometry_json(geometry);
     json["voxel_type"] = loaded.type;
     json["layers"] = loaded.layers.size();
     json["frames"] = loaded.frames;

@@ -10,30 +10,11 @@ namespace {
 // that both ends share are the two across the edge (link condition, Dey, Edelsbrunner, Guha and Nekhayev,
 // Publ. Inst. Math. 66, 1999), and if the surface stays near the field's interface.
 bool may_leave_surface(Workbench& bench, std::uint32_t from, std::uint32_t to) {
-    const Region side = bench.mesh.region(bench.star[0]);
-    Region other = side;
-    std::vector<std::array<std::uint32_t, 2>> rim;  // of the disc round `from`, seen from `side`
+    std::vector<std::array<std::uint32_t, 2>> rim;  // of the disc round `from`
+    if (!surface_facets_at(bench, from, rim)) return false;
     double before = 0;
-    for (const std::uint32_t c : bench.star) {
-        const Region region = bench.mesh.region(c);
-        if (region != side) {
-            if (other == side) other = region;
-            if (region != other) return false;
-            continue;
-        }
-        const Cell& cell = bench.mesh.cell(c);
-        for (int i = 0; i < 4; ++i) {
-            if (cell[i] == from) continue;
-            const std::uint32_t n = bench.mesh.neighbor(c, i);
-            if (n == no_cell) return false;
-            if (bench.mesh.region(n) == side) continue;
-            std::array<std::uint32_t, 3> f{cell[facet_vertices[i][0]], cell[facet_vertices[i][1]],
-                                           cell[facet_vertices[i][2]]};
-            while (f[0] != from) f = {f[1], f[2], f[0]};
-            rim.push_back({f[1], f[2]});
-            before = std::max(before, bench.facet_distance(bench.mesh.point(from), bench.mesh.point(f[1]),
-                                                           bench.mesh.point(f[2])));
-        }
+    for (const auto& [u, w] : rim) {
+        before = std::max(before, bench.facet_distance(bench.mesh.point(from), bench.mesh.point(u), bench.mesh.point(w)));
     }
     int at_edge = 0;
     for (const auto& [u, w] : rim) at_edge += u == to || w == to;

@@ -17,29 +17,10 @@ struct SurfaceFan {
 
 // False where three or more regions meet, or the mesh ends.
 bool surface_fan(Workbench& bench, std::uint32_t v, SurfaceFan& fan) {
-    const Region side = bench.mesh.region(bench.star[0]);
-    Region other = side;
+    if (!surface_facets_at(bench, v, fan.facets)) return false;
     Vec3 sum;
-    for (const std::uint32_t c : bench.star) {
-        const Region region = bench.mesh.region(c);
-        if (region != side) {
-            if (other == side) other = region;
-            if (region != other) return false;
-            continue;
-        }
-        const Cell& cell = bench.mesh.cell(c);
-        for (int i = 0; i < 4; ++i) {
-            if (cell[i] == v) continue;
-            const std::uint32_t n = bench.mesh.neighbor(c, i);
-            if (n == no_cell) return false;
-            if (bench.mesh.region(n) == side) continue;
-            std::array<std::uint32_t, 3> f{cell[facet_vertices[i][0]], cell[facet_vertices[i][1]],
-                                           cell[facet_vertices[i][2]]};
-            while (f[0] != v) f = {f[1], f[2], f[0]};
-            fan.facets.push_back({f[1], f[2]});
-            sum += cross(bench.mesh.point(f[1]) - bench.mesh.point(v),
-                         bench.mesh.point(f[2]) - bench.mesh.point(v));
-        }
+    for (const auto& [u, w] : fan.facets) {
+        sum += cross(bench.mesh.point(u) - bench.mesh.point(v), bench.mesh.point(w) - bench.mesh.point(v));
     }
     const double size = length(sum);
     if (!(size > 0)) return false;

@@ -73,4 +73,29 @@ bool Workbench::near_interface(std::uint32_t a, std::uint32_t b, std::uint32_t c
            std::max(before, options.max_deviation_mm);
 }
 
+bool surface_facets_at(const Workbench& bench, std::uint32_t vertex, std::vector<std::array<std::uint32_t, 2>>& facets) {
+    const Region side = bench.mesh.region(bench.star[0]);
+    Region other = side;
+    for (const std::uint32_t c : bench.star) {
+        const Region region = bench.mesh.region(c);
+        if (region != side) {
+            if (other == side) other = region;
+            if (region != other) return false;
+            continue;
+        }
+        const Cell& cell = bench.mesh.cell(c);
+        for (int i = 0; i < 4; ++i) {
+            if (cell[i] == vertex) continue;
+            const std::uint32_t n = bench.mesh.neighbor(c, i);
+            if (n == no_cell) return false;
+            if (bench.mesh.region(n) == side) continue;
+            std::array<std::uint32_t, 3> f{cell[facet_vertices[i][0]], cell[facet_vertices[i][1]],
+                                           cell[facet_vertices[i][2]]};
+            while (f[0] != vertex) f = {f[1], f[2], f[0]};
+            facets.push_back({f[1], f[2]});
+        }
+    }
+    return true;
+}
+
 }  // namespace anatomesh

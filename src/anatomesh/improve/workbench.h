@@ -78,4 +78,8 @@ class Workbench {
     std::span<const VertexPair> fixed_edges_;
 };
 
+// The facets of the only surface at a vertex, seen from the region of the first cell of `bench.star`, which is the vertex's
+// star: of each the two other vertices, in the facet's order. False where three or more regions meet, or the mesh ends.
+bool surface_facets_at(const Workbench& bench, std::uint32_t vertex, std::vector<std::array<std::uint32_t, 2>>& facets);
+
 }  // namespace anatomesh
