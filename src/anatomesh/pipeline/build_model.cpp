@@ -168,7 +168,6 @@ class Builder {
             std::vector<Vec3> found;
             find_crossing_points(mesh_->points(), mesh_->cells(), mesh_->sides(), *field_, structures_, mesh_->grid(),
                                  sample_->guard, crossing_spacing, found, context_);
-            if (not_worth_a_round(found.size(), 500) && round > 0) break;
             if (found.empty()) break;
             crossing_points += static_cast<double>(found.size());
             ANATOMESH_CHECK_STATUS(grow(found));

@@ -14,8 +14,6 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double clear_of_surface = 0.15;  // of a circumcentre taken in a surface point's place, in circumradii
-
 struct BadCell {
     std::uint32_t cell;
     double ratio;
@@ -74,13 +72,7 @@ void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfacePr
     bad.on_surface = on_surface.has_value();
     if (!on_surface) on_surface = center;
     // Rounding and the points of earlier rounds can bring even a circumcentre close to a vertex.
-    if (all_points.any_within(*on_surface, options.min_spacing * shortest)) {
-        // A vertex is there already, so the circumcentre itself, unless that lies nearly on the interface too.
-        if (!bad.on_surface || bad.flat || probe.distance(center) < clear_of_surface * bad.radius) return;
-        bad.on_surface = false;
-        on_surface = center;
-        if (all_points.any_within(center, options.min_spacing * shortest)) return;
-    }
+    if (all_points.any_within(*on_surface, options.min_spacing * shortest)) return;
     const std::uint32_t ball = guard.ball_at(*on_surface, options.protected_share);
     if (ball == SegmentGuard::no_ball) {
         bad.point = on_surface;
