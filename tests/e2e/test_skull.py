@@ -33,23 +33,22 @@ class Skull(harness.TestCase):
         cls.addClassCleanup(shutil.rmtree, cls.made, ignore_errors=True)
         words = [harness.PROGRAM, "model", str(cls.path), *BONE, "--every", "2", "-o", "skull.vtu", "--threads", "1",
                  "--surface", "skull.stl", "--surface", "skull.vtp", "--contours", "skull_contours.vtp", "--html", "skull.html"]
-        start = time.monotonic()
         process = subprocess.Popen(words, cwd=cls.made, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         cls.output = process.stdout.read().decode()
         _, status, usage = os.wait4(process.pid, 0)
-        cls.seconds, cls.memory = time.monotonic() - start, usage.ru_maxrss * 1024
+        cls.processor_seconds, cls.memory = usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024
         process.returncode = os.waitstatus_to_exitcode(status)
         assert process.returncode == 0, cls.output
         cls.model = judge.Model(cls.made / "skull.vtu")
         cls.report = json.loads((cls.made / "skull.report.json").read_text())
 
     def test_size_speed_and_memory(self):
-        """The benchmark measures speed; a loaded machine must not fail the tests, so the bound here is loose."""
+        """The benchmark measures speed; here it is processor time, and the bound is loose."""
         count = len(self.model.cells)
         self.assertGreaterEqual(count, 150_000)
         self.assertLessEqual(count, 350_000)
         self.assertLess(self.memory, 1e9)
-        self.assertGreater(count / self.seconds, 10_000)
+        self.assertGreater(count / self.processor_seconds, 10_000)
 
     def test_contract(self):
         model = self.model
@@ -64,13 +63,28 @@ class Skull(harness.TestCase):
             expected = "not promised yet" if clause["clause"] == 2 else "kept"
             self.assertEqual(clause["state"].replace("_", " "), expected, clause)
 
-    def test_contour_vertices_are_on_the_surface(self):
+    def contour_vertices(self):
         import vtk
         from vtk.util.numpy_support import vtk_to_numpy
         reader = vtk.vtkXMLPolyDataReader()
         reader.SetFileName(str(self.made / "skull_contours.vtp"))
         reader.Update()
-        vertices = vtk_to_numpy(reader.GetOutput().GetPoints().GetData()).astype(float)
+        return vtk_to_numpy(reader.GetOutput().GetPoints().GetData()).astype(float)
+
+    def test_hardly_any_spikes(self):
+        """A spike is a tetrahedron with three facets on the surface whose tip no contour forces."""
+        cells = self.model.cells
+        facets = np.sort(np.stack([cells[:, [1, 2, 3]], cells[:, [0, 2, 3]], cells[:, [0, 1, 3]], cells[:, [0, 1, 2]]]), axis=2)
+        _, place, count = np.unique(facets.reshape(-1, 3), axis=0, return_inverse=True, return_counts=True)
+        free = (count[place.ravel()] == 1).reshape(4, -1)  # by the vertex opposite
+        ears = np.flatnonzero(free.sum(axis=0) == 3)
+        tips = self.model.points[cells[ears, np.argmin(free[:, ears], axis=0)]]
+        drawn = {tuple(vertex) for vertex in self.contour_vertices()}
+        spikes = [tuple(tip) for tip in tips if tuple(tip) not in drawn]
+        self.assertLessEqual(len(spikes), 10, spikes)
+
+    def test_contour_vertices_are_on_the_surface(self):
+        vertices = self.contour_vertices()
         self.assertGreater(len(vertices), 15_000)
         self.assertEqual(judge.share_on_surface(self.model, self.model.surface(), vertices), 1.0)
 

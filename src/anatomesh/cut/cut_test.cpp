@@ -84,8 +84,8 @@ void cut_and_check(Case& random, std::uint32_t structures, const ContourOwners& 
     std::vector<std::uint32_t> unsound;
     if (relabel_first) {
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());
-        const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars, owners,
-                                           random.mesh.regions, random.registry, unsound);
+        const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars,
+                                           owners, {}, random.mesh.regions, random.registry, unsound);
         EXPECT_LT(stats.unsound_after, stats.unsound_before);
     } else {
         for (std::uint32_t v = 0; v + 8 < random.mesh.points.size(); ++v) unsound.push_back(v);
@@ -149,8 +149,8 @@ TEST(Cut, pieces_of_contour_segments_are_brought_onto_the_surface) {
         const ContourOwners owners({}, random.mesh.points.size(), pieces);
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());
         std::vector<std::uint32_t> unsound;
-        const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars, owners,
-                                           random.mesh.regions, random.registry, unsound);
+        const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars,
+                                           owners, {}, random.mesh.regions, random.registry, unsound);
         before += stats.lost_pieces_before;
         after += stats.lost_pieces_after;
         // Counted anew from the regions.

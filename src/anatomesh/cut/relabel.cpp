@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
+#include "anatomesh/cull/cull.h"
 #include "anatomesh/mesh/quality.h"
 
 namespace anatomesh {
@@ -16,7 +18,8 @@ constexpr double flat_share = 1e-6;  // six volumes in cubes of the longest edge
 struct Move {
     std::vector<std::uint32_t> cells;
     Region region = 0;
-    int change = 0;  // of the sum of defects; negative is better
+    int change = 0;     // of the sum of defects; negative is better
+    int misplaced = 0;  // change of the number of vertices, cell by cell, that the field has on another side
 };
 
 bool nearly_flat(const std::vector<Vec3>& points, const Cell& cell) {
@@ -28,9 +31,15 @@ bool nearly_flat(const std::vector<Vec3>& points, const Cell& cell) {
 
 class Relabeler {
   public:
-    Relabeler(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-              const ContourOwners& owners, std::vector<Region>& regions, RegionRegistry& registry)
-        : cells_(cells), neighbors_(neighbors), stars_(stars), regions_(regions), registry_(registry),
+    Relabeler(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
+              const VertexStars& stars, const ContourOwners& owners, const std::vector<Region>& sides,
+              std::vector<Region>& regions, RegionRegistry& registry)
+        : cells_(cells),
+          neighbors_(neighbors),
+          stars_(stars),
+          sides_(sides),
+          regions_(regions),
+          registry_(registry),
           analyzer_(cells, neighbors, stars, regions, registry.table(), owners) {}
 
     int defect(std::uint32_t vertex) { return analyzer_.defect(vertex); }
@@ -73,7 +82,7 @@ class Relabeler {
             if (n == no_cell || regions_[n] == regions_[cell]) continue;
             int shared = 0;
             for (const std::uint32_t m : neighbors_[cell]) shared += m != no_cell && regions_[m] == regions_[n];
-            if (shared < 2 || change_of({{cell}, regions_[n], 0}) > 0) continue;
+            if (shared < 2 || change_of({{cell}, regions_[n], 0, 0}) > 0) continue;
             regions_[cell] = regions_[n];
             return true;
         }
@@ -84,14 +93,15 @@ class Relabeler {
     // Gives a whole piece to the region with which it shares most facets of the star across its cut.
     void try_piece(const StarPiece& piece) {
         if (const std::optional<Region> region = region_beside(piece.cells, piece.body, piece.inside)) {
-            consider({piece.cells, *region, 0});
+            consider({piece.cells, *region, 0, 0});
         }
     }
 
     void try_single_cells(const StarPiece& piece) {
         if (piece.cells.size() < 2) return;
         for (const std::uint32_t c : piece.cells) {
-            if (const auto region = region_beside({c}, piece.body, piece.inside)) consider({{c}, *region, 0});
+            if (const auto region = region_beside({c}, piece.body, piece.inside))
+                consider({{c}, *region, 0, 0});
         }
     }
 
@@ -104,12 +114,12 @@ class Relabeler {
             const std::uint32_t behind = neighbors_[c][own];
             if (behind == no_cell) continue;
             if (inside(behind, structure) != was_inside) {
-                consider({{c}, regions_[behind], 0});
-                consider({{c}, region, 0});
+                consider({{c}, regions_[behind], 0, 0});
+                consider({{c}, region, 0, 0});
             } else {
                 for (const std::uint32_t next : neighbors_[behind]) {
                     if (next == no_cell || inside(next, structure) == was_inside) continue;
-                    consider({{c, behind}, regions_[next], 0});
+                    consider({{c, behind}, regions_[next], 0, 0});
                     break;
                 }
             }
@@ -121,16 +131,16 @@ class Relabeler {
         for (const std::uint32_t c : stars_.at(vertex)) {
             if (std::find(cells_[c].begin(), cells_[c].end(), piece.other) == cells_[c].end()) continue;
             const bool was_inside = inside(c, piece.structure);
-            consider({{c}, other_side(regions_[c], piece.structure, was_inside), 0});
+            consider({{c}, other_side(regions_[c], piece.structure, was_inside), 0, 0});
             for (const std::uint32_t next : neighbors_[c]) {
                 if (next == no_cell) continue;
                 if (inside(next, piece.structure) != was_inside) {
-                    consider({{c}, regions_[next], 0});
+                    consider({{c}, regions_[next], 0, 0});
                     continue;
                 }
                 for (const std::uint32_t far : neighbors_[next]) {
                     if (far == no_cell || inside(far, piece.structure) == was_inside) continue;
-                    consider({{c, next}, regions_[far], 0});
+                    consider({{c, next}, regions_[far], 0, 0});
                 }
             }
         }
@@ -185,16 +195,27 @@ class Relabeler {
         return change;
     }
 
+    int misplaced(std::uint32_t cell, Region region) const {
+        if (sides_.empty()) return 0;
+        return static_cast<int>(std::count_if(cells_[cell].begin(), cells_[cell].end(), [&](std::uint32_t v) {
+            return sides_[v] != on_interface && sides_[v] != region;
+        }));
+    }
+
     void consider(Move move) {
         move.change = change_of(move);
-        const bool better = !best_ || move.change < best_->change ||
-                            (move.change == best_->change && move.cells.size() < best_->cells.size());
-        if (move.change < 0 && better) best_ = std::move(move);
+        if (move.change >= 0) return;
+        for (const std::uint32_t c : move.cells)
+            move.misplaced += misplaced(c, move.region) - misplaced(c, regions_[c]);
+        if (move.misplaced > 0 && move.change > -defect_weight / 2) return;
+        const auto key = [](const Move& m) { return std::make_tuple(m.change, m.misplaced, m.cells.size()); };
+        if (!best_ || key(move) < key(*best_)) best_ = std::move(move);
     }
 
     const std::vector<Cell>& cells_;
     const std::vector<CellNeighbors>& neighbors_;
     const VertexStars& stars_;
+    const std::vector<Region>& sides_;
     std::vector<Region>& regions_;
     RegionRegistry& registry_;
     StarAnalyzer analyzer_;
@@ -208,10 +229,12 @@ class Relabeler {
 }  // namespace
 
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-                     const std::vector<CellNeighbors>& neighbors, const VertexStars& stars, const ContourOwners& owners,
-                     std::vector<Region>& regions, RegionRegistry& registry, std::vector<std::uint32_t>& unsound) {
+                     const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
+                     const ContourOwners& owners, const std::vector<Region>& sides,
+                     std::vector<Region>& regions, RegionRegistry& registry,
+                     std::vector<std::uint32_t>& unsound) {
     RelabelStats stats;
-    Relabeler relabeler(cells, neighbors, stars, owners, regions, registry);
+    Relabeler relabeler(cells, neighbors, stars, owners, sides, regions, registry);
 
     // Only vertices of an interface, or of a contour, can be unsound.
     std::vector<std::uint8_t> suspect;

@@ -18,16 +18,22 @@ struct RelabelStats {
     std::uint64_t flat_cells_peeled = 0;                  // nearly flat cells given to the region beside them
 };
 
-// Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect, and the pieces of contour segments off
-// their surface): at an unsound vertex a piece too
-// many is given to the region beside it, or, where a contour vertex is off its surface, one or two cells at it
-// change sides, or, where a piece of a contour segment is, one or two cells at that edge, whenever the sum falls. Vertices are taken in rising order, round by round, until nothing falls.
-// Guarantees: the sum never rises; same result every time. Does not always reach 0: what is left is for
-// split_unsound(). `unsound` receives the vertices left, in rising order.
-// Last, nearly flat cells at an interface (six volumes below a millionth of the cube of the longest edge: four vertices
-// of two contours one above the other) go to the other side where no defect rises: that moves the surface by less than
-// a millionth of an edge.
-RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors, const VertexStars& stars, const ContourOwners& owners,
-                     std::vector<Region>& regions, RegionRegistry& registry, std::vector<std::uint32_t>& unsound);
+// Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect, and the pieces of contour
+// segments off their surface): at an unsound vertex a piece too many is given to the region beside it, or,
+// where a contour vertex is off its surface, one or two cells at it change sides, or, where a piece of a
+// contour segment is, one or two cells at that edge, whenever the sum falls. Vertices are taken in rising
+// order, round by round, until nothing falls. Among moves of one effect that with the fewest vertices left on
+// a side where the field does not have them: `sides` holds the region of every vertex off the interfaces
+// (find_sides() of cull/cull.h; empty: not looked at). A piece of a contour segment is not brought back at
+// the price of such a vertex: that would be a spike. Guarantees: the sum never rises; same result every time.
+// Does not always reach 0: what is left is for split_unsound(). `unsound` receives the vertices left, in
+// rising order. Last, nearly flat cells at an interface (six volumes below a millionth of the cube of the
+// longest edge: four vertices of two contours one above the other) go to the other side where no defect
+// rises: that moves the surface by less than a millionth of an edge.
+RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
+                     const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
+                     const ContourOwners& owners, const std::vector<Region>& sides,
+                     std::vector<Region>& regions, RegionRegistry& registry,
+                     std::vector<std::uint32_t>& unsound);
 
 }  // namespace anatomesh

@@ -33,6 +33,7 @@ class Climber {
     }
 
     void run(RunContext& context) {
+        drop_ears();
         collect();
         bench_.stats.bad_before = queue_.size();
         bench_.stats.worst_before_degrees = worst_degrees();
@@ -40,6 +41,7 @@ class Climber {
         // What is left may have more room.
         bench_.options.max_deviation_mm *= bench_.options.last_deviation;
         climb(context);
+        drop_ears();
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
     }
@@ -50,6 +52,15 @@ class Climber {
             const std::uint64_t gained = drain();
             collect();
             if (gained * 50 < queue_.size() || gained == 0) break;
+        }
+    }
+
+    void drop_ears() {
+        for (bool any = true; any;) {
+            any = false;
+            for (std::uint32_t c = 0; c < bench_.mesh.cell_count(); ++c) {
+                any = (bench_.mesh.alive(c) && drop_ear(bench_, c, target_)) || any;
+            }
         }
     }
 

@@ -34,17 +34,18 @@ struct DihedralStats {
     double worst_before_degrees = 90, worst_after_degrees = 90;  // by the least sine
     // Operations that were applied.
     std::uint64_t vertices_moved = 0, surface_vertices_moved = 0, edges_removed = 0, facets_removed = 0,
-                  surface_edges_flipped = 0, cells_peeled = 0, edges_collapsed = 0, vertices_inserted = 0,
-                  tries = 0;
+                  surface_edges_flipped = 0, cells_peeled = 0, ears_dropped = 0, edges_collapsed = 0,
+                  vertices_inserted = 0, tries = 0;
 };
 
 // Takes the cells inside (of a region other than 0) with a dihedral angle below the target, worst first, and
 // tries on each in turn: edge removal and facet removal (2-3, 3-2, 4-4 and general), moving its vertices,
 // giving it to the other side of an interface, collapsing its edges, inserting a vertex. What makes the least
-// sine of the dihedral angles of all cells concerned larger is done, nothing else. Guarantees: no cell inside
-// with an angle below the least before; all cells positive by exact orientation; vertices with fixed[v] != 0
-// do not move and stay on their surfaces; `fixed_edges` (sorted, ends fixed) that lie on an interface stay
-// edges of it; the interfaces keep their topology: each operation replaces a disc of an interface by a disc;
+// sine of the dihedral angles of all cells concerned larger is done, nothing else. Before and after, spikes
+// and pits of one cell are taken off the surfaces where the field has none. Guarantees: no cell inside with
+// an angle below the least before; all cells positive by exact orientation; vertices with fixed[v] != 0 do
+// not move and stay on their surfaces; `fixed_edges` (sorted, ends fixed) that lie on an interface stay edges
+// of it; the interfaces keep their topology: each operation replaces a disc of an interface by a disc;
 // junctions of three or more regions do not change. No ratio above the bound arises but in the place of one
 // as large. Cells outside serve as room; they stay positive, and none gets nearly flat but in the place of
 // one as flat. Same result every time. `fixed` grows with the points. Cells keep no order. Points no longer

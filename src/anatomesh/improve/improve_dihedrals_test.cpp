@@ -86,6 +86,49 @@ TEST(ImproveDihedrals, repeats_bit_for_bit_and_leaves_what_is_good) {
 }
 
 // All edges of a surface whose vertices are fixed are kept when asked for.
+// A cell beside the surface, in the region beyond it, whose fourth vertex is free and off the surface.
+std::uint32_t cell_beyond_the_surface(const TetMesh& mesh, const std::vector<std::uint8_t>& on, Region region,
+                                      std::uint32_t from) {
+    const std::vector<std::uint32_t> neighbors = cell_neighbors(mesh.cells, mesh.points.size());
+    for (std::uint32_t c = from; c < mesh.cells.size(); ++c) {
+        if (mesh.regions[c] != region || sine_of(mesh, mesh.cells[c]) < 0.4) continue;
+        for (std::uint32_t i = 0; i < 4; ++i) {
+            const std::uint32_t n = neighbors[4 * c + i];
+            if (n != no_cell && mesh.regions[n] != region && !on[mesh.cells[c][i]]) return c;
+        }
+    }
+    return no_cell;
+}
+
+// Spikes and pits of one cell, made on a ball's surface, are taken off again.
+TEST(ImproveDihedrals, takes_spikes_and_pits_of_one_cell_off_the_surface) {
+    LabelledCase c = sampled_case("ball", AnalyticField({ball({}, 6)}, 7), 1, 1'000'000);
+    const auto on = on_surface(c.mesh, c.regions, 0);
+    const Region inside = 1;
+    std::size_t made = 0;
+    std::vector<std::uint8_t> touched(c.mesh.points.size(), 0);
+    for (const Region region : {Region{0}, inside}) {
+        std::uint32_t cell = 0;
+        for (int n = 0; n < 200; ++n) {
+            cell = cell_beyond_the_surface(c.mesh, on, region, cell + 1);
+            if (cell == no_cell) break;
+            const Cell& v = c.mesh.cells[cell];
+            if (std::any_of(v.begin(), v.end(), [&](std::uint32_t p) { return touched[p] != 0; })) continue;
+            for (const std::uint32_t p : v) touched[p] = 1;
+            c.mesh.regions[cell] = region == 0 ? inside : Region{0};
+            ++made;
+        }
+    }
+    ASSERT_GT(made, 4u);
+    const Improved done = improved(c);
+    EXPECT_GE(done.stats.ears_dropped, made * 3 / 4);
+    const auto after = on_surface(done.mesh, c.regions, 0);
+    for (std::size_t v = 0; v < on.size(); ++v) {
+        if (on[v] || !after[v]) continue;
+        EXPECT_LT(c.field.interface_distance(done.mesh.points[v]), 0.1) << v;
+    }
+}
+
 TEST(ImproveDihedrals, keeps_fixed_edges_on_the_surface) {
     LabelledCase c = random_case("random", AnalyticField({ball({}, 7)}, 9), 1, 11);
     std::vector<VertexPair> edges;

@@ -25,6 +25,12 @@ bool move_vertex(Workbench& bench, std::uint32_t v);
 // interface.
 bool peel_cell(Workbench& bench, std::uint32_t cell);
 
+// Gives an ear - a cell with three facets on one surface, whose common vertex is free and off the field's
+// interface - to the region beyond, where the facet that comes to the surface in their place lies nearer to
+// the field's interface: the surface loses a spike, or a pit. A cell that comes inside must have at least
+// this sine.
+bool drop_ear(Workbench& bench, std::uint32_t cell, double least_sine_inside);
+
 // Moves vertex `from` onto `to`, the other end of edge `e` of a cell, and drops the cells at the edge.
 bool collapse_edge(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second);
 

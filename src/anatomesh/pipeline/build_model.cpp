@@ -24,7 +24,6 @@ namespace anatomesh {
 namespace {
 
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
-constexpr double crossing_spacing = 0.3;      // of a crossing point from others, in lengths of its edge
 constexpr double balance_reach = 0.25;        // no vertex moves further than this for the volume's sake, in sizes
 constexpr double surface_deviation = 0.06;    // of the middle of an interface facet from the interface, in sizes
 constexpr int max_attempts = 3;               // with a default size; each one finer
@@ -164,14 +163,8 @@ class Builder {
 
     Status refine_cells() {
         double crossing_points = 0, deviation_points = 0, circumcenters = 0, surface_points = 0;
-        for (int round = 0; round < crossing_rounds; ++round) {
-            std::vector<Vec3> found;
-            find_crossing_points(mesh_->points(), mesh_->cells(), mesh_->sides(), *field_, structures_, mesh_->grid(),
-                                 sample_->guard, crossing_spacing, found, context_);
-            if (found.empty()) break;
-            crossing_points += static_cast<double>(found.size());
-            ANATOMESH_CHECK_STATUS(grow(found));
-        }
+        CrossingOptions crossing;
+        ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossing_points));
         DeviationOptions deviation;
         deviation.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
         for (int round = 0; round < deviation_rounds; ++round) {
@@ -200,6 +193,9 @@ class Builder {
             if (count == 0 || (round > 2 && not_worth_a_round(count, 800))) break;
             ANATOMESH_CHECK_STATUS(grow(found, stats.balls));
         }
+        // Edges that came to cross an interface since the first rounds would end as spikes.
+        crossing.protected_share = pieces_.empty() ? 0 : 0.5;
+        ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossing_points));
         ANATOMESH_CHECK_STATUS(recover_segments(0));
         figures_ = {{"crossing_points", crossing_points},
                     {"deviation_points", deviation_points},
@@ -207,6 +203,21 @@ class Builder {
                     {"surface_points", surface_points},
                     {"segment_points", static_cast<double>(segment_vertices_.size())}};
         return end_stage("refine", 0.6);
+    }
+
+    // Points where edges cross an interface; contour segments that keep them off are split instead.
+    Status meet_crossings(const CrossingOptions& options, double& points) {
+        for (int round = 0; round < crossing_rounds; ++round) {
+            std::vector<Vec3> found;
+            const CrossingStats stats =
+                find_crossing_points(mesh_->points(), mesh_->cells(), mesh_->sides(), *field_, structures_,
+                                     mesh_->grid(), sample_->guard, options, found, context_);
+            if (found.empty() && (options.protected_share == 1 || stats.balls.empty())) break;
+            points += static_cast<double>(found.size());
+            ANATOMESH_CHECK_STATUS(
+                grow(found, options.protected_share == 1 ? std::vector<std::uint32_t>{} : stats.balls));
+        }
+        return Nothing{};
     }
 
     // The last few points: a round looks at the whole mesh.
@@ -287,7 +298,7 @@ class Builder {
         {
             const VertexStars stars(mesh_->cells().cells, mesh.points.size());
             relabelled = relabel(mesh.points, mesh_->cells().cells, mesh_->cells().neighbors, stars, owners,
-                                 mesh_->regions(), mesh_->registry(), unsound);
+                                 mesh_->sides(), mesh_->regions(), mesh_->registry(), unsound);
         }
         mesh.cells = mesh_->cells().cells;
         mesh.regions = mesh_->regions();
@@ -334,6 +345,7 @@ class Builder {
                     {"facets_removed", static_cast<double>(dihedrals.facets_removed)},
                     {"surface_edges_flipped", static_cast<double>(dihedrals.surface_edges_flipped)},
                     {"cells_peeled", static_cast<double>(dihedrals.cells_peeled)},
+                    {"ears_dropped", static_cast<double>(dihedrals.ears_dropped)},
                     {"edges_collapsed", static_cast<double>(dihedrals.edges_collapsed)},
                     {"vertices_inserted", static_cast<double>(dihedrals.vertices_inserted)},
                     {"largest_volume_offset_mm", balanced.largest_offset_mm},

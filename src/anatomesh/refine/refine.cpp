@@ -140,8 +140,9 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
 
 CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<Region>& sides, const StructureField& field,
-                                   std::uint32_t structures, const PointGrid& all_points, const SegmentGuard& guard,
-                                   double min_spacing, std::vector<Vec3>& found, RunContext& context) {
+                                   std::uint32_t structures, const PointGrid& all_points,
+                                   const SegmentGuard& guard, const CrossingOptions& options,
+                                   std::vector<Vec3>& found, RunContext& context) {
     CrossingStats stats;
     std::vector<std::array<std::uint32_t, 2>> edges;
     for (const Cell& cell : mesh.cells) {
@@ -155,14 +156,16 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
     stats.crossing_edges = edges.size();
 
     std::vector<std::optional<Vec3>> crossings(edges.size());
+    std::vector<std::uint32_t> balls(edges.size(), SegmentGuard::no_ball);
     parallel_for(edges.size(), 256, context.threads, [&](std::size_t first, std::size_t last) {
         InterfaceProbe probe(field, structures);
         for (std::size_t n = first; n < last; ++n) {
             const Vec3 p = points[edges[n][0]], q = points[edges[n][1]];
             const double span = length(q - p);
             const std::optional<Vec3> crossing = probe.first_crossing(p, q, 0.25 * span, 1e-3 * span);
-            if (!crossing || all_points.any_within(*crossing, min_spacing * span) || !guard.outside_balls(*crossing)) continue;
-            crossings[n] = crossing;
+            if (!crossing || all_points.any_within(*crossing, options.min_spacing * span)) continue;
+            balls[n] = guard.ball_at(*crossing, options.protected_share);
+            if (balls[n] == SegmentGuard::no_ball) crossings[n] = crossing;
         }
     });
     double total = 0;
@@ -178,6 +181,11 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
         chosen.add(*crossings[n]);
         found.push_back(*crossings[n]);
     }
+    for (const std::uint32_t ball : balls) {
+        if (ball != SegmentGuard::no_ball) stats.balls.push_back(ball);
+    }
+    std::sort(stats.balls.begin(), stats.balls.end());
+    stats.balls.erase(std::unique(stats.balls.begin(), stats.balls.end()), stats.balls.end());
     return stats;
 }
 

@@ -46,19 +46,30 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
                                    const SegmentGuard& guard, const RefineOptions& options, std::vector<Vec3>& found,
                                    RunContext& context);
 
-struct CrossingStats {
-    std::uint64_t crossing_edges = 0;  // mesh edges from one region to another with no vertex between
-    std::uint64_t refused = 0;         // of these: a vertex is already too near to the crossing
+struct CrossingOptions {
+    double min_spacing = 0.3;  // of a crossing point from others, in lengths of its edge. (0, 1]
+    double protected_share =
+        1;  // of the diametral balls of contour segments, kept free of points, by radius. [0, 1]
 };
 
-// Points where mesh edges between vertices of two different regions cross the interface: the contour crosses a cell
-// there, and a cell must have a vertex there before it can be split along it (the cut of the 2006 method).
-// A point keeps `min_spacing` lengths of its edge from every other one.
-// Requires: sides as find_sides() (cull/cull.h) gives them. Complexity: O(cells log cells). Same result at any thread count.
+struct CrossingStats {
+    std::uint64_t crossing_edges = 0;  // mesh edges from one region to another with no vertex between
+    std::uint64_t refused =
+        0;  // of these: a vertex is already too near to the crossing, or a contour segment
+    std::vector<std::uint32_t>
+        balls;  // of the guard: pieces of contour segments to split instead; rising, distinct
+};
+
+// Points where mesh edges between vertices of two different regions cross the interface: the contour crosses
+// a cell there, and a cell must have a vertex there before it can be split along it (the cut of the 2006
+// method). A point keeps min_spacing lengths of its edge from every other one, and out of the protected share
+// of the diametral ball of a piece of a contour segment: that piece is to be split. Requires: sides as
+// find_sides() (cull/cull.h) gives them. Complexity: O(cells log cells). Same result at any thread count.
 CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<Region>& sides, const StructureField& field,
-                                   std::uint32_t structures, const PointGrid& all_points, const SegmentGuard& guard,
-                                   double min_spacing, std::vector<Vec3>& found, RunContext& context);
+                                   std::uint32_t structures, const PointGrid& all_points,
+                                   const SegmentGuard& guard, const CrossingOptions& options,
+                                   std::vector<Vec3>& found, RunContext& context);
 
 struct DeviationOptions {
     double max_deviation_mm = 0.1;  // of the middle of an interface facet from the field's interface. > 0

@@ -116,7 +116,7 @@ TEST(Refine, crossing_points_lie_on_the_interface_and_apart) {
     for (int round = 0; round < 4; ++round) {
         std::vector<Vec3> found;
         const CrossingStats stats = find_crossing_points(mesh.points(), mesh.cells, mesh.sides, field, 1,
-                                                         mesh.grid, no_segments, 0.3, found, context);
+                                                         mesh.grid, no_segments, {}, found, context);
         if (round == 0) {
             first = stats.crossing_edges;
             EXPECT_GT(found.size(), 20u);
