@@ -6,11 +6,13 @@ set -eu
 
 # What compiles the program and what it needs to run.
 build="g++ make cmake ninja-build libboost-dev libtbb-dev libdcmtk-dev libgdcm-dev
-libinsighttoolkit5-dev zlib1g-dev libssl-dev libexpat1-dev nlohmann-json3-dev libfmt-dev libcli11-dev"
+libinsighttoolkit5-dev zlib1g-dev libssl-dev libexpat1-dev nlohmann-json3-dev libfmt-dev libcli11-dev
+libcpp-httplib-dev"
 # What the tests need besides: the unit tests' framework, and libraries that judge our readers and writers.
 test="libgtest-dev libcgal-dev libgmp-dev libmpfr-dev python3 python3-numpy python3-scipy python3-vtk9
 python3-meshio python3-nibabel
-python3-pydicom python3-jsonschema gmsh locales dcmtk dicom3tools"
+python3-pydicom python3-jsonschema gmsh locales dcmtk dicom3tools openssl
+orthanc orthanc-dicomweb"
 # The CT skull of the demonstration.
 demo="invesalius-examples"
 # What the benchmark runs beside the program.
@@ -63,3 +65,9 @@ fi
 echo "Installing Debian packages:$missing"
 $sudo apt-get update -q
 $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing
+
+# The tests start an Orthanc of their own: the service that comes with the package is not to run because of them.
+case " $missing " in
+    *" orthanc "*)
+        if command -v systemctl >/dev/null 2>&1; then $sudo systemctl disable --now orthanc.service || true; fi ;;
+esac

@@ -26,7 +26,7 @@ constexpr std::uint32_t most_threads = 1024;
 
 constexpr const char* exit_codes =
     R"(Exit codes: 0 done; 2 the command is wrong; 3 the input is wrong; 4 no correct model can be made of it;
-5 a limit or memory; 6 the file system; 7 a check of the result failed; 130 cancelled.
+5 a limit or memory; 6 the file system or the network; 7 a check of the result failed; 130 cancelled.
 Nothing is written unless the exit code is 0.)";
 
 // Thrown by --limits while options are parsed, as --help is by CLI11.
@@ -81,6 +81,22 @@ const VerbEntry verb_entries[] = {
      R"(Examples:
   anatomesh convert skull.vtu -o skull.msh
   anatomesh convert skull.vtu -o skull.inp)"},
+    {"receive", "Receive DICOM objects from scanners and archives, and model them if asked", declare_receive,
+     R"(Examples:
+  anatomesh receive incoming
+  anatomesh receive incoming --address 0.0.0.0 --port 104 --allow CT1@10.0.0.7 --plain --model)"},
+    {"query", "List the studies, series or instances of an archive", declare_query,
+     R"(Examples:
+  anatomesh query --from ORTHANC@127.0.0.1:4242 --match StudyDate=20260101- --keep-patient-ids
+  anatomesh query --from https://pacs/dicom-web --level series --study 1.2.840.1)"},
+    {"fetch", "Fetch a study, series or instance from an archive", declare_fetch,
+     R"(Examples:
+  anatomesh fetch --from ORTHANC@127.0.0.1:4242 --study 1.2.840.1 -o incoming
+  anatomesh fetch --from https://pacs/dicom-web --study 1.2.840.1 --series 1.2.840.1.1 -o incoming)"},
+    {"send", "Send DICOM objects to an archive", declare_send,
+     R"(Examples:
+  anatomesh send model_surface.dcm --to ORTHANC@127.0.0.1:4242
+  anatomesh send incoming/1.2.840.1 --to https://pacs/dicom-web --user me --password-file secret)"},
 };
 
 Work declare_completion(CLI::App& verb, const CLI::App& app) {

@@ -12,7 +12,8 @@ import unittest
 import harness
 import shapes
 
-VERBS = ("info", "segment", "contours", "field", "model", "check", "compare", "convert", "completion", "manual")
+VERBS = ("info", "segment", "contours", "field", "model", "check", "compare", "convert", "receive", "query", "fetch",
+         "send", "completion", "manual")
 
 
 class Help(harness.TestCase):

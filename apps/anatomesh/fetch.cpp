@@ -1,0 +1,147 @@
+// anatomesh fetch: a study, series or instance from an archive.
+#include "anatomesh_io/network/fetch.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "answer.h"
+#include "network_options.h"
+#include "option_values.h"
+#include "plural.h"
+#include "progress_bar.h"
+#include "verbs.h"
+
+namespace anatomesh {
+
+namespace {
+
+struct FetchVerbOptions {
+    NetworkOptions network;
+    FetchOptions fetch;
+    std::string folder;
+    std::uint32_t port = 0;
+    bool address_given = false;
+};
+
+Error usage_error(const char* code, std::string message, std::string value, std::string next_step) {
+    return {
+        ErrorKind::usage, code, std::move(message), {"", "", "", "", std::move(value)}, std::move(next_step)};
+}
+
+Status check_uids(const FetchOptions& fetch) {
+    for (const auto& [option, uid] : {std::pair{"--study", fetch.study}, std::pair{"--series", fetch.series},
+                                      std::pair{"--instance", fetch.instance}}) {
+        if (!uid.empty() && !is_uid(uid))
+            return usage_error("E-NET-022",
+                               fmt::format("{} takes a UID: digits and points, at most 64", option),
+                               uid.substr(0, 100), "anatomesh query lists those there are");
+    }
+    if (!fetch.instance.empty() && fetch.series.empty())
+        return usage_error("E-CMD-008", "--instance needs --series", "", "give both");
+    return Nothing{};
+}
+
+Status check_destination(const FetchVerbOptions& options, const ConnectOptions& connecting) {
+    const FetchOptions& fetch = options.fetch;
+    const bool moves = !fetch.move_to.empty();
+    if (moves && !is_ae_title(fetch.move_to))
+        return usage_error("E-CMD-001", "--move-to takes an AE title: 1 to 16 ASCII characters, no backslash",
+                           fetch.move_to, "");
+    if (moves && !connecting.peer.dicom)
+        return usage_error("E-CMD-008", "--move-to does not apply: DICOMweb has no C-MOVE", "",
+                           "leave it out");
+    if ((options.port != 0 || options.address_given) && !moves)
+        return usage_error("E-CMD-008", "--port and --address need --move-to", "", "leave them out");
+    const bool receives = !moves || options.port != 0;
+    if (receives && options.folder.empty())
+        return usage_error("E-CMD-001", "-o is needed: the folder for what comes", "", "give -o FOLDER");
+    if (!receives && !options.folder.empty())
+        return usage_error("E-CMD-008", "-o does not apply: the peer sends to another program", "",
+                           "leave it out, or give --port to receive here");
+    return Nothing{};
+}
+
+Status answer_of(const FetchResult& result, const FetchVerbOptions& options, Session& session) {
+    nlohmann::ordered_json answer{{"peer", options.network.peer},
+                                  {"sent", result.sent},
+                                  {"failed", result.failed},
+                                  {"stored", result.stored},
+                                  {"there_already", result.there_already},
+                                  {"refused", result.refused},
+                                  {"bytes", result.bytes},
+                                  {"reasons", result.reasons}};
+    std::string text;
+    if (options.folder.empty()) {
+        text = fmt::format("{} sent to {}\n", counted(result.sent, "object"), options.fetch.move_to);
+    } else {
+        answer["folder"] = options.folder;
+        text = fmt::format("{} stored in {}, {:.1f} MB, {} there already\n", counted(result.stored, "object"),
+                           options.folder, static_cast<double>(result.bytes) / 1e6, result.there_already);
+    }
+    ANATOMESH_CHECK_STATUS(give_summary(session, std::move(answer), text));
+    const Place place{"", "", "", "", options.network.peer};
+    if (result.failed + result.refused > 0) {
+        const std::string why =
+            result.reasons.empty() ? "the peer could not send them" : result.reasons.front();
+        return Error{
+            ErrorKind::file, "E-NET-015",
+            fmt::format("{} did not arrive: {}", counted(result.failed + result.refused, "object"), why),
+            place, "what arrived is kept; fetch again"};
+    }
+    if (result.sent + result.stored + result.there_already == 0)
+        return Error{ErrorKind::input, "E-NET-023", "the peer has nothing of these UIDs", place,
+                     "anatomesh query lists what there is"};
+    return Nothing{};
+}
+
+Status run_fetch(FetchVerbOptions options, Session& session) {
+    ANATOMESH_CHECK_STATUS(check_uids(options.fetch));
+    ANATOMESH_TRY(const ConnectOptions connecting, connect_options(options.network));
+    ANATOMESH_CHECK_STATUS(check_destination(options, connecting));
+    options.fetch.port = static_cast<std::uint16_t>(options.port);
+    RunContext& context = session.context;
+    std::optional<ObjectStore> store;
+    if (!options.folder.empty()) {
+        ObjectStoreOptions storing;
+        storing.max_object_bytes = session.limits.input.max_file_bytes;
+        ANATOMESH_TRY(ObjectStore opened, ObjectStore::open(options.folder, storing));
+        store.emplace(std::move(opened));
+    }
+    std::optional<ProgressBar> bar;
+    if (!session.quiet) {
+        bar.emplace();
+        bar->begin("fetching", 0, 1);
+        context.progress = [&bar](const std::string&, double share) { bar->update(share); };
+    }
+    const auto result = fetch_objects(store ? &*store : nullptr, options.fetch, connecting, context);
+    context.progress = nullptr;
+    bar.reset();
+    if (!result.ok()) return result.error();
+    return answer_of(result.value(), options, session);
+}
+
+}  // namespace
+
+Work declare_fetch(CLI::App& verb) {
+    auto options = std::make_shared<FetchVerbOptions>();
+    add_network_options(verb, "--from", options->network);
+    add_text(verb, "--study", options->fetch.study, "UID", "The study")->required();
+    add_text(verb, "--series", options->fetch.series, "UID", "Only this series of it");
+    add_text(verb, "--instance", options->fetch.instance, "UID", "Only this instance of the series");
+    add_text(verb, "-o,--output", options->folder, "FOLDER",
+             "Where objects go: FOLDER/STUDY/SERIES/INSTANCE.dcm");
+    add_text(verb, "--move-to", options->fetch.move_to, "AE",
+             "Have the peer send to this AE title (C-MOVE) instead of asking it to send here (C-GET)");
+    add_count(verb, "--port", options->port, 1, 65535,
+              "With --move-to: receive here, at this port, which the peer knows for that AE title");
+    add_text(verb, "--address", options->fetch.address, "ADDRESS",
+             "With --port: address to listen at (default 127.0.0.1)")
+        ->each([options](const std::string&) { options->address_given = true; });
+    return [options](Session& session) { return run_fetch(*options, session); };
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,92 @@
+#include "network_options.h"
+
+#include <fmt/format.h>
+
+#include "anatomesh_io/file/input_file.h"
+#include "option_values.h"
+
+namespace anatomesh {
+
+namespace {
+
+Error does_not_apply(const std::string& option, const std::string& peer, const std::string& why) {
+    return {ErrorKind::usage,
+            "E-CMD-008",
+            fmt::format("{} does not apply: {}", option, why),
+            {"", "", "", "", peer},
+            fmt::format("leave out {}", option)};
+}
+
+// The first line of a file.
+Result<std::string> read_password(const std::string& path) {
+    constexpr std::size_t longest = 4096;
+    ANATOMESH_TRY(const std::vector<std::byte> bytes, read_input_start(path, longest));
+    const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return text.substr(0, text.find_first_of("\r\n"));
+}
+
+}  // namespace
+
+void add_title_option(CLI::App& verb, std::string& title) {
+    verb.add_option_function<std::string>(
+            "--title",
+            [&title](const std::string& text) {
+                if (!is_ae_title(text))
+                    throw CLI::ValidationError(
+                        "--title",
+                        fmt::format("'{}' is no AE title: 1 to 16 ASCII characters, no backslash", text));
+                title = text;
+            },
+            "AE title of this program (default ANATOMESH)")
+        ->type_name("AE");
+}
+
+void add_timeout_option(CLI::App& verb, double& seconds) {
+    add_number(verb, "--timeout", seconds, 0.1, 3600, "SECONDS",
+               "How long a peer may be silent, 0.1 to 3600 (default 30)");
+}
+
+void add_tls_files(CLI::App& verb, TlsFiles& files) {
+    add_text(verb, "--tls-certificate", files.certificate, "FILE", "Certificate of this side, PEM");
+    add_text(verb, "--tls-key", files.key, "FILE", "Its key, PEM");
+    add_text(verb, "--tls-authorities", files.authorities, "FILE",
+             "Certificates that the peer's must come from, PEM");
+}
+
+void add_network_options(CLI::App& verb, const std::string& name, NetworkOptions& options) {
+    add_text(verb, name, options.peer, "PEER", "The peer: AE@HOST:PORT, or the URL of a DICOMweb service")
+        ->required();
+    add_title_option(verb, options.title);
+    add_timeout_option(verb, options.timeout_seconds);
+    verb.add_flag("--tls", options.use_tls, "Talk to AE@HOST:PORT over TLS");
+    add_tls_files(verb, options.tls);
+    add_text(verb, "--user", options.user, "NAME", "User of the DICOMweb service");
+    add_text(verb, "--password-file", options.password_file, "FILE", "File whose first line is the password");
+}
+
+Result<ConnectOptions> connect_options(const NetworkOptions& options) {
+    ConnectOptions connecting;
+    ANATOMESH_TRY(connecting.peer, parse_peer(options.peer));
+    const bool is_web = !connecting.peer.dicom;
+    if (is_web && options.use_tls)
+        return does_not_apply("--tls", options.peer, "a URL with https:// says it");
+    if (!is_web && !options.user.empty())
+        return does_not_apply("--user", options.peer, "DICOM peers know AE titles, no users");
+    if (options.user.empty() && !options.password_file.empty())
+        return does_not_apply("--password-file", options.peer, "there is no --user");
+    const bool is_plain = is_web ? options.peer.starts_with("http://") : !options.use_tls;
+    if (is_plain && !options.tls.empty())
+        return does_not_apply("--tls-certificate, --tls-key or --tls-authorities", options.peer,
+                              "this peer is talked to without TLS");
+    connecting.title = options.title;
+    connecting.timeout_seconds = options.timeout_seconds;
+    connecting.use_tls = options.use_tls;
+    connecting.tls = options.tls;
+    connecting.user = options.user;
+    if (!options.password_file.empty()) {
+        ANATOMESH_TRY(connecting.password, read_password(options.password_file));
+    }
+    return connecting;
+}
+
+}  // namespace anatomesh

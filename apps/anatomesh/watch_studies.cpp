@@ -1,0 +1,210 @@
+#include "watch_studies.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <filesystem>
+#include <utility>
+
+#include "anatomesh_io/contour/number_text.h"
+#include "anatomesh_io/dicom/folder.h"
+#include "plural.h"
+
+namespace anatomesh {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* models_folder = "models";
+constexpr const char* failure_name = "failure.txt";
+
+// The number of a version's folder, or 0.
+std::uint32_t version_of(const fs::path& path) {
+    return parse_integer<std::uint32_t>(path.filename().string()).value_or(0);
+}
+
+std::uint32_t latest_version(const fs::path& folder) {
+    std::uint32_t latest = 0;
+    std::error_code error;
+    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+        latest = std::max(latest, version_of(at->path()));
+    return latest;
+}
+
+// Runs in the child, where nothing may be allocated.
+[[noreturn]] void become(char* const* words, const char* failure) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    const int null = ::open("/dev/null", O_RDWR);
+    const int log = ::open(failure, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0666);
+    ::dup2(null, STDIN_FILENO);
+    ::dup2(null, STDOUT_FILENO);
+    ::dup2(log, STDERR_FILENO);
+    const struct rlimit none { 0, 0 };
+    ::setrlimit(RLIMIT_CORE, &none);
+    ::setpriority(PRIO_PROCESS, 0, 10);
+    ::execv("/proc/self/exe", words);
+    ::_exit(127);
+}
+
+}  // namespace
+
+StudyWatch::StudyWatch(std::string folder, const WatchOptions& options,
+                       std::function<void(const std::string&)> say)
+    : folder_(std::move(folder)), options_(options), say_(std::move(say)) {
+    look_around();
+}
+
+StudyWatch::~StudyWatch() {
+    end();
+}
+
+void StudyWatch::look_around() {
+    std::error_code error;
+    for (fs::directory_iterator at(folder_, error), none; !error && at != none; at.increment(error)) {
+        const std::string name = at->path().filename().string();
+        std::error_code ignored;
+        if (name == models_folder || name.starts_with('.') || !at->is_directory(ignored)) continue;
+        fs::file_time_type newest = fs::file_time_type::min();
+        for (fs::recursive_directory_iterator file(at->path(), ignored), end; !ignored && file != end;
+             file.increment(ignored)) {
+            std::error_code unknown;
+            if (file->path().extension() != ".dcm" || !file->is_regular_file(unknown)) continue;
+            const MappedFile bytes(file->path().string());
+            const auto identity = identify_object(bytes.bytes(), name);
+            if (identity.ok()) add(name, identity.value());
+            newest = std::max(newest, file->last_write_time(unknown));
+        }
+        const fs::path models = fs::path(folder_) / models_folder / name;
+        const std::uint32_t latest = latest_version(models);
+        const auto made = latest > 0 ? fs::last_write_time(models / std::to_string(latest), ignored)
+                                     : fs::file_time_type::min();
+        if (studies_.contains(name)) studies_[name].is_due = latest == 0 || newest > made;
+    }
+}
+
+void StudyWatch::add(const std::string& name, const ObjectIdentity& identity) {
+    Study& study = studies_[name];
+    study.last = Clock::now();
+    study.instances.insert(identity.sop_instance);
+    study.references.insert(identity.references.begin(), identity.references.end());
+    study.has_structures = study.has_structures || identity.sop_class == rtstruct_class ||
+                           identity.sop_class == segmentation_class;
+    study.is_due = true;
+    study.was_missed = false;
+}
+
+void StudyWatch::arrived(const StoreOutcome& outcome) {
+    const std::string name = outcome.path.substr(0, outcome.path.find('/'));
+    if (outcome.end == StoreEnd::stored)
+        add(name, outcome.identity);
+    else if (outcome.end == StoreEnd::there_already && studies_.contains(name))
+        studies_[name].last = Clock::now();
+}
+
+std::size_t StudyWatch::missing(const Study& study) const {
+    return static_cast<std::size_t>(
+        std::count_if(study.references.begin(), study.references.end(),
+                      [&](const std::string& uid) { return !study.instances.contains(uid); }));
+}
+
+void StudyWatch::tick(const std::vector<std::string>& busy) {
+    reap();
+    const Clock::time_point now = Clock::now();
+    for (auto& [name, study] : studies_) {
+        if (!study.is_due || !study.has_structures) continue;
+        const double quiet = std::chrono::duration<double>(now - study.last).count();
+        if (quiet < options_.settle_seconds || std::find(busy.begin(), busy.end(), name) != busy.end())
+            continue;
+        if (const std::size_t count = missing(study); count > 0) {
+            if (study.was_missed || quiet < options_.patience * options_.settle_seconds) continue;
+            say_(fmt::format("study {}: incomplete, {} that its structures refer to {} not here; no model",
+                             series_name(name), counted(count, "image"), count == 1 ? "is" : "are"));
+            study.was_missed = true;
+            continue;
+        }
+        if (child_ < 0) start(name, study);
+    }
+}
+
+void StudyWatch::start(const std::string& name, Study& study) {
+    study.is_due = false;
+    const fs::path models = fs::path(folder_) / models_folder / name;
+    const fs::path version = models / std::to_string(latest_version(models) + 1);
+    std::error_code error;
+    fs::create_directories(version, error);
+    if (error) {
+        say_(fmt::format("study {}: no folder for its model: {}", series_name(name), error.message()));
+        return;
+    }
+    const auto in_version = [&](const char* file) { return (version / file).string(); };
+    std::vector<std::string> words{"anatomesh",
+                                   "model",
+                                   (fs::path(folder_) / name).string(),
+                                   "-o",
+                                   in_version("model.vtu"),
+                                   "--surface",
+                                   in_version("model.stl"),
+                                   "--html",
+                                   in_version("model.html"),
+                                   "--dicom-surface",
+                                   in_version("surface.dcm"),
+                                   "--quiet"};
+    if (options_.keep_patient_ids) words.emplace_back("--keep-patient-ids");
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    const std::string failure = in_version(failure_name);
+    const pid_t child = ::fork();
+    if (child == 0) become(pointers.data(), failure.c_str());
+    if (child < 0) {
+        say_(fmt::format("study {}: no process for its model", series_name(name)));
+        study.is_due = true;
+        study.last = Clock::now();
+        return;
+    }
+    child_ = child;
+    child_study_ = name;
+    child_folder_ = version.string();
+    say_(fmt::format("study {}: complete, its model is being made", series_name(name)));
+}
+
+void StudyWatch::reap() {
+    int status = 0;
+    if (child_ < 0 || ::waitpid(child_, &status, WNOHANG) != child_) return;
+    child_ = -1;
+    const std::string study = series_name(child_study_),
+                      version = fs::path(child_folder_).filename().string();
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+        std::error_code ignored;
+        fs::remove(fs::path(child_folder_) / failure_name, ignored);
+        ++models_;
+        say_(fmt::format("study {}: model {} made", study, version));
+    } else if (WIFEXITED(status)) {
+        say_(fmt::format("study {}: no model {}: exit code {}, see its {}", study, version,
+                         WEXITSTATUS(status), failure_name));
+    } else {
+        say_(fmt::format("study {}: no model {}: the process died of signal {}", study, version,
+                         WTERMSIG(status)));
+    }
+}
+
+void StudyWatch::end() {
+    if (child_ < 0) return;
+    ::kill(child_, SIGTERM);
+    while (::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+    child_ = -1;
+    // So that the next run makes up for it.
+    std::error_code ignored;
+    fs::remove_all(child_folder_, ignored);
+}
+
+}  // namespace anatomesh
