@@ -76,6 +76,10 @@ class Hole {
     }
 
     bool take(std::uint32_t c, Vec3 p, double own) {
+        // Facets of an interface stay.
+        for (const Facet& f : facets_) {
+            if (f.beyond == c && f.region != bench_.mesh.region(c)) return false;
+        }
         for (int i = 0; i < 4; ++i) {
             const std::uint32_t n = bench_.mesh.neighbor(c, i);
             if (std::find(cells_.begin(), cells_.end(), n) != cells_.end()) continue;

@@ -35,6 +35,8 @@ constexpr int protected_rounds = 4;           // of these, the first keep out of
 constexpr int small_mesh_rounds = 60;         // tiny segments need a round for each doubling of the size,
 constexpr std::size_t small_mesh = 20000;     // in meshes of fewer points than this
 constexpr int segment_rounds = 8;
+constexpr double free_share =
+    0.25;  // of a piece that is split: no other contour vertex is this near to its middle
 constexpr double shortest_piece = 0.3;       // of a contour segment that is still split, in sizes
 
 // The set moved so that `origin` comes to lie at (0, 0, 0); every plane's own origin is the foot of that point on it.
@@ -142,10 +144,7 @@ class Builder {
         }
         owner_pairs_ = std::move(owners);
         const auto vertices = mesh_->first_vertices();
-        // Where contours of several structures meet at small angles, splitting segments does not end well: those sets rely on
-        // the protection that sampling gives.
         for (const SegmentPiece& piece : sample_->pieces) {
-            if (structures_ > 1) break;
             pieces_.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
         }
         return end_stage("delaunay", 0.35);
@@ -179,7 +178,6 @@ class Builder {
         RefineOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.max_reach_mm = 3 * sample_->stats.size_mm;
-        if (pieces_.empty()) options.protected_share = 0;
         for (int round = 0; round < (mesh_->points().size() < small_mesh ? small_mesh_rounds : refinement_rounds); ++round) {
             // Where contours meet at small angles, segments and shape cannot both have their way: shape has the last word.
             if (round == protected_rounds) options.protected_share = 0;
@@ -194,7 +192,7 @@ class Builder {
             ANATOMESH_CHECK_STATUS(grow(found, stats.balls));
         }
         // Edges that came to cross an interface since the first rounds would end as spikes.
-        crossing.protected_share = pieces_.empty() ? 0 : 0.5;
+        crossing.protected_share = 0.5;
         ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossing_points));
         ANATOMESH_CHECK_STATUS(recover_segments(0));
         figures_ = {{"crossing_points", crossing_points},
@@ -229,7 +227,8 @@ class Builder {
         std::vector<SegmentPiece> split;
         std::vector<SegmentPiece> kept;
         for (const SegmentPiece& piece : pieces_) {
-            const bool wanted = std::binary_search(balls.begin(), balls.end(), piece.ball) && piece_length(piece) > shortest_piece_mm();
+            const bool wanted =
+                std::binary_search(balls.begin(), balls.end(), piece.ball) && may_split(piece);
             (wanted ? split : kept).push_back(piece);
         }
         std::stable_sort(split.begin(), split.end(), [](auto& x, auto& y) { return x.ball < y.ball; });
@@ -250,6 +249,7 @@ class Builder {
             const SegmentPiece& piece = split[k];
             if (k == 0 || split[k - 1].ball != piece.ball) {
                 guard.drop_ball(piece.ball);
+                guard.add_point(mesh_->points()[middles[k]]);
                 const Vec3 middle = mesh_->points()[middles[k]];
                 low = guard.add_segment(mesh_->points()[piece.a], middle);
                 high = guard.add_segment(middle, mesh_->points()[piece.b]);
@@ -260,6 +260,12 @@ class Builder {
         }
     }
 
+    // Not where a contour runs close beside it, which would have to be split in its turn, and so on.
+    bool may_split(const SegmentPiece& piece) const {
+        const double span = piece_length(piece);
+        const Vec3 middle = 0.5 * (mesh_->points()[piece.a] + mesh_->points()[piece.b]);
+        return span > shortest_piece_mm() && !sample_->guard.any_point_within(middle, free_share * span);
+    }
     double shortest_piece_mm() const { return shortest_piece * sample_->stats.size_mm; }
     double piece_length(const SegmentPiece& piece) const {
         return length(mesh_->points()[piece.b] - mesh_->points()[piece.a]);
@@ -271,7 +277,7 @@ class Builder {
         for (int round = 0; round < segment_rounds; ++round) {
             std::vector<std::uint32_t> balls;
             for (const std::uint32_t n : missing_pieces(mesh_->cells().cells, mesh_->points().size(), pieces_)) {
-                if (piece_length(pieces_[n]) > shortest_piece_mm()) balls.push_back(pieces_[n].ball);
+                if (may_split(pieces_[n])) balls.push_back(pieces_[n].ball);
             }
             if (balls.empty() || (share > 0 && balls.size() * share < pieces_.size())) break;
             std::sort(balls.begin(), balls.end());
