@@ -10,6 +10,7 @@ import time
 import unittest
 
 import pydicom
+import pydicom.misc
 
 import harness
 import network_peers as peers
@@ -496,6 +497,12 @@ class Archive(harness.TestCase):
     def test_by_dimse(self):
         orthanc = Orthanc(self)
         self.there_and_back(orthanc, orthanc.peer)
+        # Others find and get what was sent.
+        got = self.folder / "got"
+        got.mkdir()
+        done = run_tool("getscu", "-v", "-S", "-aec", "ORTHANC", "-od", got, "-k", "QueryRetrieveLevel=SERIES", "-k",
+                        f"StudyInstanceUID={peers.STUDY}", "-k", f"SeriesInstanceUID={peers.SERIES}", "127.0.0.1", orthanc.dicom)
+        self.assertEqual(len(list(got.iterdir())), 20, done.stdout + done.stderr)
         rejected = self.run_program("query", "--from", orthanc.peer.replace("ORTHANC", "OTHER"), expect=6)
         self.assertIn("E-NET-011", rejected.err)
 
@@ -521,6 +528,54 @@ class Archive(harness.TestCase):
         receiver.stop()
         unknown = self.run_program("fetch", "--from", orthanc.peer, "--study", peers.STUDY, "--move-to", "NOBODY", expect=6)
         self.assertIn("E-NET-019", unknown.err)
+
+
+class RealStudies(harness.TestCase):
+    """Studies of real scanners through the archive, by both ways: what comes out is what went in."""
+
+    def through(self, folder, peer, login, orthanc_count):
+        sent = self.run_program("send", folder, "--to", peer, *login, "--json").json()
+        self.assertEqual(sent["stored"], sent["objects"])
+        self.assertEqual(sent["objects"], orthanc_count)
+        uid = next(str(pydicom.dcmread(path, stop_before_pixels=True).StudyInstanceUID)
+                   for path in sorted(folder.rglob("*")) if path.is_file() and pydicom.misc.is_dicom(path))
+        fetched = self.run_program("fetch", "--from", peer, *login, "--study", uid, "-o", "fetched", "--json").json()
+        self.assertEqual(fetched["stored"], orthanc_count)
+        study = self.folder / "fetched" / uid
+        return study
+
+    def ways(self, orthanc):
+        return ((orthanc.peer, ()), (orthanc.url, orthanc.web_login))
+
+    def test_contours_and_images_of_a_thigh(self):
+        folder = harness.data("thigh_mr", "STS_001")
+        count = sum(path.is_file() and pydicom.misc.is_dicom(path) for path in folder.rglob("*"))
+        orthanc = Orthanc(self)
+        self.run_program("contours", folder, "--structure", "GTV_Mass", "-o", "before.json", "--quiet")
+        for peer, login in self.ways(orthanc):
+            study = self.through(folder, peer, login, count)
+            self.run_program("contours", study, "--structure", "GTV_Mass", "-o", "after.json", "--quiet")
+            self.assertEqual((self.folder / "before.json").read_bytes(), (self.folder / "after.json").read_bytes())
+            shutil.rmtree(self.folder / "fetched")
+
+    def test_compressed_images(self):
+        source = harness.data("body_ct_mr_labels", "example_ct_dicom")
+        folder = self.folder / "ct"
+        folder.mkdir()
+        # As they were before they lost their identity: without it nothing can be sent.
+        self.assert_refused(["send", source, "--to", "A@127.0.0.1:1"], 3, "E-NET-006")
+        for count, path in enumerate(sorted(source.iterdir()), 1):
+            each = pydicom.dcmread(path)
+            each.SOPClassUID, each.SOPInstanceUID = each.file_meta.MediaStorageSOPClassUID, each.file_meta.MediaStorageSOPInstanceUID
+            each.StudyInstanceUID, each.SeriesInstanceUID = peers.STUDY, peers.SERIES
+            each.save_as(folder / f"{count}.dcm")
+        orthanc = Orthanc(self)
+        self.run_program("segment", folder, "--threshold", "200", "-o", "before.nrrd", "--quiet")
+        for peer, login in self.ways(orthanc):
+            study = self.through(folder, peer, login, count)
+            self.run_program("segment", study, "--threshold", "200", "-o", "after.nrrd", "--quiet")
+            self.assertEqual((self.folder / "before.nrrd").read_bytes(), (self.folder / "after.nrrd").read_bytes())
+            shutil.rmtree(self.folder / "fetched")
 
 
 class Sending(harness.TestCase):

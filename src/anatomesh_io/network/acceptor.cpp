@@ -46,6 +46,15 @@ bool is_readable_syntax(std::string_view transfer_syntax) {
            readable_syntaxes.end();
 }
 
+std::vector<std::string> compressed_syntaxes() {
+    std::vector<std::string> syntaxes;
+    for (const std::string_view syntax : readable_syntaxes)
+        if (syntax != implicit_little_syntax && syntax != explicit_little_syntax &&
+            syntax != explicit_big_syntax)
+            syntaxes.emplace_back(syntax);
+    return syntaxes;
+}
+
 std::vector<PresentationContext> answer_contexts(const std::vector<PresentationContext>& asked) {
     std::vector<PresentationContext> answers;
     for (const PresentationContext& each : asked) {

@@ -91,5 +91,7 @@ std::vector<PresentationContext> answer_contexts(const std::vector<PresentationC
 bool is_storage_class(std::string_view sop_class);
 // Whether data sets of the syntax are read by this program (not deflated ones, not video).
 bool is_readable_syntax(std::string_view transfer_syntax);
+// Those of them that compress pixels.
+std::vector<std::string> compressed_syntaxes();
 
 }  // namespace anatomesh

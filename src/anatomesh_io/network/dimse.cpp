@@ -127,12 +127,15 @@ std::optional<Command> parse_command(std::string_view bytes) {
     Command command;
     bool has_field = false, has_type = false;
     while (!bytes.empty()) {
-        if (bytes.size() < 8 || number_at(bytes, 0, 2) != 0) return std::nullopt;
+        if (bytes.size() < 8) return std::nullopt;
+        // Archives put what failed (group 8) into the command itself.
+        const bool is_ours = number_at(bytes, 0, 2) == 0;
         const auto element = static_cast<std::uint16_t>(number_at(bytes, 2, 2));
         const std::uint64_t length = number_at(bytes, 4, 4);
         if (length > bytes.size() - 8) return std::nullopt;
         const std::string_view value = bytes.substr(8, length);
         bytes.remove_prefix(8 + length);
+        if (!is_ours) continue;
         if (element == data_set_type) {
             if (length != 2) return std::nullopt;
             command.has_data_set = number_at(value, 0, 2) != no_data_set;

@@ -18,7 +18,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_classes = 127;  // contexts of an association, less that of the C-GET
+constexpr std::size_t most_contexts = 128;  // of an association
+constexpr std::uint32_t most_series = 100;  // whose class is asked for
 constexpr std::size_t most_reasons = 10;
 
 void count(FetchResult& result, const StoreOutcome& outcome) {
@@ -71,13 +72,57 @@ std::string identifier_of(const FetchOptions& options) {
     return query_identifier(level_of(options), keys, {});
 }
 
-// The classes of the objects that could come, and that this side receives them.
-void add_storage_contexts(std::vector<PresentationContext>& contexts, std::vector<RoleSelection>& roles) {
-    for (const std::string& sop_class : usual_storage_classes(most_classes)) {
+// The classes of the objects of the study or series, as far as the peer says: a series has one as a rule.
+std::vector<std::string> classes_there(const FetchOptions& options, const ConnectOptions& connecting,
+                                       const RunContext& context) {
+    QueryOptions query;
+    query.level = QueryLevel::series;
+    query.study = options.study;
+    query.series = options.series;
+    query.most_answers = most_series;
+    std::vector<std::string> classes;
+    const auto series = query_peer(query, connecting, context);
+    if (!series.ok()) return classes;
+    query.level = QueryLevel::instance;
+    query.most_answers = 1;
+    for (const auto& each : series.value().answers) {
+        const auto uid = each.find("SeriesInstanceUID");
+        if (uid == each.end() || !is_uid(uid->second)) continue;
+        query.series = uid->second;
+        const auto instance = query_peer(query, connecting, context);
+        if (!instance.ok() || instance.value().answers.empty()) continue;
+        const auto found = instance.value().answers[0].find("SOPClassUID");
+        if (found != instance.value().answers[0].end() && is_storage_class(found->second) &&
+            std::find(classes.begin(), classes.end(), found->second) == classes.end())
+            classes.push_back(found->second);
+    }
+    return classes;
+}
+
+// What this side receives: of the classes that are there also compressed data sets, each in a context of its
+// own, as the peer will hardly compress or decompress for us; besides the usual classes.
+void add_storage_contexts(const std::vector<std::string>& there, std::vector<PresentationContext>& contexts,
+                          std::vector<RoleSelection>& roles) {
+    const auto add = [&](const std::string& sop_class, std::vector<std::string> syntaxes) {
+        if (contexts.size() < most_contexts)
+            contexts.push_back({0, sop_class, std::move(syntaxes), context_accepted});
+    };
+    const auto add_plain = [&](const std::string& sop_class) {
         std::vector<std::string> syntaxes{explicit_little_syntax, implicit_little_syntax};
         if (sop_class == rtstruct_class) std::swap(syntaxes[0], syntaxes[1]);
-        contexts.push_back({0, sop_class, std::move(syntaxes), context_accepted});
-        roles.push_back({sop_class, false, true});
+        add(sop_class, std::move(syntaxes));
+    };
+    for (const std::string& sop_class : there) add_plain(sop_class);
+    for (const std::string& sop_class : there)
+        for (const std::string& syntax : compressed_syntaxes()) add(sop_class, {syntax});
+    for (const std::string& usual : usual_storage_classes(most_contexts))
+        if (std::find(there.begin(), there.end(), usual) == there.end()) add_plain(usual);
+    for (const PresentationContext& each : contexts) {
+        const auto has_role = [&](const RoleSelection& role) {
+            return role.sop_class == each.abstract_syntax;
+        };
+        if (each.abstract_syntax != study_get_class && std::none_of(roles.begin(), roles.end(), has_role))
+            roles.push_back({each.abstract_syntax, false, true});
     }
 }
 
@@ -113,7 +158,7 @@ Result<FetchResult> get_dicom(ObjectStore& store, const FetchOptions& options, c
     std::vector<PresentationContext> contexts{
         {0, study_get_class, {implicit_little_syntax}, context_accepted}};
     std::vector<RoleSelection> roles;
-    add_storage_contexts(contexts, roles);
+    add_storage_contexts(classes_there(options, connecting, context), contexts, roles);
     ANATOMESH_TRY(Requestor requestor, Requestor::associate(asking, contexts, roles, context));
     const PresentationContext* with = requestor.context_of(study_get_class);
     if (!with) {

@@ -177,12 +177,14 @@ Result<std::vector<OutgoingObject>> find_objects(const std::vector<std::string>&
             else if (is_folder)
                 ++skipped;
             else
-                return input_error("E-NET-006", path, "the file is no DICOM object",
+                return input_error("E-NET-006", path,
+                                   "the file is no DICOM object that says its class and instance",
                                    "name DICOM files, or folders of them");
         }
     }
     if (objects.empty())
-        return input_error("E-NET-006", paths.empty() ? "" : paths.front(), "no DICOM object is there",
+        return input_error("E-NET-006", paths.empty() ? "" : paths.front(),
+                           "nothing is there that says its DICOM class and instance",
                            "name DICOM files, or folders of them");
     return objects;
 }
