@@ -11,7 +11,7 @@ libcpp-httplib-dev"
 # What the tests need besides: the unit tests' framework, and libraries that judge our readers and writers.
 test="libgtest-dev libcgal-dev libgmp-dev libmpfr-dev python3 python3-numpy python3-scipy python3-vtk9
 python3-meshio python3-nibabel
-python3-pydicom python3-jsonschema gmsh locales dcmtk dicom3tools openssl
+python3-pydicom python3-jsonschema gmsh calculix-ccx locales dcmtk dicom3tools openssl
 orthanc orthanc-dicomweb"
 # The CT skull of the demonstration.
 demo="invesalius-examples"

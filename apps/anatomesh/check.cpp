@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "anatomesh/element/quadratic.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh_io/report/report_json.h"
@@ -76,6 +77,21 @@ Result<ModelFile> model_to_check(const CheckOptions& options, Session& session) 
                  "name a model: .vtu, .msh, .mesh or .inp"};
 }
 
+// Quadratic elements that may be folded: warned of, for the contract is about the elements with straight edges.
+void look_at_jacobians(const std::string& path, const ModelFile& model, RunContext& context) {
+    std::uint64_t bad = 0, first = 0;
+    for (std::size_t c = 0; c < model.mid_nodes.cells.size(); ++c) {
+        if (least_jacobian(element_of(model.mesh, model.mid_nodes, c)) > 0) continue;
+        if (bad++ == 0) first = c + 1;
+    }
+    if (bad == 0) return;
+    context.warn({"W-ELM-002",
+                  counted(bad, "quadratic element has", "quadratic elements have") +
+                      " no Jacobian that is surely positive everywhere",
+                  {path, "", "", "", fmt::format("element {}", first)},
+                  "left as they are"});
+}
+
 Status run_check(CheckOptions options, Session& session) {
     options.contours.limits = session.limits;
     if (options.contours.input.empty() &&
@@ -100,6 +116,7 @@ Status run_check(CheckOptions options, Session& session) {
     input.contours = contours ? &contours->kept : nullptr;
     input.made_by_this_run = false;
     measure_model(input, session.context, report);
+    look_at_jacobians(options.model, model, session.context);
     report.version = ANATOMESH_VERSION;
     report.command = session.command;
     report.space = model.description.space;

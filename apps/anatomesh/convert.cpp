@@ -5,8 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "anatomesh/element/quadratic.h"
 #include "anatomesh_io/file/atomic_file.h"
 #include "answer.h"
+#include "element_options.h"
 #include "mesh_input.h"
 #include "option_values.h"
 #include "outputs.h"
@@ -19,13 +21,35 @@ namespace {
 
 struct ConvertOptions {
     std::string input, output;
+    ElementOptions element;
 };
+
+// A surface has neither elements nor their values. Error: usage E-CMD-008.
+Status check_element_options(const ConvertOptions& options, bool to_model) {
+    if (to_model || (options.element.order == 0 && !options.element.wanted())) return Nothing{};
+    return Error{ErrorKind::usage,
+                 "E-CMD-008",
+                 "--order, --grey and --material do not apply to a surface",
+                 {options.output, "", "", "", ""},
+                 "write a model: .vtu, .msh, .mesh, .inp or .feb"};
+}
+
+// Brings the elements to the order asked for: mid-nodes in the middles of the edges, or none. Without --order
+// as read.
+void set_order(ModelFile& model, std::uint32_t order) {
+    if (order == 1) model.mid_nodes = {};
+    if (order == 2 && model.mid_nodes.empty()) model.mid_nodes = straight_mid_nodes(model.mesh);
+}
 
 Status run_convert(const ConvertOptions& options, Session& session) {
     const bool to_model = model_format_of(options.output).has_value();
     ANATOMESH_CHECK_STATUS(check_mesh_output(options.output, true));
-    ANATOMESH_CHECK_STATUS(check_outputs({options.input}, {options.output}));
-    ANATOMESH_TRY(const MeshInput input, read_mesh(options.input, session.limits, session.context));
+    ANATOMESH_CHECK_STATUS(check_element_options(options, to_model));
+    ANATOMESH_CHECK_STATUS(check_order(options.element, options.output));
+    std::vector<std::string> inputs = options.element.inputs();
+    inputs.push_back(options.input);
+    ANATOMESH_CHECK_STATUS(check_outputs(inputs, {options.output}));
+    ANATOMESH_TRY(MeshInput input, read_mesh(options.input, session.limits, session.context));
     nlohmann::ordered_json answer{{"input", options.input}, {"output", options.output}};
     if (to_model && !input.model) {
         return Error{ErrorKind::usage,
@@ -38,9 +62,14 @@ Status run_convert(const ConvertOptions& options, Session& session) {
     std::string what;
     AtomicFileSet files;
     if (to_model) {
+        set_order(*input.model, options.element.order);
+        ANATOMESH_TRY([[maybe_unused]] const CellValues values,
+                      add_cell_values(*input.model, options.element, nullptr, session));
         ANATOMESH_TRY(const std::string bytes, format_model(options.output, *input.model, session.context));
         ANATOMESH_CHECK_STATUS(files.add(options.output, bytes));
         answer["vertices"] = input.model->mesh.points.size();
+        answer["mid_nodes"] = input.model->mid_nodes.points.size();
+        answer["materials"] = input.model->description.materials.size();
         answer["tetrahedra"] = input.model->mesh.cells.size();
         what = counted(input.model->mesh.cells.size(), "tetrahedron", "tetrahedra");
     } else {
@@ -63,8 +92,9 @@ Work declare_convert(CLI::App& verb) {
         ->type_name("FILE")
         ->required();
     add_text(verb, "-o,--output", options->output, "OTHER",
-             "File to write: .vtu, .msh, .mesh, .inp, or .vtp, .stl, .ply, .obj for the surface")
+             "File to write: .vtu, .msh, .mesh, .inp, .feb, or .vtp, .stl, .ply, .obj for the surface")
         ->required();
+    add_element_options(verb, options->element);
     return [options](Session& session) { return run_convert(*options, session); };
 }
 

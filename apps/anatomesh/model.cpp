@@ -14,6 +14,7 @@
 
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/build_model.h"
+#include "anatomesh/pipeline/quadratic_model.h"
 #include "anatomesh_io/contour/number_text.h"
 #include "anatomesh_io/contour/write_contours.h"
 #include "anatomesh_io/file/atomic_file.h"
@@ -23,6 +24,7 @@
 #include "estimate.h"
 #include "dicom_input.h"
 #include "dicom_outputs.h"
+#include "element_options.h"
 #include "input_options.h"
 #include "option_values.h"
 #include "outputs.h"
@@ -63,6 +65,7 @@ struct ModelVerbOptions {
     std::vector<std::string> surfaces;
     std::vector<DumpOption> dumps;
     DicomOutputs dicom;
+    ElementOptions element;
 };
 
 // The stages whose mesh can be dumped, in the order of the pipeline.
@@ -92,6 +95,7 @@ std::vector<std::string> outputs_of(const ModelVerbOptions& options) {
 Status check_output_names(const ModelVerbOptions& options) {
     ANATOMESH_CHECK_STATUS(check_dicom_outputs(options.dicom));
     ANATOMESH_CHECK_STATUS(check_mesh_output(options.output, false));
+    ANATOMESH_CHECK_STATUS(check_order(options.element, options.output));
     for (const std::string& surface : options.surfaces) {
         ANATOMESH_CHECK_STATUS(check_surface_output(surface));
     }
@@ -105,7 +109,9 @@ Status check_output_names(const ModelVerbOptions& options) {
     if (!options.html.empty()) {
         ANATOMESH_CHECK_STATUS(check_extension(options.html, {".html", ".htm"}));
     }
-    return check_outputs({options.input.input}, outputs_of(options));
+    std::vector<std::string> inputs = options.element.inputs();
+    inputs.push_back(options.input.input);
+    return check_outputs(inputs, outputs_of(options));
 }
 
 // Provenance, as it stands in every file of the mesh: nothing that differs between two runs on the same
@@ -146,7 +152,7 @@ void complete_report(ModelReport& report, InputContours& contours, const ModelVe
                      const Session& session) {
     report.version = ANATOMESH_VERSION;
     report.command = session.command;
-    report.inputs = std::move(contours.files);
+    report.inputs.insert(report.inputs.begin(), contours.files.begin(), contours.files.end());
     report.contour_log = std::move(contours.log);
     report.hole_rule = contours.hole_rule;
     report.end_caps = options.caps;
@@ -166,6 +172,7 @@ void complete_report(ModelReport& report, InputContours& contours, const ModelVe
         report.options.emplace_back("reconcile", options.reconcile.reconcile);
         report.options.emplace_back("align", options.reconcile.stage.align ? "yes" : "no");
     }
+    if (options.element.order == 2) report.options.emplace_back("order", "2");
     std::string gap;
     append_number(gap, options.max_gap_spacings);
     report.options.emplace_back("max_gap_spacings", gap);
@@ -188,10 +195,12 @@ Status add_surfaces(const Model& model, const MeshDescription& description,
 }
 
 // All outputs under temporary names.
-Status stage_outputs(Model& model, const ContourSet& kept, const ModelVerbOptions& options,
+Status stage_outputs(Model& model, ModelFile& file, const ContourSet& kept, const ModelVerbOptions& options,
                      AtomicFileSet& files, Session& session) {
     RunContext& context = session.context;
-    const ModelFile file{model.mesh, description_of(model, session)};
+    std::vector<Material> materials = std::move(file.description.materials);
+    file.description = description_of(model, session);
+    file.description.materials = std::move(materials);
     ANATOMESH_TRY(const std::string mesh_bytes, format_model(options.output, file, context));
     ANATOMESH_CHECK_STATUS(files.add(options.output, mesh_bytes));
     if (!options.surfaces.empty()) {
@@ -209,6 +218,24 @@ Status stage_outputs(Model& model, const ContourSet& kept, const ModelVerbOption
     }
     if (context.cancelled()) return cancelled_error();
     return Nothing{};
+}
+
+// What the file of the model has beside the mesh: mid-nodes, grey values, materials.
+Result<ModelFile> model_file(Model& model, const InputContours& contours, const ModelVerbOptions& options,
+                             Session& session) {
+    ModelFile file;
+    file.mesh = model.mesh;
+    if (options.element.order == 2) {
+        ANATOMESH_TRY(file.mid_nodes, quadratic_model(model, contours.kept, {}, session.context));
+    }
+    if (!options.element.wanted()) return file;
+    file.description.structures = model.structures;
+    file.description.regions = model.regions;
+    ANATOMESH_TRY(CellValues values, add_cell_values(file, options.element,
+                                                     options.input.threshold ? &options.input : nullptr, session));
+    for (StageReport& stage : values.stages) model.report.stages.push_back(std::move(stage));
+    for (InputReport& input : values.files) model.report.inputs.push_back(std::move(input));
+    return file;
 }
 
 Status answer(const Model& model, const ModelVerbOptions& options, Session& session) {
@@ -270,9 +297,10 @@ Status run_model(ModelVerbOptions options, Session& session) {
     }
     model.report.stages.insert(model.report.stages.begin(), {std::move(reading), std::move(tracing), std::move(reconciling)});
     model.report.crossing = std::move(crossing);
+    ANATOMESH_TRY(ModelFile file, model_file(model, contours, options, session));
     complete_report(model.report, contours, options, session);
     begin("writing", 0.9, 1);
-    ANATOMESH_CHECK_STATUS(stage_outputs(model, contours.kept, options, files, session));
+    ANATOMESH_CHECK_STATUS(stage_outputs(model, file, contours.kept, options, files, session));
     if (!options.dicom.paths().empty()) {
         ANATOMESH_TRY(const DicomSource source, output_source(options.input, contours.dicom_source, context));
         ANATOMESH_CHECK_STATUS(add_dicom_outputs(model, source, options.dicom, files, context));
@@ -287,7 +315,7 @@ Status run_model(ModelVerbOptions options, Session& session) {
 Work declare_model(CLI::App& verb) {
     auto options = std::make_shared<ModelVerbOptions>();
     add_reading_options(verb, options->input);
-    add_text(verb, "-o,--output", options->output, "MODEL", "Model to write: .vtu, .msh, .mesh or .inp")
+    add_text(verb, "-o,--output", options->output, "MODEL", "Model to write: .vtu, .msh, .mesh, .inp or .feb")
         ->required();
     add_selection_options(verb, options->input);
     add_cleaning_options(verb, options->input);
@@ -301,6 +329,7 @@ Work declare_model(CLI::App& verb) {
     add_number(verb, "--slice-thickness", options->slice_thickness_mm, 0.001, 1000, "MM",
                "How thick a slice is when there is only one, 0.001 to 1000");
     add_reconcile_options(verb, options->reconcile);
+    add_element_options(verb, options->element);
     add_texts(verb, "--surface", options->surfaces, "FILE",
               "Also write the surface: .vtp, .stl, .ply or .obj; may be repeated");
     add_text(verb, "--contours", options->contours, "FILE",

@@ -36,7 +36,7 @@ bool same_file(const std::string& a, const std::string& b) {
     return fs::equivalent(a, b, error) || followed(a) == followed(b);
 }
 
-constexpr const char* model_extensions = ".vtu, .msh, .mesh, .inp";
+constexpr const char* model_extensions = ".vtu, .msh, .mesh, .inp, .feb";
 constexpr const char* surface_extensions = ".vtp, .stl, .ply, .obj";
 
 // ".vtu" alone is a hidden file without an extension.

@@ -80,7 +80,8 @@ const VerbEntry verb_entries[] = {
     {"convert", "Write a model in another format", declare_convert,
      R"(Examples:
   anatomesh convert skull.vtu -o skull.msh
-  anatomesh convert skull.vtu -o skull.inp)"},
+  anatomesh convert skull.vtu -o skull.inp --order 2
+  anatomesh convert skull.vtu -o skull.feb --grey ct.nii.gz --material bone.json)"},
     {"receive", "Receive DICOM objects from scanners and archives, and model them if asked", declare_receive,
      R"(Examples:
   anatomesh receive incoming

@@ -193,15 +193,15 @@ class Messages(harness.TestCase):
         self.write("text", "some notes\nof mine")
         self.write("bytes", bytes([0x89, 1, 2, 3]))
         self.write("page.csl", "CSLC 1 1")
-        self.write("tet10.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n0 0 0 0\n$EndNodes\n$Elements\n1 1 1 1\n"
-                                "3 1 11 1\n1 1 2 3 4 5 6 7 8 9 10\n$EndElements\n")
+        self.write("hexa.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n0 0 0 0\n$EndNodes\n$Elements\n1 1 1 1\n"
+                               "3 1 5 1\n1 1 2 3 4 5 6 7 8\n$EndElements\n")
         self.write("quad.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\n"
                                "vertex 0 1 0\nendloop\nendfacet\nendsolid a\n")
         self.write("hexa.mesh", "MeshVersionFormatted 2\nDimension 3\nVertices\n0\nHexahedra\n1\n1 2 3 4 5 6 7 8 1\nEnd\n")
         cases = [(verb, name, text) for verb in (["info"], ["convert", "-o", "x.vtu"], ["check"], ["compare", "ball.json"])
                  for name, text in ((".", "folder"), ("empty", "the file is empty"), ("text", "'some notes'"),
                                     ("bytes", "89 01 02 03"), ("none", "E-INP-001"))]
-        cases += [(["convert", "-o", "x.vtu"], "tet10.msh", "E-MDL-006"), (["convert", "-o", "x.ply"], "quad.stl", "E-MDL"),
+        cases += [(["convert", "-o", "x.vtu"], "hexa.msh", "E-MDL-006"), (["convert", "-o", "x.ply"], "quad.stl", "E-MDL"),
                   (["check"], "hexa.mesh", "E-MDL"), (["info"], "page.csl", "E-CSL")]
         for verb, name, text in cases:
             words = [*verb, name] if verb[0] != "compare" else ["compare", name, name]

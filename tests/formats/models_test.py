@@ -172,7 +172,7 @@ def with_own_abaqus(folder, truth):
     """The element sets and node order of the .inp by a parser of a few lines."""
     text = open(os.path.join(folder, 'model.inp'), encoding='utf-8').read()
     check('model.inp: states its frame', '** SPACE=LPS\n** UNIT=mm\n' in text)
-    region_of, sets, surfaces, current = {}, {}, {}, None
+    region_of, sets, node_sets, surfaces, current = {}, {}, {}, {}, None
     for line in text.split('\n'):
         if line.startswith('**') or not line:
             continue
@@ -186,17 +186,32 @@ def with_own_abaqus(folder, truth):
                 check(f'model.inp: element {element}', False)
         elif current[0] == '*ELSET':
             sets.setdefault(current[1]['ELSET'], []).append(line.strip())
+        elif current[0] == '*NSET':
+            node_sets.setdefault(current[1]['NSET'], []).extend(int(x) - 1 for x in line.split(',') if x.strip())
         elif current[0] == '*SURFACE':
             surfaces.setdefault(current[1]['NAME'], []).append(line)
     check('model.inp: every element in a region', len(region_of) == len(truth[1]))
-    check('model.inp: a set per structure', sets == {'STRUCTURE_5': ['REGION_1', 'REGION_2'], 'STRUCTURE_7': ['REGION_2'],
-                                                     'STRUCTURE_300': ['REGION_3']})
+    of_structure = {'STRUCTURE_5': ['REGION_1', 'REGION_2'], 'STRUCTURE_7': ['REGION_2'], 'STRUCTURE_300': ['REGION_3']}
+    check('model.inp: a set per structure', {k: v for k, v in sets.items() if k.startswith('STRUCTURE')} == of_structure)
+    label_regions = {5: 'REGION_1', 301: 'REGION_2', 300: 'REGION_3'}
+    region_of_cell = np.array([label_regions[n] for n in truth[2]])
+    for name, regions in of_structure.items():
+        nodes = np.unique(truth[1][np.isin(region_of_cell, regions)])
+        check(f'model.inp: nodes of {name}', node_sets['NODES_' + name] == list(nodes))
     wanted = {}
     for structure, inner, outer in truth[5]:
         a, b = sorted((inner, outer))
         key = f'INTERFACE_{b}_0' if a == 0 else f'INTERFACE_{a}_{b}'
         wanted[key] = wanted.get(key, 0) + 1
-    check('model.inp: a surface per interface', {k: len(v) for k, v in surfaces.items()} == wanted)
+    check('model.inp: a surface per interface',
+          {k: len(v) for k, v in surfaces.items() if k.startswith('INTERFACE')} == wanted)
+    check('model.inp: sets of nodes and elements per interface',
+          all('NODES_' + k in node_sets and 'ELEMENTS_' + k in sets for k in wanted))
+    borders = {f'SURFACE_{name}': sum(len(v) for k, v in surfaces.items() if k.startswith('INTERFACE') and
+                                      ((f'REGION_{k.split("_")[1]}' in regions) != (f'REGION_{k.split("_")[2]}' in regions)))
+               for name, regions in of_structure.items()}
+    check('model.inp: a surface per structure',
+          {k: len(v) for k, v in surfaces.items() if k.startswith('SURFACE')} == borders)
 
 
 def with_numpy_ply(folder, truth):

@@ -410,6 +410,8 @@ class Builder {
             mesh.points[model_.contour_vertices[n]] = source_.points[n];
         }
         model_.structures = contours_.structures;
+        model_.field = field_;
+        model_.field_origin = origin_;
     }
 
     void move_back(std::vector<Vec3>& points) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@ struct Model {
     std::vector<Structure> structures;     // as in the contour set
     std::vector<std::uint32_t> contour_vertices;  // mesh vertex of every point of the contour set
     ModelReport report;                    // everything the core can know; inputs and command are the caller's
+    std::shared_ptr<const StructureField> field;  // what the mesh approximates: at p it is the field's at p - field_origin
+    Vec3 field_origin;
 };
 
 // Called with the mesh after each stage that has one ("cull", "refine", "cut", "improve", "certificate", in this order;

@@ -69,6 +69,15 @@ std::vector<std::string> description_lines(const MeshDescription& description) {
         }
         lines.push_back(std::move(line));
     }
+    for (std::size_t m = 0; m < description.materials.size(); ++m) {
+        const Material& material = description.materials[m];
+        std::string line = "MATERIAL " + std::to_string(m + 1);
+        for (const double value : {material.young_mpa, material.poisson, material.density_t_mm3}) {
+            line += ' ';
+            append_number(line, value);
+        }
+        lines.push_back(std::move(line));
+    }
     for (const auto& [key, value] : description.notes)
         lines.push_back("NOTE " + key + "=" + on_one_line(value));
     for (std::string& line : lines) line = std::string(trimmed(line));
@@ -85,6 +94,8 @@ Status DescriptionReader::take(std::string_view line) {
         return take_structure(line);
     } else if (take_prefix(line, "REGION ")) {
         return take_region(line);
+    } else if (take_prefix(line, "MATERIAL ")) {
+        return take_material(line);
     } else if (take_prefix(line, "NOTE ")) {
         const std::size_t equals = line.find('=');
         if (equals != std::string_view::npos) {
@@ -135,6 +146,36 @@ Status DescriptionReader::take_region(std::string_view rest) {
     std::sort(members.begin(), members.end());
     table.push_back(std::move(members));
     return Nothing{};
+}
+
+Status DescriptionReader::take_material(std::string_view rest) {
+    const std::string all(rest.substr(0, 60));
+    const auto number = take_number<std::size_t>(rest);
+    const auto young = take_number<double>(rest), poisson = take_number<double>(rest);
+    const auto density = take_number<double>(rest);
+    const bool good = number && *number == description_.materials.size() + 1 && young && *young > 0 &&
+                      poisson && *poisson > -1 && *poisson < 0.5 && density && *density >= 0;
+    if (!good) {
+        return mesh_error("E-MDL-011",
+                          "a material needs the next number, a Young's modulus, a ratio and a density", path_,
+                          all);
+    }
+    description_.materials.push_back({*young, *poisson, *density});
+    return Nothing{};
+}
+
+Result<std::vector<std::uint32_t>> DescriptionReader::materials_of_numbers(
+    const std::vector<std::int64_t>& numbers) const {
+    std::vector<std::uint32_t> materials;
+    materials.reserve(numbers.size());
+    for (const std::int64_t number : numbers) {
+        if (number < 1 || static_cast<std::uint64_t>(number) > description_.materials.size()) {
+            return mesh_error("E-MDL-011", "a material is not in the table of materials", path_,
+                              std::to_string(number));
+        }
+        materials.push_back(static_cast<std::uint32_t>(number - 1));
+    }
+    return materials;
 }
 
 Result<std::vector<Region>> DescriptionReader::regions_of_labels(const std::vector<std::int64_t>& labels,

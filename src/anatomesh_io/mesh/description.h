@@ -4,7 +4,8 @@
 //   UNIT=mm
 //   STRUCTURE 5 255 0 0 Liver        number, colour, name
 //   REGION 1 = 5                     region, numbers of the structures it lies in
-//   NOTE version=0.1.0
+//   MATERIAL 1 12000 0.3 1.8e-09     from 1 on: Young's modulus in MPa, Poisson's ratio, density in t/mm3 or
+//   0 NOTE version=0.1.0
 #pragma once
 
 #include <cstdint>
@@ -27,6 +28,7 @@ class DescriptionReader {
     // Blanks around the line are ignored.
     Status take(std::string_view line);
     bool has_regions() const { return regions() > 1; }
+    bool has_materials() const { return !description_.materials.empty(); }
     std::size_t regions() const { return description_.regions.members.size(); }  // outside included
 
     // The regions of cells (or sides of triangles) by the numbers that the file shows: by the table where the
@@ -35,12 +37,16 @@ class DescriptionReader {
     // The regions of cells by the region's own index. Requires: has_regions().
     Result<std::vector<Region>> regions_of_indices(const std::vector<std::int64_t>& indices) const;
 
+    // Materials of cells by their numbers in the file, from 1 on; an empty list stays empty.
+    Result<std::vector<std::uint32_t>> materials_of_numbers(const std::vector<std::int64_t>& numbers) const;
+
     // Warns when the file did not say its axes.
     MeshDescription finish(RunContext& context);
 
   private:
     Status take_structure(std::string_view rest);
     Status take_region(std::string_view rest);
+    Status take_material(std::string_view rest);
 
     std::string path_;
     MeshDescription description_;

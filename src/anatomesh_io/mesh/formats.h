@@ -15,6 +15,7 @@ Result<std::string> format_vtu(const std::string& path, const ModelFile& model, 
 Result<std::string> format_gmsh(const std::string& path, const ModelFile& model, RunContext& context);
 Result<std::string> format_medit(const std::string& path, const ModelFile& model, RunContext& context);
 Result<std::string> format_abaqus(const std::string& path, const ModelFile& model, RunContext& context);
+Result<std::string> format_febio(const std::string& path, const ModelFile& model, RunContext& context);
 
 Result<ModelFile> parse_vtu(const std::string& path, Bytes content, const InputLimits& limits,
                             RunContext& context);

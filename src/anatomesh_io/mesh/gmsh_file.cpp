@@ -12,12 +12,13 @@
 #include "anatomesh_io/mesh/description.h"
 #include "anatomesh_io/mesh/formats.h"
 #include "anatomesh_io/mesh/mesh_text.h"
+#include "anatomesh_io/mesh/quadratic_nodes.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr int gmsh_tetrahedron = 4;
+constexpr int gmsh_tetrahedron = 4, gmsh_quadratic_tetrahedron = 11;
 
 template <class T>
 void put(std::string& bytes, T value) {
@@ -97,8 +98,12 @@ void append_entities(std::string& bytes, const TetMesh& mesh, const std::vector<
     bytes += "\n$EndEntities\n";
 }
 
-void append_nodes(std::string& bytes, const TetMesh& mesh, std::int32_t volume) {
-    const auto n = static_cast<std::uint64_t>(mesh.points.size());
+void append_points(std::string& bytes, const std::vector<Vec3>& points) {
+    bytes.append(reinterpret_cast<const char*>(points.data()), points.size() * sizeof(Vec3));
+}
+
+void append_nodes(std::string& bytes, const ModelFile& model, std::int32_t volume) {
+    const auto n = static_cast<std::uint64_t>(node_count(model));
     bytes += "$Nodes\n";
     for (const std::uint64_t value : {std::uint64_t{1}, n, std::uint64_t{1}, n}) put(bytes, value);
     put(bytes, std::int32_t{3});  // all in one block, on the first volume
@@ -106,15 +111,22 @@ void append_nodes(std::string& bytes, const TetMesh& mesh, std::int32_t volume) 
     put(bytes, std::int32_t{0});
     put(bytes, n);
     for (std::uint64_t i = 1; i <= n; ++i) put(bytes, i);
-    bytes.append(reinterpret_cast<const char*>(mesh.points.data()), mesh.points.size() * sizeof(Vec3));
+    append_points(bytes, model.mesh.points);
+    append_points(bytes, model.mid_nodes.points);
     bytes += "\n$EndNodes\n";
 }
 
-void append_elements(std::string& bytes, const TetMesh& mesh, const std::vector<std::size_t>& used,
-                     std::size_t regions) {
-    std::vector<std::vector<std::uint32_t>> cells_of(used.back() + 1);
+// The cells in the order of the file: by region.
+std::vector<std::vector<std::uint32_t>> cells_by_region(const TetMesh& mesh, std::size_t regions) {
+    std::vector<std::vector<std::uint32_t>> cells_of(regions);
     for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) cells_of[mesh.regions[c]].push_back(c);
-    const auto n = static_cast<std::uint64_t>(mesh.cells.size());
+    return cells_of;
+}
+
+void append_elements(std::string& bytes, const ModelFile& model, const std::vector<std::size_t>& used,
+                     std::size_t regions) {
+    const auto cells_of = cells_by_region(model.mesh, used.back() + 1);
+    const auto n = static_cast<std::uint64_t>(model.mesh.cells.size());
     bytes += "$Elements\n";
     for (const std::uint64_t value : {static_cast<std::uint64_t>(used.size()), n, std::uint64_t{1}, n}) {
         put(bytes, value);
@@ -122,14 +134,30 @@ void append_elements(std::string& bytes, const TetMesh& mesh, const std::vector<
     for (const std::size_t region : used) {
         put(bytes, std::int32_t{3});
         put(bytes, volume_of(region, regions));
-        put(bytes, std::int32_t{gmsh_tetrahedron});
+        put(bytes, std::int32_t{model.mid_nodes.empty() ? gmsh_tetrahedron : gmsh_quadratic_tetrahedron});
         put(bytes, static_cast<std::uint64_t>(cells_of[region].size()));
         for (const std::uint32_t c : cells_of[region]) {
             put(bytes, std::uint64_t{c} + 1);
-            for (const std::uint32_t vertex : mesh.cells[c]) put(bytes, std::uint64_t{vertex} + 1);
+            each_node(model, c, gmsh_edge_order, [&](std::uint64_t node) { put(bytes, node + 1); });
         }
     }
     bytes += "\n$EndElements\n";
+}
+
+// A value per element, in the order of the elements in the file.
+template <class Value>
+void append_element_data(std::string& bytes, const char* name, const ModelFile& model,
+                         const std::vector<std::size_t>& used, const Value& value) {
+    bytes += std::string("$ElementData\n1\n\"") + name + "\"\n1\n0\n3\n0\n1\n" +
+             std::to_string(model.mesh.cells.size()) + "\n";
+    const auto cells_of = cells_by_region(model.mesh, used.back() + 1);
+    for (const std::size_t region : used) {
+        for (const std::uint32_t c : cells_of[region]) {
+            put(bytes, static_cast<std::int32_t>(c + 1));
+            put(bytes, static_cast<double>(value(c)));
+        }
+    }
+    bytes += "\n$EndElementData\n";
 }
 
 }  // namespace
@@ -158,8 +186,15 @@ Result<std::string> format_gmsh(const std::string& path, const ModelFile& model,
     }
     bytes += "$EndPhysicalNames\n";
     append_entities(bytes, mesh, used, numbers);
-    append_nodes(bytes, mesh, volume_of(used.front(), numbers.size()));
-    append_elements(bytes, mesh, used, numbers.size());
+    append_nodes(bytes, model, volume_of(used.front(), numbers.size()));
+    append_elements(bytes, model, used, numbers.size());
+    if (!model.grey.empty()) {
+        append_element_data(bytes, "grey", model, used, [&](std::uint32_t c) { return model.grey[c]; });
+    }
+    if (!model.material.empty()) {
+        append_element_data(bytes, "material", model, used,
+                            [&](std::uint32_t c) { return model.material[c] + 1; });
+    }
     return bytes;
 }
 
@@ -223,7 +258,7 @@ class GmshValues {
 
 struct Element {
     std::uint64_t tag = 0;
-    std::array<std::uint64_t, 4> nodes{};
+    std::size_t first_node = 0;  // of its 4 or 10 in element_nodes_
     std::int32_t volume = 0;
 };
 
@@ -263,9 +298,12 @@ class GmshReader {
     Status nodes();
     Status elements();
     Status element_block(std::uint64_t& left);
+    Status element_data();
     Status place_nodes();
     Status place_elements();
     Status place_regions();
+    Status place_values();
+    Result<std::uint32_t> vertex_of(std::uint64_t tag, const Element& element) const;
 
     Error broken(const char* what) const { return expected(path_, what, values_.place()); }
     Error too_many() const {
@@ -280,6 +318,9 @@ class GmshReader {
     std::map<std::int32_t, std::string> name_of_group_;
     std::vector<std::pair<std::uint64_t, Vec3>> nodes_;
     std::vector<Element> elements_;
+    std::vector<std::uint64_t> element_nodes_;
+    std::size_t nodes_each_ = 0;                                     // of a tetrahedron: 4 or 10
+    std::vector<std::pair<std::uint64_t, double>> grey_, material_;  // by element tag
     std::size_t left_out_ = 0;
     ModelFile model_;
 };
@@ -407,19 +448,24 @@ Status GmshReader::element_block(std::uint64_t& left) {
     if (!count || *count > left) return too_many();
     left -= *count;
     const std::size_t lower = nodes_of_lower_type(type);
-    if (type != gmsh_tetrahedron && (dimension > 2 || lower == 0)) {
+    const std::size_t nodes = type == gmsh_tetrahedron ? 4 : type == gmsh_quadratic_tetrahedron ? 10 : 0;
+    if (nodes == 0 && (dimension > 2 || lower == 0)) {
         Error error = mesh_error(
-            "E-MDL-006", "only tetrahedra of four vertices are read, not Gmsh type " + std::to_string(type),
-            path_, values_.place());
-        error.next_step = "turn the elements into linear tetrahedra first";
+            "E-MDL-006",
+            "only tetrahedra of four or ten vertices are read, not Gmsh type " + std::to_string(type), path_,
+            values_.place());
+        error.next_step = "turn the elements into tetrahedra first";
         return error;
     }
+    if (nodes > 0 && nodes_each_ > 0 && nodes != nodes_each_) return mixed_orders(path_, values_.place());
+    if (nodes > 0) nodes_each_ = nodes;
     for (std::uint64_t i = 0; i < *count; ++i) {
         Element element;
         element.volume = entity;
         element.tag = values_.read<std::uint64_t>();
-        if (type == gmsh_tetrahedron) {
-            for (std::uint64_t& node : element.nodes) node = values_.read<std::uint64_t>();
+        if (nodes > 0) {
+            element.first_node = element_nodes_.size();
+            for (std::size_t k = 0; k < nodes; ++k) element_nodes_.push_back(values_.read<std::uint64_t>());
             elements_.push_back(element);
         } else {
             for (std::size_t k = 0; k < lower; ++k) values_.read<std::uint64_t>();
@@ -447,30 +493,90 @@ Status GmshReader::place_nodes() {
     return Nothing{};
 }
 
+Result<std::uint32_t> GmshReader::vertex_of(std::uint64_t tag, const Element& element) const {
+    const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), tag,
+                                        [](const auto& node, std::uint64_t t) { return node.first < t; });
+    if (found == nodes_.end() || found->first != tag) {
+        return mesh_error("E-MDL-004",
+                          "an element names node " + std::to_string(tag) + ", which is not there", path_,
+                          "element " + std::to_string(element.tag));
+    }
+    return static_cast<std::uint32_t>(found - nodes_.begin());
+}
+
 Status GmshReader::place_elements() {
     std::stable_sort(elements_.begin(), elements_.end(),
                      [](const Element& a, const Element& b) { return a.tag < b.tag; });
     model_.mesh.cells.reserve(elements_.size());
+    std::vector<std::array<std::uint32_t, 6>> mid_nodes;
     for (std::size_t e = 0; e < elements_.size(); ++e) {
-        if (e > 0 && elements_[e - 1].tag == elements_[e].tag) {
+        const Element& element = elements_[e];
+        if (e > 0 && elements_[e - 1].tag == element.tag) {
             return mesh_error("E-MDL-009", "two elements have the same tag", path_,
-                              std::to_string(elements_[e].tag));
+                              std::to_string(element.tag));
         }
+        const std::uint64_t* nodes = element_nodes_.data() + element.first_node;
         Cell cell;
         for (std::size_t i = 0; i < 4; ++i) {
-            const std::uint64_t tag = elements_[e].nodes[i];
-            const auto found =
-                std::lower_bound(nodes_.begin(), nodes_.end(), tag,
-                                 [](const auto& node, std::uint64_t t) { return node.first < t; });
-            if (found == nodes_.end() || found->first != tag) {
-                return mesh_error("E-MDL-004",
-                                  "an element names node " + std::to_string(tag) + ", which is not there",
-                                  path_, "element " + std::to_string(elements_[e].tag));
-            }
-            cell[i] = static_cast<std::uint32_t>(found - nodes_.begin());
+            ANATOMESH_TRY(cell[i], vertex_of(nodes[i], element));
         }
         model_.mesh.cells.push_back(cell);
+        if (nodes_each_ == 4) continue;
+        std::array<std::uint32_t, 6> six;
+        for (std::size_t i = 0; i < 6; ++i) {
+            ANATOMESH_TRY(six[gmsh_edge_order[i]], vertex_of(nodes[4 + i], element));
+        }
+        mid_nodes.push_back(six);
     }
+    return mid_nodes.empty() ? Status(Nothing{}) : split_mid_nodes(model_, std::move(mid_nodes), path_);
+}
+
+// A view of one value per element; those of other names or shapes are passed over.
+Status GmshReader::element_data() {
+    const auto tags = [&](std::vector<std::string>& lines) {
+        const auto count = number_of<std::size_t>(trimmed(values_.line().value_or("")));
+        for (std::size_t i = 0; count && i < std::min<std::size_t>(*count, 100); ++i) {
+            lines.emplace_back(trimmed(values_.line().value_or("")));
+        }
+    };
+    std::vector<std::string> names, reals, integers;
+    tags(names);
+    tags(reals);
+    tags(integers);
+    const std::uint64_t count = integers.size() > 2 ? number_of<std::uint64_t>(integers[2]).value_or(0) : 0;
+    auto* target = names.empty()                ? nullptr
+                   : names[0] == "\"grey\""     ? &grey_
+                   : names[0] == "\"material\"" ? &material_
+                                                : nullptr;
+    if (target && count > 0 && integers[1] == "1") {
+        for (std::uint64_t i = 0; i < count; ++i) {
+            const auto tag = values_.read<std::int32_t>();
+            const auto value = values_.read<double>();
+            if (!values_.good()) return broken("a value of an element");
+            target->emplace_back(static_cast<std::uint64_t>(tag), value);
+        }
+    }
+    return values_.skip_section("ElementData") ? Status(Nothing{}) : broken("$EndElementData");
+}
+
+// Values of every element, or of none.
+Status GmshReader::place_values() {
+    for (auto* values : {&grey_, &material_}) {
+        std::sort(values->begin(), values->end());
+        const bool all =
+            values->size() == elements_.size() &&
+            std::equal(values->begin(), values->end(), elements_.begin(),
+                       [](const auto& value, const Element& element) { return value.first == element.tag; });
+        if (!all) values->clear();
+    }
+    for (const auto& value : grey_) model_.grey.push_back(value.second);
+    if (!reader_.has_materials()) return Nothing{};
+    std::vector<std::int64_t> numbers;
+    for (const auto& value : material_) {
+        const bool whole = value.second >= 0 && value.second < 1e9;
+        numbers.push_back(whole ? static_cast<std::int64_t>(value.second) : 0);
+    }
+    ANATOMESH_TRY(model_.material, reader_.materials_of_numbers(numbers));
     return Nothing{};
 }
 
@@ -512,6 +618,8 @@ Result<ModelFile> GmshReader::run(RunContext& context) {
             ANATOMESH_CHECK_STATUS(nodes());
         } else if (name == "$Elements") {
             ANATOMESH_CHECK_STATUS(elements());
+        } else if (name == "$ElementData") {
+            ANATOMESH_CHECK_STATUS(element_data());
         } else if (!values_.skip_section(name.substr(1))) {
             return broken(("the end of section " + name.substr(0, 40)).c_str());
         }
@@ -522,6 +630,7 @@ Result<ModelFile> GmshReader::run(RunContext& context) {
     ANATOMESH_CHECK_STATUS(place_elements());
     const bool foreign = !reader_.has_regions();
     ANATOMESH_CHECK_STATUS(place_regions());
+    ANATOMESH_CHECK_STATUS(place_values());
     model_.description = reader_.finish(context);
     if (foreign) {
         for (Structure& structure : model_.description.structures) {

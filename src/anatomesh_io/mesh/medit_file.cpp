@@ -8,11 +8,21 @@
 
 namespace anatomesh {
 
-Result<std::string> format_medit(const std::string&, const ModelFile& model, RunContext&) {
+Result<std::string> format_medit(const std::string& path, const ModelFile& model, RunContext& context) {
     const TetMesh& mesh = model.mesh;
+    if (!model.mid_nodes.empty()) {
+        Error error = mesh_error("E-MDL-014", "a Medit file holds linear tetrahedra only", path);
+        error.kind = ErrorKind::usage;
+        error.next_step = "write .vtu, .msh, .inp or .feb, or linear tetrahedra";
+        return error;
+    }
+    if (!model.grey.empty()) warn_cell_values("grey values", path, context);
+    if (!model.material.empty()) warn_cell_values("materials", path, context);
     const std::vector<std::int32_t> numbers = region_numbers(model.description);
+    MeshDescription described = model.description;
+    described.materials.clear();  // no cell says which is its own
     std::string text = "MeshVersionFormatted 2\n";
-    for (const std::string& line : description_lines(model.description)) text += "# " + line + "\n";
+    for (const std::string& line : description_lines(described)) text += "# " + line + "\n";
     text += "Dimension 3\nVertices\n";
     append_number(text, mesh.points.size());
     text += '\n';

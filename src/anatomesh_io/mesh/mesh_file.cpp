@@ -73,6 +73,12 @@ void warn_polygons(std::size_t count, const std::string& path, RunContext& conte
     context.warn(std::move(warning));
 }
 
+void warn_cell_values(const char* what, const std::string& path, RunContext& context) {
+    Warning warning{"W-MDL-006", std::string("the format has no place for ") + what, {}, "left out"};
+    warning.place.file = path;
+    context.warn(std::move(warning));
+}
+
 std::vector<std::int32_t> region_numbers(const MeshDescription& description) {
     std::vector<std::int32_t> used;
     for (const Structure& structure : description.structures) used.push_back(structure.number);
@@ -102,6 +108,7 @@ std::optional<ModelFormat> model_format_of(const std::string& path) {
     if (extension == "msh") return ModelFormat::gmsh;
     if (extension == "mesh") return ModelFormat::medit;
     if (extension == "inp") return ModelFormat::abaqus;
+    if (extension == "feb") return ModelFormat::febio;
     return std::nullopt;
 }
 
@@ -116,8 +123,11 @@ std::optional<SurfaceFormat> surface_format_of(const std::string& path) {
 
 Result<std::string> format_model(const std::string& path, const ModelFile& model, RunContext& context) {
     assert(model.mesh.regions.size() == model.mesh.cells.size());
+    assert(model.mid_nodes.empty() || model.mid_nodes.cells.size() == model.mesh.cells.size());
+    assert(model.grey.empty() || model.grey.size() == model.mesh.cells.size());
+    assert(model.material.empty() || model.material.size() == model.mesh.cells.size());
     const auto format = model_format_of(path);
-    if (!format) return unknown_extension(path, ".vtu, .msh, .mesh, .inp");
+    if (!format) return unknown_extension(path, ".vtu, .msh, .mesh, .inp, .feb");
     switch (*format) {
         case ModelFormat::vtu:
             return format_vtu(path, model, context);
@@ -125,10 +135,16 @@ Result<std::string> format_model(const std::string& path, const ModelFile& model
             return format_gmsh(path, model, context);
         case ModelFormat::medit:
             return format_medit(path, model, context);
+        case ModelFormat::febio:
+            return format_febio(path, model, context);
         case ModelFormat::abaqus:
             break;
     }
     return format_abaqus(path, model, context);
+}
+
+bool holds_quadratic(ModelFormat format) {
+    return format != ModelFormat::medit;
 }
 
 Result<std::string> format_surface(const std::string& path, const SurfaceFile& surface, RunContext& context) {

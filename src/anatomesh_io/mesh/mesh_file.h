@@ -2,6 +2,7 @@
 // content.
 //
 //   models     .vtu (VTK XML, binary, compressed)  .msh (Gmsh 4.1, binary)  .mesh (Medit)  .inp (Abaqus)
+//              .feb (FEBio 4.0, written only)
 //   surfaces   .vtp (VTK XML, binary, compressed)  .stl (binary, float32)   .ply (binary, double)  .obj
 //
 // Every file states its axes and unit. All but .stl keep coordinates exactly and carry the table of
@@ -15,12 +16,13 @@
 //   E-MDL-004 names a vertex that does not exist   E-MDL-011 table of structures and regions contradictory
 //   E-MDL-005 coordinate not finite, or beyond     E-MDL-012 version or variant of the format not read
 //             1e7 mm                               E-MDL-013 (limit) more elements than the format can number
-//   E-MDL-006 cell of a kind that is not read
+//   E-MDL-006 cell of a kind that is not read      E-MDL-014 (usage) quadratic tetrahedra in .mesh
 //   E-MDL-007 more elements claimed than the file can hold
 // and those of read_input_file, write_file_atomically and parse_vtk_xml. Warnings:
 //   W-MDL-001 the file does not say its axes       W-MDL-004 coordinates lose more than 1e-3 mm in the format
 //   W-MDL-002 elements of other kinds left out     W-MDL-005 polygons cut into triangles
-//   W-MDL-003 structure numbers <= 0 renumbered for a format that cannot hold them
+//   W-MDL-003 structure numbers <= 0 renumbered    W-MDL-006 grey values or materials left out
+//             for a format that cannot hold them   W-MDL-007 .feb without materials: place holders
 #pragma once
 
 #include <cstdint>
@@ -32,6 +34,8 @@
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/base/structure.h"
+#include "anatomesh/element/material.h"
+#include "anatomesh/mesh/mid_nodes.h"
 #include "anatomesh/mesh/surface_mesh.h"
 #include "anatomesh/mesh/tet_mesh.h"
 #include "anatomesh_io/file/input_file.h"
@@ -47,6 +51,7 @@ struct MeshDescription {
     // Provenance, in order; keys may repeat: ("version", "0.1.0"), ("warning", "W-RTS-006 ..."), ...
     // Keys are of letters, digits and underscores.
     std::vector<std::pair<std::string, std::string>> notes;
+    std::vector<Material> materials{};
 };
 
 // Requires for writing: regions of cells are in the table. After reading, cells are as the file has them:
@@ -54,6 +59,9 @@ struct MeshDescription {
 struct ModelFile {
     TetMesh mesh;
     MeshDescription description;
+    MidNodes mid_nodes{};                   // empty: linear tetrahedra
+    std::vector<double> grey{};             // per cell, the mean grey value of an image; empty: none
+    std::vector<std::uint32_t> material{};  // per cell, index into description.materials; empty: none
 };
 
 struct SurfaceFile {
@@ -65,7 +73,7 @@ struct SurfaceFile {
 // region is one structure, else a number of its own above all structures' numbers. [0] is 0.
 std::vector<std::int32_t> region_numbers(const MeshDescription& description);
 
-enum class ModelFormat : std::uint8_t { vtu, gmsh, medit, abaqus };
+enum class ModelFormat : std::uint8_t { vtu, gmsh, medit, abaqus, febio };
 enum class SurfaceFormat : std::uint8_t { vtp, stl, ply, obj };
 
 // By the extension, in any case; nothing for others.
@@ -76,6 +84,9 @@ std::optional<SurfaceFormat> surface_format_of(const std::string& path);
 // do not depend on context.threads. Linear in the size; .vtu and .vtp compress in parallel.
 Result<std::string> format_model(const std::string& path, const ModelFile& model, RunContext& context);
 Result<std::string> format_surface(const std::string& path, const SurfaceFile& surface, RunContext& context);
+
+// Whether the format can hold quadratic tetrahedra.
+bool holds_quadratic(ModelFormat format);
 
 // One file, all or nothing.
 Status write_model(const std::string& path, const ModelFile& model, RunContext& context);

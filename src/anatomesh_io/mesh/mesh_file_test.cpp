@@ -272,7 +272,7 @@ TEST(MeshFile, abaqus_surfaces_face_out_of_their_cells) {
     std::map<std::array<std::uint32_t, 3>, int> seen;
     while (std::getline(in, line)) {
         if (line[0] == '*') {
-            in_surface = line.starts_with("*SURFACE");
+            in_surface = line.starts_with("*SURFACE") && line.find("NAME=INTERFACE") != std::string::npos;
             continue;
         }
         if (!in_surface) continue;
@@ -413,7 +413,11 @@ TEST(MeshFile, bad_abaqus_files) {
               "E-MDL-009");
     EXPECT_EQ(model_code(folder, nodes + "20, 1, 1, 1\n*ELEMENT, TYPE=C3D4\n7, 10, 20, 30, 40\n"),
               "E-MDL-009");
-    EXPECT_EQ(model_code(folder, nodes + "*ELEMENT, TYPE=C3D10\n7, 10, 20, 30, 40\n"), "E-MDL-006");
+    EXPECT_EQ(model_code(folder, nodes + "*ELEMENT, TYPE=C3D8\n7, 10, 20, 30, 40\n"), "E-MDL-006");
+    EXPECT_EQ(model_code(folder, nodes + "*ELEMENT, TYPE=C3D10\n7, 10, 20, 30, 40\n"), "E-MDL-003");
+    EXPECT_EQ(model_code(folder, nodes + "*ELEMENT, TYPE=C3D4\n7, 10, 20,\n30, 40\n"), "ok");
+    EXPECT_EQ(model_code(folder, nodes + "*ELEMENT, TYPE=C3D4\n7, 10, 20, 30\n8, 10, 20, 30, 40\n"),
+              "E-MDL-003");
     EXPECT_EQ(model_code(folder, nodes), "E-MDL-008");
     EXPECT_EQ(model_code(folder, "*HEADING\nx\n*NODE\n1, inf, 0, 0\n"), "E-MDL-005");
 }

@@ -26,6 +26,8 @@ Status check_point(const Vec3& point, std::size_t index, const std::string& path
 // W-MDL-002 and W-MDL-005, when there is anything to warn of. `what`: "tetrahedra".
 void warn_left_out(std::size_t count, const char* what, const std::string& path, RunContext& context);
 void warn_polygons(std::size_t count, const std::string& path, RunContext& context);
+// W-MDL-006. `what`: "grey values".
+void warn_cell_values(const char* what, const std::string& path, RunContext& context);
 
 inline bool is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\r';

@@ -8,6 +8,7 @@
 #include "anatomesh_io/mesh/description.h"
 #include "anatomesh_io/mesh/formats.h"
 #include "anatomesh_io/mesh/mesh_text.h"
+#include "anatomesh_io/mesh/quadratic_nodes.h"
 #include "anatomesh_io/mesh/vtk_xml.h"
 
 namespace anatomesh {
@@ -82,6 +83,31 @@ std::vector<double> qualities(const TetMesh& mesh, int threads) {
     return quality;
 }
 
+// The number of every cell's material, from 1, and its Young's modulus to look at.
+void add_material_arrays(const ModelFile& model, VtkFile& file) {
+    std::vector<std::int32_t> numbers;
+    std::vector<double> young;
+    for (const std::uint32_t m : model.material) {
+        numbers.push_back(static_cast<std::int32_t>(m) + 1);
+        young.push_back(model.description.materials[m].young_mpa);
+    }
+    file.cell_data.push_back(VtkArray::of<std::int32_t>("material", numbers));
+    file.cell_data.push_back(VtkArray::of<double>("young_mpa", young));
+}
+
+// Grey values and materials of a file of ours: a foreign array of that name may mean anything.
+Status take_cell_values(const VtkFile& file, const std::vector<std::size_t>& chosen,
+                        const DescriptionReader& reader, ModelFile& model) {
+    const VtkArray* grey = file.cell_array("grey");
+    if (grey && grey->type != VtkType::string && grey->components == 1) {
+        const std::vector<double> all = grey->to_doubles();
+        for (const std::size_t c : chosen) model.grey.push_back(all[c]);
+    }
+    if (!reader.has_materials()) return Nothing{};
+    ANATOMESH_TRY(model.material, reader.materials_of_numbers(integers_at(file, "material", chosen)));
+    return Nothing{};
+}
+
 }  // namespace
 
 Result<std::string> format_vtu(const std::string&, const ModelFile& model, RunContext& context) {
@@ -89,13 +115,16 @@ Result<std::string> format_vtu(const std::string&, const ModelFile& model, RunCo
     VtkFile file;
     file.kind = VtkDataSet::unstructured_grid;
     file.points = mesh.points;
-    file.cells.connectivity.reserve(4 * mesh.cells.size());
+    file.points.insert(file.points.end(), model.mid_nodes.points.begin(), model.mid_nodes.points.end());
+    file.cells.connectivity.reserve(static_cast<std::size_t>(nodes_per_cell(model)) * mesh.cells.size());
     file.cells.offsets.reserve(mesh.cells.size());
-    for (const Cell& cell : mesh.cells) {
-        file.cells.connectivity.insert(file.cells.connectivity.end(), cell.begin(), cell.end());
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+        each_node(model, c, vtk_edge_order, [&](std::uint64_t node) {
+            file.cells.connectivity.push_back(static_cast<std::int64_t>(node));
+        });
         file.cells.offsets.push_back(static_cast<std::int64_t>(file.cells.connectivity.size()));
     }
-    file.types.assign(mesh.cells.size(), vtk_tetra);
+    file.types.assign(mesh.cells.size(), model.mid_nodes.empty() ? vtk_tetra : vtk_quadratic_tetra);
 
     const std::vector<std::int32_t> number_of_region = region_numbers(model.description);
     std::vector<std::int32_t> numbers(mesh.cells.size());
@@ -103,6 +132,8 @@ Result<std::string> format_vtu(const std::string&, const ModelFile& model, RunCo
     file.cell_data = {VtkArray::of<std::int32_t>("structure", numbers),
                       VtkArray::of<Region>("region", mesh.regions),
                       VtkArray::of<double>("quality", qualities(mesh, context.threads))};
+    if (!model.grey.empty()) file.cell_data.push_back(VtkArray::of<double>("grey", model.grey));
+    if (!model.material.empty()) add_material_arrays(model, file);
     file.field_data = field_data(model.description);
     return format_vtk_xml(file, head_comment(model.description), {1, context.threads});
 }
@@ -116,28 +147,38 @@ Result<ModelFile> parse_vtu(const std::string& path, Bytes content, const InputL
 
     ModelFile model;
     std::vector<std::size_t> chosen;
+    std::vector<std::array<std::uint32_t, 6>> mid_nodes;
     for (std::size_t c = 0; c < file.cells.size(); ++c) {
         const std::uint8_t type = file.types[c];
         if (is_lower_dimensional(type)) continue;
         const auto points = file.cells.points_of(c);
-        if (type != vtk_tetra || points.size() != 4) {
-            Error error =
-                mesh_error("E-MDL-006",
-                           type == vtk_quadratic_tetra ? "quadratic tetrahedra are not read"
-                                                       : "only tetrahedra of four vertices are read",
-                           path, "cell " + std::to_string(c) + " of VTK type " + std::to_string(type));
-            error.next_step = "turn the cells into linear tetrahedra first";
+        const bool quadratic = type == vtk_quadratic_tetra;
+        if ((type != vtk_tetra && !quadratic) || points.size() != (quadratic ? 10 : 4)) {
+            Error error = mesh_error("E-MDL-006", "only tetrahedra of four or ten vertices are read", path,
+                                     "cell " + std::to_string(c) + " of VTK type " + std::to_string(type));
+            error.next_step = "turn the cells into tetrahedra first";
             return error;
         }
+        if (!chosen.empty() && quadratic == mid_nodes.empty()) {
+            return mixed_orders(path, "cell " + std::to_string(c));
+        }
+        const auto vertex = [](std::int64_t p) { return static_cast<std::uint32_t>(p); };
         Cell cell;
-        std::transform(points.begin(), points.end(), cell.begin(),
-                       [](std::int64_t p) { return static_cast<std::uint32_t>(p); });
+        std::transform(points.begin(), points.begin() + 4, cell.begin(), vertex);
+        if (quadratic) {
+            std::array<std::uint32_t, 6> six;
+            for (std::size_t i = 0; i < 6; ++i) six[vtk_edge_order[i]] = vertex(points[4 + i]);
+            mid_nodes.push_back(six);
+        }
         model.mesh.cells.push_back(cell);
         chosen.push_back(c);
     }
     if (chosen.empty()) return mesh_error("E-MDL-008", "the file has no tetrahedra", path);
     warn_left_out(file.cells.size() - chosen.size(), "tetrahedra", path, context);
     model.mesh.points = std::move(file.points);
+    if (!mid_nodes.empty()) {
+        ANATOMESH_CHECK_STATUS(split_mid_nodes(model, std::move(mid_nodes), path));
+    }
 
     const std::vector<std::int64_t> indices = integers_at(file, "region", chosen);
     if (reader.has_regions() && !indices.empty()) {
@@ -151,6 +192,7 @@ Result<ModelFile> parse_vtu(const std::string& path, Bytes content, const InputL
         }
         ANATOMESH_TRY(model.mesh.regions, reader.regions_of_labels(labels, chosen.size()));
     }
+    ANATOMESH_CHECK_STATUS(take_cell_values(file, chosen, reader, model));
     model.description = reader.finish(context);
     return model;
 }

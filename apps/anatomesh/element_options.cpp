@@ -1,0 +1,143 @@
+#include "element_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+#include "anatomesh/element/grey.h"
+#include "anatomesh_io/mesh/material_file.h"
+#include "option_values.h"
+#include "plural.h"
+#include "read_input.h"
+
+namespace anatomesh {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+StageReport stage_of(const char* name, Clock::time_point start, const ModelFile& model) {
+    StageReport stage;
+    stage.name = name;
+    stage.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    stage.points = model.mesh.points.size() + model.mid_nodes.points.size();
+    stage.cells = model.mesh.cells.size();
+    return stage;
+}
+
+// `again`: the image was read before in this run, which has said what there is to say of it.
+Status add_grey(ModelFile& model, const InputOptions& image, bool again, Session& session, CellValues& done) {
+    const auto start = Clock::now();
+    const std::size_t said = session.context.warnings.size();
+    ANATOMESH_TRY(const OpenedInput opened, open_input(image, session.context));
+    if (again) session.context.warnings.resize(said);
+    if (!opened.image) {
+        return Error{ErrorKind::input,
+                     "E-CMD-012",
+                     "there are no grey values in this file",
+                     {image.input, "", "", "", ""},
+                     "give the image that the model was made from"};
+    }
+    ANATOMESH_TRY(GreyResult grey, grey_values(model.mesh, opened.image->image, {}, session.context));
+    const GreyStats& stats = grey.stats;
+    if (stats.cells_outside > 0) {
+        session.context.warn({"W-ELM-001",
+                              fmt::format("{} outside the image",
+                                          counted(stats.cells_outside, "tetrahedron lies", "tetrahedra lie")),
+                              {image.input, "", "", "", ""},
+                              "given the values of the nearest voxels"});
+    }
+    model.grey = std::move(grey.values);
+    if (!again) done.files.insert(done.files.end(), opened.files.begin(), opened.files.end());
+    StageReport stage = stage_of("grey", start, model);
+    stage.figures = {{"samples", static_cast<double>(stats.samples)},
+                     {"cells_outside", static_cast<double>(stats.cells_outside)},
+                     {"cells_cut", static_cast<double>(stats.cells_cut)},
+                     {"low", stats.low},
+                     {"high", stats.high},
+                     {"mean", stats.mean}};
+    done.stages.push_back(std::move(stage));
+    return Nothing{};
+}
+
+Status add_materials(ModelFile& model, const MaterialFile& laws, Session& session, CellValues& done) {
+    const auto start = Clock::now();
+    ANATOMESH_CHECK_STATUS(apply_materials(model, laws, session.context));
+    const std::vector<Material>& materials = model.description.materials;
+    double low = materials.empty() ? 0 : materials.front().young_mpa, high = low;
+    for (const Material& material : materials) {
+        low = std::min(low, material.young_mpa);
+        high = std::max(high, material.young_mpa);
+    }
+    StageReport stage = stage_of("material", start, model);
+    stage.figures = {{"materials", static_cast<double>(materials.size())},
+                     {"young_low_mpa", low},
+                     {"young_high_mpa", high}};
+    done.stages.push_back(std::move(stage));
+    done.files.push_back({laws.path, "material laws", laws.sha256, laws.bytes});
+    return Nothing{};
+}
+
+}  // namespace
+
+std::vector<std::string> ElementOptions::inputs() const {
+    std::vector<std::string> files;
+    if (!grey.empty()) files.push_back(grey);
+    if (!material.empty()) files.push_back(material);
+    return files;
+}
+
+void add_element_options(CLI::App& verb, ElementOptions& options) {
+    add_count(verb, "--order", options.order, 1, 2,
+              "Order of the tetrahedra: 1 with four nodes, 2 with ten, those of the surface on it");
+    add_text(verb, "--grey", options.grey, "IMAGE",
+             "Give every tetrahedron its mean grey value in this image (HU in a CT)");
+    add_text(verb, "--material", options.material, "FILE",
+             "Give every tetrahedron a material, by laws of the grey value: .json");
+}
+
+Status check_order(const ElementOptions& options, const std::string& output) {
+    const auto format = model_format_of(output);
+    if (options.order != 2 || !format || holds_quadratic(*format)) return Nothing{};
+    return Error{ErrorKind::usage,
+                 "E-MDL-014",
+                 "the format holds linear tetrahedra only",
+                 {output, "", "", "", "--order 2"},
+                 "write .vtu, .msh, .inp or .feb"};
+}
+
+Result<CellValues> add_cell_values(ModelFile& model, const ElementOptions& options, const InputOptions* own,
+                                   Session& session) {
+    CellValues done;
+    std::optional<MaterialFile> laws;
+    if (!options.material.empty()) {
+        ANATOMESH_TRY(laws, read_material_file(options.material, session.limits.input));
+    }
+    const bool wants_grey = laws && needs_grey(*laws);
+    const bool again = own && (options.grey.empty() || options.grey == own->input);
+    InputOptions image;
+    if (again) {
+        image = *own;
+    } else {
+        image.input = options.grey;
+        image.limits = session.limits;
+    }
+    if (!options.grey.empty() || (wants_grey && again)) {
+        ANATOMESH_CHECK_STATUS(add_grey(model, image, again, session, done));
+    }
+    if (wants_grey && model.grey.empty()) {
+        return Error{ErrorKind::usage,
+                     "E-CMD-008",
+                     "a law needs grey values, and the model has none",
+                     {options.material, "", "", "", "--material"},
+                     "give the image with --grey"};
+    }
+    if (laws) {
+        ANATOMESH_CHECK_STATUS(add_materials(model, *laws, session, done));
+    }
+    return done;
+}
+
+}  // namespace anatomesh

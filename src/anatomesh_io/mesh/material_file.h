@@ -1,0 +1,45 @@
+// Material laws from a small JSON file (docs/simulation.md).
+//
+//   {"format": "anatomesh-material", "version": 1,
+//    "laws": [{"structure": "skull", "density_of_grey": {"intercept": 0.05, "slope": 0.0008},
+//              "young_of_density": {"offset": 0, "factor": 6850, "exponent": 1.49}, "poisson": 0.3, "bins":
+//              20},
+//             {"structure": 7, "table": [[-100, 0.01], [300, 1000]]},
+//             {"young_mpa": 1}]}
+//
+// Errors: input E-MAT-001 not JSON, or of another kind; E-MAT-002 a member is missing, unknown, of another
+// type or out of range (which one, and what is wanted); E-MAT-003 a structure has no law; those of
+// read_input_file. Warning: W-MAT-001 a law names no structure of the model.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "anatomesh/element/material.h"
+#include "anatomesh_io/file/input_file.h"
+#include "anatomesh_io/mesh/mesh_file.h"
+
+namespace anatomesh {
+
+struct NamedLaw {
+    std::string structure;  // a name or a number; empty: every structure
+    MaterialLaw law;
+};
+
+struct MaterialFile {
+    std::vector<NamedLaw> laws;
+    std::string path, sha256;
+    std::uint64_t bytes = 0;
+};
+
+Result<MaterialFile> read_material_file(const std::string& path, const InputLimits& limits);
+
+// Whether any law depends on the grey value.
+bool needs_grey(const MaterialFile& file);
+
+// Gives every cell its material: that of the first law which names a structure of the cell's region, or none.
+// Requires: model.grey is set when a law needs it. Errors: E-MAT-003; E-ELM-002.
+Status apply_materials(ModelFile& model, const MaterialFile& file, RunContext& context);
+
+}  // namespace anatomesh
