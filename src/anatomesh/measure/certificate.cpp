@@ -8,6 +8,7 @@
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/number_text.h"
 #include "anatomesh/measure/quality_report.h"
+#include "anatomesh/measure/slice_cuts.h"
 #include "anatomesh/measure/volume.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/mesh/validity.h"
@@ -112,6 +113,13 @@ ContourFindings measure_contours(const CertificateInput& input, const Surfaces& 
         structure.contour_segments_on_surface += part.segments_on_surface;
         if (!volumes.empty()) structure.volume_slices_mm3 += volumes[s];
     }
+    report.cuts.clear();
+    for (const SliceCut& cut : slice_cuts(input.mesh.points, of_contours, contours, fidelity.vertex_of)) {
+        const Structure& structure = contours.structures[cut.structure];
+        const std::string& slice = contours.slices[cut.slice].name;
+        report.cuts.push_back({structure.name.empty() ? std::to_string(structure.number) : structure.name,
+                               slice.empty() ? std::to_string(cut.slice) : slice, cut.drawn, cut.difference});
+    }
     findings.vertex_of = std::move(fidelity.vertex_of);
     return findings;
 }
@@ -194,7 +202,28 @@ Clause clause_vertices(const CertificateInput& input, const StructureFidelity& a
     return clause;
 }
 
-Clause clause_segments(const CertificateInput& input, const StructureFidelity& all) {
+// The cuts of the model beside the drawn regions: the sum, and the worst slice.
+std::string cuts_text(const ModelReport& report, std::size_t& above) {
+    double drawn = 0, difference = 0, worst = 0;
+    std::string where;
+    above = 0;
+    for (const SliceCutReport& cut : report.cuts) {
+        drawn += cut.drawn_mm2;
+        difference += cut.difference_mm2;
+        above += cut.difference_mm2 > certificate_cut_tolerance * cut.drawn_mm2;
+        const double share = cut.drawn_mm2 > 0 ? cut.difference_mm2 / cut.drawn_mm2 : 0;
+        if (share <= worst) continue;
+        worst = share;
+        where = " (" + cut.structure + ", slice " + cut.slice + ")";
+    }
+    return "symmetric difference of the cuts by the slices' planes and the drawn regions " +
+           percent_text(difference, drawn, 4) + " of the area in all, at most " + percent_text(worst, 1, 3) +
+           where + ", above " + percent_text(certificate_cut_tolerance, 1, 1) + " in " +
+           count_of(above, report.cuts.size()) + " cuts";
+}
+
+Clause clause_segments(const CertificateInput& input, const StructureFidelity& all,
+                       const ModelReport& report) {
     Clause clause{
         2, ClauseState::not_promised_yet,
         "Every segment of a kept contour is a chain of surface edges; the cut of the model by the slice's "
@@ -204,7 +233,10 @@ Clause clause_segments(const CertificateInput& input, const StructureFidelity& a
     clause.evidence =
         count_of(all.segments_on_surface, all.segments) + " contour segments (" +
         percent_text(static_cast<double>(all.segments_on_surface), static_cast<double>(all.segments), 2) +
-        ") are chains of surface edges; the cuts by the slices' planes were not measured";
+        ") are chains of surface edges; ";
+    std::size_t above = 0;
+    clause.evidence += cuts_text(report, above);
+    if (all.segments_on_surface == all.segments && above == 0) clause.state = ClauseState::kept;
     return clause;
 }
 
@@ -346,7 +378,7 @@ void measure_model(const CertificateInput& input, const RunContext& context, Mod
     const ShapeFindings shape = list_cells(input, shapes, findings, report);
 
     report.certificate = {clause_vertices(input, findings.all, context),
-                          clause_segments(input, findings.all),
+                          clause_segments(input, findings.all, report),
                           clause_validity(check, report),
                           clause_shape(input, shape, report),
                           clause_determinism(input),

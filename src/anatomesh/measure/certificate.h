@@ -35,6 +35,8 @@ inline constexpr double certificate_max_radius_edge = 2.0;
 // Cells above the bound that nothing forces may be this share of all cells, while the mean ratio of the cells
 // that nothing forces is at most this. Without contours nothing is known to force any.
 inline constexpr double certificate_share_over_bound = 0.005;
+// Share of a drawn region's area by which the cut of the model may differ from it.
+inline constexpr double certificate_cut_tolerance = 0.001;
 inline constexpr double certificate_mean_radius_edge = 1.2;
 inline constexpr double certificate_volume_tolerance = 0.002;  // relative
 

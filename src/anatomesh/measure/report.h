@@ -65,6 +65,13 @@ struct StructureReport {
     std::uint64_t contour_segments = 0, contour_segments_on_surface = 0;  // chains of surface edges
 };
 
+// The cut of the model by a slice's plane beside what is drawn there, for one structure.
+struct SliceCutReport {
+    std::string structure, slice;
+    double drawn_mm2 = 0,
+           difference_mm2 = 0;  // area of the drawn region; of its symmetric difference with the cut
+};
+
 struct StageReport {
     std::string name;
     double seconds = 0;                   // the only kind of figure that may differ between runs
@@ -130,6 +137,7 @@ struct ModelReport {
     std::uint64_t listed_cells_total = 0,
                   listed_cells_forced = 0;  // forced: by the input, with the reason known
     std::vector<ContourReport> contour_log;
+    std::vector<SliceCutReport> cuts;  // where contours are at hand
     CrossingReport crossing;
     std::vector<StageReport> stages;
     std::vector<Warning> warnings;

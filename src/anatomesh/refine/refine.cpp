@@ -81,6 +81,29 @@ void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfacePr
     }
 }
 
+// A facet between two regions, and the vertices opposite it in its two cells.
+struct InterfaceFacet {
+    Triangle vertices;
+    std::array<std::uint32_t, 2> apices;
+};
+
+std::vector<InterfaceFacet> interface_facets(const DelaunaySnapshot& mesh,
+                                             const std::vector<Region>& regions) {
+    std::vector<InterfaceFacet> facets;
+    for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            const std::uint32_t n = mesh.neighbors[c][i];
+            if (n == no_cell || regions[c] <= regions[n]) continue;
+            const auto& f = facet_vertices[i];
+            const auto back = static_cast<std::size_t>(
+                std::find(mesh.neighbors[n].begin(), mesh.neighbors[n].end(), c) - mesh.neighbors[n].begin());
+            facets.push_back({{mesh.cells[c][f[0]], mesh.cells[c][f[1]], mesh.cells[c][f[2]]},
+                              {mesh.cells[c][i], mesh.cells[n][back]}});
+        }
+    }
+    return facets;
+}
+
 }  // namespace
 
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
@@ -194,15 +217,7 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
                                      std::uint32_t structures, const PointGrid& all_points, const SegmentGuard& guard,
                                      const DeviationOptions& options, std::vector<Vec3>& found, RunContext& context) {
     DeviationStats stats;
-    std::vector<Triangle> facets;
-    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-        for (int i = 0; i < 4; ++i) {
-            const std::uint32_t n = mesh.neighbors[c][i];
-            if (n == no_cell || regions[c] <= regions[n]) continue;
-            const auto& f = facet_vertices[i];
-            facets.push_back({mesh.cells[c][f[0]], mesh.cells[c][f[1]], mesh.cells[c][f[2]]});
-        }
-    }
+    const std::vector<InterfaceFacet> facets = interface_facets(mesh, regions);
     struct Candidate {
         std::optional<Vec3> point;
         double longest = 0;
@@ -212,16 +227,24 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
     parallel_for(facets.size(), 1024, context.threads, [&](std::size_t first, std::size_t last) {
         InterfaceProbe probe(field, structures);
         for (std::size_t n = first; n < last; ++n) {
-            const Vec3 a = points[facets[n][0]], b = points[facets[n][1]], c = points[facets[n][2]];
+            const InterfaceFacet& facet = facets[n];
+            const Vec3 a = points[facet.vertices[0]], b = points[facet.vertices[1]],
+                       c = points[facet.vertices[2]];
             const Vec3 middle = (1.0 / 3.0) * (a + b + c);
             if (probe.distance(middle) <= options.max_deviation_mm) continue;
             Candidate& candidate = candidates[n];
             candidate.deviates = true;
             candidate.longest = std::sqrt(std::max({squared_length(b - a), squared_length(c - b), squared_length(a - c)}));
-            candidate.point = probe.project(middle, candidate.longest, 0.02 * options.max_deviation_mm);
-            if (candidate.point && (all_points.any_within(*candidate.point, options.min_spacing * candidate.longest) ||
-                                    !guard.outside_balls(*candidate.point))) {
-                candidate.point.reset();
+            const double tolerance = 0.02 * options.max_deviation_mm;
+            const auto keep_if_free = [&](const std::optional<Vec3>& p, double share) {
+                if (!p || all_points.any_within(*p, options.min_spacing * candidate.longest)) return;
+                if (guard.ball_at(*p, share) == SegmentGuard::no_ball) candidate.point = p;
+            };
+            keep_if_free(probe.project(middle, candidate.longest, tolerance), 1);
+            for (const std::uint32_t apex : facet.apices) {
+                if (candidate.point) break;
+                keep_if_free(probe.first_crossing(middle, points[apex], 0.25 * candidate.longest, tolerance),
+                             options.protected_share);
             }
         }
     });

@@ -74,6 +74,8 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
 struct DeviationOptions {
     double max_deviation_mm = 0.1;  // of the middle of an interface facet from the field's interface. > 0
     double min_spacing = 0.27;      // of a new point from others, in longest edges of its facet. (0, 1]
+    double protected_share =
+        0.5;  // of the diametral balls of contour segments, kept free of points, by radius. [0, 1]
 };
 
 struct DeviationStats {
@@ -81,10 +83,12 @@ struct DeviationStats {
     std::uint64_t refused = 0;    // of these: no interface found near, a vertex too close to it, or a contour segment
 };
 
-// Points on the field's interface at the middle of those facets of the mesh's interfaces that are too far from it:
-// where the surface is curved, or a structure is small, it needs more points than its contours give.
-// Complexity: linear in the interface facets. Same result at any thread count.
-// Follows: the distance criterion of Boissonnat and Oudot, Graph. Models 67, 2005.
+// Points on the field's interface at the middle of those facets of the mesh's interfaces that are too far
+// from it: where the surface is curved, or a structure is small, it needs more points than its contours give.
+// Where the nearest place on the interface is taken - a pocket that closes between two slices has its facets
+// in the plane of one, and its contour is nearest - the point is where the way from the middle to the farther
+// vertex of the cell on the wrong side crosses it. Complexity: linear in the interface facets. Same result at
+// any thread count. Follows: the distance criterion of Boissonnat and Oudot, Graph. Models 67, 2005.
 DeviationStats find_deviation_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                      const std::vector<Region>& regions, const StructureField& field,
                                      std::uint32_t structures, const PointGrid& all_points, const SegmentGuard& guard,

@@ -162,10 +162,45 @@ TEST(Refine, deviation_points_stay_out_of_the_balls_of_contour_segments) {
     SegmentGuard guard(size, 10);
     guard.add_segment({-6, 0, 0}, {6, 0, 0});
     RunContext context;
+    for (const double share : {1.0, 0.9}) {  // the surface lies at 5 / 6 of the ball's radius
+        DeviationOptions options;
+        options.protected_share = share;
+        std::vector<Vec3> found;
+        const DeviationStats stats = find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1,
+                                                           mesh.grid, guard, options, found, context);
+        EXPECT_TRUE(found.empty());
+        EXPECT_EQ(stats.refused, stats.deviating);
+    }
+}
+
+// A pocket of the outside in a half ball's flat side: its ceiling is a facet in that plane, whose own middle
+// has its nearest interface at the pocket's rim, where vertices are.
+TEST(Refine, deviation_points_open_a_pocket_whose_facets_lie_in_its_rims_plane) {
+    const AnalyticField field({[](Vec3 p) {
+                                  const double pocket = std::min(3 - std::hypot(p.x, p.y), 2 - p.z);
+                                  return std::max({length(p) - 9, -p.z, pocket});
+                              }},
+                              10);
+    std::vector<Vec3> points;
+    for (int k = 0; k < 12; ++k) {
+        const double t = k * 3.14159265358979 / 6;
+        points.push_back({3 * std::cos(t), 3 * std::sin(t), 0});
+        points.push_back({6 * std::cos(t), 6 * std::sin(t), 0});
+    }
+    for (const double z : {-6.0, 6.0}) {
+        for (int k = 0; k < 6; ++k) points.push_back({5 * std::cos(k + 0.1), 5 * std::sin(k + 0.1), z});
+        points.push_back({0, 0, z});
+    }
+    for (int n = 0; n < 8; ++n)
+        points.push_back({n & 1 ? 30.0 : -30.0, n & 2 ? 31.0 : -32.0, n & 4 ? 33.0 : -30.0});
+    CulledMesh mesh{Tetrahedralization::create(points).value(), {}, {}, {}, {}, {}, PointGrid(size, 1000)};
+    mesh.update(field, 1, 0.02);
+    RunContext context;
     std::vector<Vec3> found;
-    find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1, mesh.grid, guard, {}, found,
-                          context);
-    EXPECT_TRUE(found.empty());
+    find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1, mesh.grid, SegmentGuard(size, 0),
+                          {}, found, context);
+    EXPECT_TRUE(std::any_of(found.begin(), found.end(),
+                            [](Vec3 p) { return std::hypot(p.x, p.y) < 2.9 && p.z > 0.5; }));
 }
 
 }  // namespace

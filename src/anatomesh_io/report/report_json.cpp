@@ -146,6 +146,17 @@ Json contour_log_json(const ModelReport& report) {
     return list;
 }
 
+Json cuts_json(const ModelReport& report) {
+    Json cuts = Json::array();
+    for (const SliceCutReport& cut : report.cuts) {
+        cuts.push_back({{"structure", cut.structure},
+                        {"slice", cut.slice},
+                        {"drawn_mm2", number(cut.drawn_mm2)},
+                        {"difference_mm2", number(cut.difference_mm2)}});
+    }
+    return cuts;
+}
+
 Json crossing_json(const CrossingReport& crossing) {
     Json pairs = Json::array(), slices = Json::array();
     for (const CrossingPairReport& pair : crossing.pairs) {
@@ -259,6 +270,7 @@ std::string report_json(const ModelReport& report) {
         {"listed_cells", listed_cells_json(report)},
         {"warnings", warnings_json(report)},
         {"contour_log", contour_log_json(report)},
+        {"cuts", cuts_json(report)},
         {"stages", stages_json(report)},
         {"timing", timing_json(report)},
     };

@@ -1,0 +1,195 @@
+#include "anatomesh/measure/slice_cuts.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "anatomesh/geom/polygon.h"
+#include "anatomesh/measure/even_odd_area.h"
+#include "anatomesh/mesh/tet_mesh.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double on_plane_share =
+    1e-9;  // a vertex this near to a plane lies on it, in lengths of the contours' box
+constexpr double parallel_mm = 1e-6;
+
+// The triangles of a surface by their lowest height along a direction: those at a height are found without
+// the others.
+class Layers {
+  public:
+    Layers(std::span<const Vec3> points, const std::vector<Triangle>& triangles, Vec3 direction)
+        : points_(points), direction_(direction) {
+        layers_.reserve(triangles.size());
+        for (const Triangle& t : triangles) {
+            const double a = height(t[0]), b = height(t[1]), c = height(t[2]);
+            const double low = std::min({a, b, c});
+            tallest_ = std::max(tallest_, std::max({a, b, c}) - low);
+            layers_.push_back({low, t});
+        }
+        std::sort(layers_.begin(), layers_.end());
+    }
+
+    // Calls visit(triangle) for those that may reach from the heights of the plane, and for a few more.
+    template <class Visit>
+    void for_each_at(const Plane& plane, double tolerance, Visit&& visit) const {
+        const double at = dot(plane.origin, direction_);
+        const auto first =
+            std::lower_bound(layers_.begin(), layers_.end(), Layer{at - tallest_ - tolerance, {}});
+        for (auto layer = first; layer != layers_.end() && layer->low <= at + tolerance; ++layer)
+            visit(layer->triangle);
+    }
+
+  private:
+    struct Layer {
+        double low;
+        Triangle triangle;
+        friend bool operator<(const Layer& a, const Layer& b) {
+            return a.low != b.low ? a.low < b.low : a.triangle < b.triangle;
+        }
+    };
+    double height(std::uint32_t v) const { return dot(points_[v], direction_); }
+
+    std::span<const Vec3> points_;
+    Vec3 direction_;
+    std::vector<Layer> layers_;
+    double tallest_ = 0;
+};
+
+// The boundary of one cut, as segments of the plane. Two that are equal cancel: the area between is what is
+// wanted.
+class Cut {
+  public:
+    Cut(std::span<const Vec3> points, const Plane& plane, double tolerance,
+        const std::vector<std::uint8_t>& drawn_here)
+        : points_(points), plane_(plane), tolerance_(tolerance), drawn_here_(drawn_here) {}
+
+    // The solid is cut just above the plane, and facets in the plane with the solid below are added.
+    void add(const Triangle& t) {
+        std::array<int, 3> side{};
+        for (std::size_t i = 0; i < 3; ++i) side[i] = side_of(t[i]);
+        if (side[0] == 0 && side[1] == 0 && side[2] == 0) {
+            const Vec3 a = points_[t[0]];
+            if (dot(cross(points_[t[1]] - a, points_[t[2]] - a), plane_.normal) <= 0) return;
+            for (std::size_t i = 0; i < 3; ++i) add(at(t[i]), at(t[(i + 1) % 3]));
+            return;
+        }
+        std::array<Vec2, 2> ends;
+        int count = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::size_t j = (i + 1) % 3;
+            if ((side[i] > 0) == (side[j] > 0)) continue;
+            if (side[i] == 0 || side[j] == 0) {
+                ends[static_cast<std::size_t>(count++)] = at(side[i] == 0 ? t[i] : t[j]);
+            } else {
+                ends[static_cast<std::size_t>(count++)] =
+                    crossing(std::min(t[i], t[j]), std::max(t[i], t[j]));
+            }
+        }
+        if (count == 2) add(ends[0], ends[1]);
+    }
+
+    void add(Vec2 a, Vec2 b) {
+        if (a == b) return;
+        if (lexicographic_less(b, a)) std::swap(a, b);
+        segments_.push_back({a, b});
+    }
+
+    // What does not cancel.
+    std::vector<Segment2> rest() {
+        const auto less = [](const Segment2& s, const Segment2& t) {
+            return s.a == t.a ? lexicographic_less(s.b, t.b) : lexicographic_less(s.a, t.a);
+        };
+        std::sort(segments_.begin(), segments_.end(), less);
+        std::vector<Segment2> rest;
+        for (const Segment2& s : segments_) {
+            if (!rest.empty() && rest.back().a == s.a && rest.back().b == s.b) {
+                rest.pop_back();
+            } else {
+                rest.push_back(s);
+            }
+        }
+        return rest;
+    }
+
+  private:
+    int side_of(std::uint32_t v) const {
+        if (drawn_here_[v]) return 0;
+        const double height = plane_.signed_distance(points_[v]);
+        return std::abs(height) <= tolerance_ ? 0 : height > 0 ? 1 : -1;
+    }
+    Vec2 at(std::uint32_t v) const { return plane_.to_plane(points_[v]); }
+    Vec2 crossing(std::uint32_t a, std::uint32_t b) const {
+        const double below = plane_.signed_distance(points_[a]), above = plane_.signed_distance(points_[b]);
+        return plane_.to_plane(points_[a] + below / (below - above) * (points_[b] - points_[a]));
+    }
+
+    std::span<const Vec3> points_;
+    const Plane& plane_;
+    double tolerance_;
+    const std::vector<std::uint8_t>& drawn_here_;
+    std::vector<Segment2> segments_;
+};
+
+}  // namespace
+
+std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
+                                 std::span<const std::vector<Triangle>> surfaces, const ContourSet& contours,
+                                 std::span<const std::uint32_t> vertex_of) {
+    assert(surfaces.size() == contours.structures.size() && vertex_of.size() == contours.points.size());
+    std::vector<SliceCut> cuts;
+    if (contours.slices.empty()) return cuts;
+    const Box3 box = contours.box();
+    const double tolerance = on_plane_share * length(box.high - box.low);
+    const bool parallel = all_parallel(contours, parallel_mm);
+    std::vector<std::uint8_t> drawn_here(points.size(), 0);
+    for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
+        const Layers layers(points, surfaces[s], contours.slices[0].plane.normal);
+        for (std::uint32_t k = 0; k < contours.slices.size(); ++k) {
+            const Slice& slice = contours.slices[k];
+            Cut cut(points, slice.plane, tolerance, drawn_here);
+            SliceCut measured{s, k, 0, 0};
+            Box2 extent;
+            bool drawn = false;
+            const auto mark = [&](std::uint8_t value) {
+                for (const Contour& contour : contours.contours_of(slice)) {
+                    if (contour.structure != s) continue;
+                    for (std::uint32_t n = 0; n < contour.point_count; ++n) {
+                        if (const std::uint32_t v = vertex_of[contour.first_point + n]; v != no_cell)
+                            drawn_here[v] = value;
+                    }
+                }
+            };
+            mark(1);
+            for (const Contour& contour : contours.contours_of(slice)) {
+                std::vector<Vec2> ring;
+                for (const Vec3& p : contours.points_of(contour)) {
+                    ring.push_back(slice.plane.to_plane(p));
+                    extent.extend(ring.back());
+                }
+                if (contour.structure != s) continue;
+                drawn = true;
+                measured.drawn += signed_area(ring);
+                for (std::size_t n = 0; n < ring.size(); ++n) cut.add(ring[n], ring[(n + 1) % ring.size()]);
+            }
+            if (drawn) {
+                const auto add = [&](const Triangle& t) { cut.add(t); };
+                if (parallel) {
+                    layers.for_each_at(slice.plane, tolerance + parallel_mm, add);
+                    constexpr double far = 1e12;
+                    extent = {{-far, -far}, {far, far}};
+                } else {
+                    for (const Triangle& t : surfaces[s]) cut.add(t);
+                }
+                measured.difference = even_odd_area(cut.rest(), extent);
+                cuts.push_back(measured);
+            }
+            mark(0);
+        }
+    }
+    return cuts;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,30 @@
+// slice_cuts: how far the cuts of a model by the slices' planes are the drawn regions.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/mesh/surface_mesh.h"
+
+namespace anatomesh {
+
+// One structure on one slice, mm^2.
+struct SliceCut {
+    std::uint32_t structure = 0, slice = 0;  // of the contour set
+    double drawn = 0;                        // area of the drawn region
+    double difference = 0;                   // area of its symmetric difference with the cut of the model
+};
+
+// For every structure and every slice on which it is drawn, in the order of structures and then of slices.
+// `surfaces[s]` is the surface of the contour set's structure s as outward triangles of `points`, closed;
+// `vertex_of` the mesh vertex of every contour point, or no_cell (contour_fidelity()). The cut is of the
+// solid with its boundary: a facet in the plane belongs to it. Where planes are not parallel, what lies
+// beyond the box of a slice's contours is not compared: a plane says nothing there. Complexity: O(t log t)
+// for t triangles, and those near each plane.
+std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
+                                 std::span<const std::vector<Triangle>> surfaces, const ContourSet& contours,
+                                 std::span<const std::uint32_t> vertex_of);
+
+}  // namespace anatomesh

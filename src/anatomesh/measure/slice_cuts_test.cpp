@@ -1,0 +1,148 @@
+#include "anatomesh/measure/slice_cuts.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "anatomesh/measure/even_odd_area.h"
+#include "anatomesh/mesh/tet_mesh.h"
+
+namespace anatomesh {
+namespace {
+
+constexpr double infinite = 1e12;
+const Box2 everywhere{{-infinite, -infinite}, {infinite, infinite}};
+
+void add_ring(std::vector<Segment2>& segments, const std::vector<Vec2>& ring) {
+    for (std::size_t n = 0; n < ring.size(); ++n) segments.push_back({ring[n], ring[(n + 1) % ring.size()]});
+}
+
+std::vector<Vec2> polygon(Vec2 center, double radius, int count, double turn = 0) {
+    std::vector<Vec2> ring;
+    for (int n = 0; n < count; ++n) {
+        const double t = turn + 2 * std::numbers::pi * n / count;
+        ring.push_back(center + radius * Vec2{std::cos(t), std::sin(t)});
+    }
+    return ring;
+}
+
+double area_of(int count, double radius) {
+    return 0.5 * count * radius * radius * std::sin(2 * std::numbers::pi / count);
+}
+
+TEST(EvenOddArea, rings_holes_and_overlaps_of_squares) {
+    std::vector<Segment2> square, with_hole, overlapping;
+    const std::vector<Vec2> outer{{0, 0}, {4, 0}, {4, 4}, {0, 4}}, hole{{1, 1}, {1, 2}, {2, 2}, {2, 1}},
+        moved{{1, 1}, {5, 1}, {5, 5}, {1, 5}};
+    add_ring(square, outer);
+    EXPECT_DOUBLE_EQ(even_odd_area(square, everywhere), 16);
+    EXPECT_DOUBLE_EQ(even_odd_area(square, {{1, -9}, {9, 2}}), 6);
+    with_hole = square;
+    add_ring(with_hole, hole);
+    EXPECT_DOUBLE_EQ(even_odd_area(with_hole, everywhere), 15);
+    overlapping = square;
+    add_ring(overlapping, moved);
+    EXPECT_DOUBLE_EQ(even_odd_area(overlapping, everywhere), 14);
+    EXPECT_DOUBLE_EQ(even_odd_area({}, everywhere), 0);
+}
+
+TEST(EvenOddArea, two_polygons_of_many_sides_at_any_turn) {
+    std::mt19937 random(5);
+    for (int n = 0; n < 50; ++n) {
+        const int sides = 3 + static_cast<int>(random() % 40);
+        const double turn = random() / 1e9, radius = 1 + random() % 7;
+        std::vector<Segment2> segments;
+        add_ring(segments, polygon({3, -2}, radius, sides, turn));
+        EXPECT_NEAR(even_odd_area(segments, everywhere), area_of(sides, radius), 1e-9 * radius * radius);
+        add_ring(segments, polygon({3, -2}, 10, sides, 2 * turn));
+        EXPECT_NEAR(even_odd_area(segments, everywhere), area_of(sides, 10) - area_of(sides, radius), 1e-7);
+        add_ring(segments, polygon({3, -2}, radius, sides, turn));
+        EXPECT_NEAR(even_odd_area(segments, everywhere), area_of(sides, 10), 1e-7);
+    }
+}
+
+// A prism of a polygon from z = 0 to 2 with a ring of vertices at z = 1, whose normal and place are given.
+struct Prism {
+    std::vector<Vec3> points;
+    std::vector<Triangle> surface;
+    ContourSet contours;
+    std::vector<std::uint32_t> vertex_of;
+
+    Prism(const std::vector<Vec2>& ring, const Plane& frame) {
+        const auto n = static_cast<std::uint32_t>(ring.size());
+        for (int layer = 0; layer < 3; ++layer) {
+            for (const Vec2& p : ring)
+                points.push_back(frame.to_space(p) + static_cast<double>(layer) * frame.normal);
+        }
+        for (std::uint32_t layer = 0; layer < 2; ++layer) {
+            for (std::uint32_t k = 0; k < n; ++k) {
+                const std::uint32_t a = layer * n + k, b = layer * n + (k + 1) % n;
+                surface.push_back({a, b, b + n});
+                surface.push_back({a, b + n, a + n});
+            }
+        }
+        for (std::uint32_t k = 1; k + 1 < n; ++k) {
+            surface.push_back({0, k + 1, k});
+            surface.push_back({2 * n, 2 * n + k, 2 * n + k + 1});
+        }
+        contours.structures = {{1, "prism", {}}};
+        for (std::uint32_t layer = 0; layer < 3; ++layer) {
+            Slice slice;
+            slice.plane = make_plane(frame.origin + static_cast<double>(layer) * frame.normal, frame.normal);
+            slice.first_contour = layer;
+            slice.contour_count = 1;
+            contours.slices.push_back(slice);
+            contours.contours.push_back({0, layer, layer * n, n});
+        }
+        contours.points = points;
+        for (std::uint32_t v = 0; v < 3 * n; ++v) vertex_of.push_back(v);
+    }
+    std::vector<SliceCut> cuts() const {
+        return slice_cuts(points, std::vector<std::vector<Triangle>>{surface}, contours, vertex_of);
+    }
+};
+
+TEST(SliceCuts, a_solid_that_is_drawn_differs_nowhere_even_at_its_flat_ends) {
+    const std::vector<Vec2> star = {{0, 0}, {9, 1}, {3, 3}, {8, 9}, {1, 4}};
+    for (const Vec3 normal : {Vec3{0, 0, 1}, Vec3{0.3, -0.2, 0.9}, Vec3{1, 1, 1}}) {
+        const Prism prism(star, make_plane({100, -50, 7}, normal));
+        const std::vector<SliceCut> cuts = prism.cuts();
+        ASSERT_EQ(cuts.size(), 3u);
+        for (const SliceCut& cut : cuts) {
+            EXPECT_NEAR(cut.drawn, 25, 1e-9);
+            EXPECT_NEAR(cut.difference, 0, 1e-9);
+        }
+    }
+}
+
+TEST(SliceCuts, a_vertex_drawn_elsewhere_shows_as_the_area_that_it_sweeps) {
+    const std::vector<Vec2> square = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+    Prism prism(square, make_plane({}, {0, 0, 1}));
+    prism.contours.points[6] =
+        prism.contours.points[6] + Vec3{1, 1, 0};  // the corner (4, 4) of the middle slice
+    prism.vertex_of[6] = no_cell;
+    const std::vector<SliceCut> cuts = prism.cuts();
+    EXPECT_NEAR(cuts[0].difference, 0, 1e-12);
+    EXPECT_NEAR(cuts[1].drawn, 20, 1e-12);
+    EXPECT_NEAR(cuts[1].difference, 4, 1e-12);
+    EXPECT_NEAR(cuts[2].difference, 0, 1e-12);
+}
+
+TEST(SliceCuts, a_part_that_nobody_drew_counts) {
+    const std::vector<Vec2> square = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+    Prism drawn(square, make_plane({}, {0, 0, 1}));
+    const Prism other({{10, 0}, {12, 0}, {12, 3}}, make_plane({0, 0, -0.5}, {0, 0, 1}));
+    const auto offset = static_cast<std::uint32_t>(drawn.points.size());
+    drawn.points.insert(drawn.points.end(), other.points.begin(), other.points.end());
+    for (const Triangle& t : other.surface)
+        drawn.surface.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+    const std::vector<SliceCut> cuts = drawn.cuts();
+    EXPECT_NEAR(cuts[0].difference, 3, 1e-12);
+    EXPECT_NEAR(cuts[1].difference, 3, 1e-12);
+    EXPECT_NEAR(cuts[2].difference, 0, 1e-12);
+}
+
+}  // namespace
+}  // namespace anatomesh
