@@ -11,10 +11,13 @@
 #include <cerrno>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <utility>
 
 #include "anatomesh_io/contour/number_text.h"
 #include "anatomesh_io/dicom/folder.h"
+#include "anatomesh_io/dicom/sha256.h"
+#include "anatomesh_io/file/atomic_file.h"
 #include "plural.h"
 
 namespace anatomesh {
@@ -25,18 +28,31 @@ namespace {
 
 constexpr const char* models_folder = "models";
 constexpr const char* failure_name = "failure.txt";
+constexpr const char* model_name = "model.vtu";
+constexpr const char* instances_name = "instances.sha256";  // which objects the version is of
 
-// The number of a version's folder, or 0.
-std::uint32_t version_of(const fs::path& path) {
-    return parse_integer<std::uint32_t>(path.filename().string()).value_or(0);
-}
-
-std::uint32_t latest_version(const fs::path& folder) {
-    std::uint32_t latest = 0;
+// The versions there are, by their numbers.
+std::map<std::uint32_t, fs::path> versions_in(const fs::path& folder) {
+    std::map<std::uint32_t, fs::path> versions;
     std::error_code error;
     for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
-        latest = std::max(latest, version_of(at->path()));
-    return latest;
+        if (const auto number = parse_integer<std::uint32_t>(at->path().filename().string());
+            number && *number > 0)
+            versions[*number] = at->path();
+    return versions;
+}
+
+// Whether its process came to an end: a receiver that was killed leaves neither a model nor a reason.
+bool is_finished(const fs::path& version) {
+    std::error_code error;
+    const auto size = fs::file_size(version / failure_name, error);
+    return fs::exists(version / model_name, error) || (!error && size > 0);
+}
+
+std::string hash_of(const std::set<std::string>& instances) {
+    std::string text;
+    for (const std::string& uid : instances) text += uid + "\n";
+    return sha256_text(text);
 }
 
 // Runs in the child, where nothing may be allocated.
@@ -72,7 +88,6 @@ void StudyWatch::look_around() {
         const std::string name = at->path().filename().string();
         std::error_code ignored;
         if (name == models_folder || name.starts_with('.') || !at->is_directory(ignored)) continue;
-        fs::file_time_type newest = fs::file_time_type::min();
         for (fs::recursive_directory_iterator file(at->path(), ignored), end; !ignored && file != end;
              file.increment(ignored)) {
             std::error_code unknown;
@@ -80,13 +95,18 @@ void StudyWatch::look_around() {
             const MappedFile bytes(file->path().string());
             const auto identity = identify_object(bytes.bytes(), name);
             if (identity.ok()) add(name, identity.value());
-            newest = std::max(newest, file->last_write_time(unknown));
         }
-        const fs::path models = fs::path(folder_) / models_folder / name;
-        const std::uint32_t latest = latest_version(models);
-        const auto made = latest > 0 ? fs::last_write_time(models / std::to_string(latest), ignored)
-                                     : fs::file_time_type::min();
-        if (studies_.contains(name)) studies_[name].is_due = latest == 0 || newest > made;
+        const auto study = studies_.find(name);
+        if (study == studies_.end()) continue;
+        const std::string wanted = hash_of(study->second.instances);
+        for (const auto& [number, version] : versions_in(fs::path(folder_) / models_folder / name)) {
+            std::string made;
+            std::ifstream(version / instances_name) >> made;
+            if (!is_finished(version))
+                fs::remove_all(version, ignored);
+            else if (made == wanted)
+                study->second.is_due = false;
+        }
     }
 }
 
@@ -137,19 +157,22 @@ void StudyWatch::tick(const std::vector<std::string>& busy) {
 void StudyWatch::start(const std::string& name, Study& study) {
     study.is_due = false;
     const fs::path models = fs::path(folder_) / models_folder / name;
-    const fs::path version = models / std::to_string(latest_version(models) + 1);
+    const auto versions = versions_in(models);
+    const fs::path version = models / std::to_string(versions.empty() ? 1 : versions.rbegin()->first + 1);
     std::error_code error;
     fs::create_directories(version, error);
-    if (error) {
-        say_(fmt::format("study {}: no folder for its model: {}", series_name(name), error.message()));
+    const auto in_version = [&](const char* file) { return (version / file).string(); };
+    const Status noted = write_file_atomically(in_version(instances_name), hash_of(study.instances) + "\n");
+    if (error || !noted.ok()) {
+        say_(fmt::format("study {}: no folder for its model: {}", series_name(name),
+                         error ? error.message() : noted.error().message));
         return;
     }
-    const auto in_version = [&](const char* file) { return (version / file).string(); };
     std::vector<std::string> words{"anatomesh",
                                    "model",
                                    (fs::path(folder_) / name).string(),
                                    "-o",
-                                   in_version("model.vtu"),
+                                   in_version(model_name),
                                    "--surface",
                                    in_version("model.stl"),
                                    "--html",

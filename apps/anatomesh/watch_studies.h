@@ -7,6 +7,7 @@
 //
 //   FOLDER/models/STUDY/1/model.vtu, .stl, .report.json, .html, surface.dcm     the first version
 //   FOLDER/models/STUDY/1/failure.txt                                           why there is none
+//   FOLDER/models/STUDY/1/instances.sha256                                      of which objects it is
 #pragma once
 
 #include <sys/types.h>

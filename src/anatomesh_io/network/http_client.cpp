@@ -70,6 +70,8 @@ Result<HttpReply> HttpClient::get(const std::string& path, const std::string& ac
             return !stopped;
         });
     ANATOMESH_CHECK_STATUS(door_->outcome(result, stopped));
+    // An answer without content begins nothing.
+    if (result) reply = {result->status, result->get_header_value("Content-Type")};
     return reply;
 }
 
