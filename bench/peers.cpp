@@ -7,20 +7,25 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "anatomesh/field/volume.h"
-#include "anatomesh/measure/certificate.h"
-#include "anatomesh/mesh/quality.h"
-#include "anatomesh/mesh/topology.h"
-#include "anatomesh_io/mesh/mesh_file.h"
-#include "anatomesh_io/report/report_json.h"
 #include "anatomesh/input_options.h"
-#include "mesh3.h"
+#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/hausdorff.h"
+#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/region_registry.h"
+#include "anatomesh/mesh/topology.h"
 #include "anatomesh/option_values.h"
 #include "anatomesh/read_input.h"
+#include "anatomesh/reconcile_step.h"
+#include "anatomesh_io/mesh/mesh_file.h"
+#include "anatomesh_io/report/report_json.h"
+#include "mesh3.h"
 
 namespace anatomesh {
 
@@ -32,8 +37,9 @@ struct PeerOptions {
     InputOptions input;
     Mesh3Options mesh3;
     std::uint32_t threads = 1;
-    std::string surface;  // PLC to write for TetGen; empty: none
-    std::string model;    // the mesh to measure
+    std::string surface;   // PLC to write for meshers that start from a surface; empty: none
+    std::string model;     // the mesh to measure
+    bool relabel = false;  // regions by the field at the cells' centroids
 };
 
 class Stopwatch {
@@ -67,6 +73,50 @@ struct Measured {
     const std::vector<Structure>& structures;
 };
 
+// From contour vertices and the middles of their segments to the surface of their structure, mm.
+Json contour_distance(const Measured& model, const ContourSet& contours) {
+    double sum = 0, most = 0;
+    std::uint64_t count = 0, without_surface = 0;
+    for (std::uint32_t s = 0; s < contours.structures.size(); ++s) {
+        const SurfaceMesh surface{model.mesh.points, structure_surface(model.mesh, model.regions, s), {}};
+        std::optional<ClosestPoint> closest;
+        if (!surface.triangles.empty()) closest.emplace(surface);
+        for (const Contour& contour : contours.contours) {
+            if (contour.structure != s) continue;
+            const auto points = contours.points_of(contour);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                if (!closest) {
+                    ++without_surface;
+                    continue;
+                }
+                for (const Vec3 p : {points[i], 0.5 * (points[i] + points[(i + 1) % points.size()])}) {
+                    const double distance = closest->distance(p);
+                    sum += distance;
+                    most = std::max(most, distance);
+                    ++count;
+                }
+            }
+        }
+    }
+    return {{"mean", count > 0 ? sum / static_cast<double>(count) : 0},
+            {"max", most},
+            {"without_surface", without_surface}};
+}
+
+// The smallest dihedral angle that all cells but one in a thousand have.
+double dihedral_per_mille(const TetMesh& mesh) {
+    std::vector<double> smallest;
+    for (const Cell& c : mesh.cells) {
+        smallest.push_back(
+            dihedral_range(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]], mesh.points[c[3]])
+                .smallest);
+    }
+    if (smallest.empty()) return 0;
+    const auto place = smallest.begin() + static_cast<std::ptrdiff_t>(smallest.size() / 1000);
+    std::nth_element(smallest.begin(), place, smallest.end());
+    return *place;
+}
+
 Result<Json> measure(const Measured& model, const ContourSet& contours, const StructureField& field,
                      RunContext& context) {
     const auto count = static_cast<std::uint32_t>(contours.structures.size());
@@ -79,23 +129,32 @@ Result<Json> measure(const Measured& model, const ContourSet& contours, const St
     input.made_by_this_run = false;
     ModelReport report;
     measure_model(input, context, report);
-    return Json::parse(report_json(report));
+    Json json = Json::parse(report_json(report));
+    json["contour_distance_mm"] = contour_distance(model, contours);
+    json["quality"]["dihedral_deg"]["p001_of_min"] = dihedral_per_mille(model.mesh);
+    return json;
 }
 
-// The surface as a piecewise linear complex for TetGen, with a hole in every cavity.
-void write_poly(const std::string& path, const Mesh3Result& result) {
-    const SurfaceMesh surface = extract_interfaces(result.mesh);
+// The interfaces as a piecewise linear complex, with a hole in every cavity. The marker of a facet says its
+// regions: 65536 inner + outer.
+void write_poly(const std::string& path, const TetMesh& mesh, const std::vector<Vec3>& cavities) {
+    const SurfaceMesh surface = extract_interfaces(mesh);
     auto file = fmt::output_file(path);
     file.print("{} 3 0 0\n", surface.points.size());
     for (std::size_t v = 0; v < surface.points.size(); ++v) {
         const Vec3& p = surface.points[v];
         file.print("{} {} {} {}\n", v + 1, p.x, p.y, p.z);
     }
-    file.print("{} 0\n", surface.triangles.size());
-    for (const Triangle& t : surface.triangles) file.print("1\n3 {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
-    file.print("{}\n", result.cavities.size());
-    for (std::size_t h = 0; h < result.cavities.size(); ++h) {
-        const Vec3& p = result.cavities[h];
+    file.print("{} 1\n", surface.triangles.size());
+    for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+        const Triangle& t = surface.triangles[f];
+        const auto [inner, outer] = surface.sides[f];
+        file.print("1 0 {}\n3 {} {} {}\n", 65536 * std::uint32_t{inner} + outer, t[0] + 1, t[1] + 1,
+                   t[2] + 1);
+    }
+    file.print("{}\n", cavities.size());
+    for (std::size_t h = 0; h < cavities.size(); ++h) {
+        const Vec3& p = cavities[h];
         file.print("{} {} {} {}\n", h + 1, p.x, p.y, p.z);
     }
     file.print("0\n");
@@ -105,7 +164,8 @@ Result<Json> run_cgal(const PeerOptions& options, RunContext& context) {
     Stopwatch watch;
     ANATOMESH_TRY(OpenedInput opened, open_input(options.input, context));
     const double read = watch.lap();
-    ANATOMESH_TRY(const InputContours contours, contours_of(std::move(opened), options.input, context));
+    ANATOMESH_TRY(InputContours contours, contours_of(std::move(opened), options.input, context));
+    ANATOMESH_TRY([[maybe_unused]] const CrossingReport crossing, reconcile_step(contours.kept, {}, context));
     const double traced = watch.lap();
     ANATOMESH_TRY(const auto field, make_structure_field(contours.kept, {}, context));
     const double made_field = watch.lap();
@@ -120,7 +180,7 @@ Result<Json> run_cgal(const PeerOptions& options, RunContext& context) {
                   {"slivers", result.slivers_seconds}}},
                 {"cpu_seconds", usage.cpu_seconds},
                 {"peak_memory_mb", usage.peak_memory_mb}};
-    if (!options.surface.empty()) write_poly(options.surface, result);
+    if (!options.surface.empty()) write_poly(options.surface, result.mesh, result.cavities);
     ANATOMESH_TRY(answer["report"], measure({result.mesh, result.regions, contours.kept.structures},
                                             contours.kept, *field, context));
     return answer;
@@ -134,12 +194,42 @@ void orient(TetMesh& mesh) {
     }
 }
 
+// Regions of a mesh whose mesher knows none; cells outside are left out.
+void relabel_by_field(TetMesh& mesh, const StructureField& field, RegionTable& regions) {
+    RegionRegistry registry;
+    std::vector<std::uint32_t> members;
+    std::size_t kept = 0;
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+        Vec3 sum;
+        for (const std::uint32_t v : mesh.cells[c]) sum += mesh.points[v];
+        field.members(0.25 * sum, members);
+        const Region region = registry.intern(members);
+        if (region == 0) continue;
+        mesh.cells[kept] = mesh.cells[c];
+        mesh.regions[kept++] = region;
+    }
+    mesh.cells.resize(kept);
+    mesh.regions.resize(kept);
+    regions = registry.table();
+}
+
+Result<Json> run_surface(const PeerOptions& options, RunContext& context) {
+    ANATOMESH_TRY(const ModelFile model, read_model(options.model, context));
+    write_poly(options.surface, model.mesh, {});
+    return Json::object();
+}
+
 Result<Json> run_measure(const PeerOptions& options, RunContext& context) {
     ANATOMESH_TRY(ModelFile model, read_model(options.model, context));
     orient(model.mesh);
     ANATOMESH_TRY(OpenedInput opened, open_input(options.input, context));
-    ANATOMESH_TRY(const InputContours contours, contours_of(std::move(opened), options.input, context));
+    ANATOMESH_TRY(InputContours contours, contours_of(std::move(opened), options.input, context));
+    ANATOMESH_TRY([[maybe_unused]] const CrossingReport crossing, reconcile_step(contours.kept, {}, context));
     ANATOMESH_TRY(const auto field, make_structure_field(contours.kept, {}, context));
+    if (options.relabel) {
+        relabel_by_field(model.mesh, *field, model.description.regions);
+        model.description.structures = contours.kept.structures;
+    }
     Json answer;
     ANATOMESH_TRY(answer["report"],
                   measure({model.mesh, model.description.regions, model.description.structures},
@@ -177,13 +267,19 @@ int run(int argc, char** argv) {
     length_option("--surface-error", options.mesh3.surface_error_mm, "How exactly points lie on the surface");
     cgal->add_flag("--perturb-exude", options.mesh3.perturb_and_exude, "Take out slivers");
     add_count(*cgal, "--threads", options.threads, 1, 1024, "For the parallel variant");
-    add_text(*cgal, "--surface", options.surface, "FILE", "Also write the surface as .poly for TetGen");
+    add_text(*cgal, "--surface", options.surface, "FILE", "Also write the surface as .poly");
     add_text(*measuring, "--model", options.model, "MODEL", "The mesh")->required();
+    measuring->add_flag("--relabel", options.relabel,
+                        "The mesh has no regions: take them from the contours' field");
+    CLI::App* surface = program.add_subcommand("surface", "Write the interfaces of a model as .poly");
+    add_text(*surface, "--model", options.model, "MODEL", "The mesh")->required();
+    add_text(*surface, "--surface", options.surface, "FILE", "The .poly file")->required();
     CLI11_PARSE(program, argc, argv);
 
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, options.threads);
     RunContext context;
     context.threads = static_cast<int>(options.threads);
+    if (surface->parsed()) return finish(run_surface(options, context));
     return finish(cgal->parsed() ? run_cgal(options, context) : run_measure(options, context));
 }
 

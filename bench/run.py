@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""run.py --program PROGRAM --build BUILD [--runs 3] [--quick] [--update FILE]
+"""run.py --program PROGRAM --build BUILD [--runs 3] [--case NAME]... [--quick] [--update FILE]
 
-Times the program beside CGAL's Mesh_3 and TetGen on the same contours and prints the tables of docs/benchmarks.md as
-Markdown. Every figure is the median of the runs, which take turns, so that a busy moment of the machine does not fall
-on one contender alone; a contender that takes more than half a minute runs once. Shapes are measured by one function for all (measure_model of the core library).
+Times the program beside every mesher that Debian has (CGAL's Mesh_3, TetGen, Gmsh, Netgen) on the same contours and prints
+the tables of docs/benchmarks.md as Markdown. Every figure is the median of the runs, which take turns, so that a busy moment
+of the machine does not fall on one contender alone; a contender that takes more than half a minute runs once. Shapes are
+measured by one function for all (measure_model of the core library).
 
-Data: the CT skull of Debian's package invesalius-examples, and what is found of more data in ANATOMESH_DATA (default
-../shared/data). --quick: the skull once. --update: puts the tables into FILE between its two markers.
+Data: the CT skull of Debian's package invesalius-examples, and pelvis, spine, spleen and fetal brain in ANATOMESH_DATA
+(default ../shared/data); what is not there is left out, with a word. --case: only cases whose names begin so, and only their
+table. --quick: the table of cases alone. --update: puts the tables into FILE between its two markers.
 """
 import argparse
 import datetime
@@ -15,6 +17,7 @@ import math
 import os
 import pathlib
 import platform
+import signal
 import statistics
 import subprocess
 import sys
@@ -24,20 +27,19 @@ import time
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
 MAX_EXPONENT = 1.2
-TIME_LIMIT = 150  # seconds a contender may take
+TIME_LIMIT = 120  # seconds a contender may take
 SLOW = 30  # a contender that takes longer runs once
 
 # Mesh_3 bounds circumradii, not edges. In our target edge lengths; these give the mean edge length that ours has.
 FACET_RADIUS, CELL_RADIUS, FACET_DISTANCE, SURFACE_ERROR = 0.7, 0.7, 0.1, 0.02
 
 SKULL_OPTIONS = ["--threshold", "226", "--keep-largest", "1"]
-MORE_DATA = [  # name, file, options; every file lists its contours or labels on parallel slices
-    ("spleen (1 structure)", "contours/spleen_ct_3mm.csl", ["--frame", "RAS"]),
-    ("abdomen (5)", "contours/abdomen_mr_20x3mm_spleen_liver_kidneys.csl", ["--frame", "RAS"]),
-    ("pelvis (11)", "contours/pelvis_ct_labels_3mm.csl", ["--frame", "RAS"]),
+CASES = [  # name, file, options; the skull's file is found by scripts/skull.sh
+    ("skull, every 2nd slice", None, [*SKULL_OPTIONS, "--every", "2"]),
+    ("pelvis (11 structures)", "contours/pelvis_ct_labels_3mm.csl", ["--frame", "RAS"]),
     ("spine (9)", "contours/spine_ct_axial_1mm_simplified.csl", ["--frame", "RAS"]),
-    ("spine labels (9)", "spine_ct_labels/sub-verse004_seg-vert_msk.nii.gz", []),
-    ("body labels (61)", "body_ct_mr_labels/example_seg_fast_force_split.nii.gz", []),
+    ("spleen", "contours/spleen_ct_3mm.csl", ["--frame", "RAS"]),
+    ("fetal brain, planes in 3 orientations", "contours/fetal_brain_mr_3orient_aligned.csl", ["--frame", "RAS"]),
 ]
 
 
@@ -54,14 +56,17 @@ def run(words, accept=(0,)):
     words = [str(word) for word in words]
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         start = time.monotonic()
-        process = subprocess.Popen(words, stdout=out, stderr=err, stdin=subprocess.DEVNULL)
+        try:
+            process = subprocess.Popen(words, stdout=out, stderr=err, stdin=subprocess.DEVNULL, start_new_session=True)
+        except OSError as error:
+            raise Failure(f"{words[0]}: {error.strerror}") from error
         deadline = start + TIME_LIMIT
         while True:
             pid, status, usage = os.wait4(process.pid, os.WNOHANG)
             if pid:
                 break
             if time.monotonic() > deadline:
-                process.kill()
+                os.killpg(process.pid, signal.SIGKILL)  # with what it started itself
                 os.wait4(process.pid, 0)
                 process.returncode = -9
                 raise Failure(f"not done after {TIME_LIMIT} s")
@@ -81,12 +86,21 @@ class Bench:
     def __init__(self, arguments, folder):
         self.program, self.build, self.folder = arguments.program, pathlib.Path(arguments.build), folder
 
-    def ours(self, words, threads=1):
-        report = self.folder / "ours.json"
-        done = run([self.program, "model", *words, "--threads", threads, "--quiet", "-o", self.folder / "ours.vtu",
-                    "--report", report])
-        result = figures(json.loads(report.read_text()), done)
+    def measured(self, words, model, *options):
+        """The report of a mesh that any mesher made of the contours, by one function for all."""
+        answer = run([self.build / "bench/anatomesh_peers_sequential", "measure", "--model", model, *options, *words])
+        return json.loads(answer["out"])["report"]
+
+    def ours(self, words, threads=1, surface=None):
+        report, model = self.folder / "ours.json", self.folder / "ours.vtu"
+        done = run([self.program, "model", *words, "--threads", threads, "--quiet", "-o", model, "--report", report])
+        result = figures(self.measured(words, model), done)
+        made = json.loads(report.read_text())
+        result["size_mm"] = made["sizes"]["size_mm"]
+        result["stages"] = {stage["name"]: stage["seconds"] for stage in made["timing"]["stages"]}
         result["stages"]["writing"] = max(0.0, done["seconds"] - sum(result["stages"].values()))
+        if surface:
+            run([self.build / "bench/anatomesh_peers_sequential", "surface", "--model", model, "--surface", surface])
         return result
 
     def cgal(self, words, size, variant="sequential", threads=1, slivers=False, surface=None):
@@ -102,11 +116,29 @@ class Bench:
         result["stages"] = answer["seconds"]
         return result
 
-    def tetgen(self, words, surface):
+    def tetgen(self, words, surface, size):
         done = run(["tetgen", "-pq1.414YgQ", surface])
-        answer = run([self.build / "bench/anatomesh_peers_sequential", "measure", "--model",
-                      surface.with_suffix(".1.mesh"), *words])
-        return figures(json.loads(answer["out"])["report"], done)
+        return figures(self.measured(words, surface.with_suffix(".1.mesh"), "--relabel"), done)
+
+    def by_script(self, mesher, words, surface, size):
+        model = surface.with_suffix(f".{mesher}.mesh")
+        done = run(["/usr/bin/python3", SOURCE / "bench/surface_meshers.py", mesher, surface, model, size])
+        done["seconds"] = done["cpu"] = json.loads(done["out"].splitlines()[-1])["seconds"]
+        return figures(self.measured(words, model, "--relabel"), done)
+
+    def from_surface(self, mesher, words, size, surfaces):
+        """On the first surface that the mesher takes: CGAL's, else ours."""
+        reasons = []
+        for whose, surface in surfaces.items():
+            if not surface.exists():
+                continue
+            try:
+                result = mesher(words, surface, size)
+                result["surface"] = whose
+                return result
+            except (Failure, ValueError) as failure:
+                reasons.append(f"{whose}: {failure}")
+        raise Failure("; ".join(reasons) or "no surface")
 
 
 def figures(report, done):
@@ -123,7 +155,8 @@ def figures(report, done):
         "contour_vertices": total("contour_vertices"), "on_surface": total("contour_vertices_on_surface"),
         "size_mm": report["sizes"]["size_mm"],
         "radius_edge": {key: quality["radius_edge"][key] for key in ("mean", "max", "share_over_2")},
-        "dihedral": {key: quality["dihedral_deg"][key] for key in ("min", "p01_of_min", "median_of_min")},
+        "dihedral": {key: quality["dihedral_deg"][key] for key in ("min", "p001_of_min", "p01_of_min", "median_of_min")},
+        "contour_distance": {key: report["contour_distance_mm"][key] for key in ("mean", "max")},
         "edge_mm": quality["edge_mm"]["mean"],
         "below_10": quality["dihedral_deg"]["tetrahedra_below_10"],
         "open_edges": total("open_edges"), "nonmanifold_edges": total("nonmanifold_edges"),
@@ -138,6 +171,8 @@ def median(runs):
     first = runs[0]
     if isinstance(first, dict):
         return {key: median([each[key] for each in runs]) for key in first}
+    if isinstance(first, str):
+        return first
     if any(value is None for value in runs):
         return None
     return statistics.median(runs)
@@ -177,39 +212,72 @@ def percent(value, digits=2):
     return "-" if value is None or math.isnan(value) else f"{100 * value:.{digits}f} %"
 
 
-FIGURES = [
-    ("whole command, s", lambda r: f"{r['seconds']:.2f}"),
-    ("CPU, s", lambda r: f"{r['cpu']:.2f}"),
-    ("tetrahedra", lambda r: count(r["tetrahedra"])),
-    ("tetrahedra a second", lambda r: count(r["tetrahedra"] / r["seconds"])),
-    ("mean edge, mm", lambda r: f"{r['edge_mm']:.2f}"),
-    ("peak memory, MB", lambda r: count(r["mb"])),
-    ("contour vertices on the surface", lambda r: f"{count(r['on_surface'])} ({percent(r['on_surface'] / r['contour_vertices'])})"),
-    ("open edges", lambda r: count(r["open_edges"])),
-    ("non-manifold edges", lambda r: count(r["nonmanifold_edges"])),
-    ("non-manifold vertices", lambda r: count(r["nonmanifold_vertices"])),
-    ("volume against the field's", lambda r: percent(r["volume_difference"], 3)),
-    ("radius-edge, mean", lambda r: ratio(r["radius_edge"]["mean"])),
-    ("radius-edge, max", lambda r: ratio(r["radius_edge"]["max"])),
-    ("radius-edge above 2", lambda r: percent(r["radius_edge"]["share_over_2"], 3)),
-    ("dihedral angle, min", lambda r: f"{r['dihedral']['min']:.2f}"),
-    ("dihedral angle, 1 %", lambda r: f"{r['dihedral']['p01_of_min']:.1f}"),
-    ("dihedral angle, median", lambda r: f"{r['dihedral']['median_of_min']:.1f}"),
-    ("tetrahedra with an angle below 10", lambda r: count(r["below_10"])),
-]
+def one_decimal(value):
+    return "-" if value is None else f"{value:.1f}"
 
 
-def comparison(results):
-    """Figures down, contenders across."""
-    done = {name: result for name, result in results.items() if not isinstance(result, str)}
-    rows = [[name, *(show(result) for result in done.values())] for name, show in FIGURES]
-    speeds = [result["tetrahedra"] / result["seconds"] for result in done.values()]
-    rows.append(["its tetrahedra a second / the first column's", *(f"{speed / speeds[0]:.2f}" for speed in speeds)])
-    text = table(["", *done], rows)
-    for name, result in results.items():
-        if isinstance(result, str):
-            text += f"\n{name}: no mesh ({result}).\n"
-    return text
+CASE_HEAD = ["data", "mesher", "s", "CPU, s", "tetrahedra", "a second", "MB", "radius-edge mean / max / above 2",
+             "dihedral angle min / 0.1 % / median", "manifold (bad edges / vertices)", "contour vertices on the surface",
+             "from the contours, mm: mean / max", "volume"]
+
+
+def case_row(case, name, r):
+    if isinstance(r, str):
+        return [case, name, f"no mesh: {r[:160]}", *[""] * (len(CASE_HEAD) - 3)]
+    bad_edges, bad_vertices = r["open_edges"] + r["nonmanifold_edges"], r["nonmanifold_vertices"]
+    manifold = "yes" if bad_edges + bad_vertices == 0 else f"no ({count(bad_edges)} / {count(bad_vertices)})"
+    radius_edge, dihedral, distance = r["radius_edge"], r["dihedral"], r["contour_distance"]
+    if "surface" in r:
+        name += f" on {r['surface']}"
+    return [case, name, f"{r['seconds']:.2f}", f"{r['cpu']:.2f}", count(r["tetrahedra"]), count(r["tetrahedra"] / max(r["seconds"], 1e-9)),
+            count(r["mb"]), f"{ratio(radius_edge['mean'])} / {ratio(radius_edge['max'], 1)} / {percent(radius_edge['share_over_2'])}",
+            f"{dihedral['min']:.2f} / {one_decimal(dihedral['p001_of_min'])} / {one_decimal(dihedral['median_of_min'])}", manifold,
+            percent(r["on_surface"] / max(1, r["contour_vertices"])), f"{distance['mean']:.4f} / {distance['max']:.3f}",
+            percent(r["volume_difference"], 3)]
+
+
+def one_case(bench, name, words, runs):
+    """Rows of the table, and what was measured of the program on 1 and 2 threads; no model: one row."""
+    note(name)
+    surfaces = {"CGAL's surface": bench.folder / "cgal.poly", "ours": bench.folder / "ours.poly"}
+    for path in surfaces.values():
+        path.unlink(missing_ok=True)
+    try:
+        size = bench.ours(words, surface=surfaces["ours"])["size_mm"]  # also warms the file cache
+    except Failure as failure:
+        return [case_row(name, "anatomesh", str(failure))], {}
+    start_from = lambda mesher: bench.from_surface(mesher, words, size, surfaces)
+    contenders = {
+        "anatomesh": lambda: bench.ours(words),
+        "anatomesh, 2 threads": lambda: bench.ours(words, threads=2),
+        "CGAL": lambda: bench.cgal(words, size, surface=surfaces["CGAL's surface"]),
+        "CGAL, 2 threads": lambda: bench.cgal(words, size, variant="parallel", threads=2),
+        "CGAL + perturb + exude": lambda: bench.cgal(words, size, slivers=True),
+        "TetGen": lambda: start_from(bench.tetgen),
+        "Gmsh HXT": lambda: start_from(lambda *rest: bench.by_script("gmsh", *rest)),
+        "Netgen": lambda: start_from(lambda *rest: bench.by_script("netgen", *rest)),
+    }
+    results = take_turns(contenders, runs)
+    rows = [case_row(name if i == 0 else "", who, result) for i, (who, result) in enumerate(results.items())]
+    return rows, results
+
+
+def cases(bench, skull, root, runs, wanted):
+    """The table, and the results of the skull."""
+    rows, of_skull = [], {}
+    for name, file, options in CASES:
+        if wanted and not any(name.startswith(each) for each in wanted):
+            continue
+        path = skull if file is None else root / file
+        if path is None or not path.exists():
+            note(f"{name}: no {file or 'Cranium.inv3'}, left out")
+            rows.append([name, f"left out: no {file or 'Cranium.inv3'}", *[""] * (len(CASE_HEAD) - 2)])
+            continue
+        more, results = one_case(bench, name, [path, *options], runs)
+        rows += more
+        if file is None:
+            of_skull = results
+    return table(CASE_HEAD, rows), of_skull
 
 
 def stages(results):
@@ -245,35 +313,6 @@ def growth(bench, skull, runs):
             f"CPU time of the whole command, {cpu_slope:.2f}.\n")
 
 
-def more_data(bench, root, runs):
-    rows = []
-    for name, file, options in MORE_DATA:
-        if not (root / file).exists():
-            continue
-        note(name)
-        words = [root / file, *options]
-        ours = take_turns({"anatomesh": lambda: bench.ours(words)}, runs)["anatomesh"]
-        if isinstance(ours, str):
-            rows.append([name, "anatomesh", f"no model: {ours}", *[""] * 9])
-            continue
-        peer = take_turns({"CGAL": lambda: bench.cgal(words, ours["size_mm"])}, runs)["CGAL"]
-        for who, r in (("anatomesh", ours), ("CGAL", peer)):
-            if isinstance(r, str):
-                rows.append([name, who, f"no mesh: {r}", *[""] * 9])
-                continue
-            rows.append([name, who, f"{r['seconds']:.2f}", f"{r['cpu']:.2f}", count(r["tetrahedra"]), count(r["tetrahedra"] / r["seconds"]),
-                         count(r["mb"]), percent(r["on_surface"] / r["contour_vertices"]),
-                         f"{count(r['open_edges'])} / {count(r['nonmanifold_edges'])} / {count(r['nonmanifold_vertices'])}",
-                         percent(r["volume_difference"], 3),
-                         f"{ratio(r['radius_edge']['mean'])} / {percent(r['radius_edge']['share_over_2'], 3)}",
-                         f"{r['dihedral']['min']:.2f} / {r['dihedral']['p01_of_min']:.1f} / {r['dihedral']['median_of_min']:.1f}"])
-    if not rows:
-        return "No more data found (ANATOMESH_DATA).\n"
-    return table(["data (structures)", "mesher", "s", "CPU, s", "tetrahedra", "a second", "MB", "contour vertices on the surface",
-                  "edges open / non-manifold, vertices non-manifold", "largest volume difference",
-                  "radius-edge mean / above 2", "dihedral min / 1 % / median"], rows)
-
-
 def micro(build):
     done = json.loads(run([build / "bench/anatomesh_micro", "--benchmark_format=json", "--benchmark_min_time=0.3"])["out"])
     rows = []
@@ -296,47 +335,34 @@ def machine():
         if line.startswith("model name"):
             model = line.split(":", 1)[1].strip()
             break
-    packages = [f"{name} {first_line(['dpkg-query', '-W', '-f=${Version}', name])}" for name in ("libcgal-dev", "tetgen")]
+    packages = [f"{name} {first_line(['dpkg-query', '-W', '-f=${Version}', name])}" for name in ("libcgal-dev", "tetgen", "gmsh", "python3-netgen")]
     return (f"{datetime.date.today().isoformat()}; {os.cpu_count()} cores, {model}; load before the start "
             f"{os.getloadavg()[0]:.1f}; {first_line(['c++', '--version'])}, -O2; {', '.join(packages)}.\n")
 
 
 def write_tables(arguments, folder, emit):
     bench = Bench(arguments, folder)
-    found = subprocess.run([SOURCE / "scripts/skull.sh"], cwd=SOURCE, stdout=subprocess.PIPE, text=True, check=True)
-    skull = SOURCE / found.stdout.strip()
-    words = [skull, *SKULL_OPTIONS, "--every", "2"]
+    found = subprocess.run([SOURCE / "scripts/skull.sh"], cwd=SOURCE, stdout=subprocess.PIPE, text=True)
+    skull = SOURCE / found.stdout.strip() if found.returncode == 0 and found.stdout.strip() else None
     runs = f"Medians of {arguments.runs} runs; of what takes more than {SLOW} s, one run." if arguments.runs > 1 else "One run each."
     emit(f"Measured {machine()}\n{runs}\n")
 
-    note("skull")
-    try:
-        size = bench.ours(words)["size_mm"]  # also warms the file cache
-    except Failure as failure:
-        sys.exit(f"run.py: the program makes no model of the skull: {failure}")
-    surface = folder / "skull.poly"
-    contenders = {
-        "anatomesh": lambda: bench.ours(words),
-        "anatomesh, 2 threads": lambda: bench.ours(words, threads=2),
-        "CGAL": lambda: bench.cgal(words, size, surface=surface),
-        "CGAL, 2 threads": lambda: bench.cgal(words, size, variant="parallel", threads=2),
-        "CGAL + perturb + exude": lambda: bench.cgal(words, size, slivers=True),
-        "TetGen on CGAL's surface": lambda: bench.tetgen(words, surface),
-    }
-    results = take_turns(contenders, arguments.runs)
-    emit(f"### The skull, every 2nd slice, target edge {size:.2f} mm\n")
-    emit(comparison(results))
-    ours = {name: result for name, result in results.items() if name.startswith("anatomesh") and not isinstance(result, str)}
-    emit("### Seconds by stage\n")
-    emit(stages(ours))
+    root = pathlib.Path(os.environ.get("ANATOMESH_DATA") or SOURCE.parent / "shared/data")
+    emit("### Every mesher on every case\n")
+    text, of_skull = cases(bench, skull, root, arguments.runs, arguments.case)
+    emit(text)
+    if arguments.case:
+        return
+    ours = {name: result for name, result in of_skull.items() if name.startswith("anatomesh") and not isinstance(result, str)}
+    if ours:
+        emit("### The skull: seconds by stage\n")
+        emit(stages(ours))
     if arguments.quick:
         return
-    note("growth")
-    emit("### Growth with the number of contour vertices (skull, 1 thread)\n")
-    emit(growth(bench, skull, arguments.runs))
-    emit("### More data (1 thread, one run each)\n")
-    root = pathlib.Path(os.environ.get("ANATOMESH_DATA") or SOURCE.parent / "shared/data")
-    emit(more_data(bench, root, 1))
+    if skull:
+        note("growth")
+        emit("### Growth with the number of contour vertices (skull, 1 thread)\n")
+        emit(growth(bench, skull, arguments.runs))
     note("pieces")
     emit("### Hot pieces alone (1 thread)\n")
     emit(micro(bench.build))
@@ -354,6 +380,7 @@ def main():
     parser.add_argument("--program", type=pathlib.Path, default=SOURCE / "build/release/anatomesh")
     parser.add_argument("--build", type=pathlib.Path, default=SOURCE / "build/release")
     parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--case", action="append", default=[])
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--update", type=pathlib.Path)
     arguments = parser.parse_args()

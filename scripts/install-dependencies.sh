@@ -16,7 +16,7 @@ orthanc orthanc-dicomweb"
 # The CT skull of the demonstration.
 demo="invesalius-examples"
 # What the benchmark runs beside the program.
-bench="libcgal-dev libgmp-dev libmpfr-dev tetgen python3 libbenchmark-dev"
+bench="libcgal-dev libgmp-dev libmpfr-dev tetgen gmsh python3-netgen python3 libbenchmark-dev"
 
 check=no
 wanted=
