@@ -1,6 +1,7 @@
 # make            builds build/release/anatomesh
 # make demo       models a real CT skull into demo/ (installs what is missing)
 # make test       builds and runs all tests (installs what is missing)
+# make fuzz SECONDS=600   fuzzes the readers of outside files, each so long
 # make install PREFIX=/usr/local
 # make bench | format | tidy | clean | dependencies
 PREFIX ?= /usr/local
@@ -8,7 +9,7 @@ JOBS ?= $(shell nproc)
 BUILD := build/release
 PROGRAM := $(BUILD)/anatomesh
 
-.PHONY: all program demo test install bench format tidy clean dependencies
+.PHONY: all program demo test install fuzz bench format tidy clean dependencies
 
 all: program
 
@@ -32,6 +33,12 @@ test:
 
 install: program
 	cmake --install $(BUILD) --prefix $(PREFIX)
+
+# Every target for SECONDS, from its seeds and what was found before.
+SECONDS ?= 600
+fuzz:
+	@scripts/install-dependencies.sh build test fuzz
+	@scripts/fuzz.sh build/fuzz $(SECONDS) $(JOBS)
 
 bench:
 	@scripts/install-dependencies.sh build demo bench

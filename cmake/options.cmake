@@ -19,7 +19,12 @@ endif()
 
 option(ANATOMESH_ASAN "Address and undefined-behaviour sanitizers" OFF)
 option(ANATOMESH_TSAN "Thread sanitizer" OFF)
-if(ANATOMESH_ASAN)
+option(ANATOMESH_FUZZ "Programs for libFuzzer (clang), with the sanitizers" OFF)
+if(ANATOMESH_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-omit-frame-pointer
+                      -fno-sanitize-recover=undefined)
+  add_link_options(-fsanitize=address,undefined)
+elseif(ANATOMESH_ASAN)
   add_compile_options(-fsanitize=address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
   add_link_options(-fsanitize=address,undefined)
 elseif(ANATOMESH_TSAN)

@@ -1,6 +1,6 @@
 #!/bin/sh
 # install-dependencies.sh [--check] GROUP...
-# Installs the Debian packages that a group needs and that are missing. Groups: build, test, demo, bench.
+# Installs the Debian packages that a group needs and that are missing. Groups: build, test, demo, bench, fuzz.
 # Does nothing, at once, when all are there. With --check it only says what is missing (exit 1).
 set -eu
 
@@ -18,6 +18,9 @@ demo="invesalius-examples"
 # What the benchmark runs beside the program.
 bench="libcgal-dev libgmp-dev libmpfr-dev tetgen gmsh python3-netgen python3 libbenchmark-dev"
 
+# libFuzzer.
+fuzz="clang libclang-rt-14-dev"
+
 check=no
 wanted=
 for argument in "$@"; do
@@ -27,7 +30,8 @@ for argument in "$@"; do
         test) wanted="$wanted $test" ;;
         demo) wanted="$wanted $demo" ;;
         bench) wanted="$wanted $bench" ;;
-        *) echo "install-dependencies.sh: unknown group '$argument'; known: build, test, demo, bench" >&2; exit 2 ;;
+        fuzz) wanted="$wanted $fuzz" ;;
+        *) echo "install-dependencies.sh: unknown group '$argument'; known: build, test, demo, bench, fuzz" >&2; exit 2 ;;
     esac
 done
 

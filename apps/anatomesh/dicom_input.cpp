@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -23,7 +24,12 @@ DicomFolderOptions folder_options(const InputOptions& options) {
     DicomFolderOptions reading;
     reading.keep_names = options.keep_patient_ids;
     reading.limits = options.limits.input;
+    reading.ultrasound_region = options.ultrasound_region;
     return reading;
+}
+
+ChooseOptions choose_options(const InputOptions& options) {
+    return {options.ignore_frame_of_reference, options.ignore_patient, options.match_by_geometry};
 }
 
 InputReport report_of(const DicomFolder& folder, const std::vector<std::uint32_t>& objects,
@@ -65,12 +71,54 @@ Result<LoadedSegmentation> segmentation_in(const DicomObject& object, const Inpu
     return read_dicom_segmentation(bytes, object.label, reading, context);
 }
 
+// The rims of a segmentation's planes that hold something, as contours.
+RawContours outline_of(const LoadedSegmentation& loaded) {
+    const ImageGeometry& geometry = loaded.layers[0].geometry;
+    const std::size_t pixels = std::size_t{geometry.size[0]} * geometry.size[1];
+    RawContours rims;
+    rims.source = loaded.layers[0].source;
+    for (std::uint32_t k = 0; k < geometry.size[2]; ++k) {
+        const bool is_empty =
+            std::all_of(loaded.layers.begin(), loaded.layers.end(), [&](const LabelMap& layer) {
+                const auto first = layer.voxels.begin() + static_cast<std::ptrdiff_t>(k * pixels);
+                return std::all_of(first, first + static_cast<std::ptrdiff_t>(pixels),
+                                   [](auto v) { return v == 0; });
+            });
+        if (is_empty) continue;
+        RawContour rim;
+        rim.first_point = static_cast<std::uint32_t>(rims.points.size());
+        rim.point_count = 4;
+        const double i = geometry.size[0] - 1.0, j = geometry.size[1] - 1.0;
+        for (const auto& [x, y] : {std::pair{0.0, 0.0}, {i, 0.0}, {i, j}, {0.0, j}})
+            rims.points.push_back(geometry.position(x, y, k));
+        rims.contours.push_back(std::move(rim));
+    }
+    return rims;
+}
+
+// Contours, or a segmentation's rims, beside the images that their object refers to, or that lie as it does.
+Status compare_with_images(const RawContours& contours, const DicomFolder& folder, const DicomObject& object,
+                           const DicomChoice& choice, const InputOptions& options, RunContext& context) {
+    std::vector<std::uint32_t> images = choice.images;
+    if (images.empty() && options.match_by_geometry) {
+        ANATOMESH_TRY(images, match_images(contours, folder));
+    }
+    ANATOMESH_CHECK_STATUS(check_against_images(contours, folder, images, options.allow_outside, context));
+    if (images.empty() || object.kind != DicomKind::rtstruct) return Nothing{};
+    ANATOMESH_TRY(const InputFile file, read_input_file(object.path, options.limits.input));
+    const std::string_view bytes(reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size());
+    ANATOMESH_TRY(const DataSet set, DataSet::parse(bytes, object.label));
+    check_references(set.root(), folder, images, context);
+    return Nothing{};
+}
+
 }  // namespace
 
 Result<OpenedInput> open_dicom(const InputOptions& options, RunContext& context) {
     ANATOMESH_TRY(const DicomFolder folder,
                   read_dicom_folder(options.input, folder_options(options), context));
-    ANATOMESH_TRY(const DicomChoice choice, choose_dicom(folder, options.series, context));
+    ANATOMESH_TRY(const DicomChoice choice,
+                  choose_dicom(folder, options.series, context, choose_options(options)));
     OpenedInput opened;
     const auto& of_study = choice.images.empty() ? choice.objects : choice.images;
     ANATOMESH_TRY(opened.dicom_source, dicom_source(folder, of_study, options.keep_patient_ids));
@@ -87,11 +135,14 @@ Result<OpenedInput> open_dicom(const InputOptions& options, RunContext& context)
     } else if (choice.kind == DicomKind::rtstruct) {
         opened.kind = FileKind::dicom_rtstruct;
         ANATOMESH_TRY(opened.contours, contours_in(object, options, context));
-        check_against_images(*opened.contours, folder, choice.images, context);
+        ANATOMESH_CHECK_STATUS(
+            compare_with_images(*opened.contours, folder, object, choice, options, context));
         opened.files.push_back(report_of(folder, choice.objects, name_of(opened.kind)));
     } else {
         opened.kind = FileKind::dicom_segmentation;
         ANATOMESH_TRY(opened.segmentation, segmentation_in(object, options, context));
+        ANATOMESH_CHECK_STATUS(
+            compare_with_images(outline_of(*opened.segmentation), folder, object, choice, options, context));
         opened.files.push_back(report_of(folder, choice.objects, name_of(opened.kind)));
     }
     return opened;

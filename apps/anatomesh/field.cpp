@@ -30,7 +30,7 @@ Result<std::string> distance_file(const ContourSet& contours, const SliceStack& 
                                   RunContext& context) {
     const std::vector<float> image = distance_image(contours, stack, 0, context);
     if (context.cancelled()) return cancelled_error();
-    return format_image(stack.geometry, image, format);
+    return format_image(stack.geometry, image, format, "version " ANATOMESH_VERSION ", distance map in mm");
 }
 
 Result<std::string> bits_file(const ContourSet& contours, const SliceStack& stack, ImageFormat format,
@@ -43,7 +43,7 @@ Result<std::string> bits_file(const ContourSet& contours, const SliceStack& stac
                       "voxels lie in several structures, of which an image can hold one",
                       {contours.source, "", "", "", fmt::format("{}", overlaps)},
                       "they hold the number of the last one; --structure takes one alone"});
-    return format_label_map(bits, format);
+    return format_label_map(bits, format, "version " ANATOMESH_VERSION ", bit volume");
 }
 
 // A distance map is of one structure.

@@ -48,10 +48,23 @@ Result<Json> image_json(const LoadedImage& loaded, RunContext& context) {
     const ImageGeometry& geometry = loaded.image.geometry;
     const ImageFacts& facts = loaded.facts;
     Json json = geometry_json(geometry);
+    if (!loaded.poses.empty()) {
+        json = Json::object();
+        json["size"] = geometry.size;
+        json["spacing_mm"] = {length(loaded.poses[0].step[0]), length(loaded.poses[0].step[1])};
+        json["tracked_frames"] = loaded.poses.size();
+        Box3 box;
+        for (const FramePose& pose : loaded.poses)
+            for (const double i : {0.0, geometry.size[0] - 1.0})
+                for (const double j : {0.0, geometry.size[1] - 1.0})
+                    box.extend(pose.origin + i * pose.step[0] + j * pose.step[1]);
+        json["low_mm"] = vector_json(box.low);
+        json["high_mm"] = vector_json(box.high);
+    }
     json["voxel_type"] = facts.voxel_type;
     json["values"] = {{"low", facts.low}, {"high", facts.high}, {"not_finite", facts.not_finite}};
     json["label_map"] = looks_like_label_map(facts);
-    if (!looks_like_label_map(facts)) return json;
+    if (!looks_like_label_map(facts) || !loaded.poses.empty()) return json;
     ANATOMESH_TRY(const LabelMap labels, to_label_map(loaded, context));
     const std::vector<std::uint64_t> voxels = count_voxels(labels);
     json["structures"] = Json::array();
@@ -147,6 +160,9 @@ std::string text_of(const Json& answer) {
                             numbers_text(what["spacing_mm"]), what["voxel_type"].get<std::string>(),
                             what["values"]["low"].get<double>(), what["values"]["high"].get<double>(),
                             what["label_map"].get<bool>() ? "label map" : "grey image (needs --threshold)");
+        if (what.contains("tracked_frames"))
+            text += fmt::format("  {} with a pose, each a slice of its own in space\n",
+                                counted(what["tracked_frames"].get<std::uint64_t>(), "frame"));
     } else {
         text += fmt::format("  {}{}, {}, {}\n", counted(what["slices"].get<std::uint64_t>(), "slice"),
                             arrangement_text(what), counted(what["contours"].get<std::uint64_t>(), "contour"),
@@ -183,7 +199,9 @@ Status run_info(InputOptions options, Session& session) {
     Json answer;
     answer["file"] = options.input;
     answer["kind"] = name_of(input.kind);
-    answer["space"] = input.contours && input.contours->frame == Frame::unknown ? "unknown" : "LPS";
+    const bool known_axes =
+        input.contours ? input.contours->frame != Frame::unknown : !input.image || input.image->known_axes;
+    answer["space"] = known_axes ? "LPS" : "unknown";
     answer["unit"] = "mm";
     answer["inputs"] = inputs_json(input.files);
     if (input.image) {

@@ -54,11 +54,41 @@ void add_reading_options(CLI::App& verb, InputOptions& options) {
     add_text(verb, "--assume-orientation", options.assume_orientation, "AXES",
              "Where the axes of an image without orientation run to, as RAS");
     add_optional_count(verb, "--volume", options.volume, 0,
-                       "Which volume of an image that holds several, from 0");
+                       "Which volume of an image that holds several, from 0, or which time frame of guide points");
     add_text(verb, "--series", options.series, "UID",
              "Which series of a folder of DICOM objects, by its UID or the name that info gives it");
     verb.add_flag("--allow-gaps", options.allow_gaps,
                   "Interpolate between DICOM images where slices are missing or not equidistant");
+    verb.add_flag("--ignore-frame-of-reference", options.ignore_frame_of_reference,
+                  "Take contours and DICOM images of different frames of reference as they are");
+    verb.add_flag("--ignore-patient", options.ignore_patient,
+                  "Take contours and DICOM images of different patients or studies together");
+    verb.add_flag("--match-by-geometry", options.match_by_geometry,
+                  "Find the images of contours that refer to others by where they lie (DICOM)");
+    verb.add_flag("--allow-outside", options.allow_outside,
+                  "Take contours all of which lie outside their DICOM images");
+    add_optional_count(verb, "--ultrasound-region", options.ultrasound_region, 0,
+                       "Which region's scale counts in an ultrasound image of several, from 0");
+    const auto read_matrix = [&options](const std::string& text) {
+        options.image_to_probe.clear();
+        for (std::size_t begin = 0; begin <= text.size();) {
+            const std::size_t end = std::min(text.find_first_of(", ", begin), text.size());
+            if (end > begin)
+                options.image_to_probe.push_back(
+                    strict_number("--image-to-probe", text.substr(begin, end - begin), -1e7, 1e7));
+            begin = end + 1;
+        }
+        if (options.image_to_probe.size() != 12 && options.image_to_probe.size() != 16)
+            throw CLI::ValidationError("--image-to-probe", "12 or 16 numbers, row by row, are needed");
+    };
+    verb.add_option_function<std::string>(
+            "--image-to-probe", read_matrix,
+            "Calibration of a tracked ultrasound sequence: the matrix from pixels to the probe, row by row")
+        ->type_name("M11,M12,...");
+    add_text(
+        verb, "--pose-to", options.pose_to, "NAME",
+        "The tool's or room's axes that frames of a tracked sequence are placed in (default: the first there "
+        "is of Reference, Tracker, World)");
     verb.add_flag(
         "--keep-patient-ids", options.keep_patient_ids,
         "Keep names of DICOM files in messages, and the patient's identity and all UIDs in DICOM outputs");

@@ -27,6 +27,13 @@ struct InputOptions {
     std::string series;             // of a folder of DICOM objects; empty: the one there is
     bool allow_gaps = false;        // --allow-gaps
     bool keep_patient_ids = false;  // --keep-patient-ids
+    // What DICOM objects may contradict each other in.
+    bool ignore_frame_of_reference = false, ignore_patient = false, match_by_geometry = false,
+         allow_outside = false;
+    std::optional<std::uint32_t> ultrasound_region;
+    // Tracked sequences.
+    std::vector<double> image_to_probe;
+    std::string pose_to;
 
     std::vector<std::string> structures;
     std::optional<Threshold> threshold;
@@ -43,7 +50,8 @@ struct InputOptions {
 };
 
 // INPUT and how to place it: --frame, --use, --assume-orientation, --volume, --series, --allow-gaps,
-// --keep-patient-ids.
+// --keep-patient-ids, --ignore-frame-of-reference, --ignore-patient, --match-by-geometry, --allow-outside,
+// --ultrasound-region, --image-to-probe, --pose-to.
 void add_reading_options(CLI::App& verb, InputOptions& options);
 
 // How drawn contours are read and repaired: --holes, --unite-repeated-planes, --closing-gap, --plane-repair,

@@ -54,7 +54,9 @@ const VerbEntry verb_entries[] = {
      R"(Examples:
   anatomesh segment ct.nii.gz --threshold 226 --keep-largest 1 --fill-holes -o bone.nrrd
   anatomesh segment ct.nii.gz --seed 62.5,-20,113 --name spleen -o spleen.json
-  anatomesh segment ct.nii.gz --threshold 150:1500 --seed 30,5,-410 --close 3 -o femur.nii.gz)"},
+  anatomesh segment ct.nii.gz --threshold 150:1500 --seed 30,5,-410 --close 3 -o femur.nii.gz
+  anatomesh segment sweep.igs.mha --despeckle 0.5 --method chan-vese --seed-voxel 300,200,10 -o cyst.json
+  anatomesh segment ct.nii.gz --recipe organs.json -o organs.nrrd)"},
     {"contours", "Write the contours of an image, label map or contour file", declare_contours,
      R"(Examples:
   anatomesh contours labels.nii.gz -o organs.vtp

@@ -16,6 +16,7 @@
 #include "anatomesh_io/contour/number_text.h"
 #include "anatomesh_io/contour/read_contours.h"
 #include "anatomesh_io/file/input_file.h"
+#include "anatomesh_io/image/tracked_frames.h"
 #include "dicom_input.h"
 #include "mesh_input.h"
 
@@ -49,7 +50,7 @@ bool is_image(FileKind kind) {
 
 bool is_contour_file(FileKind kind) {
     return kind == FileKind::contour_json || kind == FileKind::csl || kind == FileKind::vtk_polydata ||
-           kind == FileKind::dicom_rtstruct;
+           kind == FileKind::dicom_rtstruct || kind == FileKind::guide_points;
 }
 
 Result<InputReport> file_report(const std::string& path, const std::string& format,
@@ -91,6 +92,9 @@ ReadImageOptions image_options(const InputOptions& options) {
     if (options.nifti_transform == "sform") reading.nifti_transform = NiftiTransform::sform;
     reading.assume_orientation = options.assume_orientation;
     if (options.volume) reading.volume = *options.volume;
+    reading.tracked = true;
+    reading.image_to_probe = options.image_to_probe;
+    reading.pose_to = options.pose_to;
     reading.limits = options.limits.input;
     reading.max_voxels = options.limits.voxels;
     return reading;
@@ -106,7 +110,8 @@ Status check_reading_options(const InputOptions& options, FileKind kind) {
         if (!options.assume_orientation.empty())
             return does_not_apply("--assume-orientation", options.input, why);
     }
-    if (!image && options.volume) return does_not_apply("--volume", options.input, why);
+    if (!image && options.volume && kind != FileKind::guide_points)
+        return does_not_apply("--volume", options.input, why);
     if (image && !options.cleaning_given.empty()) {
         return does_not_apply(options.cleaning_given.front(), options.input,
                               "the input is an image, whose contours are traced and not drawn");
@@ -122,11 +127,11 @@ bool has_warning(const RunContext& context, std::initializer_list<const char*> c
 
 // Options that decide what an image leaves open, given for one that leaves nothing open: scripts pass them
 // always.
-void warn_of_unused_options(const InputOptions& options, RunContext& context) {
+void warn_of_unused_options(const InputOptions& options, bool is_tracked, RunContext& context) {
     const auto warn = [&](const std::string& option, const std::string& value, const char* message) {
         context.warn({"W-CMD-003", message, {options.input, "", "", "", option + " " + value}, "not used"});
     };
-    if (!options.frame.empty() && !has_warning(context, {"W-NRD-003", "W-MTI-002"}))
+    if (!options.frame.empty() && !is_tracked && !has_warning(context, {"W-NRD-003", "W-MTI-002"}))
         warn("--frame", options.frame, "the image states its own axes");
     if (!options.assume_orientation.empty() && !has_warning(context, {"W-NII-005"}))
         warn("--assume-orientation", options.assume_orientation, "the image states its own orientation");
@@ -141,8 +146,8 @@ Result<OpenedInput> open_image(const InputOptions& options, FileKind kind, RunCo
         const auto bytes = fs::file_size(hash.path, error);
         opened.files.push_back({hash.path, name_of(kind), hash.sha256, error ? 0 : bytes});
     }
+    warn_of_unused_options(options, !image.poses.empty(), context);
     opened.image = std::move(image);
-    warn_of_unused_options(options, context);
     return opened;
 }
 
@@ -151,6 +156,7 @@ Result<OpenedInput> open_contours(const InputOptions& options, FileKind kind, bo
     ReadContoursOptions reading;
     if (options.frame == "LPS") reading.frame = FrameChoice::lps;
     if (options.frame == "RAS") reading.frame = FrameChoice::ras;
+    if (options.volume) reading.time_frame = *options.volume;
     reading.limits = options.limits.contour;
     reading.file_limits = options.limits.input;
     ANATOMESH_TRY(RawContours raw, read_contours(options.input, reading, context));
@@ -185,13 +191,18 @@ Result<LabelMap> labels_of(const LoadedImage& image, const InputOptions& options
     return to_label_map(image, context);
 }
 
-Status trace_layer(const LabelMap& labels, const GreyImage* grey, const InputOptions& options,
-                   std::vector<TraceResult>& layers, RunContext& context) {
+TraceOptions tracing_options(const InputOptions& options) {
     TraceOptions tracing;
     tracing.every = options.every.value_or(1);
     tracing.offset = options.offset;
     if (options.min_area_mm2) tracing.min_area_mm2 = *options.min_area_mm2;
     if (options.epsilon_mm) tracing.epsilon_mm = *options.epsilon_mm;
+    return tracing;
+}
+
+Status trace_layer(const LabelMap& labels, const GreyImage* grey, const InputOptions& options,
+                   std::vector<TraceResult>& layers, RunContext& context) {
+    const TraceOptions tracing = tracing_options(options);
     ANATOMESH_TRY(
         TraceResult traced,
         trace_contours(labels, grey, options.threshold ? options.threshold->low : 0, tracing, context));
@@ -223,10 +234,19 @@ Result<InputContours> contours_of_image(OpenedInput input, const InputOptions& o
     ANATOMESH_TRY(LabelMap labels, labels_of(*input.image, options, context));
     ANATOMESH_TRY(const auto chosen, find_structures(labels.structures, options.structures, options.input));
     if (chosen.size() < labels.structures.size()) select_structures(labels, chosen);
-    if (options.keep_largest) keep_largest(labels, *options.keep_largest);
-    if (context.cancelled()) return cancelled_error();
     const GreyImage* grey = options.threshold ? &input.image->image : nullptr;
     std::vector<TraceResult> layers;
+    if (!input.image->poses.empty()) {
+        ANATOMESH_TRY(
+            TraceResult traced,
+            trace_frames(labels, input.image->poses, input.image->known_axes ? Frame::lps : Frame::unknown,
+                         grey, options.threshold ? options.threshold->low : 0,
+                         options.keep_largest.value_or(0), tracing_options(options), context));
+        layers.push_back(std::move(traced));
+        return traced_contours(std::move(layers), options, std::move(input.files));
+    }
+    if (options.keep_largest) keep_largest(labels, *options.keep_largest);
+    if (context.cancelled()) return cancelled_error();
     ANATOMESH_CHECK_STATUS(trace_layer(labels, grey, options, layers, context));
     return traced_contours(std::move(layers), options, std::move(input.files));
 }
@@ -347,7 +367,23 @@ std::vector<std::pair<std::string, std::string>> used_options(const InputOptions
         used.emplace_back("assume_orientation", options.assume_orientation);
     if (options.volume) used.emplace_back("volume", std::to_string(*options.volume));
     if (!options.series.empty()) used.emplace_back("series", options.series);
-    if (options.allow_gaps) used.emplace_back("allow_gaps", "yes");
+    const std::pair<const char*, bool> flags[] = {
+        {"allow_gaps", options.allow_gaps},
+        {"ignore_frame_of_reference", options.ignore_frame_of_reference},
+        {"ignore_patient", options.ignore_patient},
+        {"match_by_geometry", options.match_by_geometry},
+        {"allow_outside", options.allow_outside}};
+    for (const auto& [name, given] : flags)
+        if (given) used.emplace_back(name, "yes");
+    if (options.ultrasound_region)
+        used.emplace_back("ultrasound_region", std::to_string(*options.ultrasound_region));
+    if (!options.pose_to.empty()) used.emplace_back("pose_to", options.pose_to);
+    if (!options.image_to_probe.empty()) {
+        std::string matrix;
+        for (const double value : options.image_to_probe)
+            matrix += (matrix.empty() ? "" : " ") + number_text(value);
+        used.emplace_back("image_to_probe", matrix);
+    }
     used.emplace_back("structure", options.structures.empty()
                                        ? "all"
                                        : fmt::format("{}", fmt::join(options.structures, ", ")));
@@ -386,7 +422,8 @@ bool is_dicom_folder(const std::string& path) {
 Result<OpenedInput> open_input(const InputOptions& options, RunContext& context) {
     constexpr const char* kinds =
         "inputs are NIfTI, NRRD, MetaImage, InVesalius projects, contour JSON, CSL, VTK polydata, DICOM "
-        "images, RTSTRUCT and SEG, folders of DICOM objects, and folders of contours in VTK polydata";
+        "images, RTSTRUCT and SEG, cardiac guide points, folders of DICOM objects, and folders of contours "
+        "in VTK polydata";
     std::error_code error;
     if (fs::is_directory(options.input, error)) {
         if (!has_contour_file(options.input)) return open_dicom(options, context);

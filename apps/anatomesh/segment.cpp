@@ -1,9 +1,8 @@
-// anatomesh segment: one structure of a grey image, as a label map or as contours.
-#include "anatomesh_io/segment/segment.h"
-
+// anatomesh segment: structures of a grey image, as a label map or as contours.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,16 +11,18 @@
 #include <utility>
 
 #include "anatomesh/contour/trace.h"
-#include "anatomesh/image/components.h"
 #include "anatomesh_io/contour/write_contours.h"
 #include "anatomesh_io/file/atomic_file.h"
+#include "anatomesh_io/image/tracked_frames.h"
 #include "anatomesh_io/image/write_image.h"
+#include "anatomesh_io/segment/segment_slices.h"
 #include "answer.h"
 #include "input_options.h"
 #include "option_values.h"
 #include "outputs.h"
 #include "plural.h"
 #include "read_input.h"
+#include "segment_task.h"
 #include "verbs.h"
 
 namespace anatomesh {
@@ -30,144 +31,114 @@ namespace {
 
 struct SegmentVerbOptions {
     InputOptions input;  // of which threshold and keep_largest are used as well
-    std::string output, method, name = "structure";
-    std::uint32_t number = 1;
-    std::vector<Vec3> seeds;        // LPS mm
-    std::vector<Vec3> voxel_seeds;  // whole numbers
-    std::optional<double> radius_mm, spread, curvature;
-    std::optional<std::uint32_t> iterations;
-    CleanMaskOptions cleaning;
+    std::string output, recipe;
+    SegmentTask task;
+    double despeckle_mm = 0;
 };
-
-constexpr std::pair<const char*, SegmentMethod> methods[] = {
-    {"threshold", SegmentMethod::threshold}, {"otsu", SegmentMethod::otsu},
-    {"grow", SegmentMethod::grow},           {"confidence", SegmentMethod::confidence},
-    {"region", SegmentMethod::region},       {"geodesic", SegmentMethod::geodesic}};
 
 const std::vector<std::string> label_extensions{".nrrd", ".nii", ".nii.gz"};
 
-Error usage_error(const char* code, std::string message, const SegmentVerbOptions& options, std::string value,
-                  std::string next_step) {
-    return {ErrorKind::usage,
-            code,
-            std::move(message),
-            {options.input.input, "", "", "", std::move(value)},
-            std::move(next_step)};
-}
-
-// The method, as given or as the other options imply it.
-std::string method_of(const SegmentVerbOptions& options) {
-    if (!options.method.empty()) return options.method;
-    const bool seeded = !options.seeds.empty() || !options.voxel_seeds.empty();
-    if (options.input.threshold) return seeded ? "grow" : "threshold";
-    return seeded ? "geodesic" : "otsu";
-}
-
-// Options that the method cannot do without, or has no use for.
-Status check_method(const SegmentVerbOptions& options, const std::string& name, SegmentMethod method) {
-    const bool seeded = !options.seeds.empty() || !options.voxel_seeds.empty();
-    const bool ranged = method == SegmentMethod::threshold || method == SegmentMethod::grow;
-    const bool grows = method != SegmentMethod::threshold && method != SegmentMethod::otsu;
-    const bool moves = method == SegmentMethod::region || method == SegmentMethod::geodesic;
-    const bool spreads = moves || method == SegmentMethod::confidence;
-    if (grows && !seeded)
-        return usage_error("E-SGM-005", "this method grows from a seed, and there is none", options, name,
-                           "give --seed X,Y,Z inside the structure, LPS mm");
-    if (ranged && !options.input.threshold)
-        return usage_error("E-SGM-006", "this method needs a range of values", options, name,
-                           "give --threshold LO[:HI]");
-    const std::pair<const char*, bool> useless[] = {{"--threshold", options.input.threshold && !ranged},
-                                                    {"--seed", seeded && !grows},
-                                                    {"--spread", options.spread && !spreads},
-                                                    {"--seed-radius", options.radius_mm && !spreads},
-                                                    {"--curvature", options.curvature && !moves},
-                                                    {"--iterations", options.iterations && !moves}};
-    for (const auto& [option, given] : useless) {
-        if (given)
-            return usage_error("E-CMD-008", fmt::format("{} does not apply to this method", option), options,
-                               name, fmt::format("leave out {}, or choose another --method", option));
+Result<LoadedImage> open_grey(const SegmentVerbOptions& options, std::vector<InputReport>& files,
+                              RunContext& context) {
+    ANATOMESH_TRY(OpenedInput opened, open_input(options.input, context));
+    ANATOMESH_CHECK_STATUS(check_outputs(names_of(opened.files), {options.output}));
+    if (!opened.image)
+        return Error{ErrorKind::input,
+                     "E-SGM-008",
+                     "there is no image to segment in the input",
+                     {options.input.input, "", "", "", ""},
+                     "give a grey image; contours and segmentations are inputs of contours and model"};
+    files = std::move(opened.files);
+    LoadedImage& image = *opened.image;
+    if (!image.poses.empty()) {
+        if (check_extension(options.output, label_extensions).ok())
+            return Error{ErrorKind::usage,
+                         "E-SGM-010",
+                         "frames that each have a pose make no label map",
+                         {options.output, "", "", "", ""},
+                         "write contours: .json, .vtp or .csl"};
+        // Each slice is treated in its plane, by the size of its pixels.
+        const FramePose& first = image.poses[0];
+        image.image.geometry.step = {Vec3{length(first.step[0]), 0, 0}, Vec3{0, length(first.step[1]), 0},
+                                     Vec3{0, 0, 1}};
     }
-    return Nothing{};
-}
-
-// The voxel, in fractions, that a position lies at.
-Vec3 voxel_at(const ImageGeometry& geometry, Vec3 position) {
-    const Vec3 w = position - geometry.origin, a = geometry.step[0], b = geometry.step[1],
-               c = geometry.step[2];
-    const double volume = dot(a, cross(b, c));
-    return {dot(w, cross(b, c)) / volume, dot(a, cross(w, c)) / volume, dot(a, cross(b, w)) / volume};
-}
-
-Status add_seed(Vec3 voxel, const std::string& text, const SegmentVerbOptions& options,
-                const ImageGeometry& geometry, SegmentOptions& segmenting) {
-    const std::array<double, 3> at = {std::round(voxel.x), std::round(voxel.y), std::round(voxel.z)};
-    std::array<std::uint32_t, 3> seed{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (!(at[axis] >= 0 && at[axis] < geometry.size[axis]))
-            return usage_error(
-                "E-SGM-007", "a seed lies outside of the image", options,
-                fmt::format("{}, which is voxel {:.0f}, {:.0f}, {:.0f} of {} x {} x {}", text, at[0], at[1],
-                            at[2], geometry.size[0], geometry.size[1], geometry.size[2]),
-                "--seed takes LPS mm (x to the left, y to the back), --seed-voxel indices from 0");
-        seed[axis] = static_cast<std::uint32_t>(at[axis]);
+    if (options.despeckle_mm > 0) {
+        ANATOMESH_CHECK_STATUS(reduce_speckle(image.image, options.despeckle_mm, context));
     }
-    segmenting.seeds.push_back(seed);
-    return Nothing{};
+    return std::move(image);
 }
 
-Status add_seeds(const SegmentVerbOptions& options, const ImageGeometry& geometry,
-                 SegmentOptions& segmenting) {
-    const auto text = [](Vec3 v) { return fmt::format("{},{},{}", v.x, v.y, v.z); };
-    for (const Vec3 seed : options.seeds) {
-        ANATOMESH_CHECK_STATUS(add_seed(voxel_at(geometry, seed), text(seed), options, geometry, segmenting));
+LabelMap sorted_by_number(LabelMap labels) {
+    std::vector<std::uint16_t> order(labels.structures.size()), new_label(labels.structures.size() + 1, 0);
+    for (std::size_t s = 0; s < order.size(); ++s) order[s] = static_cast<std::uint16_t>(s);
+    std::sort(order.begin(), order.end(),
+              [&](auto a, auto b) { return labels.structures[a].number < labels.structures[b].number; });
+    std::vector<Structure> sorted;
+    for (std::size_t s = 0; s < order.size(); ++s) {
+        sorted.push_back(labels.structures[order[s]]);
+        new_label[order[s] + 1u] = static_cast<std::uint16_t>(s + 1);
     }
-    for (const Vec3 seed : options.voxel_seeds) {
-        ANATOMESH_CHECK_STATUS(add_seed(seed, text(seed), options, geometry, segmenting));
-    }
-    return Nothing{};
+    labels.structures = std::move(sorted);
+    for (std::uint16_t& voxel : labels.voxels) voxel = new_label[voxel];
+    return labels;
 }
 
-Result<SegmentOptions> segmenting_of(const SegmentVerbOptions& options, SegmentMethod method,
-                                     const ImageGeometry& geometry) {
-    SegmentOptions segmenting;
-    segmenting.method = method;
-    if (options.input.threshold) {
-        segmenting.low = options.input.threshold->low;
-        segmenting.high = options.input.threshold->high;
+// One label map of all; where two structures meet the voxel is that of the first.
+LabelMap joined(std::vector<TaskResult>& results) {
+    LabelMap all = std::move(results[0].segmentation.labels);
+    for (std::size_t r = 1; r < results.size(); ++r) {
+        const LabelMap& one = results[r].segmentation.labels;
+        all.structures.push_back(one.structures[0]);
+        const auto label = static_cast<std::uint16_t>(all.structures.size());
+        for (std::size_t n = 0; n < all.voxels.size(); ++n)
+            if (all.voxels[n] == 0 && one.voxels[n] != 0) all.voxels[n] = label;
     }
-    if (options.radius_mm) segmenting.seed_radius_mm = *options.radius_mm;
-    if (options.spread) segmenting.spread = *options.spread;
-    if (options.curvature) segmenting.curvature = *options.curvature;
-    if (options.iterations) segmenting.iterations = *options.iterations;
-    ANATOMESH_CHECK_STATUS(add_seeds(options, geometry, segmenting));
-    return segmenting;
+    constexpr std::array<std::array<std::uint8_t, 3>, 6> colors{
+        {{230, 200, 120}, {200, 80, 60}, {90, 150, 210}, {120, 180, 90}, {190, 120, 200}, {220, 150, 70}}};
+    for (std::size_t s = 0; s < all.structures.size(); ++s)
+        all.structures[s].color = colors[s % colors.size()];
+    return sorted_by_number(std::move(all));
 }
 
-Result<std::string> file_of(const Segmentation& segmentation, SegmentMethod method, const GreyImage& image,
-                            const std::string& path, RunContext& context) {
+Result<std::string> file_of(const LabelMap& labels, const std::vector<TaskResult>& results,
+                            const LoadedImage& image, const std::string& path, RunContext& context) {
     if (check_extension(path, label_extensions).ok()) {
         ANATOMESH_TRY(const ImageFormat format, image_format_of(path));
-        return format_label_map(segmentation.labels, format);
+        std::string how = "version " ANATOMESH_VERSION ", segment";
+        for (const TaskResult& result : results) how += " " + result.method;
+        return format_label_map(labels, format, how);
     }
     ANATOMESH_TRY(const ContourFormat format, contour_format_of(path));
     // Where a threshold bounds the structure its contours follow the threshold within the pixels.
-    const bool by_value =
-        method == SegmentMethod::threshold || method == SegmentMethod::otsu || method == SegmentMethod::grow;
+    const bool by_value = results.size() == 1 && results[0].by_value;
+    const GreyImage* grey = by_value ? &image.image : nullptr;
+    const double level = by_value ? results[0].segmentation.low.value_or(0) : 0;
+    const Frame frame = image.known_axes ? Frame::lps : Frame::unknown;
     ANATOMESH_TRY(const TraceResult traced,
-                  trace_contours(segmentation.labels, by_value ? &image : nullptr,
-                                 by_value ? segmentation.low.value_or(0) : 0, {}, context));
+                  image.poses.empty()
+                      ? trace_contours(labels, grey, level, {}, context)
+                      : trace_frames(labels, image.poses, frame, grey, level, 0, {}, context));
     return format_contours(traced.kept, format, context);
 }
 
-Result<OpenedInput> open_grey(const SegmentVerbOptions& options, RunContext& context) {
-    ANATOMESH_TRY(OpenedInput opened, open_input(options.input, context));
-    ANATOMESH_CHECK_STATUS(check_outputs(names_of(opened.files), {options.output}));
-    if (opened.image) return opened;
-    return Error{ErrorKind::input,
-                 "E-SGM-008",
-                 "there is no image to segment in the input",
-                 {options.input.input, "", "", "", ""},
-                 "give a grey image; contours and segmentations are inputs of contours and model"};
+nlohmann::ordered_json json_of(const TaskResult& result, double voxel_mm3) {
+    nlohmann::ordered_json json;
+    json["method"] = result.method;
+    const Segmentation& found = result.segmentation;
+    if (found.low) json["low"] = *found.low;
+    if (found.high && std::isfinite(*found.high)) json["high"] = *found.high;
+    if (found.iterations > 0) json["iterations"] = found.iterations;
+    json["voxels"] = result.voxels;
+    if (voxel_mm3 > 0) json["volume_mm3"] = static_cast<double>(result.voxels) * voxel_mm3;
+    return json;
+}
+
+Result<std::vector<SegmentTask>> tasks_of(const SegmentVerbOptions& options) {
+    if (!options.recipe.empty()) return read_recipe(options.recipe, options.input.limits.input);
+    SegmentTask task = options.task;
+    task.threshold = options.input.threshold;
+    task.keep_largest = options.input.keep_largest;
+    return std::vector{task};
 }
 
 Status run_segment(SegmentVerbOptions options, Session& session) {
@@ -175,45 +146,45 @@ Status run_segment(SegmentVerbOptions options, Session& session) {
     options.input.limits = session.limits;
     ANATOMESH_CHECK_STATUS(
         check_extension(options.output, {".nrrd", ".nii", ".nii.gz", ".json", ".vtp", ".csl"}));
-    ANATOMESH_CHECK_STATUS(check_outputs({options.input.input}, {options.output}));
-    const std::string name = method_of(options);
-    const SegmentMethod method = std::find_if(std::begin(methods), std::end(methods), [&](const auto& entry) {
-                                     return entry.first == name;
-                                 })->second;
-    ANATOMESH_CHECK_STATUS(check_method(options, name, method));
-    ANATOMESH_TRY(const OpenedInput opened, open_grey(options, context));
-    const GreyImage& image = opened.image->image;
-    ANATOMESH_TRY(const SegmentOptions segmenting, segmenting_of(options, method, image.geometry));
-    ANATOMESH_TRY(Segmentation segmentation, segment_image(image, segmenting, context));
-    LabelMap& labels = segmentation.labels;
-    labels.structures[0].name = options.name;
-    labels.structures[0].number = static_cast<std::int32_t>(options.number);
-    ANATOMESH_CHECK_STATUS(clean_mask(labels, options.cleaning, context));
-    if (options.input.keep_largest) keep_largest(labels, *options.input.keep_largest);
-    ANATOMESH_TRY(const std::string bytes, file_of(segmentation, method, image, options.output, context));
-    if (context.cancelled()) return cancelled_error();
-    AtomicFileSet files;
-    ANATOMESH_CHECK_STATUS(files.add(options.output, bytes));
-
-    const auto voxels = labels.voxels.size() -
-                        static_cast<std::size_t>(std::count(labels.voxels.begin(), labels.voxels.end(), 0));
-    const auto& step = labels.geometry.step;
-    const double volume = static_cast<double>(voxels) * std::abs(dot(step[0], cross(step[1], step[2])));
+    std::vector<std::string> read{options.input.input};
+    if (!options.recipe.empty()) read.push_back(options.recipe);
+    ANATOMESH_CHECK_STATUS(check_outputs(read, {options.output}));
+    ANATOMESH_TRY(const std::vector<SegmentTask> tasks, tasks_of(options));
+    std::vector<InputReport> inputs;
+    ANATOMESH_TRY(const LoadedImage image, open_grey(options, inputs, context));
+    std::vector<TaskResult> results;
+    for (const SegmentTask& task : tasks) {
+        ANATOMESH_TRY(TaskResult result, run_task(task, image, context));
+        results.push_back(std::move(result));
+    }
+    const auto& step = image.image.geometry.step;
+    const double voxel_mm3 = image.poses.empty() ? std::abs(dot(step[0], cross(step[1], step[2]))) : 0;
     nlohmann::ordered_json answer;
     answer["version"] = ANATOMESH_VERSION;
     answer["output"] = options.output;
-    answer["inputs"] = inputs_json(opened.files);
-    answer["method"] = name;
-    if (segmentation.low) answer["low"] = *segmentation.low;
-    if (segmentation.high && std::isfinite(*segmentation.high)) answer["high"] = *segmentation.high;
-    if (segmentation.iterations > 0) answer["iterations"] = segmentation.iterations;
-    answer["voxels"] = voxels;
-    answer["volume_mm3"] = volume;
-    return files.commit([&] {
-        return give_summary(session, answer,
-                            fmt::format("{}: {} by {}, {}, {:.6g} ml\n", options.output, options.name, name,
-                                        counted(voxels, "voxel"), volume / 1000));
-    });
+    answer["inputs"] = inputs_json(inputs);
+    std::string text;
+    for (std::size_t r = 0; r < results.size(); ++r) {
+        nlohmann::ordered_json one = json_of(results[r], voxel_mm3);
+        text += fmt::format("{}: {} by {}, {}", options.output, tasks[r].name, results[r].method,
+                            counted(results[r].voxels, voxel_mm3 > 0 ? "voxel" : "pixel"));
+        text += voxel_mm3 > 0
+                    ? fmt::format(", {:.6g} ml\n", static_cast<double>(results[r].voxels) * voxel_mm3 / 1000)
+                    : std::string("\n");
+        if (options.recipe.empty()) {
+            answer.update(one);
+            continue;
+        }
+        nlohmann::ordered_json named{{"name", tasks[r].name}, {"number", tasks[r].number}};
+        named.update(one);
+        answer["structures"].push_back(std::move(named));
+    }
+    const LabelMap labels = joined(results);
+    ANATOMESH_TRY(const std::string bytes, file_of(labels, results, image, options.output, context));
+    if (context.cancelled()) return cancelled_error();
+    AtomicFileSet files;
+    ANATOMESH_CHECK_STATUS(files.add(options.output, bytes));
+    return files.commit([&] { return give_summary(session, answer, text); });
 }
 
 // Three numbers between commas.
@@ -251,30 +222,31 @@ void add_optional(CLI::App& verb, const std::string& name, std::optional<double>
 
 void add_method_options(CLI::App& verb, SegmentVerbOptions& options) {
     add_choice(
-        verb, "--method", options.method, {"threshold", "otsu", "grow", "confidence", "region", "geodesic"},
+        verb, "--method", options.task.method, segment_methods,
         "How: all voxels of a range; above Otsu's threshold; joined to a seed within a range, or within "
-        "a range found there; active contour from a seed, by region or by edges (default: by the "
+        "a range found there; active contour from a seed, by region, by edges or between two means (default: "
+        "by the "
         "options given: threshold with --threshold, grow with --seed too, geodesic with --seed, else otsu)");
     add_threshold_option(verb, options.input);
-    add_triples(verb, "--seed", options.seeds, "X,Y,Z", false,
+    add_triples(verb, "--seed", options.task.seeds, "X,Y,Z", false,
                 "A point inside the structure, LPS mm; may be repeated");
-    add_triples(verb, "--seed-voxel", options.voxel_seeds, "I,J,K", true,
+    add_triples(verb, "--seed-voxel", options.task.voxel_seeds, "I,J,K", true,
                 "The same as voxel indices, from 0; may be repeated");
     const SegmentOptions defaults;
-    add_optional(verb, "--seed-radius", options.radius_mm, 0.01, 1000, "MM",
+    add_optional(verb, "--seed-radius", options.task.radius_mm, 0.01, 1000, "MM",
                  fmt::format("Radius of the balls around seeds that confidence, region and geodesic begin "
                              "with, 0.01 to 1000 (default {})",
                              defaults.seed_radius_mm));
-    add_optional(verb, "--spread", options.spread, 0.01, 100, "N",
+    add_optional(verb, "--spread", options.task.spread, 0.01, 100, "N",
                  fmt::format("Standard deviations of the values around the seeds that belong to the "
                              "structure, 0.01 to 100 (default {})",
                              defaults.spread));
-    add_optional(verb, "--curvature", options.curvature, 0, 100, "W",
+    add_optional(verb, "--curvature", options.task.curvature, 0, 100, "W",
                  fmt::format("Smoothness of active contours, 0 to 100 (default {})", defaults.curvature));
     verb.add_option_function<std::string>(
             "--iterations",
             [&options](const std::string& text) {
-                options.iterations = strict_count("--iterations", text, 1, 100000);
+                options.task.iterations = strict_count("--iterations", text, 1, 100000);
             },
             fmt::format("Steps of active contours, at most, 1 to 100000 (default {})", defaults.iterations))
         ->type_name("N");
@@ -286,17 +258,27 @@ Work declare_segment(CLI::App& verb) {
     auto options = std::make_shared<SegmentVerbOptions>();
     add_reading_options(verb, options->input);
     add_method_options(verb, *options);
-    add_number(verb, "--median", options->cleaning.median_mm, 0, 100, "MM",
+    add_number(verb, "--median", options->task.cleaning.median_mm, 0, 100, "MM",
                "Median filter of this radius on the result, 0 to 100 (default 0: none)");
-    add_number(verb, "--open", options->cleaning.open_mm, 0, 100, "MM",
+    add_number(verb, "--open", options->task.cleaning.open_mm, 0, 100, "MM",
                "Opening by a ball of this radius: takes away what is thinner, 0 to 100 (default 0: none)");
-    add_number(verb, "--close", options->cleaning.close_mm, 0, 100, "MM",
+    add_number(verb, "--close", options->task.cleaning.close_mm, 0, 100, "MM",
                "Closing by a ball of this radius: fills what is narrower, 0 to 100 (default 0: none)");
-    verb.add_flag("--fill-holes", options->cleaning.fill_holes, "Fill what the structure encloses");
+    verb.add_flag("--fill-holes", options->task.cleaning.fill_holes, "Fill what the structure encloses");
     add_keep_largest_option(verb, options->input);
-    add_text(verb, "--name", options->name, "NAME", "Name of the structure (default structure)");
-    add_count(verb, "--number", options->number, 1, 65535,
+    add_text(verb, "--name", options->task.name, "NAME", "Name of the structure (default structure)");
+    add_count(verb, "--number", options->task.number, 1, 65535,
               "Number of the structure, its value in a label map (default 1)");
+    verb.add_flag("--per-slice", options->task.per_slice,
+                  "Slice by slice: each by itself, or from the slices of the seeds on to their neighbours");
+    add_number(
+        verb, "--despeckle", options->despeckle_mm, 0, 100, "MM",
+        "Before all else the median of each pixel's surroundings in its slice, 0 to 100 (default 0: none)");
+    add_text(verb, "--recipe", options->recipe, "FILE",
+             "Several structures in one run: a JSON file with the options of each")
+        ->excludes("--method", "--threshold", "--seed", "--seed-voxel", "--seed-radius", "--spread",
+                   "--curvature", "--iterations", "--median", "--open", "--close", "--fill-holes",
+                   "--keep-largest", "--name", "--number", "--per-slice");
     add_text(verb, "-o,--output", options->output, "OUT",
              "File to write: .nrrd, .nii or .nii.gz (label map), or .json, .vtp or .csl (contours)")
         ->required();

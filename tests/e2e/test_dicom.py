@@ -132,6 +132,50 @@ class Folders(harness.TestCase):
         self.assertEqual(len(points[0]), len(points[1]))
         self.assertLess(numpy.abs(points[0].mean(axis=0) - points[1].mean(axis=0)).max(), 1e-9)
 
+    def test_G34_contours_under_other_uids_are_matched_by_where_they_lie(self):
+        write_series(self.study)
+        # Without the patient's identity the contours refer to images under UIDs that are nowhere.
+        self.run_program("contours", "study", "--threshold", "0", "-o", "rs.dcm")
+        shutil.copy(self.folder / "rs.dcm", self.study / "rs")
+        self.assert_refused(["contours", "study", "-o", "x.json"], 3, "E-DCM-035", "--match-by-geometry")
+        self.run_program("contours", "study", "--match-by-geometry", "-o", "x.json")
+        shutil.rmtree(self.study)
+        self.study.mkdir()
+        write_series(self.study, ImageOrientationPatient=[0, 1, 0, 0, 0, 1])
+        shutil.copy(self.folder / "rs.dcm", self.study / "rs")
+        self.assert_refused(["contours", "study", "--match-by-geometry", "-o", "y.json"], 3, "E-DCM-036")
+
+    def test_RS22_RS23_RS31_contradictions_need_an_option(self):
+        write_series(self.study)
+        self.run_program("contours", "study", "--threshold", "0", "--keep-patient-ids", "-o", "rs.dcm")
+        contours = pydicom.dcmread(self.folder / "rs.dcm")
+        moved = pydicom.dcmread(self.folder / "rs.dcm")
+        for item in moved.ROIContourSequence[0].ContourSequence:
+            item.ContourData = [float(v) + (4000 if i % 3 == 0 else 0) for i, v in enumerate(item.ContourData)]
+        other_frame, other_patient = pydicom.dcmread(self.folder / "rs.dcm"), pydicom.dcmread(self.folder / "rs.dcm")
+        other_frame.FrameOfReferenceUID = "1.2.3.9"
+        other_patient.PatientID = "SOMEBODY"
+        for made, code, option in ((other_frame, "E-DCM-032", "--ignore-frame-of-reference"),
+                                   (other_patient, "E-DCM-033", "--ignore-patient"), (moved, "E-DCM-037", "--allow-outside")):
+            made.save_as(str(self.study / "rs"), write_like_original=True)
+            self.assert_refused(["contours", "study", "-o", "x.json"], 3, code, option)
+            self.run_program("contours", "study", option, "-o", "x.json")
+            (self.folder / "x.json").unlink()
+        contours.save_as(str(self.study / "rs"), write_like_original=True)
+        self.run_program("contours", "study", "-o", "x.json")
+
+    def test_RS20_one_contour_in_total(self):
+        write_series(self.study)
+        self.run_program("contours", "study", "--threshold", "0", "--keep-patient-ids", "-o", "rs.dcm")
+        made = pydicom.dcmread(self.folder / "rs.dcm")
+        sequence = made.ROIContourSequence[0].ContourSequence
+        made.ROIContourSequence[0].ContourSequence = sequence[len(sequence) // 2:len(sequence) // 2 + 1]
+        made.save_as(str(self.folder / "one.dcm"), write_like_original=True)
+        refused = self.run_program("model", "one.dcm", "-o", "x.vtu", expect=None)
+        self.assertIn(refused.code, (3, 4), refused.err)
+        self.assertIn("--slice-thickness", refused.err)
+        self.run_program("model", "one.dcm", "--slice-thickness", "3", "-o", "x.vtu")
+
     def test_several_series(self):
         write_series(self.study)
         (self.study / "more").mkdir()
@@ -187,9 +231,15 @@ class Privacy(harness.TestCase):
         for words in (["info", "study"], ["info", "study", "--json"],
                       ["model", "study", "--threshold", "0", "-o", "m.vtu", "--html", "m.html", "--size", "6",
                        "--contours", "m.json"],
-                      ["contours", "study", "--threshold", "0", "-o", "m.dcm"]):
-            if "model" in words or "contours" in words:
+                      ["contours", "study", "--threshold", "0", "-o", "m.dcm"],
+                      ["segment", "study", "--threshold", "0", "-o", "m.nrrd", "--json"],
+                      ["field", "study", "--threshold", "0", "-o", "m.nii", "--json"],
+                      ["info", "study", "--series", "SERIES"]):
+            if words[0] != "info" or "SERIES" in words:
                 (study / "ZZPLANTED damaged.dcm").unlink(missing_ok=True)
+            if "SERIES" in words:
+                named = self.run_program("info", "study", "--json").json()["folder"]["series"][0]["series"]
+                words = words[:-1] + [named]
             done = self.run_program(*words)
             texts += [done.out.encode(), done.err.encode()]
         refused = self.run_program("contours", "study", "--threshold", "0", "--volume", "7", "-o", "n.dcm", expect=3)

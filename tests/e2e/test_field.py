@@ -1,4 +1,7 @@
 """The verb field: bit volumes and distance maps of contours as images."""
+import hashlib
+import json
+
 import nibabel
 import numpy as np
 
@@ -47,6 +50,28 @@ class Field(harness.TestCase):
         whole = np.zeros_like(ball)
         whole[tuple(slice(f, f + s) for f, s in zip(first, bits.shape))] = bits == 3
         self.assertTrue(np.array_equal(whole, ball))
+
+    def test_O06_every_output_says_how_it_was_made(self):
+        self.run_program("model", "ball.json", "-o", "ball.vtu", "--size", "6")
+        report = json.loads((self.folder / "ball.report.json").read_text())
+        self.assertRegex(report["versions"]["anatomesh"], r"\d+\.\d+")
+        self.assertEqual(report["inputs"][0]["sha256"], hashlib.sha256((self.folder / "ball.json").read_bytes()).hexdigest())
+        self.assertEqual((report["space"], report["unit"]), ("LPS", "mm"))
+        self.assertEqual(report["options"]["size_mm"], "6")
+        self.assertIn("warnings", report)
+        self.run_program("convert", "ball.vtu", "-o", "ball.msh")
+        text = (self.folder / "ball.msh").read_bytes()
+        for part in (b"SPACE=LPS", b"UNIT=mm", b"NOTE version=", b"NOTE option=size_mm 6"):
+            self.assertIn(part, text)
+        for words in (["--what", "bits"], []):
+            self.run_program("field", "ball.json", *words, "-o", "x.nrrd")
+            header = (self.folder / "x.nrrd").read_bytes()[:2000]
+            for part in (b"anatomesh:=version ", b"left-posterior-superior", b'"mm"'):
+                self.assertIn(part, header)
+            self.run_program("field", "ball.json", *words, "-o", "x.nii")
+            self.assertIn(b"version ", (self.folder / "x.nii").read_bytes()[148:228])
+            answer = self.run_program("field", "ball.json", *words, "-o", "x.nii", "--json").json()
+            self.assertEqual(len(answer["inputs"][0]["sha256"]), 64)
 
     def test_one_thread_or_many_give_the_same_bytes(self):
         for threads in (1, 2):

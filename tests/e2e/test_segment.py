@@ -1,4 +1,6 @@
 """The verb segment: a structure of a grey image as a label map or as contours."""
+import json
+
 import nibabel
 import numpy as np
 
@@ -59,6 +61,39 @@ class Segment(harness.TestCase):
             self.run_program("segment", "image.nrrd", "--seed", self.seed, "-o", f"{threads}.nrrd", "--threads", threads)
         self.assertEqual((self.folder / "1.nrrd").read_bytes(), (self.folder / "2.nrrd").read_bytes())
 
+    def test_chan_vese_and_slice_by_slice(self):
+        for words in (["--method", "chan-vese"], ["--method", "chan-vese", "--per-slice"],
+                      ["--method", "region", "--per-slice", "--despeckle", "1"]):
+            self.run_program("segment", "image.nrrd", *words, "--seed", self.seed, "-o", "out.nrrd")
+            labels, _, _, _, _ = images.read_nrrd(self.folder / "out.nrrd")
+            self.assertGreater(images.dice(labels == 1, self.truth), 0.9, words)
+
+    def test_edges_alone_are_for_volumes(self):
+        self.assert_refused(["segment", "image.nrrd", "--seed", self.seed, "--per-slice", "-o", "x.nrrd"], 2, "E-SGM-012", "chan-vese")
+
+    def test_recipe_of_several_structures(self):
+        recipe = {"format": "anatomesh-recipe", "version": 1, "structures": [
+            {"name": "ball", "number": 5, "threshold": [60, None], "keep_largest": 1},
+            {"name": "middle", "method": "chan-vese", "seeds": [[-6, 34, 29]], "number": 2},
+            {"name": "around", "threshold": [-1000, 59.5], "median": 1.6, "keep_largest": 1}]}
+        self.write("recipe.json", recipe)
+        answer = self.run_program("segment", "image.nrrd", "--recipe", "recipe.json", "-o", "out.nrrd", "--json").json()
+        self.assertEqual([s["name"] for s in answer["structures"]], ["ball", "middle", "around"])
+        labels, _, _, _, _ = images.read_nrrd(self.folder / "out.nrrd")
+        self.assertGreater(images.dice(labels == 5, self.truth), 0.99)  # the first keeps what all claim
+        self.assertGreater(images.dice(labels == 3, ~self.truth), 0.95)
+        self.run_program("segment", "image.nrrd", "--recipe", "recipe.json", "-o", "out.json")
+        self.assertIn("around", self.run_program("info", "out.json").out)
+        segment = ["segment", "image.nrrd", "--recipe", "recipe.json", "-o", "x.nrrd"]
+        self.assert_refused([*segment, "--threshold", "3"], 2, "E-CMD-001")
+        for key, value in (("metod", "grow"), ("method", "magic"), ("threshold", "60"), ("seeds", [[1, 2]]),
+                           ("number", 0), ("median", -1), ("keep_largest", 0), ("per_slice", 1)):
+            self.write("recipe.json", {**recipe, "structures": [{"name": "x", key: value}]})
+            self.assert_refused(segment, 3, "E-SGM-009", key)
+        for text in ("", "[]", "{}", '{"format": "anatomesh-recipe"}', '{"format": "anatomesh-recipe", "structures": [3]}'):
+            self.write("recipe.json", text)
+            self.assert_refused(segment, 3, "E-SGM-009")
+
     def test_wrong_seeds_and_empty_results_are_refused(self):
         segment = ["segment", "image.nrrd", "-o", "out.nrrd"]
         self.assert_refused([*segment, "--method", "grow", "--threshold", "60"], 2, "E-SGM-005", "--seed")
@@ -81,6 +116,51 @@ class Segment(harness.TestCase):
         self.assert_refused(["segment", "image.nrrd", "-o", "out.stl"], 2, "E-CMD-004")
         self.run_program("segment", "image.nrrd", "-o", "out.json")
         self.assert_refused(["segment", "out.json", "-o", "again.nrrd"], 3, "E-SGM-008")
+
+
+class TrackedFrames(harness.TestCase):
+    """Frames through a ball of radius 20 mm, turned about an axis beside it, as a swept probe takes them."""
+
+    def setUp(self):
+        super().setUp()
+        header = ("ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n"
+                  "DimSize = 120 120 17\nElementSpacing = 1 1 1\nElementType = MET_UCHAR\nUltrasoundImageOrientation = MF\n")
+        noise = np.random.default_rng(3)
+        frames = []
+        for f in range(17):
+            a = np.radians(4 * (f - 8))
+            x, y, z = np.array([1, 0, 0]), np.array([0, np.cos(a), np.sin(a)]), np.array([0, -np.sin(a), np.cos(a)])
+            shift = np.array([-30, -40, 0]) * [1, 0, 0] + -40 * np.array([0, 1, 0])
+            m = np.eye(4)
+            m[:3, 0], m[:3, 1], m[:3, 2], m[:3, 3] = 0.5 * x, 0.5 * y, z, shift
+            header += f"Seq_Frame{f:04}_ImageToReferenceTransform = {' '.join(map(str, m.ravel()))}\n"
+            header += f"Seq_Frame{f:04}_ImageToReferenceTransformStatus = OK\n"
+            j, i = np.meshgrid(np.arange(120), np.arange(120), indexing="ij")
+            p = shift + 0.5 * i[..., None] * x + 0.5 * j[..., None] * y
+            inside = (p ** 2).sum(axis=2) < 18 ** 2
+            frames.append(np.where(inside, 160, 60) * noise.gamma(8, 1 / 8, inside.shape))
+        pixels = np.clip(frames, 0, 255).astype(np.uint8)
+        (self.folder / "sweep.igs.mha").write_bytes((header + "ElementDataFile = LOCAL\n").encode() + pixels.tobytes())
+
+    def test_segmented_frames_make_a_model(self):
+        answer = self.run_program("segment", "sweep.igs.mha", "--despeckle", "2", "--method", "chan-vese", "--frame", "LPS",
+                                  "--seed-voxel", "60,80,8", "--keep-largest", "1", "-o", "ball.json", "--json").json()
+        self.assertGreater(answer["voxels"], 10000)
+        slices = json.loads((self.folder / "ball.json").read_text())["slices"]
+        self.assertGreaterEqual(len(slices), 11)
+        points = np.array([p for s in slices for c in s["contours"] for p in c["points"]])
+        self.assertLess(np.abs(np.linalg.norm(points, axis=1) - 18).mean(), 0.8)
+        self.run_program("model", "ball.json", "-o", "ball.vtu", "--size", "4")
+        self.run_program("check", "ball.vtu")
+
+    def test_info_thresholds_and_refusals(self):
+        found = self.run_program("info", "sweep.igs.mha", "--json").json()
+        self.assertEqual(found["image"]["tracked_frames"], 17)
+        self.assertEqual(found["space"], "unknown")
+        self.run_program("contours", "sweep.igs.mha", "--threshold", "110", "--min-area", "30", "-o", "x.json")
+        self.assertEqual(json.loads((self.folder / "x.json").read_text())["space"], "unknown")
+        self.assert_refused(["segment", "sweep.igs.mha", "--threshold", "100", "-o", "x.nrrd"], 2, "E-SGM-010")
+        self.assert_refused(["contours", "sweep.igs.mha", "--threshold", "100", "--pose-to", "Table", "-o", "y.json"], 3, "E-TRK-001")
 
 
 class RealImages(harness.TestCase):

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -277,6 +278,12 @@ Result<std::string> inflate_data_set(std::string_view deflated, const std::strin
     return inflated;
 }
 
+std::uint64_t little_endian(std::string_view bytes) {
+    std::uint64_t value = 0;
+    for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | static_cast<unsigned char>(bytes[i]);
+    return value;
+}
+
 std::string_view without_padding(std::string_view text) {
     while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.remove_suffix(1);
     return text;
@@ -345,12 +352,17 @@ Result<DicomLayout> check_dicom_layout(std::string_view file, const std::string&
         const bool has_preamble = is_dicom(file);
         layout.is_guessed = !has_preamble;
         Walk meta(file, has_preamble ? meta_begin : 0, false, false, file_name, is_sequence, limits, nullptr);
+        std::optional<std::uint64_t> stated_end;
         ANATOMESH_CHECK_STATUS(meta.walk(
             [&](DicomTag tag, std::string_view value) {
                 if (tag == DicomTag{0x0002, 0x0010}) layout.transfer_syntax = without_padding(value);
+                if (tag == DicomTag{0x0002, 0x0000} && value.size() == 4)
+                    stated_end =
+                        static_cast<std::uint64_t>(value.data() + 4 - file.data()) + little_endian(value);
             },
             true));
         layout.data_set = meta.position();
+        layout.has_meta_length = stated_end == layout.data_set;
         ANATOMESH_CHECK_STATUS(settle_syntax(layout, file_name));
     } else {
         layout.is_guessed = true;
@@ -373,6 +385,11 @@ Result<DicomLayout> check_dicom_layout(std::string_view file, const std::string&
 }
 
 void warn_of_guess(const DicomLayout& layout, const std::string& file_name, RunContext& context) {
+    if (layout.has_meta && !layout.has_meta_length)
+        context.warn({"W-DCL-002",
+                      "the meta header does not state its length, or another one than it has",
+                      {file_name, {}, {}, {}, {}},
+                      "it ends where the elements of its group end"});
     if (!layout.is_guessed) return;
     context.warn({"W-DCL-001",
                   layout.has_meta ? "the file lacks the preamble of DICOM files"

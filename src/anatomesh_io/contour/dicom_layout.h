@@ -34,6 +34,7 @@ struct DicomLayout {
     std::string inflated;         // the data set, when it was deflated
     bool has_meta = true;         // whether the file has a meta header
     bool is_guessed = false;      // no preamble; without a meta header the syntax is guessed
+    bool has_meta_length = true;  // whether the meta header states its length, as it is
 };
 
 // What the walk meets, in the order of the file: the elements of the data set; `begin` and `end` of
@@ -65,7 +66,8 @@ Result<DicomLayout> check_dicom_layout(std::string_view file, const std::string&
                                        const std::function<bool(std::uint16_t, std::uint16_t)>& is_sequence,
                                        const DicomLimits& limits = {}, DicomEvents* events = nullptr);
 
-// Warns W-DCL-001 when the file has no preamble or no meta header.
+// Warns W-DCL-001 when the file has no preamble or no meta header, W-DCL-002 when the meta header does not
+// state its length, or another one than it has.
 void warn_of_guess(const DicomLayout& layout, const std::string& file_name, RunContext& context);
 
 }  // namespace anatomesh

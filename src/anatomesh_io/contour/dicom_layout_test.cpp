@@ -103,6 +103,33 @@ TEST(DicomLayout, D04_without_preamble_or_meta_header) {
     EXPECT_EQ(code_of(check("some text that is no DICOM at all")), "E-DCL-001");
 }
 
+TEST(DicomLayout, D05_length_of_the_meta_header) {
+    const std::string name = short_element(0x0008, 0x0060, "CS", "CT");
+    const std::string syntax = short_element(2, 0x10, "UI", explicit_syntax);
+    const auto with_length = [&](const std::string& length) {
+        return std::string(128, '\0') + "DICM" + length + syntax + name;
+    };
+    const auto stated = [&](std::uint32_t value) { return short_element(2, 0, "UL", little(value, 4)); };
+    const auto size = static_cast<std::uint32_t>(syntax.size());
+    for (const auto& [file, is_right] : {std::pair{with_length(stated(size)), true},
+                                         {with_length(""), false},
+                                         {with_length(stated(size + 1)), false},
+                                         {with_length(stated(0)), false},
+                                         {with_length(stated(0xFFFFFFFF)), false},
+                                         {with_length(short_element(2, 0, "UL", "")), false}}) {
+        const auto layout = check(file);
+        ASSERT_TRUE(layout.ok()) << to_line(layout.error());
+        EXPECT_EQ(layout.value().transfer_syntax, explicit_syntax);
+        EXPECT_EQ(file.substr(layout.value().data_set), name);
+        RunContext context;
+        warn_of_guess(layout.value(), "input", context);
+        ASSERT_EQ(context.warnings.size(), is_right ? 0u : 1u);
+        if (!is_right) { EXPECT_EQ(context.warnings[0].code, "W-DCL-002"); }
+    }
+    // What cannot be known is refused.
+    EXPECT_EQ(code_of(check(std::string(128, '\0') + "DICM" + stated(0xFFFFFFFF) + name)), "E-DCL-002");
+}
+
 TEST(DicomLayout, compressed_pixels_are_fragments) {
     const std::string fragment = tag(0xFFFE, 0xE000) + little(6, 4);
     // A delimiter within a fragment ends nothing (D-17).

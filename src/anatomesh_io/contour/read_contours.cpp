@@ -7,6 +7,7 @@
 
 #include "anatomesh_io/contour/csl_reader.h"
 #include "anatomesh_io/contour/dicom_layout.h"
+#include "anatomesh_io/contour/guide_points_reader.h"
 #include "anatomesh_io/contour/json_reader.h"
 #include "anatomesh_io/contour/raw_builder.h"
 #include "anatomesh_io/contour/rtstruct_reader.h"
@@ -24,7 +25,7 @@ FileFrame file_frame(FrameChoice choice) {
                                         : FileFrame::unknown;
 }
 
-Status read_content(const InputFile& file, const InputLimits& limits, RawBuilder& builder) {
+Status read_content(const InputFile& file, const ReadContoursOptions& options, RawBuilder& builder) {
     const std::span<const std::byte> bytes = file.bytes();
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     const FileKind kind = detect_bytes(bytes);
@@ -33,10 +34,12 @@ Status read_content(const InputFile& file, const InputLimits& limits, RawBuilder
             return read_rtstruct(text, builder);
         case FileKind::csl:
             return read_csl(text, builder);
+        case FileKind::guide_points:
+            return read_guide_points(text, options.time_frame, builder);
         case FileKind::contour_json:
             return read_json_contours(text, builder);
         case FileKind::vtk_polydata:
-            return read_vtp_contours(bytes, file.path, "", 1, limits, builder);
+            return read_vtp_contours(bytes, file.path, "", 1, options.file_limits, builder);
         default:
             break;
     }
@@ -58,7 +61,7 @@ Result<RawContours> read_contours(const std::string& path, const ReadContoursOpt
         ANATOMESH_CHECK_STATUS(read_vtp_folder(path, options.file_limits, builder));
     } else {
         ANATOMESH_TRY(const InputFile file, read_input_file(path, options.file_limits));
-        ANATOMESH_CHECK_STATUS(read_content(file, options.file_limits, builder));
+        ANATOMESH_CHECK_STATUS(read_content(file, options, builder));
     }
     return builder.finish(file_frame(options.frame));
 }

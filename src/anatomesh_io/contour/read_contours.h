@@ -1,6 +1,8 @@
 // read_contours: contours out of a file, whatever its format.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "anatomesh/base/run_context.h"
@@ -18,16 +20,17 @@ enum class FrameChoice : std::uint8_t {
 
 struct ReadContoursOptions {
     FrameChoice frame = FrameChoice::as_stated;
+    std::optional<std::uint64_t> time_frame{};  // of guide points
     ContourLimits limits{};
     InputLimits file_limits{};
 };
 
-// Reads our JSON, CSL, VTK XML polydata (.vtp; also a folder of them, one structure each) and DICOM RTSTRUCT,
-// told apart by their content. Nothing is repaired, snapped or closed here: clean_contours() does that.
-// Guarantees: structures sorted by number, each with a contour; finite coordinates within the limits; frame
-// lps unless the file states none and none was asked for. Errors: those of the formats' readers (E-CSL-*,
-// E-JSN-*, E-VTP-*, E-RTS-*, E-DCL-*), of raw_builder.h (E-CIO-001 to -007), of the file (E-INP-*), and
-// E-CIO-008 when the content is of no known format.
+// Reads our JSON, CSL, VTK XML polydata (.vtp; also a folder of them, one structure each), cardiac guide
+// points and DICOM RTSTRUCT, told apart by their content. Nothing is repaired, snapped or closed here:
+// clean_contours() does that. Guarantees: structures sorted by number, each with a contour; finite
+// coordinates within the limits; frame lps unless the file states none and none was asked for. Errors: those
+// of the formats' readers (E-CSL-*, E-GPT-*, E-JSN-*, E-VTP-*, E-RTS-*, E-DCL-*), of raw_builder.h (E-CIO-001
+// to -007), of the file (E-INP-*), and E-CIO-008 when the content is of no known format.
 Result<RawContours> read_contours(const std::string& path, const ReadContoursOptions& options,
                                   RunContext& context);
 

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -13,8 +11,6 @@
 namespace anatomesh {
 
 namespace {
-
-constexpr double same_plane_mm = 0.05;
 
 Error choice_error(const char* code, std::string message, const std::string& file, std::string value,
                    std::string next_step) {
@@ -53,7 +49,8 @@ bool is_usable(DicomKind kind) {
 
 class Chooser {
   public:
-    Chooser(const DicomFolder& folder, RunContext& context) : folder_(folder), context_(context) {}
+    Chooser(const DicomFolder& folder, const ChooseOptions& options, RunContext& context)
+        : folder_(folder), options_(options), context_(context) {}
 
     Result<DicomChoice> choose(const std::string& series) {
         ANATOMESH_TRY(const std::size_t chosen, series.empty() ? only_one() : named(series));
@@ -128,27 +125,48 @@ class Chooser {
                                             series.uid) != object.referenced_series.end();
             if (is_named) images.insert(images.end(), series.objects.begin(), series.objects.end());
         }
+        const bool has_others = !of_kind({DicomKind::image}).empty();
+        if (images.empty() && !object.referenced_series.empty() && has_others) {
+            if (options_.match_by_geometry) return images;
+            return choice_error("E-DCM-035",
+                                "none of the images that the object refers to is here, but others are",
+                                object.label, list_of(folder_, of_kind({DicomKind::image})),
+                                "--match-by-geometry finds those it lies on; or give the object alone");
+        }
         for (const std::uint32_t index : images) {
             const DicomObject& image = folder_.objects[index];
-            if (!image.frame_of_reference.empty() && !object.frame_of_reference.empty() &&
-                image.frame_of_reference != object.frame_of_reference)
-                return choice_error(
-                    "E-DCM-032",
-                    "the contours and their images have different frames of reference: no transform "
-                    "is applied",
-                    object.label, image.label,
-                    "give the object alone, without its images, to take it as it is");
-            if (image.patient_key != object.patient_key || image.study != object.study)
-                return choice_error("E-DCM-033",
-                                    "the object and its images are of different patients or studies",
-                                    object.label, image.label,
-                                    "give the object alone, without its images, to take it as it is");
+            ANATOMESH_CHECK_STATUS(check_same(object, image));
         }
-        check_references(object, images);
+        check_all_are_here(object, images);
         return images;
     }
 
-    void check_references(const DicomObject& object, const std::vector<std::uint32_t>& images) {
+    Status check_same(const DicomObject& object, const DicomObject& image) {
+        const bool other_frame = !image.frame_of_reference.empty() && !object.frame_of_reference.empty() &&
+                                 image.frame_of_reference != object.frame_of_reference;
+        if (other_frame && !options_.ignore_frame_of_reference)
+            return choice_error(
+                "E-DCM-032",
+                "the contours and their images have different frames of reference: no transform "
+                "is applied",
+                object.label, image.label,
+                "give the object alone, or --ignore-frame-of-reference to take both as they are");
+        const bool other_patient = image.patient_key != object.patient_key || image.study != object.study;
+        if (other_patient && !options_.ignore_patient)
+            return choice_error("E-DCM-033", "the object and its images are of different patients or studies",
+                                object.label, image.label,
+                                "give the object alone, or --ignore-patient to take both as they are");
+        if ((other_frame || other_patient) && !warned_)
+            context_.warn({"W-DCM-022",
+                           other_frame ? "the object and its images have different frames of reference"
+                                       : "the object and its images are of different patients or studies",
+                           {object.label, {}, {}, {}, image.label},
+                           "this was ignored, as the command asks"});
+        warned_ = warned_ || other_frame || other_patient;
+        return Nothing{};
+    }
+
+    void check_all_are_here(const DicomObject& object, const std::vector<std::uint32_t>& images) {
         std::set<std::string> there;
         for (const std::uint32_t index : images) there.insert(folder_.objects[index].sop_instance);
         std::size_t absent = 0;
@@ -163,7 +181,9 @@ class Chooser {
     }
 
     const DicomFolder& folder_;
+    const ChooseOptions& options_;
     RunContext& context_;
+    bool warned_ = false;
 };
 
 }  // namespace
@@ -181,67 +201,9 @@ std::string describe_series(const DicomFolder& folder, const DicomSeries& series
                        first.rows);
 }
 
-Result<DicomChoice> choose_dicom(const DicomFolder& folder, const std::string& series, RunContext& context) {
-    return Chooser(folder, context).choose(series);
-}
-
-void check_against_images(const RawContours& contours, const DicomFolder& folder,
-                          const std::vector<std::uint32_t>& images, RunContext& context) {
-    std::vector<const DicomFrame*> planes;
-    for (const std::uint32_t index : images)
-        for (const DicomFrame& plane : folder.objects[index].planes) planes.push_back(&plane);
-    if (planes.empty()) return;
-    const Vec3 normal = cross(planes[0]->row, planes[0]->column);
-    std::vector<double> heights;
-    for (const DicomFrame* plane : planes) heights.push_back(dot(plane->position, normal));
-    std::sort(heights.begin(), heights.end());
-    const auto distance = [&](double height) {
-        const auto above = std::lower_bound(heights.begin(), heights.end(), height);
-        double nearest = above == heights.end() ? 1e300 : *above - height;
-        if (above != heights.begin()) nearest = std::min(nearest, height - *(above - 1));
-        return nearest;
-    };
-    // Whether a point lies within the pixels of the first image, wherever along the normal.
-    const DicomFrame& first = *planes[0];
-    const auto is_aside = [&](Vec3 point) {
-        const Vec3 p = point - first.position;
-        const double i = dot(p, first.row) / first.spacing[0], j = dot(p, first.column) / first.spacing[1];
-        return i < -0.5 || j < -0.5 || i > first.columns - 0.5 || j > first.rows - 0.5;
-    };
-    std::uint64_t off = 0, outside = 0;
-    double worst = 0;
-    for (const RawContour& contour : contours.contours) {
-        if (contour.point_count == 0) continue;
-        double low = 1e300, high = -1e300;
-        bool all_aside = true;
-        for (std::uint32_t p = 0; p < contour.point_count; ++p) {
-            const Vec3 point = contours.points[contour.first_point + p];
-            low = std::min(low, dot(point, normal));
-            high = std::max(high, dot(point, normal));
-            all_aside = all_aside && is_aside(point);
-        }
-        if (high - low > same_plane_mm) continue;  // not drawn on these images
-        const double away = distance((low + high) / 2);
-        const double spacing =
-            heights.size() > 1 ? (heights.back() - heights.front()) / static_cast<double>(heights.size() - 1)
-                               : 1;
-        if (all_aside || low < heights.front() - spacing || high > heights.back() + spacing) {
-            ++outside;
-        } else if (away > same_plane_mm) {
-            ++off;
-            worst = std::max(worst, away);
-        }
-    }
-    if (off > 0)
-        context.warn({"W-DCM-019",
-                      fmt::format("{} contours lie between the images they refer to", off),
-                      {contours.source, {}, {}, {}, fmt::format("up to {:.3g} mm", worst)},
-                      "they stay where their coordinates say"});
-    if (outside > 0)
-        context.warn({"W-DCM-020",
-                      fmt::format("{} contours lie outside the images they refer to", outside),
-                      {contours.source, {}, {}, {}, {}},
-                      "they stay where their coordinates say"});
+Result<DicomChoice> choose_dicom(const DicomFolder& folder, const std::string& series, RunContext& context,
+                                 const ChooseOptions& options) {
+    return Chooser(folder, options, context).choose(series);
 }
 
 }  // namespace anatomesh

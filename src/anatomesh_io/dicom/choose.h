@@ -7,6 +7,7 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/raw_contours.h"
+#include "anatomesh_io/dicom/data_set.h"
 #include "anatomesh_io/dicom/folder.h"
 
 namespace anatomesh {
@@ -18,20 +19,41 @@ struct DicomChoice {
         images;  // the series that contours or a segmentation refer to; empty when not there
 };
 
+// What is taken though the objects contradict each other.
+struct ChooseOptions {
+    bool ignore_frame_of_reference = false;  // --ignore-frame-of-reference
+    bool ignore_patient = false;             // --ignore-patient
+    bool match_by_geometry = false;          // --match-by-geometry
+};
+
 // Without `series` the RTSTRUCT or SEG of the folder, when there is one alone, else its image series, when
 // there is one alone. With it (a UID, or the name that messages call it by) the objects of that series.
 // Errors: E-DCM-028 no such series; E-DCM-029 several to choose from, with the list; E-DCM-031 nothing that
 // could be used; E-DCM-032 contours and the series they refer to have different frames of reference;
-// E-DCM-033 they are of different patients or studies; the damage of a file. Warns W-DCM-018 when images that
-// are referred to are not there.
-Result<DicomChoice> choose_dicom(const DicomFolder& folder, const std::string& series, RunContext& context);
+// E-DCM-033 they are of different patients or studies; E-DCM-035 none of the images referred to is there, but
+// others are (with match_by_geometry the choice has no images: match_images() finds them); the damage of a
+// file. Warns W-DCM-018 when images that are referred to are not there, W-DCM-022 of what an option ignores.
+Result<DicomChoice> choose_dicom(const DicomFolder& folder, const std::string& series, RunContext& context,
+                                 const ChooseOptions& options = {});
+
+// The image series of the folder on whose planes, and within whose pixels, every contour lies. Errors:
+// E-DCM-036 none, or several.
+Result<std::vector<std::uint32_t>> match_images(const RawContours& contours, const DicomFolder& folder);
 
 // A line per series for messages: "1a2b3c4d: CT, 120 images of 512 x 512".
 std::string describe_series(const DicomFolder& folder, const DicomSeries& series);
 
-// Compares contours with the places of the images they refer to. Warns W-DCM-019 of planes that lie on no
-// image, W-DCM-020 of contours outside all images. Images whose places cannot be read are passed over.
-void check_against_images(const RawContours& contours, const DicomFolder& folder,
-                          const std::vector<std::uint32_t>& images, RunContext& context);
+// Compares contours with the places of the images they refer to. Error: E-DCM-037 no contour lies within the
+// images, unless `allow_outside`. Warns W-DCM-019 of planes that lie on no image, W-DCM-020 of contours
+// outside all images, W-DCM-023 of coordinates that would lie on the images if they were cm or m and not mm.
+// Images whose places cannot be read are passed over.
+Status check_against_images(const RawContours& contours, const DicomFolder& folder,
+                            const std::vector<std::uint32_t>& images, bool allow_outside,
+                            RunContext& context);
+
+// Warns W-DCM-024 of contours of an RTSTRUCT that lie elsewhere than on the image that each says it was drawn
+// on. Their coordinates count.
+void check_references(const DicomItem& rtstruct, const DicomFolder& folder,
+                      const std::vector<std::uint32_t>& images, RunContext& context);
 
 }  // namespace anatomesh

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "anatomesh_io/contour/read_contours.h"
+#include "anatomesh_io/dicom/data_set.h"
 #include "anatomesh_io/dicom/dicom_fixtures.h"
 #include "anatomesh_io/dicom/dicom_source.h"
 #include "anatomesh_io/dicom/write_objects.h"
@@ -104,24 +105,65 @@ TEST(DicomChoice, RS21_G05_images_that_are_not_here) {
     EXPECT_NE(alone.warnings().find("5 of 5"), std::string::npos) << alone.warnings();
 }
 
-TEST(DicomChoice, RS22_RS34_another_frame_of_reference) {
+// What choosing gives for an RTSTRUCT of the usual series beside `images`.
+std::string beside(const std::vector<fixtures::SliceFile>& images, const ChooseOptions& options,
+                   Reading& reading) {
     Study study(square_set(30, 5));
+    reading.disk.write("folder/contours", study.rtstruct);
+    for (std::size_t k = 0; k < images.size(); ++k)
+        reading.disk.write(fixtures::name_of_slice(static_cast<int>(k)), images[k].bytes());
+    reading.scan();
+    return code_of(choose_dicom(*reading.folder, "", reading.context, options));
+}
+
+TEST(DicomChoice, RS22_RS34_another_frame_of_reference) {
     auto moved = ct_series(5);
     for (auto& file : moved) file.set(tags::frame_of_reference, "UI", "7.7.7");
-    Reading reading(moved);
-    reading.disk.write("folder/contours", study.rtstruct);
-    reading.scan();
-    EXPECT_EQ(code_of(choose_dicom(*reading.folder, "", reading.context)), "E-DCM-032");
+    Reading refused, ignored;
+    EXPECT_EQ(beside(moved, {}, refused), "E-DCM-032");
+    EXPECT_EQ(beside(moved, {.ignore_frame_of_reference = true}, ignored), "");
+    EXPECT_TRUE(ignored.warned("W-DCM-022"));
 }
 
 TEST(DicomChoice, RS23_another_patient) {
-    Study study(square_set(30, 5));
     auto others = ct_series(5);
     for (auto& file : others) file.set(tags::patient_id, "LO", "another");
-    Reading reading(others);
-    reading.disk.write("folder/contours", study.rtstruct);
-    reading.scan();
-    EXPECT_EQ(code_of(choose_dicom(*reading.folder, "", reading.context)), "E-DCM-033");
+    Reading refused, ignored;
+    EXPECT_EQ(beside(others, {}, refused), "E-DCM-033");
+    EXPECT_EQ(beside(others, {.ignore_patient = true}, ignored), "");
+    EXPECT_TRUE(ignored.warned("W-DCM-022"));
+}
+
+TEST(DicomChoice, G34_the_same_series_under_other_uids) {
+    const auto renamed = [](double shift) {
+        auto files = ct_series(5);
+        for (std::size_t k = 0; k < files.size(); ++k) {
+            auto& file = files[k];
+            file.set(tags::series_instance, "UI", "9.9.2");
+            file.set(tags::study_instance, "UI", "9.9.1");
+            file.set(tags::frame_of_reference, "UI", "9.9.3");
+            file.set(tags::sop_instance, "UI", "9.9.4." + std::to_string(k));
+            file.set(tags::patient_id, "LO", "somebody");
+            file.set(tags::image_position, "DS",
+                     fixtures::numbers({-10, -20, 30 + 3.0 * static_cast<double>(k) + shift}));
+        }
+        return files;
+    };
+    Reading refused;
+    EXPECT_EQ(beside(renamed(0), {}, refused), "E-DCM-035");
+    for (const double shift : {0.0, 1.0}) {
+        Reading reading;
+        EXPECT_EQ(beside(renamed(shift), {.match_by_geometry = true}, reading), "");
+        const auto raw = read_contours(reading.disk.path("folder/contours"), {}, reading.context);
+        ASSERT_TRUE(raw.ok());
+        const auto images = match_images(raw.value(), *reading.folder);
+        ASSERT_EQ(images.ok(), shift == 0);
+        if (!images.ok()) {
+            EXPECT_EQ(images.error().code, "E-DCM-036");
+            continue;
+        }
+        EXPECT_EQ(images.value().size(), 5u);
+    }
 }
 
 TEST(DicomChoice, D01_nothing_usable) {
@@ -131,22 +173,82 @@ TEST(DicomChoice, D01_nothing_usable) {
     EXPECT_EQ(code_of(choose_dicom(*reading.folder, "", reading.context)), "E-DCM-031");
 }
 
+// The warnings, or the error's code, of contours beside the images that they refer to.
+std::string beside_images(const ContourSet& set, bool allow_outside = false,
+                          const std::vector<fixtures::SliceFile>& slices = ct_series(5)) {
+    Study study(set, slices);
+    study.disk.write("folder/contours", study.rtstruct);
+    const auto choice = study.choose();
+    EXPECT_TRUE(choice.ok());
+    const auto raw = read_contours(study.disk.path("folder/contours"), {}, study.context);
+    EXPECT_TRUE(raw.ok());
+    const auto status =
+        check_against_images(raw.value(), *study.folder, choice.value().images, allow_outside, study.context);
+    return status.ok() ? study.warnings() : status.error().code;
+}
+
 TEST(DicomChoice, RS10_RS31_planes_and_places_against_the_images) {
-    const auto warnings_of = [](const ContourSet& set) {
-        Study study(set);
-        study.disk.write("folder/contours", study.rtstruct);
-        const auto choice = study.choose();
-        EXPECT_TRUE(choice.ok());
-        const auto raw = read_contours(study.disk.path("folder/contours"), {}, study.context);
-        EXPECT_TRUE(raw.ok());
-        check_against_images(raw.value(), *study.folder, choice.value().images, study.context);
-        return study.warnings();
-    };
-    EXPECT_EQ(warnings_of(square_set(30, 5)), "");
-    EXPECT_EQ(warnings_of(square_set(30.01, 5)), "");
-    EXPECT_NE(warnings_of(square_set(31.5, 4)).find("W-DCM-019"), std::string::npos);
-    EXPECT_NE(warnings_of(square_set(30, 5, 500)).find("W-DCM-020"), std::string::npos);
-    EXPECT_NE(warnings_of(square_set(300, 5)).find("W-DCM-020"), std::string::npos);
+    EXPECT_EQ(beside_images(square_set(30, 5)), "");
+    EXPECT_EQ(beside_images(square_set(30.01, 5)), "");
+    EXPECT_NE(beside_images(square_set(31.5, 4)).find("W-DCM-019"), std::string::npos);
+    EXPECT_NE(beside_images(square_set(30, 8)).find("W-DCM-020"), std::string::npos);  // partly
+    for (const ContourSet& set : {square_set(30, 5, 500), square_set(300, 5)}) {
+        EXPECT_EQ(beside_images(set), "E-DCM-037");
+        EXPECT_NE(beside_images(set, true).find("W-DCM-020"), std::string::npos);
+    }
+}
+
+TEST(DicomChoice, RS24_contours_that_refer_to_an_image_elsewhere) {
+    // Made beside images that lie two slices higher under the same names.
+    auto lower = ct_series(5);
+    Study study(square_set(30, 5));
+    for (std::size_t k = 0; k < lower.size(); ++k)
+        lower[k].set(tags::image_position, "DS",
+                     fixtures::numbers({-10, -20, 30 + 3.0 * static_cast<double>(k) - 6}));
+    for (const bool is_moved : {false, true}) {
+        Reading reading(is_moved ? lower : ct_series(5));
+        reading.disk.write("folder/contours", study.rtstruct);
+        reading.scan();
+        const auto choice = choose_dicom(*reading.folder, "", reading.context);
+        ASSERT_TRUE(choice.ok());
+        const auto set = DataSet::parse(study.rtstruct, "contours");
+        ASSERT_TRUE(set.ok());
+        check_references(set.value().root(), *reading.folder, choice.value().images, reading.context);
+        EXPECT_EQ(reading.warned("W-DCM-024"), is_moved) << reading.warnings();
+        if (is_moved) { EXPECT_NE(reading.warnings().find("5 contours"), std::string::npos) << reading.warnings(); }
+    }
+}
+
+TEST(DicomChoice, RS30_coordinates_in_cm_or_m) {
+    for (const double unit : {10.0, 1000.0}) {
+        ContourSet set = square_set(30, 5);
+        for (Vec3& point : set.points) point = (1 / unit) * point;
+        for (Slice& slice : set.slices) slice.plane.origin = (1 / unit) * slice.plane.origin;
+        const std::string found = beside_images(set, true);
+        EXPECT_NE(found.find("W-DCM-023"), std::string::npos) << found;
+        EXPECT_NE(found.find(unit == 10 ? "were cm" : "were m:"), std::string::npos) << found;
+    }
+    EXPECT_EQ(beside_images(square_set(31.5, 4)).find("W-DCM-023"), std::string::npos);
+}
+
+TEST(DicomChoice, RS33_images_feet_first) {
+    // Rows and slices run the other way; the contours stay where they are.
+    std::vector<fixtures::SliceFile> slices;
+    for (int k = 0; k < 5; ++k)
+        slices.push_back(fixtures::ct_slice(k, {-2, -20, 42 - 3.0 * k}, 5, 4, {-1, 0, 0}, {0, 1, 0}));
+    EXPECT_EQ(beside_images(square_set(30, 5), false, slices), "");
+}
+
+TEST(DicomChoice, G33_numbers_rounded_between_slices_and_contours) {
+    // Slices every 0.48828125 mm, written as 0.488281; contours at the exact places.
+    std::vector<fixtures::SliceFile> slices;
+    for (int k = 0; k < 60; ++k) slices.push_back(fixtures::ct_slice(k, {-10, -20, 30 + k * 0.488281}));
+    ContourSet set = square_set(30, 60);
+    for (std::size_t k = 0; k < 60; ++k) {
+        set.slices[k].plane.origin.z = 30 + static_cast<double>(k) * 0.48828125;
+        for (std::size_t p = 0; p < 4; ++p) set.points[4 * k + p].z = set.slices[k].plane.origin.z;
+    }
+    EXPECT_EQ(beside_images(set, false, slices), "");
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
 #include <utility>
 
 #include "anatomesh_io/contour/number_text.h"
@@ -212,6 +214,18 @@ Result<std::optional<std::uint32_t>> unsigned_short(const DicomItem& item, Dicom
     const auto low = static_cast<unsigned char>(value[item.set().is_big_endian() ? 1 : 0]);
     const auto high = static_cast<unsigned char>(value[item.set().is_big_endian() ? 0 : 1]);
     return std::optional<std::uint32_t>(static_cast<std::uint32_t>(high << 8 | low));
+}
+
+Result<std::optional<double>> float_double(const DicomItem& item, DicomTag tag) {
+    const std::string_view bytes = item.bytes(tag);
+    if (bytes.empty()) return std::optional<double>{};
+    if (bytes.size() != 8) return bad_value(item, tag, "is no number of 64 bits");
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < 8; ++i)
+        bits = bits << 8 | static_cast<unsigned char>(bytes[item.set().is_big_endian() ? i : 7 - i]);
+    const auto value = std::bit_cast<double>(bits);
+    if (!std::isfinite(value)) return bad_value(item, tag, "is not finite");
+    return std::optional(value);
 }
 
 }  // namespace anatomesh

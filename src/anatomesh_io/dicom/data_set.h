@@ -79,6 +79,7 @@ Result<std::optional<std::vector<double>>> decimals(const DicomItem& item, Dicom
 Result<std::optional<double>> decimal(const DicomItem& item, DicomTag tag);
 Result<std::optional<std::int64_t>> whole_number(const DicomItem& item, DicomTag tag);     // IS
 Result<std::optional<std::uint32_t>> unsigned_short(const DicomItem& item, DicomTag tag);  // US
+Result<std::optional<double>> float_double(const DicomItem& item, DicomTag tag);           // FD, finite
 
 // The error of a value that is not what it must be, and of one that is missing (E-DCM-003).
 Error bad_value(const DicomItem& item, DicomTag tag, const std::string& what);

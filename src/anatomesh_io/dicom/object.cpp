@@ -106,9 +106,87 @@ Status read_place(const DataSet& set, const FrameGroups& groups, std::uint32_t f
     return Nothing{};
 }
 
-Status read_spacing(const DataSet& set, const FrameGroups& groups, std::uint32_t frames, DicomFrame& frame) {
+// Scales of the regions of an ultrasound image that show tissue in two dimensions and state a unit of length:
+// mm between columns, between rows.
+struct UltrasoundScales {
+    std::size_t regions = 0;  // of any kind
+    std::vector<std::array<double, 2>> scales;
+    std::vector<std::size_t> region;  // which one each is of, from 0
+};
+
+Result<UltrasoundScales> ultrasound_scales(const DicomItem& root) {
+    constexpr std::uint32_t two_dimensional = 1, centimetres = 3;
+    UltrasoundScales found;
+    for (const DicomItem& region : root.items(tags::ultrasound_regions)) {
+        const std::size_t index = found.regions++;
+        ANATOMESH_TRY(const auto format, unsigned_short(region, tags::region_spatial_format));
+        ANATOMESH_TRY(const auto unit_x, unsigned_short(region, tags::region_units_x));
+        ANATOMESH_TRY(const auto unit_y, unsigned_short(region, tags::region_units_y));
+        ANATOMESH_TRY(const auto x, float_double(region, tags::region_delta_x));
+        ANATOMESH_TRY(const auto y, float_double(region, tags::region_delta_y));
+        if (format != two_dimensional || unit_x != centimetres || unit_y != centimetres || !x || !y) continue;
+        // Towards the top or the left it may be negative.
+        found.scales.push_back({std::abs(*x) * 10, std::abs(*y) * 10});
+        found.region.push_back(index);
+    }
+    return found;
+}
+
+bool same_scale(const std::array<double, 2>& a, const std::array<double, 2>& b) {
+    return std::abs(a[0] - b[0]) <= 1e-3 * std::abs(b[0]) && std::abs(a[1] - b[1]) <= 1e-3 * std::abs(b[1]);
+}
+
+// The scale of an ultrasound image by its regions, as PixelSpacing has it (rows first); nothing when it has
+// no regions.
+Result<std::optional<std::vector<double>>> spacing_of_regions(const DataSet& set,
+                                                              std::optional<std::uint32_t> chosen) {
+    ANATOMESH_TRY(const UltrasoundScales found, ultrasound_scales(set.root()));
+    if (found.regions == 0) return std::optional<std::vector<double>>{};
+    std::string list;
+    bool is_one = true;
+    for (std::size_t i = 0; i < found.scales.size(); ++i) {
+        const auto& scale = found.scales[i];
+        if (chosen == found.region[i]) return std::optional(std::vector{scale[1], scale[0]});
+        is_one = is_one && same_scale(scale, found.scales[0]);
+        list += fmt::format("{}{}: {:.6g} x {:.6g} mm", i ? ", " : "", found.region[i], scale[0], scale[1]);
+    }
+    if (chosen)
+        return frame_error("E-DCM-034", set, 0, 1, "there is no such calibrated ultrasound region",
+                           std::to_string(*chosen),
+                           list.empty() ? "give a calibrated image" : "choose one of " + list);
+    if (found.scales.empty())
+        return frame_error(
+            "E-DCM-006", set, 0, 1,
+            "PixelSpacing is missing, and no ultrasound region of two dimensions has a unit of length",
+            fmt::format("{} regions", found.regions), "give a calibrated series");
+    if (!is_one)
+        return frame_error("E-DCM-034", set, 0, 1, "the ultrasound regions have different scales", list,
+                           "choose the one to take with --ultrasound-region N");
+    return std::optional(std::vector{found.scales[0][1], found.scales[0][0]});
+}
+
+// A region may not contradict the PixelSpacing that counts.
+Status compare_with_regions(const DataSet& set, const std::vector<DicomFrame>& frames, RunContext& context) {
+    const auto found = ultrasound_scales(set.root());
+    if (!found.ok() || found.value().scales.empty()) return Nothing{};
+    for (const auto& scale : found.value().scales)
+        if (same_scale(scale, frames[0].spacing)) return Nothing{};
+    const auto& scale = found.value().scales[0];
+    context.warn(
+        {"W-DCM-021",
+         "the scale of the ultrasound region is not the PixelSpacing",
+         {set.name(), {}, {}, {}, fmt::format("{:.6g} x {:.6g} mm", scale[0], scale[1])},
+         fmt::format("PixelSpacing counts: {:.6g} x {:.6g} mm", frames[0].spacing[0], frames[0].spacing[1])});
+    return Nothing{};
+}
+
+Status read_spacing(const DataSet& set, const FrameGroups& groups, std::uint32_t frames,
+                    std::optional<std::uint32_t> ultrasound_region, DicomFrame& frame) {
     const DicomItem holder = groups.holder(tags::pixel_measures_sequence, tags::pixel_spacing);
-    ANATOMESH_TRY(const auto spacing, decimals(holder, tags::pixel_spacing, 2));
+    ANATOMESH_TRY(auto spacing, decimals(holder, tags::pixel_spacing, 2));
+    if (!spacing) {
+        ANATOMESH_TRY(spacing, spacing_of_regions(set, ultrasound_region));
+    }
     if (!spacing)
         return frame_error(
             "E-DCM-006", set, frame.frame, frames,
@@ -215,10 +293,11 @@ DicomKind kind_of(const DicomObject& object, const DicomItem& root) {
     return root.find(tags::pixel_data) && object.modality != "RTDOSE" ? DicomKind::image : DicomKind::other;
 }
 
-void describe_image(const DataSet& set, DicomObject& object) {
+void describe_image(const DataSet& set, std::optional<std::uint32_t> ultrasound_region, DicomObject& object) {
     RunContext context;
     auto format = read_pixel_format(set, context);
-    auto planes = format.ok() ? read_frames(set, context) : Result<std::vector<DicomFrame>>(format.error());
+    auto planes = format.ok() ? read_frames(set, context, ultrasound_region)
+                              : Result<std::vector<DicomFrame>>(format.error());
     object.image_warnings = std::move(context.warnings);
     if (!planes.ok()) {
         object.image_error = planes.error();
@@ -235,7 +314,8 @@ const char* mark_name(std::size_t mark) {
     return names[mark];
 }
 
-DicomObject describe_object(const DataSet& set, const std::string& path, const std::string& label) {
+DicomObject describe_object(const DataSet& set, const std::string& path, const std::string& label,
+                            std::optional<std::uint32_t> ultrasound_region) {
     const DicomItem root = set.root();
     DicomObject object;
     object.path = path;
@@ -271,11 +351,12 @@ DicomObject describe_object(const DataSet& set, const std::string& path, const s
     object.kind = kind_of(object, root);
     add_references(root, object);
     if (object.kind == DicomKind::image || object.kind == DicomKind::segmentation)
-        describe_image(set, object);
+        describe_image(set, ultrasound_region, object);
     return object;
 }
 
-Result<std::vector<DicomFrame>> read_frames(const DataSet& set, RunContext& context) {
+Result<std::vector<DicomFrame>> read_frames(const DataSet& set, RunContext& context,
+                                            std::optional<std::uint32_t> ultrasound_region) {
     const DicomItem root = set.root();
     ANATOMESH_TRY(const std::uint32_t count, frame_count(root));
     const std::vector<DicomItem> per_frame = root.items(tags::per_frame_groups);
@@ -299,7 +380,7 @@ Result<std::vector<DicomFrame>> read_frames(const DataSet& set, RunContext& cont
         frame.number = count == 1 ? number.value_or(0) : 0;
         ANATOMESH_CHECK_STATUS(check_shared_orientation(set, groups, i));
         ANATOMESH_CHECK_STATUS(read_place(set, groups, count, frame, worst_orientation));
-        ANATOMESH_CHECK_STATUS(read_spacing(set, groups, count, frame));
+        ANATOMESH_CHECK_STATUS(read_spacing(set, groups, count, ultrasound_region, frame));
         ANATOMESH_CHECK_STATUS(read_rescale(groups, frame));
         read_marks(root, groups, frame);
     }
@@ -308,6 +389,7 @@ Result<std::vector<DicomFrame>> read_frames(const DataSet& set, RunContext& cont
                       "ImageOrientationPatient is not exactly two unit vectors at right angles",
                       {set.name(), {}, {}, {}, fmt::format("off by {:.2g}", worst_orientation)},
                       "it was made so"});
+    ANATOMESH_CHECK_STATUS(compare_with_regions(set, frames, context));
     return frames;
 }
 

@@ -73,14 +73,20 @@ struct DicomObject {
 };
 
 // Reads the header of a data set. Never fails: what is malformed is kept as `image_error`.
-DicomObject describe_object(const DataSet& set, const std::string& path, const std::string& label);
+// `ultrasound_region`: that of read_frames().
+DicomObject describe_object(const DataSet& set, const std::string& path, const std::string& label,
+                            std::optional<std::uint32_t> ultrasound_region = {});
 
 // The frames of an image or segmentation object with their places, per-frame values before shared ones before
 // those of the whole object. Errors: E-DCM-002, -003 values; E-DCM-004 a frame without position or
 // orientation; E-DCM-005 an orientation that is none; E-DCM-006 no usable pixel spacing; E-DCM-007 a number
 // of frames that does not fit; E-DCM-008 a place far outside (1e7 mm); E-DCM-009 shared and per-frame
-// orientation differ. Warns W-DCM-005 of an orientation off by rounding, which is made exact.
-Result<std::vector<DicomFrame>> read_frames(const DataSet& set, RunContext& context);
+// orientation differ; E-DCM-034 ultrasound regions of different scales, of which `ultrasound_region` (from 0)
+// chooses one. An ultrasound image without PixelSpacing has that of its region in two dimensions; regions of
+// other kinds (Doppler, M-mode) and without unit of length have none. Warns W-DCM-005 of an orientation off
+// by rounding, which is made exact; W-DCM-021 of a region whose scale is not the PixelSpacing, which counts.
+Result<std::vector<DicomFrame>> read_frames(const DataSet& set, RunContext& context,
+                                            std::optional<std::uint32_t> ultrasound_region = {});
 
 // The pixel format. Errors: E-DCM-003 missing, E-DCM-010 impossible, or one that is not read (colours, 64
 // bits). Warns W-DCM-006 of a high bit that does not fit, W-DCM-007 of MONOCHROME1.

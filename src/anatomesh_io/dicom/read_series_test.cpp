@@ -1,8 +1,10 @@
 #include "anatomesh_io/dicom/read_series.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <numbers>
 #include <random>
 
@@ -313,6 +315,96 @@ TEST(DicomSeries, G18_pixel_spacing_that_is_none) {
     Reading reading(files);
     EXPECT_EQ(reading.code(), "E-DCM-006");
     EXPECT_NE(reading.line().find("ImagerPixelSpacing"), std::string::npos);
+}
+
+// A region of an ultrasound image: its kind, unit (3: cm) and size of a pixel.
+struct Region {
+    std::uint16_t format = 1, unit = 3;
+    double x = 0.01, y = 0.02;
+};
+std::string double_bytes(double value) {
+    const auto bits = std::bit_cast<std::uint64_t>(value);
+    std::string bytes;
+    for (int b = 0; b < 8; ++b) bytes += static_cast<char>(bits >> (8 * b));
+    return bytes;
+}
+std::string regions_bytes(const std::vector<Region>& regions) {
+    DicomWriter writer(DicomWriter::Syntax::explicit_little);
+    for (const Region& region : regions) {
+        writer.begin_item();
+        writer.unsigned_short(tags::region_spatial_format, {region.format});
+        writer.unsigned_short(tags::region_units_x, {region.unit});
+        writer.unsigned_short(tags::region_units_y, {region.unit});
+        writer.element(tags::region_delta_x, "FD", double_bytes(region.x));
+        writer.element(tags::region_delta_y, "FD", double_bytes(region.y));
+        writer.end_item();
+    }
+    return writer.bytes();
+}
+
+TEST(DicomSeries, G20_ultrasound_regions) {
+    const auto series = [](const std::vector<Region>& regions) {
+        auto files = ct_series(4);
+        for (auto& file : files) {
+            file.remove(tags::pixel_spacing);
+            file.set(tags::modality, "CS", "US");
+            file.set(tags::ultrasound_regions, "SQ", regions_bytes(regions));
+        }
+        return files;
+    };
+    const auto spacing_of = [](Reading& reading, std::optional<std::uint32_t> region) -> std::string {
+        DicomFolderOptions options;
+        options.ultrasound_region = region;
+        const auto folder = read_dicom_folder(reading.disk.path("folder"), options, reading.context);
+        const auto image =
+            read_dicom_series(folder.value(), folder.value().series[0].objects, {}, reading.context);
+        if (!image.ok()) return image.error().code;
+        const auto& step = image.value().image.geometry.step;
+        return fmt::format("{:.6g} {:.6g}", length(step[0]), length(step[1]));
+    };
+    const Region tissue, doppler{3, 4, 0.001, 2}, other{1, 3, 0.03, 0.03}, pixels{1, 0, 1, 1},
+        upwards{1, 3, 0.01, -0.02};
+    struct Case {
+        std::vector<Region> regions;
+        std::optional<std::uint32_t> chosen;
+        std::string found;
+    };
+    for (const auto& [regions, chosen, found] : {Case{{tissue}, {}, "0.1 0.2"},  // cm to mm
+                                                 {{upwards}, {}, "0.1 0.2"},
+                                                 {{doppler, tissue}, {}, "0.1 0.2"},
+                                                 {{tissue, tissue}, {}, "0.1 0.2"},
+                                                 {{tissue, other}, {}, "E-DCM-034"},
+                                                 {{tissue, other}, 1, "0.3 0.3"},
+                                                 {{tissue, doppler}, 1, "E-DCM-034"},
+                                                 {{tissue}, 7, "E-DCM-034"},
+                                                 {{pixels}, {}, "E-DCM-006"},
+                                                 {{doppler}, {}, "E-DCM-006"},
+                                                 {{}, {}, "E-DCM-006"}}) {
+        Reading reading(series(regions));
+        EXPECT_EQ(spacing_of(reading, chosen), found);
+    }
+    // PixelSpacing counts, and is compared.
+    auto files = series({tissue});
+    for (auto& file : files) file.set(tags::pixel_spacing, "DS", "0.5\\0.5");
+    Reading reading(files);
+    EXPECT_EQ(reading.code(), "");
+    EXPECT_TRUE(reading.warned("W-DCM-021"));
+}
+
+TEST(DicomSeries, G32_twenty_thousand_slices) {
+    // Headers are kept, pixels are not: what a folder takes does not grow with its images.
+    constexpr int count = 20'000;
+    Reading reading;
+    for (int k = 0; k < count; ++k)
+        reading.disk.write("folder/" + std::to_string(k), fixtures::ct_slice(k, {-10, -20, 0.5 * k}).bytes());
+    reading.scan();
+    ASSERT_EQ(reading.folder->series.size(), 1u);
+    EXPECT_EQ(reading.folder->series[0].objects.size(), std::size_t{count});
+    const auto image =
+        read_dicom_series(*reading.folder, reading.folder->series[0].objects, {}, reading.context);
+    ASSERT_TRUE(image.ok()) << to_line(image.error());
+    EXPECT_EQ(image.value().image.geometry.size[2], std::uint32_t{count});
+    EXPECT_NEAR(image.value().image.geometry.position(0, 0, count - 1).z, 0.5 * (count - 1), 1e-6);
 }
 
 TEST(DicomSeries, G21_frames_of_reference) {

@@ -134,6 +134,7 @@ bool is_obj(std::string_view text) {
 FileKind kind_of_text(std::string_view text) {
     if (starts_with(text, "NRRD")) return FileKind::nrrd;
     if (starts_with(text, "CSLC")) return FileKind::csl;
+    if (starts_with(text, "x\ty\tz\tcontour type\t")) return FileKind::guide_points;
     if (starts_with(text, "<")) return kind_of_xml(text);
     if (starts_with(text, "{")) return FileKind::contour_json;
     if (starts_with(text, "$MeshFormat") || starts_with(text, "$Comments")) return FileKind::gmsh;
@@ -226,6 +227,8 @@ const char* name_of(FileKind kind) {
             return "contours in JSON";
         case FileKind::csl:
             return "CSL contours";
+        case FileKind::guide_points:
+            return "cardiac guide points";
         case FileKind::vtk_polydata:
             return "VTK polydata";
         case FileKind::vtk_unstructured_grid:

@@ -24,6 +24,7 @@ enum class FileKind : std::uint8_t {
     // contours
     contour_json,
     csl,
+    guide_points,
     vtk_polydata,  // XML, PolyData: polylines or a surface
     // tetrahedral meshes
     vtk_unstructured_grid,  // XML

@@ -13,6 +13,7 @@
 
 #include "anatomesh_io/file/byte_reader.h"
 #include "anatomesh_io/image/raw_image.h"
+#include "anatomesh_io/image/tracked_frames.h"
 
 namespace anatomesh {
 
@@ -75,6 +76,7 @@ bool is_known(std::string_view key) {
 
 struct Header {
     Keys keys;
+    KeyValues sequence;  // those of tracked sequences
     std::size_t data_begin = 0;
 
     std::string_view get(std::string_view key) const {
@@ -103,7 +105,11 @@ Result<Header> parse_header(std::span<const std::byte> content, const std::strin
             return key_error("E-MTI-004",
                              fmt::format("the key {} occurs twice with different values", shown(key)), path,
                              value);
-        if (inserted && !is_known(key) && unknown++ == 0) first_unknown = key;
+        if (key.starts_with("Seq_") || key.ends_with("Transform") || key.starts_with("UltrasoundImage")) {
+            if (inserted) header.sequence.emplace_back(key, value);
+        } else if (inserted && !is_known(key) && unknown++ == 0) {
+            first_unknown = key;
+        }
         if (key == "ElementDataFile") {
             header.data_begin = reader.position();
             if (unknown > 0)
@@ -280,7 +286,14 @@ Result<RawImage> read_metaimage(const InputFile& file, std::span<const std::byte
     ANATOMESH_TRY(const Shape shape, shape_of(header, path));
     ANATOMESH_TRY(const std::uint64_t claimed, claimed_bytes(shape.layout, path, options));
     RawImage raw;
-    ANATOMESH_TRY(raw.geometry, geometry_of(header, shape, path, options, context));
+    if (has_tracked_frames(header.sequence)) {
+        ANATOMESH_TRY(raw.poses, read_poses(header.sequence, shape.layout.sizes, path, options, context));
+        raw.geometry.size = {static_cast<std::uint32_t>(shape.layout.sizes[0]),
+                             static_cast<std::uint32_t>(shape.layout.sizes[1]),
+                             static_cast<std::uint32_t>(shape.layout.sizes[2])};
+    } else {
+        ANATOMESH_TRY(raw.geometry, geometry_of(header, shape, path, options, context));
+    }
     ANATOMESH_TRY(const std::uint64_t volume, chosen_volume(shape.layout.volumes, path, options));
 
     const std::string_view data_name = header.get("ElementDataFile");

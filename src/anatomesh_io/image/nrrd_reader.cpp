@@ -8,6 +8,7 @@
 #include "anatomesh_io/file/byte_reader.h"
 #include "anatomesh_io/image/nrrd_header.h"
 #include "anatomesh_io/image/raw_image.h"
+#include "anatomesh_io/image/tracked_frames.h"
 
 namespace anatomesh {
 
@@ -19,6 +20,17 @@ struct Axes {
     ClaimedLayout layout;
     std::uint64_t volumes_before = 1;  // product of the axes that run faster than the spatial ones
 };
+
+// Of a tracked sequence: columns, rows, frames, the last of which is no axis in space.
+Result<Axes> frame_axes(const NrrdHeader& header, const std::string& path) {
+    if (header.sizes.size() != 3)
+        return image_error("E-NRD-008", "a tracked sequence has three axes: columns, rows, frames", path,
+                           fmt::format("{}", header.sizes.size()), "save it with grey frames");
+    Axes axes;
+    axes.layout.type = header.type;
+    for (std::size_t axis = 0; axis < 3; ++axis) axes.layout.sizes[axis] = header.sizes[axis];
+    return axes;
+}
 
 Result<Axes> spatial_axes(const NrrdHeader& header, const std::string& path) {
     std::vector<std::size_t> spatial;
@@ -189,13 +201,20 @@ Result<RawImage> read_nrrd(const InputFile& file, std::span<const std::byte> con
                            const ReadImageOptions& options, RunContext& context) {
     const std::string& path = file.path;
     ANATOMESH_TRY(const NrrdHeader header, parse_nrrd_header(content, path, context));
-    ANATOMESH_TRY(const Axes axes, spatial_axes(header, path));
+    const bool is_tracked = has_tracked_frames(header.pairs);
+    ANATOMESH_TRY(const Axes axes, is_tracked ? frame_axes(header, path) : spatial_axes(header, path));
     ANATOMESH_TRY(const std::uint64_t claimed, claimed_bytes(axes.layout, path, options));
     RawImage raw;
     raw.type = header.type;
     raw.order = header.order.value_or(std::endian::little);
     raw.structures = segments_of(header);
-    ANATOMESH_TRY(raw.geometry, geometry_of(header, axes, path, options, context));
+    if (is_tracked) {
+        ANATOMESH_TRY(raw.poses, read_poses(header.pairs, axes.layout.sizes, path, options, context));
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            raw.geometry.size[axis] = static_cast<std::uint32_t>(axes.layout.sizes[axis]);
+    } else {
+        ANATOMESH_TRY(raw.geometry, geometry_of(header, axes, path, options, context));
+    }
     ANATOMESH_TRY(const std::uint64_t volume, chosen_volume(axes.layout.volumes, path, options));
 
     if (header.data_file.empty()) {

@@ -37,6 +37,7 @@ struct RawImage {
     ByteBuffer storage;  // holds `data` when it is not part of the file as it is
     std::vector<Structure> structures;
     std::vector<InputHash> further_inputs;
+    std::vector<FramePose> poses;
 };
 
 // The readers; `file` must live as long as the result. `content` is file.bytes(), or those inflated.

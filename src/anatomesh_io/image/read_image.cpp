@@ -65,6 +65,8 @@ Result<LoadedImage> read_image(const std::string& path, const ReadImageOptions& 
     ANATOMESH_TRY(const RawImage raw, read_raw(file, kind, content, options, context));
     ANATOMESH_TRY(LoadedImage loaded, to_grey(raw, path, context));
     loaded.kind = kind;
+    loaded.poses = raw.poses;
+    loaded.known_axes = raw.poses.empty() || options.frame;
     loaded.inputs.push_back({path, file.sha256()});
     loaded.inputs.insert(loaded.inputs.end(), raw.further_inputs.begin(), raw.further_inputs.end());
     context.report("read", 1);

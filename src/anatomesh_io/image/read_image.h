@@ -36,11 +36,24 @@ struct ReadImageOptions {
     // --assume-orientation RAS: where i, j and k run to in a NIfTI image without orientation; one letter of
     // each pair L R, A P, S I. Empty: refuse such an image.
     std::string assume_orientation;
+    // Whether a tracked sequence, whose frames have poses and make no volume, is read or refused; and how its
+    // frames are placed (see tracked_frames.h): --image-to-probe, 12 or 16 numbers, the calibration where the
+    // file has none; --pose-to NAME, the frame to place them in.
+    bool tracked = false;
+    std::vector<double> image_to_probe;
+    std::string pose_to;
     // --volume N: which volume of an image that holds several, from 0.
     std::optional<std::uint64_t> volume;
 
     InputLimits limits;
     std::uint64_t max_voxels = std::uint64_t{1} << 34;
+};
+
+// Pixel (i, j) of a frame is centred at origin + i step[0] + j step[1], mm.
+struct FramePose {
+    std::uint32_t frame = 0;
+    Vec3 origin;
+    std::array<Vec3, 2> step;
 };
 
 struct InputHash {
@@ -67,6 +80,10 @@ struct LoadedImage {
     FileKind kind = FileKind::unknown;
     std::vector<Structure> structures;  // names and colours, when the file gives them (3D Slicer); by number
     std::vector<InputHash> inputs;      // every file that was read
+    // Of a tracked sequence: the frames that have a pose. Slice k of the image is then a frame wherever its
+    // pose puts it, and the image's own geometry says no more than its size.
+    std::vector<FramePose> poses;
+    bool known_axes = true;  // whether positions are LPS; else in axes that the file does not tell
 };
 
 // Reads the image at `path`. Linear in the file and the voxels; memory about 4 bytes a voxel, the file, and

@@ -33,6 +33,7 @@ struct Content {
     TypeNames type;
     std::string data;   // little endian
     std::string pairs;  // key := value lines of a NRRD
+    std::string made_by;
 };
 
 template <class T>
@@ -96,7 +97,9 @@ std::string nrrd_file(const Content& content) {
     for (const Vec3 step : geometry.step) text += " " + vector_text(step);
     text +=
         "\nkinds: domain domain domain\nendian: little\nencoding: gzip\nspace units: \"mm\" \"mm\" \"mm\"";
-    text += "\nspace origin: " + vector_text(geometry.origin) + "\n" + content.pairs + "\n";
+    text += "\nspace origin: " + vector_text(geometry.origin) + "\n" + content.pairs;
+    if (!content.made_by.empty()) text += "anatomesh:=" + content.made_by + "\n";
+    text += "\n";
     return text + gzip(content.data);
 }
 
@@ -150,7 +153,9 @@ Result<std::string> nifti_file(const Content& content) {
     put_little<std::int16_t>(header, 72, content.type.bits);
     put_little<float>(header, 108, 352);
     put_little<float>(header, 112, 1);
-    header[123] = 2;                           // millimetres
+    header[123] = 2;  // millimetres
+    const std::string_view description = std::string_view(content.made_by).substr(0, 79);
+    header.replace(148, description.size(), description);
     put_little<std::int16_t>(header, 254, 1);  // sform: scanner coordinates
     const Vec3& at = geometry.origin;
     const std::array<double, 12> rows = {-step[0].x, -step[1].x, -step[2].x, -at.x,
@@ -192,21 +197,21 @@ Result<ImageFormat> image_format_of(const std::string& path) {
 }
 
 Result<std::string> format_image(const ImageGeometry& geometry, std::span<const float> voxels,
-                                 ImageFormat format) {
+                                 ImageFormat format, const std::string& made_by) {
     assert(voxels.size() == geometry.voxel_count());
-    Content content{geometry, f32_names, {}, {}};
+    Content content{geometry, f32_names, {}, {}, made_by};
     content.data.reserve(voxels.size() * sizeof(float));
     for (const float value : voxels) append_little(content.data, value);
     return file_of(content, format);
 }
 
-Result<std::string> format_label_map(const LabelMap& labels, ImageFormat format) {
+Result<std::string> format_label_map(const LabelMap& labels, ImageFormat format, const std::string& made_by) {
     std::int32_t low = 0, high = 0;
     for (const Structure& structure : labels.structures) {
         low = std::min(low, structure.number);
         high = std::max(high, structure.number);
     }
-    Content content{labels.geometry, i32_names, {}, segment_pairs(labels.structures)};
+    Content content{labels.geometry, i32_names, {}, segment_pairs(labels.structures), made_by};
     if (low == 0 && high <= 0xFF) {
         content.type = u8_names;
         content.data = label_data<std::uint8_t>(labels);

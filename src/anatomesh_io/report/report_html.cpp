@@ -7,6 +7,7 @@
 #include "anatomesh_io/report/html_text.h"
 #include "anatomesh_io/report/report_assets.h"
 #include "anatomesh_io/report/report_charts.h"
+#include "anatomesh_io/report/report_slice.h"
 
 namespace anatomesh {
 
@@ -351,6 +352,11 @@ std::string origin(const ModelReport& report) {
     return content.empty() ? content : section("How it was made", content);
 }
 
+std::string contour_and_distance(const ContourSet* contours) {
+    const std::string figure = contours ? slice_figure(*contours) : std::string();
+    return figure.empty() ? figure : section("Contours and distance map of a slice", figure);
+}
+
 }  // namespace
 
 std::string report_html(const ModelReport& report, const TetMesh& mesh, const RegionTable& regions,
@@ -368,8 +374,8 @@ std::string report_html(const ModelReport& report, const TetMesh& mesh, const Re
     html += report_style;
     html += "</style>\n</head>\n<body>\n<main>\n";
     html += heading(report) + tiles(report) + viewer(report, scene) + certificate(report) + quality(report) +
-            structures(report) + stages(report) + beside_the_paper(report) + warnings(report) +
-            listed_cells(report) + contour_log(report) + origin(report);
+            structures(report) + contour_and_distance(contours) + stages(report) + beside_the_paper(report) +
+            warnings(report) + listed_cells(report) + contour_log(report) + origin(report);
     html += "<footer>Made by anatomesh " + escape_html(report.version) +
             ". Not a certified medical device.</footer>\n</main>\n" + scene.html + "<script>";
     html += report_viewer_script;

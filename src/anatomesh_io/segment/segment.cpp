@@ -6,6 +6,7 @@
 #include <itkGeodesicActiveContourLevelSetImageFilter.h>
 #include <itkGradientMagnitudeRecursiveGaussianImageFilter.h>
 #include <itkOtsuThresholdImageFilter.h>
+#include <itkSignedMaurerDistanceMapImageFilter.h>
 #include <itkSmoothingRecursiveGaussianImageFilter.h>
 #include <itkThresholdSegmentationLevelSetImageFilter.h>
 
@@ -13,12 +14,14 @@
 #include <cassert>
 #include <cmath>
 
+#include "anatomesh_io/segment/chan_vese.h"
 #include "anatomesh_io/segment/itk_image.h"
 
 namespace anatomesh {
 
 namespace {
 
+constexpr double shrunk_by_pixels = 2;  // what an active contour that only grows begins with
 constexpr double settled = 0.02;  // RMS change of a level set, in voxels a step, below which it stands still
 
 struct Mask {
@@ -49,6 +52,8 @@ class Segmenter {
                 return region();
             case SegmentMethod::geodesic:
                 return geodesic();
+            case SegmentMethod::chan_vese:
+                return even_regions();
         }
         return filter_error(image_.source, "no such method");
     }
@@ -105,6 +110,8 @@ class Segmenter {
         filter->SetUpper(static_cast<float>(std::min(high, 3e38)));
         filter->SetReplaceValue(1);
         for (const auto& seed : options_.seeds) filter->AddSeed(index_of(seed));
+        const auto seeds = seeds_of_start(low, high);
+        for (const auto& seed : seeds) filter->AddSeed(index_of(seed));
         ANATOMESH_CHECK_STATUS(run_filter(*filter, image_.source, context_));
         Mask mask = mask_of(*filter->GetOutput());
         mask.low = low;
@@ -112,7 +119,51 @@ class Segmenter {
         return mask;
     }
 
+    // The voxels of the region to begin with whose values lie in the range.
+    std::vector<std::array<std::uint32_t, 3>> seeds_of_start(double low, double high) const {
+        std::vector<std::array<std::uint32_t, 3>> seeds;
+        const auto& size = image_.geometry.size;
+        for (std::size_t n = 0; n < options_.start.size(); ++n) {
+            if (!options_.start[n] || !(image_.voxels[n] >= low && image_.voxels[n] <= high)) continue;
+            const auto pixel = static_cast<std::uint32_t>(n % (std::size_t{size[0]} * size[1]));
+            seeds.push_back({pixel % size[0], pixel / size[0],
+                             static_cast<std::uint32_t>(n / (std::size_t{size[0]} * size[1]))});
+        }
+        return seeds;
+    }
+
+    // From the seeds' balls or the start, voxel by voxel.
+    Result<Mask> even_regions() {
+        ANATOMESH_TRY(const ItkGrey::Pointer smooth, smoothed());
+        GreyImage values;
+        values.geometry = image_.geometry;
+        values.source = image_.source;
+        values.voxels.assign(smooth->GetBufferPointer(), smooth->GetBufferPointer() + image_.voxels.size());
+        std::vector<std::uint8_t> start = options_.start;
+        if (start.empty()) {
+            const std::vector<float> distance = distance_from_balls();
+            start.resize(distance.size());
+            std::transform(distance.begin(), distance.end(), start.begin(),
+                           [](float d) { return static_cast<std::uint8_t>(d <= 0); });
+        }
+        ChanVeseOptions moving;
+        moving.smoothing = static_cast<std::uint32_t>(std::clamp(std::round(options_.curvature), 0.0, 10.0));
+        moving.iterations = options_.iterations;
+        const double finest = *std::min_element(spacing_.begin(), spacing_.end());
+        moving.surroundings = static_cast<std::uint32_t>(std::max(4.0, radius_ / finest));
+        ANATOMESH_TRY(ChanVeseResult found, chan_vese(values, std::move(start), moving, context_));
+        Mask mask;
+        mask.iterations = found.iterations;
+        const double middle = (found.mean_inside + found.mean_outside) / 2;
+        (found.mean_inside >= found.mean_outside ? mask.low : mask.high) = middle;
+        mask.voxels = std::move(found.inside);
+        if (!found.is_settled) warn_of_motion(mask.iterations);
+        return mask;
+    }
+
     Result<Mask> confidence() {
+        if (!options_.start.empty() && options_.known_low && options_.known_high)
+            return grow(*options_.known_low, *options_.known_high);
         auto filter = itk::ConfidenceConnectedImageFilter<ItkGrey, ItkMask>::New();
         filter->SetInput(grey());
         filter->SetMultiplier(options_.spread);
@@ -131,8 +182,11 @@ class Segmenter {
     // The contour grows where the smoothed value lies within the range of the values in the seeds' balls.
     Result<Mask> region() {
         ANATOMESH_TRY(const ItkGrey::Pointer smooth, smoothed());
-        const std::vector<float> start = distance_from_balls();
-        const Spread spread = spread_in_balls(start, image_.voxels.data());
+        ANATOMESH_TRY(const std::vector<float> start, distance_from_start(0));
+        Spread spread = spread_in_balls(start, image_.voxels.data());
+        if (options_.known_low && options_.known_high)
+            spread = {(*options_.known_low + *options_.known_high) / 2,
+                      (*options_.known_high - *options_.known_low) / 2 / options_.spread};
         // In a ball of one value alone the range would be empty.
         const double deviation = std::max(spread.deviation, 1e-3 * std::abs(spread.mean) + 1e-6);
         // The speed is the value's distance from the ends of the range; beyond twice the range it would only
@@ -158,12 +212,9 @@ class Segmenter {
     // The speed is 1 where the image is as even as in the seeds' balls and falls at edges.
     Result<Mask> geodesic() {
         auto gradient = itk::GradientMagnitudeRecursiveGaussianImageFilter<ItkGrey, ItkGrey>::New();
-        gradient->SetInput(grey());
         gradient->SetSigma(sigma());
-        ANATOMESH_CHECK_STATUS(run_filter(*gradient, image_.source, context_));
-        const ItkGrey::Pointer speed = gradient->GetOutput();
-        speed->DisconnectPipeline();
-        const std::vector<float> start = distance_from_balls();
+        ANATOMESH_TRY(const ItkGrey::Pointer speed, filtered(*gradient));
+        ANATOMESH_TRY(const std::vector<float> start, distance_from_start(shrunk_by_pixels));
         float* values = speed->GetBufferPointer();
         const Spread spread = spread_in_balls(start, values);
         const double edge = std::max(spread.mean + options_.spread * spread.deviation, 1e-6);
@@ -192,20 +243,54 @@ class Segmenter {
         std::transform(level, level + start.size(), mask.voxels.begin(),
                        [](float value) { return static_cast<std::uint8_t>(value <= 0); });
         mask.iterations = static_cast<std::uint32_t>(filter.GetElapsedIterations());
-        if (mask.iterations >= options_.iterations)
-            context_.warn({"W-SGM-002",
-                           "the active contour was still moving after the last iteration",
-                           {image_.source, "", "", "", fmt::format("{}", mask.iterations)},
-                           "taken as it was; --iterations allows more"});
+        if (mask.iterations >= options_.iterations) warn_of_motion(mask.iterations);
         return mask;
+    }
+    void warn_of_motion(std::uint32_t iterations) {
+        context_.warn({"W-SGM-002",
+                       "the active contour was still moving after the last iteration",
+                       {image_.source, "", "", "", fmt::format("{}", iterations)},
+                       "taken as it was; --iterations allows more"});
     }
 
     Result<ItkGrey::Pointer> smoothed() {
         auto filter = itk::SmoothingRecursiveGaussianImageFilter<ItkGrey, ItkGrey>::New();
-        filter->SetInput(grey());
         filter->SetSigma(sigma());
-        ANATOMESH_CHECK_STATUS(run_filter(*filter, image_.source, context_));
-        return ItkGrey::Pointer(filter->GetOutput());
+        return filtered(*filter);
+    }
+    // The recursive filters want four voxels along each axis: a thinner image gets its last ones repeated.
+    template <class Filter>
+    Result<ItkGrey::Pointer> filtered(Filter& filter) {
+        constexpr std::uint32_t least = 4;
+        const auto& size = image_.geometry.size;
+        ImageGeometry thick = image_.geometry;
+        for (std::uint32_t& count : thick.size) count = std::max(count, least);
+        std::vector<float> voxels;
+        if (thick.size == size) {
+            filter.SetInput(grey());
+        } else {
+            voxels.resize(thick.voxel_count());
+            for (std::uint32_t k = 0; k < thick.size[2]; ++k)
+                for (std::uint32_t j = 0; j < thick.size[1]; ++j)
+                    for (std::uint32_t i = 0; i < thick.size[0]; ++i)
+                        voxels[thick.index(i, j, k)] = image_.voxels[image_.geometry.index(
+                            std::min(i, size[0] - 1), std::min(j, size[1] - 1), std::min(k, size[2] - 1))];
+            filter.SetInput(itk_view<ItkGrey>(thick, voxels.data()));
+        }
+        ANATOMESH_CHECK_STATUS(run_filter(filter, image_.source, context_));
+        const ItkGrey::Pointer found = filter.GetOutput();
+        found->DisconnectPipeline();
+        if (thick.size == size) return found;
+        const ItkGrey::Pointer out = ItkGrey::New();
+        out->CopyInformation(grey());
+        out->SetRegions(grey()->GetLargestPossibleRegion());
+        out->Allocate();
+        for (std::uint32_t k = 0; k < size[2]; ++k)
+            for (std::uint32_t j = 0; j < size[1]; ++j)
+                for (std::uint32_t i = 0; i < size[0]; ++i)
+                    out->GetBufferPointer()[image_.geometry.index(i, j, k)] =
+                        found->GetBufferPointer()[thick.index(i, j, k)];
+        return out;
     }
     double sigma() const { return 0.7 * *std::min_element(spacing_.begin(), spacing_.end()); }
 
@@ -213,6 +298,25 @@ class Segmenter {
 
     static itk::Index<3> index_of(const std::array<std::uint32_t, 3>& seed) {
         return {{itk::IndexValueType{seed[0]}, itk::IndexValueType{seed[1]}, itk::IndexValueType{seed[2]}}};
+    }
+
+    // Signed distance from the region to begin with, mm, negative inside; from the seeds' balls without one.
+    // The region is taken so many pixels smaller, as far as it then has an inside.
+    Result<std::vector<float>> distance_from_start(double pixels_smaller) {
+        if (options_.start.empty()) return distance_from_balls();
+        auto filter = itk::SignedMaurerDistanceMapImageFilter<ItkMask, ItkGrey>::New();
+        filter->SetInput(itk_view<ItkMask>(image_.geometry, options_.start.data()));
+        filter->SetSquaredDistance(false);
+        filter->SetUseImageSpacing(true);
+        filter->SetInsideIsPositive(false);
+        ANATOMESH_CHECK_STATUS(run_filter(*filter, image_.source, context_));
+        const float* found = filter->GetOutput()->GetBufferPointer();
+        std::vector<float> distance(found, found + image_.voxels.size());
+        const float deepest = *std::min_element(distance.begin(), distance.end());
+        const double finest = *std::min_element(spacing_.begin(), spacing_.end());
+        const auto by = static_cast<float>(std::min(pixels_smaller * finest, -0.5 * double{deepest}));
+        for (float& d : distance) d += std::max(by, 0.0F);
+        return distance;
     }
 
     // Signed distance from the nearest seed's ball, mm, negative inside.
@@ -265,12 +369,88 @@ Error nothing_left(const GreyImage& image) {
             "choose another --threshold, --seed or --method"};
 }
 
+// ITK's level sets want four voxels along each axis. A thinner image gets its last voxels repeated, and so
+// does the region to begin with: a contour in a slice evolves as the cylinder above it does.
+constexpr std::uint32_t least_voxels = 4;
+
+bool is_too_thin(const GreyImage& image, SegmentMethod method) {
+    const auto& size = image.geometry.size;
+    return (method == SegmentMethod::region || method == SegmentMethod::geodesic) &&
+           *std::min_element(size.begin(), size.end()) < least_voxels;
+}
+
+// Calls body(voxel of the thick image, voxel of the thin one that it repeats).
+template <class Body>
+void each_repeated(const ImageGeometry& thick, const ImageGeometry& thin, Body&& body) {
+    for (std::uint32_t k = 0; k < thick.size[2]; ++k)
+        for (std::uint32_t j = 0; j < thick.size[1]; ++j)
+            for (std::uint32_t i = 0; i < thick.size[0]; ++i)
+                body(thick.index(i, j, k),
+                     thin.index(std::min(i, thin.size[0] - 1), std::min(j, thin.size[1] - 1),
+                                std::min(k, thin.size[2] - 1)));
+}
+
+Result<Segmentation> segment_thin(const GreyImage& image, const SegmentOptions& options,
+                                  RunContext& context) {
+    if (image.geometry.size[2] > 1)
+        return Error{ErrorKind::usage,
+                     "E-SGM-011",
+                     "an active contour by region or edges needs four slices, or one",
+                     {image.source, "", "", "", fmt::format("{} slices", image.geometry.size[2])},
+                     "treat each by itself with --per-slice, or choose --method chan-vese"};
+    const ImageGeometry& thin = image.geometry;
+    SegmentOptions repeated = options;
+    if (repeated.start.empty()) {
+        const auto spacing = spacing_of(thin);
+        const double radius =
+            std::max(options.seed_radius_mm, 1.5 * *std::max_element(spacing.begin(), spacing.begin() + 2));
+        repeated.start.assign(thin.voxel_count(), 0);
+        for (const auto& seed : options.seeds)
+            for (std::uint32_t k = 0; k < thin.size[2]; ++k)
+                for (std::uint32_t j = 0; j < thin.size[1]; ++j)
+                    for (std::uint32_t i = 0; i < thin.size[0]; ++i) {
+                        const double x = (double{1} * i - seed[0]) * spacing[0],
+                                     y = (double{1} * j - seed[1]) * spacing[1];
+                        if (x * x + y * y <= radius * radius) repeated.start[thin.index(i, j, k)] = 1;
+                    }
+    }
+    GreyImage thick;
+    thick.source = image.source;
+    thick.geometry = thin;
+    for (std::uint32_t& count : thick.geometry.size) count = std::max(count, least_voxels);
+    thick.voxels.resize(thick.geometry.voxel_count());
+    std::vector<std::uint8_t> start(thick.voxels.size());
+    each_repeated(thick.geometry, thin, [&](std::size_t n, std::size_t of) {
+        thick.voxels[n] = image.voxels[of];
+        start[n] = repeated.start[of];
+    });
+    repeated.start = std::move(start);
+    repeated.seeds.clear();
+    ANATOMESH_TRY(Segmentation result, segment_image(thick, repeated, context));
+    LabelMap labels = std::move(result.labels);
+    result.labels.geometry = thin;
+    result.labels.source = labels.source;
+    result.labels.structures = std::move(labels.structures);
+    result.labels.voxels.resize(thin.voxel_count());
+    // Of the repeated voxels those in the middle count.
+    const auto middle = [&](std::uint32_t at, std::uint32_t count) {
+        return at + 1 == count && count < least_voxels ? at + (least_voxels - count) / 2 : at;
+    };
+    for (std::uint32_t k = 0; k < thin.size[2]; ++k)
+        for (std::uint32_t j = 0; j < thin.size[1]; ++j)
+            for (std::uint32_t i = 0; i < thin.size[0]; ++i)
+                result.labels.voxels[thin.index(i, j, k)] = labels.voxels[thick.geometry.index(
+                    middle(i, thin.size[0]), middle(j, thin.size[1]), middle(k, thin.size[2]))];
+    return result;
+}
+
 }  // namespace
 
 Result<Segmentation> segment_image(const GreyImage& image, const SegmentOptions& options,
                                    RunContext& context) {
+    if (is_too_thin(image, options.method)) return segment_thin(image, options, context);
     assert(options.method == SegmentMethod::threshold || options.method == SegmentMethod::otsu ||
-           !options.seeds.empty());
+           !options.seeds.empty() || !options.start.empty());
     Segmenter segmenter(image, options, context);
     ANATOMESH_TRY(const Mask mask, segmenter.run());
     Segmentation result;

@@ -22,14 +22,17 @@ enum class SegmentMethod : std::uint8_t {
     grow,        // the voxels of the range that faces join to a seed
     confidence,  // as grow; the range is mean +- spread deviations around the seeds, then
                  // of the region
-    region,   // active contour from the seeds' balls, driven by mean +- spread deviations of the values there
-    geodesic  // active contour from the seeds' balls, halted by edges
+    region,  // active contour from the seeds' balls, driven by mean +- spread deviations of the values there
+    geodesic,  // active contour from the seeds' balls, halted by edges
+    chan_vese  // active contour from the seeds' balls, between the mean inside and that of the surroundings
 };
 
 struct SegmentOptions {
     SegmentMethod method = SegmentMethod::threshold;
     double low = 0, high = std::numeric_limits<double>::infinity();  // threshold, grow: in the image's unit
-    std::vector<std::array<std::uint32_t, 3>> seeds;                 // voxels; all methods but two need one
+    std::vector<std::array<std::uint32_t, 3>> seeds;                 // voxels; all methods but two need one,
+    std::vector<std::uint8_t> start;              // or a region, a byte a voxel, to begin with
+    std::optional<double> known_low, known_high;  // the range, where it is known: confidence, region
     double seed_radius_mm = 6;       // of the balls around the seeds, at least 1.5 voxels. (0, 1000]
     double spread = 2.5;             // standard deviations: confidence, region. (0, 100]
     double curvature = 1;            // smoothness of active contours: weight of their curvature. [0, 100]
@@ -48,12 +51,13 @@ struct Segmentation {
     std::uint32_t iterations = 0;  // of an active contour
 };
 
-// Requires: seeds lie in the image; low <= high; options in their ranges. Complexity: linear in the voxels;
-// active contours: iterations times their surface, in voxels. Same result at any thread count.
-// Errors: geometry E-SGM-001 no voxel is left (with what the seeds' values are, or the image's range),
-// E-SGM-002 the seed's value lies outside the range; internal E-SGM-003 a filter failed. Warnings: W-SGM-001
-// the result takes more than half of the image, W-SGM-002 the active contour was still moving at the end.
-// Follows: Otsu 1979; Caselles, Kimmel and Sapiro 1997 (geodesic); Lefohn and Whitaker (region).
+// Requires: seeds lie in the image; a start has a byte a voxel; low <= high; options in their ranges.
+// Complexity: linear in the voxels; active contours: iterations times their surface, in voxels. Same result
+// at any thread count. Errors: geometry E-SGM-001 no voxel is left (with what the seeds' values are, or the
+// image's range), E-SGM-002 the seed's value lies outside the range; internal E-SGM-003 a filter failed.
+// Warnings: W-SGM-001 the result takes more than half of the image, W-SGM-002 the active contour was still
+// moving at the end. Follows: Otsu 1979; Caselles, Kimmel and Sapiro 1997 (geodesic); Lefohn and Whitaker
+// (region).
 Result<Segmentation> segment_image(const GreyImage& image, const SegmentOptions& options,
                                    RunContext& context);
 

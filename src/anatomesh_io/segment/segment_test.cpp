@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "anatomesh_io/segment/segment_slices.h"
+
 namespace anatomesh {
 namespace {
 
@@ -56,7 +58,8 @@ TEST(Segment, every_method_finds_a_ball_in_noise) {
                                         {SegmentMethod::grow, 0.995},
                                         {SegmentMethod::confidence, 0.95},
                                         {SegmentMethod::region, 0.92},
-                                        {SegmentMethod::geodesic, 0.9}}) {
+                                        {SegmentMethod::geodesic, 0.9},
+                                        {SegmentMethod::chan_vese, 0.98}}) {
         RunContext context;
         SegmentOptions options = with(method, phantom);
         options.low = 60;
@@ -110,6 +113,126 @@ TEST(Segment, seeds_and_ranges_that_give_nothing_are_refused) {
     ASSERT_TRUE(all.ok());
     ASSERT_EQ(context.warnings.size(), 1u);
     EXPECT_EQ(context.warnings[0].code, "W-SGM-001");
+}
+
+// The ball slice by slice from one seed in its middle, in an image with another bright thing beside it.
+TEST(SegmentSlices, contour_of_one_slice_leads_to_the_next) {
+    Phantom phantom(8);
+    for (std::uint32_t k = 0; k < 32; ++k)
+        for (std::uint32_t j = 0; j < 44; ++j)
+            for (std::uint32_t i = 42; i < 48; ++i)
+                phantom.image.voxels[phantom.image.geometry.index(i, j, k)] += 80;
+    for (const auto& [method, least] : {std::pair{SegmentMethod::grow, 0.99},
+                                        {SegmentMethod::confidence, 0.9},
+                                        {SegmentMethod::region, 0.9},
+
+                                        {SegmentMethod::chan_vese, 0.95}}) {
+        RunContext context;
+        SegmentOptions options = with(method, phantom);
+        options.low = 60;
+        options.iterations = 200;
+        const auto result = segment_slices(phantom.image, options, {}, context);
+        ASSERT_TRUE(result.ok()) << static_cast<int>(method) << to_line(result.error());
+        EXPECT_GE(phantom.dice(result.value().labels), least) << static_cast<int>(method);
+    }
+}
+
+TEST(SegmentSlices, a_leak_is_not_followed) {
+    Phantom phantom(0);
+    // From slice 20 on all is as bright as the ball.
+    for (std::size_t n = phantom.image.geometry.index(0, 0, 20); n < phantom.image.voxels.size(); ++n)
+        phantom.image.voxels[n] = 100;
+    RunContext context;
+    SegmentOptions options = with(SegmentMethod::grow, phantom);
+    options.low = 60;
+    const auto result = segment_slices(phantom.image, options, {}, context);
+    ASSERT_TRUE(result.ok());
+    ASSERT_EQ(context.warnings.size(), 1u);
+    EXPECT_EQ(context.warnings[0].code, "W-SGM-003");
+    EXPECT_EQ(context.warnings[0].place.slice, "slice 20");
+    for (std::size_t n = phantom.image.geometry.index(0, 0, 20); n < phantom.truth.size(); ++n)
+        ASSERT_EQ(result.value().labels.voxels[n], 0);
+    for (std::size_t n = 0; n < phantom.image.geometry.index(0, 0, 20); ++n)
+        ASSERT_EQ(result.value().labels.voxels[n], phantom.truth[n]);
+}
+
+TEST(SegmentSlices, two_seeded_slices_share_what_lies_between_and_order_is_as_given) {
+    const Phantom phantom(4);
+    RunContext context;
+    SegmentOptions options = with(SegmentMethod::grow, phantom);
+    options.low = 60;
+    options.seeds = {{24, 22, 12}, {24, 22, 20}};
+    SliceOptions backwards;
+    for (std::uint32_t k = 32; k-- > 0;) backwards.order.push_back(k);
+    const auto forth = segment_slices(phantom.image, options, {}, context);
+    const auto back = segment_slices(phantom.image, options, backwards, context);
+    ASSERT_TRUE(forth.ok() && back.ok());
+    EXPECT_GE(phantom.dice(forth.value().labels), 0.99);
+    EXPECT_EQ(forth.value().labels.voxels, back.value().labels.voxels);
+}
+
+TEST(SegmentSlices, speckle_is_taken_and_edges_stay) {
+    Phantom phantom(30);
+    const auto deviation = [&] {
+        double squares = 0;
+        for (std::size_t n = 0; n < phantom.truth.size(); ++n) {
+            const double d = phantom.image.voxels[n] - (phantom.truth[n] ? 100 : 20);
+            squares += d * d;
+        }
+        return std::sqrt(squares / static_cast<double>(phantom.truth.size()));
+    };
+    const double before = deviation();
+    RunContext context;
+    ASSERT_TRUE(reduce_speckle(phantom.image, 2, context).ok());
+    EXPECT_LT(deviation(), before / 2);
+}
+
+TEST(Segment, chan_vese_grows_from_a_small_seed_in_a_large_region) {
+    for (const double noise : {0.0, 20.0}) {
+        const Phantom phantom(noise, 18);
+        RunContext context;
+        SegmentOptions options = with(SegmentMethod::chan_vese, phantom);
+        options.seed_radius_mm = 3;
+        const auto result = segment_image(phantom.image, options, context);
+        ASSERT_TRUE(result.ok());
+        EXPECT_GE(phantom.dice(result.value().labels), 0.95) << noise;
+    }
+}
+
+TEST(Segment, chan_vese_ends_half_way_between_the_means) {
+    Phantom phantom(0, 9);
+    RunContext context;
+    SegmentOptions options = with(SegmentMethod::chan_vese, phantom);
+    options.curvature = 0;
+    const auto sharp = segment_image(phantom.image, options, context);
+    ASSERT_TRUE(sharp.ok());
+    EXPECT_GE(phantom.dice(sharp.value().labels), 0.99);
+    EXPECT_TRUE(context.warnings.empty());  // it came to rest
+    EXPECT_NEAR(sharp.value().low.value(), 60, 12);
+}
+
+TEST(Segment, images_of_few_slices_are_no_trouble) {
+    const Phantom phantom(4);
+    for (const std::uint32_t slices : {1u, 2u, 3u}) {
+        Phantom thin = phantom;
+        const auto first = static_cast<std::ptrdiff_t>(phantom.image.geometry.index(0, 0, 16));
+        const auto count = static_cast<std::ptrdiff_t>(slices * 48 * 44);
+        thin.image.geometry.size[2] = slices;
+        thin.image.voxels.assign(phantom.image.voxels.begin() + first,
+                                 phantom.image.voxels.begin() + first + count);
+        thin.truth.assign(phantom.truth.begin() + first, phantom.truth.begin() + first + count);
+        thin.centre[2] = 0;
+        for (const auto method : {SegmentMethod::region, SegmentMethod::geodesic, SegmentMethod::chan_vese}) {
+            RunContext context;
+            const auto result = segment_image(thin.image, with(method, thin), context);
+            if (slices > 1 && method != SegmentMethod::chan_vese) {
+                EXPECT_EQ(result.ok() ? "" : result.error().code, "E-SGM-011");
+                continue;
+            }
+            ASSERT_TRUE(result.ok()) << to_line(result.error());
+            EXPECT_GE(thin.dice(result.value().labels), 0.88) << slices << " " << static_cast<int>(method);
+        }
+    }
 }
 
 TEST(Segment, few_iterations_are_warned_of_and_a_cancelled_run_ends) {
