@@ -28,7 +28,7 @@ class Content {
   public:
     Content(const std::vector<OutgoingObject>& objects, std::size_t first, std::size_t last,
             const std::string& boundary)
-        : objects_(objects), first_(first), last_(last), boundary_(boundary) {
+        : objects_(objects), first_(first), boundary_(boundary) {
         for (std::size_t i = first; i < last; ++i) {
             starts_.push_back(size_);
             size_ += head(i).size() + body_bytes(i);
@@ -78,7 +78,7 @@ class Content {
     std::string tail() const { return "\r\n--" + boundary_ + "--\r\n"; }
 
     const std::vector<OutgoingObject>& objects_;
-    std::size_t first_, last_;
+    std::size_t first_;
     std::string boundary_;
     std::vector<std::uint64_t> starts_;
     std::uint64_t size_ = 0;
