@@ -1,6 +1,7 @@
 # make            builds build/release/anatomesh
 # make demo       models a real CT skull into demo/ (installs what is missing)
 # make test       builds and runs all tests (installs what is missing)
+# make test-random  models and judges all 500 random solids (about ten minutes)
 # make fuzz SECONDS=600   fuzzes the readers of outside files, each so long
 # make install PREFIX=/usr/local
 # make bench | format | tidy | clean | dependencies
@@ -9,7 +10,7 @@ JOBS ?= $(shell nproc)
 BUILD := build/release
 PROGRAM := $(BUILD)/anatomesh
 
-.PHONY: all program demo test install fuzz bench format tidy clean dependencies
+.PHONY: all program demo test test-random install fuzz bench format tidy clean dependencies
 
 all: program
 
@@ -30,6 +31,12 @@ demo:
 test:
 	@scripts/install-dependencies.sh build test demo
 	@scripts/test.sh $(BUILD) $(JOBS)
+
+test-random:
+	@scripts/install-dependencies.sh build test
+	@cmake --preset release -DANATOMESH_TESTS=ON
+	@cmake --build $(BUILD) --parallel $(JOBS) --target pipeline_test
+	@ctest --test-dir $(BUILD) -C random -L random --parallel $(JOBS) --output-on-failure --no-tests=error
 
 install: program
 	cmake --install $(BUILD) --prefix $(PREFIX)

@@ -8,8 +8,8 @@
 #include <set>
 
 #include "anatomesh/contour/arrangement.h"
+#include "anatomesh/contour/boundary_loops.h"
 #include "anatomesh/geom/polygon.h"
-#include "anatomesh/geom/predicates.h"
 
 namespace anatomesh {
 
@@ -219,12 +219,9 @@ class Reader {
             if (p.from != q.from) return lexicographic_less(graph_.at[p.from], graph_.at[q.from]);
             return lexicographic_less(graph_.at[p.to], graph_.at[q.to]);
         });
-        leaving_.assign(graph_.at.size(), {});
-        for (std::uint32_t b = 0; b < boundary_.size(); ++b) leaving_[boundary_[b].from].push_back(b);
-        std::vector<char> used(boundary_.size(), 0);
-        for (std::uint32_t start = 0; start < boundary_.size(); ++start) {
-            if (!used[start]) walk(start, used);
-        }
+        std::vector<BoundaryEdge> edges;
+        for (const Boundary& edge : boundary_) edges.push_back({edge.from, edge.to});
+        for (const std::vector<std::uint32_t>& loop : boundary_loops(graph_.at, edges)) emit(loop);
         count_kept_points();
     }
 
@@ -233,54 +230,6 @@ class Reader {
             if (!(p[i] == q[i])) return std::min(p[i].ring, q[i].ring);
         }
         return p.size() > q.size() ? p[q.size()].ring : q[p.size()].ring;
-    }
-
-    // The boundary edge that bounds the same wedge of the region: the first clockwise from where `edge` came.
-    std::uint32_t successor(std::uint32_t edge, const std::vector<char>& used) const {
-        const Vec2 v = graph_.at[boundary_[edge].to], back = graph_.at[boundary_[edge].from];
-        std::uint32_t best = static_cast<std::uint32_t>(boundary_.size());
-        for (std::uint32_t candidate : leaving_[boundary_[edge].to]) {
-            if (used[candidate]) continue;
-            if (best == boundary_.size() || clockwise_before(v, back, graph_.at[boundary_[candidate].to],
-                                                             graph_.at[boundary_[best].to])) {
-                best = candidate;
-            }
-        }
-        return best;
-    }
-
-    // Whether, turning clockwise about v from the direction of `back`, p comes before q. All three differ in
-    // direction.
-    static bool clockwise_before(Vec2 v, Vec2 back, Vec2 p, Vec2 q) {
-        const bool p_right = is_right(v, back, p), q_right = is_right(v, back, q);
-        if (p_right != q_right) return p_right;
-        return orient2d(v, p, q) < 0;
-    }
-
-    // Whether p is reached from `back` by turning clockwise about v by 180 degrees or less.
-    static bool is_right(Vec2 v, Vec2 back, Vec2 p) { return orient2d(v, back, p) <= 0; }
-
-    // Follows the boundary from `start` and cuts the walk into simple loops at vertices it meets again.
-    void walk(std::uint32_t start, std::vector<char>& used) {
-        std::vector<std::uint32_t> path;
-        std::map<std::uint32_t, std::size_t> position;  // of the vertices an edge of the path leaves from
-        std::uint32_t edge = start;
-        while (edge < boundary_.size()) {
-            used[edge] = 1;
-            position[boundary_[edge].from] = path.size();
-            path.push_back(edge);
-            const auto met = position.find(boundary_[edge].to);
-            if (met != position.end()) {
-                const std::size_t begin = met->second;
-                emit({path.data() + begin, path.size() - begin});
-                for (std::size_t i = begin; i < path.size(); ++i) position.erase(boundary_[path[i]].from);
-                path.resize(begin);
-                if (path.empty()) break;
-                edge = successor(path.back(), used);
-                continue;
-            }
-            edge = successor(edge, used);
-        }
     }
 
     void emit(std::span<const std::uint32_t> loop) {
@@ -322,7 +271,6 @@ class Reader {
     std::vector<std::uint32_t> group_;                // union-find
     std::vector<std::vector<std::uint32_t>> inside_;  // per ring: the rings it lies in
     std::vector<Boundary> boundary_;
-    std::vector<std::vector<std::uint32_t>> leaving_;  // per vertex: boundary edges from it
     std::set<std::uint32_t> on_result_;                // vertices
 };
 

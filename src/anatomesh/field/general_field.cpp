@@ -8,6 +8,7 @@
 #include <span>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/field/caps.h"
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/slice_regions.h"
@@ -47,6 +48,7 @@ struct Sight {
     std::uint32_t count = 0;
     double outside = 0;  // weight of "outside"
     double beyond_end = never;
+    double rounded_at = 0, rounded_radius = 0;  // height in a rounded end, and the radius; 0 elsewhere
 
     std::span<const Seen> patches() const { return {near.data(), count}; }
 };
@@ -145,14 +147,14 @@ void GeneralField::find_near(Vec3 p, Sight& sight) const {
         const PlanePatch& patch = patches_[keys[n].patch].patch;
         const double height = patch.plane.signed_distance(p);
         const double across = std::clamp(height, patch.low, patch.high) - height;
-        const Vec2 at = patch.plane.to_plane(p), way = way_to_box(patch, at);
+        const Vec2 foot = patch.plane.to_plane(p), way = way_to_box(patch, foot);
         sight.near[n] = {keys[n].patch,
                          std::sqrt(keys[n].square),
                          height,
                          length(way),
                          0,
                          way.x * patch.plane.u + way.y * patch.plane.v + across * patch.plane.normal,
-                         at};
+                         foot};
     }
 }
 
@@ -205,7 +207,13 @@ void GeneralField::end(Sight& sight) const {
     }
     const FieldPatch& first = patches_[sight.near[0].patch];
     const bool is_open = sight.near[0].height > 0 ? first.open_above : first.open_below;
-    if (is_open && sight.near[0].lateral == 0) return;
+    if (is_open && sight.near[0].lateral == 0) {
+        if (caps_ == EndCaps::rounded) {
+            sight.rounded_at = std::abs(sight.near[0].height);
+            sight.rounded_radius = half;
+        }
+        return;
+    }
     double total = 0;
     Vec3 pull;
     for (const Seen& near : sight.patches()) {
@@ -256,7 +264,8 @@ double GeneralField::blend(std::uint32_t structure, const Sight& sight) const {
         }
     }
     if (std::isfinite(on_patch)) return on_patch;
-    return sum / total;
+    const double value = sum / total;
+    return sight.rounded_radius > 0 ? rounded_end(value, sight.rounded_at, sight.rounded_radius) : value;
 }
 
 // The lowest structure from `from` on that a patch in sight draws.

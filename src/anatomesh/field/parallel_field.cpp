@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/field/caps.h"
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/levels.h"
@@ -52,18 +53,18 @@ double blend_distances(double a, double b, double t, double gap, double softness
     return (weight_a * a + weight_b * b) * inverse + std::clamp(bow, -most, most);
 }
 
-// Between a slice (distance d, t = 0) and one on which the structure is not drawn at all: it keeps its shape
-// half-way.
-double ending(double d, double t) {
-    return (1 - t) * d + t * std::abs(d);
+// Between a slice (distance d, t = 0) and one on which the structure is not drawn at all, a gap away: it keeps its
+// shape half-way, or is rounded there.
+double ending(double d, double t, double gap, bool rounded) {
+    return rounded ? rounded_end(d, t * gap, 0.5 * gap) : (1 - t) * d + t * std::abs(d);
 }
 
 // A structure along the normal: its levels, each with its distance map, and a table from position to level.
 class Track {
   public:
     Track() = default;
-    Track(StructureLevels levels, const std::vector<std::int32_t>& map_of_slice)
-        : flat_(std::move(levels.flat)) {
+    Track(StructureLevels levels, const std::vector<std::int32_t>& map_of_slice, bool rounded)
+        : flat_(std::move(levels.flat)), rounded_(rounded) {
         for (const Level& level : levels.levels) {
             levels_.push_back({level.low, level.high,
                                level.slice == Level::no_slice ? empty_level : map_of_slice[level.slice]});
@@ -101,8 +102,10 @@ class Track {
         if (z <= below.high) return below.map == empty_level ? clamp : distance(below, q);
         const Known& above = levels_[i + 1];
         const double gap = above.low - below.high, t = (z - below.high) / gap;
-        if (above.map == empty_level) return below.map == empty_level ? clamp : ending(distance(below, q), t);
-        if (below.map == empty_level) return ending(distance(above, q), 1 - t);
+        if (above.map == empty_level) {
+            return below.map == empty_level ? clamp : std::min(ending(distance(below, q), t, gap, rounded_), clamp);
+        }
+        if (below.map == empty_level) return std::min(ending(distance(above, q), 1 - t, gap, rounded_), clamp);
         const SliceMotion::Path path = motions_[i].at(q, t);
         const double value =
             blend_distances(distance(below, q - t * path.move), distance(above, q + (1 - t) * path.move), t,
@@ -139,10 +142,11 @@ class Track {
         std::int32_t below, above;
         double below_low, below_high, above_low;
         const SliceMotion* motion;
+        bool rounded;  // how it ends where one of them is empty
     };
     Pair pair(std::size_t i) const {
         return {levels_[i].map,  levels_[i + 1].map, levels_[i].low,
-                levels_[i].high, levels_[i + 1].low, &motions_[i]};
+                levels_[i].high, levels_[i + 1].low, &motions_[i], rounded_};
     }
 
     // Calls body(z from, z to, map, how far the structure moves beside it) for the stretch of the axis on
@@ -168,7 +172,7 @@ class Track {
     std::vector<StructureLevels::Extent> flat_;
     std::vector<std::uint32_t> buckets_;
     double inverse_bucket_ = 0;
-    bool is_flat_ = false;
+    bool is_flat_ = false, rounded_ = false;
 };
 
 class ParallelField final : public FieldQueries<ParallelField> {
@@ -325,7 +329,7 @@ void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceI
         const bool is_union = s == set.structures.size();
         StructureLevels levels = structure_levels(intervals, drawn, set.exclusive, spacing_, options);
         if (!is_union) warn_about_levels(set, s, levels, context);
-        (is_union ? union_ : tracks_[s]) = Track(std::move(levels), map_of_[s]);
+        (is_union ? union_ : tracks_[s]) = Track(std::move(levels), map_of_[s], options.caps == EndCaps::rounded);
     }
 }
 
@@ -462,7 +466,8 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
     const double by_slices = 0.5 * (a < 0) + 0.5 * (b < 0);
     const double gap = pair.above_low - pair.below_high;
     if (!partition_ || is_alone(structure, pair, q)) {
-        if (pair.below == empty_level || pair.above == empty_level) return 0;
+        if (pair.below == empty_level || pair.above == empty_level)
+            return pair.rounded ? rounded_height(std::min(a, b), 0.5 * gap) / gap - by_slices : 0;
         const Vec3 foot = frame_.to_space(q) + pair.below_high * frame_.normal;
         constexpr int parts = 6;
         double inside = 0, last = a;
@@ -506,8 +511,8 @@ StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Track:
         if (map == pair.below) thickness = drawn.area() * (pair.below_high - pair.below_low);
     }
     StructureVolume volume{gap * area + thickness, gap * area + thickness};
-    if (box.empty() || (!partition_ && (pair.below == empty_level || pair.above == empty_level)))
-        return volume;
+    const bool is_prism = !pair.rounded && (pair.below == empty_level || pair.above == empty_level);
+    if (box.empty() || (!partition_ && is_prism)) return volume;
     box = box.grown(pair.motion->max_move() + (partition_ ? 0.25 * clamp_ : 0));
     const double correction =
         lattice_integral(box, points, [&](Vec2 q) { return inside_share(structure, pair, q); });

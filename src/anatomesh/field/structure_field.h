@@ -15,7 +15,8 @@ struct VolumeOptions;
 
 enum class EndCaps : std::uint8_t {
     half,  // half a slice beyond the last contour: the volume a label map means
-    flat   // the structure ends at its last contour; a single-slice island still gets half
+    flat,  // the structure ends at its last contour; a single-slice island still gets half
+    rounded  // as half, its rim rounded by a quarter circle of half a slice
 };
 
 struct FieldOptions {

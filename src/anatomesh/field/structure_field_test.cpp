@@ -207,6 +207,32 @@ TEST(StructureField, half_caps_end_half_a_slice_beyond_flat_caps_at_the_contour)
     EXPECT_GT(flat->value(0, {0, 0, -0.001}), 0);
 }
 
+TEST(StructureField, C19_rounded_caps_are_half_caps_with_a_quarter_circle_along_the_rim) {
+    SetBuilder builder;
+    for (const double z : {0.0, 3.0, 6.0}) {
+        builder.slice(axial(z));
+        builder.ring(0, circle({}, 10, 400));
+    }
+    FieldOptions options;
+    options.caps = EndCaps::rounded;
+    const FieldPointer field = field_of(builder.set, options);
+    EXPECT_EQ(field->value(0, builder.set.points.front()), 0.0);
+    for (const double h : {0.1, 0.5, 1.0, 1.4}) {
+        const double reach = 10 - 1.5 + std::sqrt(1.5 * 1.5 - h * h);
+        for (const double z : {6 + h, -h}) {
+            EXPECT_LT(field->value(0, {reach - 0.01, 0, z}), 0) << h;
+            EXPECT_GT(field->value(0, {reach + 0.01, 0, z}), 0) << h;
+        }
+    }
+    EXPECT_LT(field->value(0, {0, 0, 7.499}), 0);
+    EXPECT_GT(field->value(0, {0, 0, 7.501}), 0);
+    // Continuous from the slice to a spacing beyond it.
+    for (double z = 6; z < 8.98; z += 0.01) {
+        for (const double x : {0.0, 8.0, 8.6, 9.9, 10.5, 13.0})
+            EXPECT_NEAR(field->value(0, {x, 0, z}), field->value(0, {x, 0, z + 0.01}), 0.06) << x << " " << z;
+    }
+}
+
 TEST(StructureField, flat_caps_leave_half_to_an_island_on_one_slice_and_say_so) {
     SetBuilder builder;
     for (const double z : {0.0, 3.0, 6.0}) {

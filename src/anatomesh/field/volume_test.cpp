@@ -58,6 +58,21 @@ TEST(FieldVolumes, prism_with_half_and_flat_caps_is_exact) {
     EXPECT_NEAR(flat.by_slices, 16000, 1e-6);
 }
 
+// What the quarter circle of radius r cuts from the rim of a circle of radius R, by Pappus: its area (1 - pi / 4) r^2,
+// the middle of which lies 0.2234 r from the sides.
+TEST(FieldVolumes, rounded_caps_lose_what_the_rim_loses) {
+    SetBuilder builder;
+    for (const double z : {0.0, 3.0, 6.0, 9.0}) {
+        builder.slice(axial(z));
+        builder.ring(0, circle({}, 20, 720));
+    }
+    FieldOptions options;
+    options.caps = EndCaps::rounded;
+    const double pi = std::numbers::pi, r = 1.5;
+    const double cut = (1 - pi / 4) * r * r * 2 * pi * (20 - 0.2234 * r);
+    EXPECT_NEAR(volumes_of(builder.set, options).front().by_field, pi * 400 * 12 - 2 * cut, 0.02 * cut + 1);
+}
+
 // Slices at regular positions integrate a ball's cross-sections almost exactly; the field, between them, must
 // follow.
 TEST(FieldVolumes, ball_and_torus_agree_with_their_formulas) {

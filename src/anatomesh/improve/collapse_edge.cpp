@@ -6,6 +6,23 @@ namespace anatomesh {
 
 namespace {
 
+// Whether (a, b, c) is a facet between two regions. Uses bench.others.
+bool is_surface_facet(Workbench& bench, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    bench.mesh.star(a, bench.others);
+    for (const std::uint32_t n : bench.others) {
+        const Cell& cell = bench.mesh.cell(n);
+        for (int i = 0; i < 4; ++i) {
+            if (cell[i] == a || cell[i] == b || cell[i] == c) continue;
+            const bool has_both = std::find(cell.begin(), cell.end(), b) != cell.end() &&
+                                  std::find(cell.begin(), cell.end(), c) != cell.end();
+            const std::uint32_t beyond = bench.mesh.neighbor(n, i);
+            if (has_both && beyond != no_cell && bench.mesh.region(beyond) != bench.mesh.region(n))
+                return true;
+        }
+    }
+    return false;
+}
+
 // A vertex of a surface between two regions may go along an edge of it, if the only neighbours on the surface
 // that both ends share are the two across the edge (link condition, Dey, Edelsbrunner, Guha and Nekhayev,
 // Publ. Inst. Math. 66, 1999), and if the surface stays near the field's interface.
@@ -14,11 +31,18 @@ bool may_leave_surface(Workbench& bench, std::uint32_t from, std::uint32_t to) {
     if (!surface_facets_at(bench, from, rim)) return false;
     double before = 0;
     for (const auto& [u, w] : rim) {
-        before = std::max(before, bench.facet_distance(bench.mesh.point(from), bench.mesh.point(u), bench.mesh.point(w)));
+        before = std::max(
+            before, bench.facet_distance(bench.mesh.point(from), bench.mesh.point(u), bench.mesh.point(w)));
     }
     int at_edge = 0;
     for (const auto& [u, w] : rim) at_edge += u == to || w == to;
     if (at_edge != 2) return false;
+    // The surface of a single cell would vanish.
+    if (rim.size() == 3) {
+        for (const auto& [u, w] : rim) {
+            if (u != to && w != to && is_surface_facet(bench, to, u, w)) return false;
+        }
+    }
     const Vec3 p = bench.mesh.point(from), q = bench.mesh.point(to);
     for (const auto& [u, w] : rim) {
         if (u == to || w == to) continue;

@@ -407,7 +407,8 @@ class Builder {
         move_back(mesh.points);
         // Contour vertices keep the coordinates that they came with, bit for bit.
         for (std::size_t n = 0; n < model_.contour_vertices.size(); ++n) {
-            mesh.points[model_.contour_vertices[n]] = source_.points[n];
+            const std::uint32_t v = model_.contour_vertices[n];
+            if (v != no_cell) mesh.points[v] = source_.points[n];  // one that was lost is the certificate's to find
         }
         model_.structures = contours_.structures;
         model_.field = field_;

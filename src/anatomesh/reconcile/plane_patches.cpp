@@ -3,13 +3,16 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace anatomesh {
 
 namespace {
 
 constexpr double cos_30 = 0.866;
-constexpr double least_sine = 1e-4;  // planes at a smaller angle have no common line worth the name
+constexpr std::size_t crowd = 4;           // neighbours that share the room on both sides of a place
+constexpr std::size_t least_crowded = 12;  // planes
+constexpr double least_sine = 1e-4;        // planes at a smaller angle have no common line worth the name
 
 std::array<Vec3, 4> corners(const PlanePatch& patch, double margin) {
     const Box2 box = patch.box.grown(margin);
@@ -55,7 +58,7 @@ std::vector<PlanePatch> plane_patches(const ContourSet& set) {
 
 PlaneSpacings plane_spacings(const ContourSet& set, const std::vector<PlanePatch>& patches) {
     const std::size_t samples = std::clamp<std::size_t>(4000 / (patches.size() + 1), 2, 16);
-    std::vector<double> gaps;
+    std::vector<double> gaps, shares;
     for (std::size_t i = 0; i < patches.size(); ++i) {
         std::vector<Vec3> points;
         for (const Contour& contour : set.contours_of(set.slices[i])) {
@@ -64,13 +67,18 @@ PlaneSpacings plane_spacings(const ContourSet& set, const std::vector<PlanePatch
         }
         for (std::size_t sample = 0; sample < std::min(samples, points.size()); ++sample) {
             const Vec3 p = points[points.size() * sample / std::min(samples, points.size())];
-            double nearest = std::numeric_limits<double>::infinity();
+            std::array<double, crowd> near;  // the nearest, rising
+            near.fill(std::numeric_limits<double>::infinity());
             for (std::size_t j = 0; j < patches.size(); ++j) {
                 if (j == i || patches[j].box.empty()) continue;
                 if (std::abs(dot(patches[i].plane.normal, patches[j].plane.normal)) < cos_30) continue;
-                nearest = std::min(nearest, length(patches[j].offset_from(p, 0)));
+                double distance = length(patches[j].offset_from(p, 0));
+                for (double& one : near) {
+                    if (distance < one) std::swap(distance, one);
+                }
             }
-            if (std::isfinite(nearest) && nearest > 0) gaps.push_back(nearest);
+            if (std::isfinite(near[0]) && near[0] > 0) gaps.push_back(near[0]);
+            if (std::isfinite(near[crowd - 1])) shares.push_back(near[crowd - 1] / (crowd / 2));
         }
     }
     if (gaps.empty()) {
@@ -78,7 +86,14 @@ PlaneSpacings plane_spacings(const ContourSet& set, const std::vector<PlanePatch
         return {apart, apart};
     }
     std::sort(gaps.begin(), gaps.end());
-    return {gaps[gaps.size() / 2], gaps[gaps.size() * 9 / 10]};
+    std::sort(shares.begin(), shares.end());
+    PlaneSpacings spacings{gaps[gaps.size() / 2], gaps[gaps.size() * 9 / 10]};
+    // Planes that cross here and there are near each other by chance: among many, the room each has counts.
+    if (2 * shares.size() > gaps.size() && patches.size() >= least_crowded) {
+        spacings.median = std::max(spacings.median, shares[shares.size() / 2]);
+        spacings.wide = std::max(spacings.wide, spacings.median);
+    }
+    return spacings;
 }
 
 std::vector<std::pair<std::uint32_t, std::uint32_t>> crossing_pairs(const std::vector<PlanePatch>& patches,

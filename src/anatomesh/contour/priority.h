@@ -1,0 +1,34 @@
+// give_overlaps: where structures overlap, the one that comes first keeps what both have.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/contour/contour_set.h"
+
+namespace anatomesh {
+
+// What a structure had to give to others, over all slices.
+struct GivenOverlap {
+    double area_mm2 = 0;       // of its drawn regions
+    std::uint32_t slices = 0;  // on which it gave something
+};
+
+struct PriorityResult {
+    ContourSet kept;
+    std::vector<GivenOverlap> given;  // per structure of the set
+};
+
+// In every slice the region of a structure becomes what is left of it outside those that come before it in
+// `order`; structures that `order` does not name come after all others, by index. Requires: a kept contour
+// set; indices of `order` below its structures, none twice. Guarantees: a kept contour set whose structures
+// exclude each other (`exclusive` is set); all drawn vertices that still bound something keep their
+// coordinates, and where contours crossed both have the crossing as a vertex; loops narrower than 1e-3 mm
+// that only crossings made are left out. Errors: geometry E-PRI-001 contours that cross too often, and those
+// of clean_contours. A structure of which nothing is left is left out and warned about (W-CON-001).
+// Complexity: O((n + k) log n) a slice, k crossings.
+Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<std::uint32_t>& order,
+                                     RunContext& context);
+
+}  // namespace anatomesh

@@ -1,0 +1,141 @@
+#include "anatomesh/contour/priority.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "anatomesh/contour/clean.h"
+#include "anatomesh/contour/contour_laws_test.h"
+#include "anatomesh/geom/polygon.h"
+
+namespace anatomesh {
+namespace {
+
+using Polygon = std::vector<Vec2>;
+
+Polygon square(Vec2 low, Vec2 high) {
+    return {low, {high.x, low.y}, high, {low.x, high.y}};
+}
+
+// Drawn on one axial slice, structure by structure.
+ContourSet kept(const std::vector<std::pair<std::uint32_t, Polygon>>& drawn) {
+    RawContours raw;
+    for (const auto& [structure, polygon] : drawn) {
+        while (raw.structures.size() <= structure) {
+            const auto number = static_cast<std::int32_t>(raw.structures.size()) + 1;
+            raw.structures.push_back({number, "S" + std::to_string(number), {}});
+        }
+        RawContour contour;
+        contour.structure = structure;
+        contour.first_point = static_cast<std::uint32_t>(raw.points.size());
+        contour.point_count = static_cast<std::uint32_t>(polygon.size());
+        raw.contours.push_back(contour);
+        for (const Vec2 q : polygon) raw.points.push_back({q.x, q.y, 5});
+    }
+    RunContext context;
+    return clean_contours(raw, {}, context).value().kept;
+}
+
+double area_of(const ContourSet& set, std::uint32_t structure) {
+    double area = 0;
+    for (const Contour& contour : set.contours) {
+        if (contour.structure != structure) continue;
+        Polygon polygon;
+        for (const Vec3& p : set.points_of(contour)) polygon.push_back({p.x, p.y});
+        area += signed_area(polygon);
+    }
+    return area;
+}
+
+PriorityResult given(const ContourSet& set, const std::vector<std::uint32_t>& order) {
+    RunContext context;
+    auto result = give_overlaps(set, order, context);
+    EXPECT_TRUE(result.ok());
+    return std::move(result).value();
+}
+
+TEST(Priority, an_overlap_goes_to_the_structure_named_first) {
+    const ContourSet set = kept({{0, square({0, 0}, {10, 10})}, {1, square({6, 2}, {16, 8})}});
+    const PriorityResult first = given(set, {0, 1}), second = given(set, {1, 0}), none = given(set, {});
+    EXPECT_NEAR(area_of(first.kept, 0), 100, 1e-9);
+    EXPECT_NEAR(area_of(first.kept, 1), 36, 1e-9);
+    EXPECT_NEAR(first.given[1].area_mm2, 24, 1e-9);
+    EXPECT_EQ(first.given[0].slices, 0u);
+    EXPECT_NEAR(area_of(second.kept, 0), 76, 1e-9);
+    EXPECT_NEAR(area_of(second.kept, 1), 60, 1e-9);
+    EXPECT_NEAR(area_of(none.kept, 1), 36, 1e-9);
+    EXPECT_TRUE(first.kept.exclusive);
+}
+
+TEST(Priority, both_have_the_points_where_their_contours_crossed) {
+    const ContourSet set = kept({{0, square({0, 0}, {10, 10})}, {1, square({6, 2}, {16, 8})}});
+    const PriorityResult result = given(set, {0});
+    const auto less = [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); };
+    for (const Contour& contour : result.kept.contours) {
+        const auto points = result.kept.points_of(contour);
+        const std::set<Vec3, decltype(less)> own(points.begin(), points.end(), less);
+        EXPECT_EQ(own.count({10, 2, 5}), 1u);
+        EXPECT_EQ(own.count({10, 8, 5}), 1u);
+    }
+}
+
+TEST(Priority, what_lies_inside_becomes_a_hole_of_the_structure_around_it) {
+    const ContourSet set =
+        kept({{0, square({0, 0}, {20, 20})}, {1, square({5, 5}, {9, 9})}, {2, square({12, 5}, {16, 9})}});
+    const PriorityResult result = given(set, {2, 1});
+    EXPECT_NEAR(area_of(result.kept, 0), 400 - 32, 1e-9);
+    EXPECT_EQ(result.kept.contours.size(), 5u);
+    EXPECT_NEAR(result.given[0].area_mm2, 32, 1e-9);
+}
+
+TEST(Priority, a_hole_is_no_overlap) {
+    const ContourSet set =
+        kept({{0, square({0, 0}, {20, 20})}, {0, square({4, 4}, {12, 12})}, {1, square({4, 4}, {12, 12})}});
+    const PriorityResult result = given(set, {0, 1});
+    EXPECT_NEAR(area_of(result.kept, 0), 400 - 64, 1e-9);
+    EXPECT_NEAR(area_of(result.kept, 1), 64, 1e-9);
+    for (const GivenOverlap& overlap : result.given) EXPECT_EQ(overlap.slices, 0u);
+}
+
+TEST(Priority, structures_that_do_not_overlap_keep_every_vertex) {
+    const ContourSet set = kept({{0, square({0, 0}, {10, 10})}, {1, square({10.5, 2}, {16, 8})}});
+    const PriorityResult result = given(set, {1});
+    EXPECT_EQ(result.kept.points, set.points);
+}
+
+TEST(Priority, a_structure_wholly_inside_one_before_it_is_left_out_and_said) {
+    const ContourSet set = kept({{0, square({0, 0}, {20, 20})}, {1, square({5, 5}, {9, 9})}});
+    RunContext context;
+    const auto result = give_overlaps(set, {0}, context);
+    ASSERT_TRUE(result.ok());
+    EXPECT_EQ(result.value().kept.structures.size(), 1u);
+    ASSERT_FALSE(context.warnings.empty());
+    EXPECT_EQ(context.warnings.front().code, "W-CON-001");
+}
+
+// Discs at random: areas add up to that of the union, whatever the order.
+TEST(Priority, nothing_is_lost_and_nothing_is_twice) {
+    std::vector<std::pair<std::uint32_t, Polygon>> drawn;
+    for (std::uint32_t s = 0; s < 5; ++s) {
+        Polygon polygon;
+        for (int i = 0; i < 40; ++i) {
+            const double a = 2 * std::acos(-1.0) * i / 40 + 0.1 * s;
+            polygon.push_back(Vec2{3.1 * s, 1.7 * (s % 3)} + (5 + 0.3 * s) * Vec2{std::cos(a), std::sin(a)});
+        }
+        drawn.emplace_back(s, polygon);
+    }
+    const ContourSet set = kept(drawn);
+    double all = 0;
+    for (const std::vector<std::uint32_t>& order :
+         {std::vector<std::uint32_t>{0, 1, 2, 3, 4}, {4, 2, 0, 3, 1}, {3, 1}}) {
+        const PriorityResult result = given(set, order);
+        double sum = 0;
+        for (std::uint32_t s = 0; s < result.kept.structures.size(); ++s) sum += area_of(result.kept, s);
+        if (all == 0) all = sum;
+        EXPECT_NEAR(sum, all, 1e-6);
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh
