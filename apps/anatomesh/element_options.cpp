@@ -33,7 +33,7 @@ Status add_grey(ModelFile& model, const InputOptions& image, bool again, Session
     const std::size_t said = session.context.warnings.size();
     ANATOMESH_TRY(const OpenedInput opened, open_input(image, session.context));
     if (again) session.context.warnings.resize(said);
-    if (!opened.image) {
+    if (!opened.image || !opened.image->poses.empty()) {
         return Error{ErrorKind::input,
                      "E-CMD-012",
                      "there are no grey values in this file",

@@ -59,6 +59,7 @@ TEST(InVesalius, N11_damaged_property_lists) {
     EXPECT_EQ(read_list(deep), "E-INV-004");
     EXPECT_EQ(read_list("<plist><dict></array></plist>"), "E-INV-004");
     EXPECT_EQ(read_list("<plist><string>x</string></plist>"), "E-INV-004");
+    EXPECT_EQ(read_list("<plist><dict></></dict></plist>"), "E-INV-004");
     EXPECT_EQ(read_list("<plist><dict><key>a</key><string>x</integer></dict></plist>"), "E-INV-004");
 }
 

@@ -51,7 +51,7 @@ bool next_tag(std::string_view& xml, Tag& tag) {
         xml.remove_prefix(end + (comment ? 3 : 1));
         if (comment || inner.starts_with("!") || inner.starts_with("?")) continue;
         tag.closing = inner.starts_with("/");
-        tag.empty = inner.ends_with("/");
+        tag.empty = !tag.closing && inner.ends_with("/");  // "</>" is the end of nothing
         if (tag.closing) inner.remove_prefix(1);
         if (tag.empty) inner.remove_suffix(1);
         tag.name = inner.substr(0, inner.find_first_of(" \t\r\n"));
