@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 namespace anatomesh {
 
@@ -12,5 +13,20 @@ namespace anatomesh {
 // Follows: oneTBB parallel_for with a fixed partition.
 void parallel_for(std::size_t count, std::size_t grain, int threads,
                   const std::function<void(std::size_t begin, std::size_t end)>& body);
+
+// Calls body(begin, end, out) as parallel_for does, with an empty `out` for each piece, and returns what the
+// pieces put there, one after the other: the same for any number of threads.
+template <class T, class Body>
+std::vector<T> parallel_collect(std::size_t count, std::size_t grain, int threads, const Body& body) {
+    std::vector<std::vector<T>> parts((count + grain - 1) / grain);
+    parallel_for(count, grain, threads,
+                 [&](std::size_t begin, std::size_t end) { body(begin, end, parts[begin / grain]); });
+    std::size_t size = 0;
+    for (const std::vector<T>& part : parts) size += part.size();
+    std::vector<T> all;
+    all.reserve(size);
+    for (const std::vector<T>& part : parts) all.insert(all.end(), part.begin(), part.end());
+    return all;
+}
 
 }  // namespace anatomesh

@@ -28,6 +28,21 @@ TEST(ParallelFor, every_index_once_for_any_count_grain_and_threads) {
     }
 }
 
+TEST(ParallelFor, what_is_collected_keeps_its_order) {
+    for (const std::size_t count : {0, 1, 100, 1003}) {
+        for (const int threads : {1, 2, 5}) {
+            const auto even = parallel_collect<std::size_t>(
+                count, 10, threads, [](std::size_t begin, std::size_t end, std::vector<std::size_t>& out) {
+                    for (std::size_t i = begin; i < end; ++i) {
+                        if (i % 2 == 0) out.push_back(i);
+                    }
+                });
+            ASSERT_EQ(even.size(), (count + 1) / 2);
+            for (std::size_t i = 0; i < even.size(); ++i) EXPECT_EQ(even[i], 2 * i);
+        }
+    }
+}
+
 TEST(ParallelFor, pieces_depend_on_count_and_grain_alone) {
     const auto pieces = [](int threads) {
         std::mutex mutex;

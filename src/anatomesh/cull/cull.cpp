@@ -38,24 +38,31 @@ class Judge {
 
     // The members at p; nullptr when p lies within tolerance of an interface.
     const Members* side(Vec3 p, double tolerance) {
-        return probe_.distance(p) <= tolerance ? nullptr : &probe_.members(p);
+        const InterfaceProbe::Look there = probe_.look(p, tolerance);
+        return there.distance <= tolerance ? nullptr : &there.members;
     }
 
     // The winner is copied to `members`. `preferred` is the one region of the vertices off the interfaces, or null.
     void decide(const std::array<Vec3, 4>& p, const Members* preferred, Members& members) {
         const Vec3 centroid = 0.25 * (p[0] + p[1] + p[2] + p[3]);
-        members = probe_.members(centroid);
-        if (preferred && members == *preferred) return;
+        if (preferred && probe_.members(centroid) == *preferred) {
+            members = *preferred;
+            return;
+        }
         std::size_t used = 0;
-        add_vote(votes_, used, members, probe_.distance(centroid));
-        for (const Vec3& q : p) {
-            const Vec3 half_way = 0.5 * (centroid + q);
-            const Members& there = probe_.members(half_way);
-            if (preferred && there == *preferred) {
-                members = there;
-                return;
+        // Adds the vote of a point; whether it settles the matter.
+        const auto settles = [&](Vec3 q) {
+            const InterfaceProbe::Look there = probe_.look(q);
+            if (preferred && there.members == *preferred) {
+                members = *preferred;
+                return true;
             }
-            add_vote(votes_, used, there, probe_.distance(half_way));
+            add_vote(votes_, used, there.members, there.distance);
+            return false;
+        };
+        settles(centroid);
+        for (const Vec3& q : p) {
+            if (settles(0.5 * (centroid + q))) return;
         }
         std::size_t winner = 0;
         for (std::size_t n = 1; n < used; ++n) {
@@ -99,12 +106,14 @@ class PieceNumbers {
     std::vector<std::vector<Region>> numbers_;
 };
 
-// The one region of the vertices off the interfaces; undecided_region when there is none, or more than one.
+constexpr Region no_region = 0xFFFF;
+
+// The one region of the vertices off the interfaces; no_region when there is none, or more than one.
 Region common_side(const Cell& cell, const std::vector<Region>& sides) {
-    Region common = undecided_region;
+    Region common = no_region;
     for (const std::uint32_t v : cell) {
         if (sides[v] == on_interface || sides[v] == common) continue;
-        if (common != undecided_region) return undecided_region;
+        if (common != no_region) return no_region;
         common = sides[v];
     }
     return common;
@@ -126,33 +135,35 @@ void find_sides(const std::vector<Vec3>& points, const StructureField& field, st
     for (std::size_t n = 0; n < count; ++n) sides.push_back(numbers.known(n) ? numbers.region(n) : on_interface);
 }
 
-CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells, const std::vector<Region>& sides,
-               const StructureField& field, std::uint32_t structures, std::vector<Region>& regions,
-               RegionRegistry& registry, RunContext& context) {
+CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells, std::span<const std::uint32_t> chosen,
+               const std::vector<Region>& sides, const StructureField& field, std::uint32_t structures,
+               std::vector<Region>& regions, RegionRegistry& registry, RunContext& context) {
     assert(regions.size() == cells.size() && sides.size() == points.size());
     CullStats stats;
-    PieceNumbers numbers(cells.size());
+    PieceNumbers numbers(chosen.size());
     const RegionTable& table = registry.table();
-    parallel_for(cells.size(), grain, context.threads, [&](std::size_t first, std::size_t last) {
+    parallel_for(chosen.size(), grain, context.threads, [&](std::size_t first, std::size_t last) {
         Judge judge(field, structures);
         Members members;
-        for (std::size_t c = first; c < last; ++c) {
-            if (regions[c] != undecided_region) continue;
-            const Cell& cell = cells[c];
+        for (std::size_t n = first; n < last; ++n) {
+            const Cell& cell = cells[chosen[n]];
             const Region side = common_side(cell, sides);
+            const bool all_off = std::none_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return sides[v] == on_interface; });
+            if (all_off && side != no_region) {
+                numbers.set(n, table.members[side]);
+                continue;
+            }
             judge.decide({points[cell[0]], points[cell[1]], points[cell[2]], points[cell[3]]},
-                         side == undecided_region ? nullptr : &table.members[side], members);
-            numbers.set(c, members);
+                         side == no_region ? nullptr : &table.members[side], members);
+            numbers.set(n, members);
         }
     });
     numbers.join(registry);
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-        if (numbers.known(c)) {
-            regions[c] = numbers.region(c);
-            ++stats.decided;
-        }
-        stats.culled += regions[c] == 0;
+    for (std::size_t n = 0; n < chosen.size(); ++n) {
+        regions[chosen[n]] = numbers.region(n);
+        stats.culled += numbers.region(n) == 0;
     }
+    stats.decided = chosen.size();
     return stats;
 }
 

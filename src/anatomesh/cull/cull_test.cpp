@@ -87,18 +87,20 @@ TEST(Cull, sides_name_the_region_of_every_point_or_the_interface) {
     }
 }
 
-TEST(Cull, decided_cells_keep_their_region) {
+TEST(Cull, only_the_chosen_cells_are_decided) {
     const AnalyticField field({ball({}, 5)}, 6);
     CulledMesh mesh = culled_mesh(field, 1, 1);
-    std::vector<Region> regions = mesh.regions;
-    for (std::size_t c = 0; c < regions.size(); c += 3) regions[c] = c % 2 ? Region{0} : Region{1};
-    const std::vector<Region> given = regions;
-    for (std::size_t c = 1; c < regions.size(); c += 3) regions[c] = undecided_region;
+    std::vector<Region> regions(mesh.regions.size(), 7), expected = regions;
+    std::vector<std::uint32_t> chosen;
+    for (std::uint32_t c = 1; c < regions.size(); c += 3) {
+        chosen.push_back(c);
+        expected[c] = mesh.regions[c];
+    }
     RunContext context;
     const CullStats stats =
-        cull(mesh.points(), mesh.cells.cells, mesh.sides, field, 1, regions, mesh.registry, context);
-    EXPECT_EQ(regions, given);
-    EXPECT_EQ(stats.decided, (regions.size() + 1) / 3);
+        cull(mesh.points(), mesh.cells.cells, chosen, mesh.sides, field, 1, regions, mesh.registry, context);
+    EXPECT_EQ(regions, expected);
+    EXPECT_EQ(stats.decided, chosen.size());
     EXPECT_EQ(stats.culled, static_cast<std::uint64_t>(std::count(regions.begin(), regions.end(), 0)));
 }
 

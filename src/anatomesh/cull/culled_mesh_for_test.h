@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -23,15 +24,21 @@ struct CulledMesh {
     PointGrid grid;
 
     const std::vector<Vec3>& points() const { return delaunay.points(); }
+    std::vector<std::uint32_t> all_cells() const {
+        std::vector<std::uint32_t> all(cells.cells.size());
+        std::iota(all.begin(), all.end(), 0u);
+        return all;
+    }
     TetMesh mesh() const { return {points(), cells.cells, regions}; }
 
     void update(const StructureField& field, std::uint32_t structures, double tolerance, int threads = 1) {
         RunContext context;
         context.threads = threads;
-        delaunay.snapshot(cells);
-        regions.assign(cells.cells.size(), undecided_region);
+        cells = delaunay.snapshot();
+        regions.resize(cells.cells.size());
         find_sides(points(), field, structures, tolerance, sides, registry, context);
-        stats = cull(points(), cells.cells, sides, field, structures, regions, registry, context);
+        stats =
+            cull(points(), cells.cells, all_cells(), sides, field, structures, regions, registry, context);
         for (std::size_t n = grid.size(); n < points().size(); ++n) grid.add(points()[n]);
     }
     double volume(std::uint32_t structure) const {

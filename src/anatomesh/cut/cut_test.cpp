@@ -33,8 +33,7 @@ Case random_case(std::uint32_t seed, std::size_t count, const std::vector<std::v
     }
     auto made = Tetrahedralization::create(points);
     EXPECT_TRUE(made.ok());
-    DelaunaySnapshot snapshot;
-    made.value().snapshot(snapshot);
+    const DelaunaySnapshot& snapshot = made.value().snapshot();
     Case result;
     result.mesh.points = made.value().points();
     result.mesh.cells = snapshot.cells;

@@ -80,6 +80,7 @@ struct DelaunayKernel::Worker {
     TentativeList<Facet> facets;
     std::vector<Corner> corners;
     std::vector<std::uint32_t> table;  // of link_by_table
+    std::vector<std::uint32_t> log;
 
     unsigned random_facet() {
         random ^= random << 13;
@@ -364,6 +365,13 @@ void DelaunayKernel::make_cells(Worker& worker, std::uint32_t vertex) {
     }
 }
 
+void DelaunayKernel::log_changes(Worker& worker) const {
+    for (const Worker::Facet& facet : worker.facets.items()) worker.log.push_back(facet.slot);
+    for (std::size_t n = worker.facets.size(); n < worker.cavity.size(); ++n) {
+        worker.log.push_back(worker.cavity[n] >> 2);
+    }
+}
+
 // New cells share a facet where theirs of the boundary share an edge: one has it forwards, the other
 // backwards.
 void DelaunayKernel::link_by_table(Worker& worker, std::vector<KernelCell>& cells) {
@@ -423,6 +431,7 @@ DelaunayKernel::Outcome DelaunayKernel::insert(Worker& worker, std::uint32_t ver
     }
     find_corners(worker, q);
     make_cells(worker, vertex);
+    if (logs_) log_changes(worker);
     worker.last_cell = worker.facets[0].slot;
     return Outcome::inserted;
 }
@@ -536,6 +545,7 @@ void DelaunayKernel::insert_in_regions(Worker& main, std::vector<std::uint32_t>&
         Worker& worker = workers[r];
         vertices.insert(vertices.end(), deferred[r].begin(), deferred[r].end());
         main.free_slots.insert(main.free_slots.end(), worker.free_slots.begin(), worker.free_slots.end());
+        main.log.insert(main.log.end(), worker.log.begin(), worker.log.end());
         for (std::uint32_t slot = worker.end_slot; slot-- > worker.next_slot;)
             main.free_slots.push_back(slot);
         if (worker.last_cell != no_cell) main.last_cell = worker.last_cell;
@@ -604,6 +614,7 @@ bool DelaunayKernel::insert(std::span<const Vec3> points, int threads, std::vect
     }
     cells_.resize(worker.next_slot);
     free_slots_.swap(worker.free_slots);
+    log_.insert(log_.end(), worker.log.begin(), worker.log.end());
     last_cell_ = worker.last_cell;
 
     for (std::uint32_t& vertex : vertices) vertex = vertices_[vertex].representative;

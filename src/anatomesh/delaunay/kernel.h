@@ -50,6 +50,14 @@ class DelaunayKernel {
     }  // unused numbers too
     std::span<const KernelCell> cells() const { return cells_; }
 
+    // The slots whose cells were made or removed since start_log() was called last; a slot may come up more
+    // than once. None before the first call.
+    void start_log() {
+        logs_ = true;
+        log_.clear();
+    }
+    std::span<const std::uint32_t> log() const { return log_; }
+
   private:
     struct Worker;   // what one thread needs to insert points
     struct Regions;  // of space, one for each thread
@@ -84,6 +92,7 @@ class DelaunayKernel {
     void restore(Worker& worker);
     void find_corners(Worker& worker, Vec3 q);
     void make_cells(Worker& worker, std::uint32_t vertex);
+    void log_changes(Worker& worker) const;
     static void link_by_table(Worker& worker, std::vector<KernelCell>& cells);
     static void link_by_sorting(Worker& worker, std::vector<KernelCell>& cells);
 
@@ -95,6 +104,8 @@ class DelaunayKernel {
     std::vector<std::uint8_t> region_of_;  // of each vertex, while regions are in use
     std::vector<std::uint32_t> free_slots_;
     std::uint32_t last_cell_ = 0;  // where the next search starts
+    std::vector<std::uint32_t> log_;
+    bool logs_ = false;
     Box3 box_;
     double orient_bound_ = 0, conflict_bound_ = 0, underflow_bound_ = 0;
     double ghost_scale_ = 0;  // of the forms of ghost cells, so that one bound serves both kinds

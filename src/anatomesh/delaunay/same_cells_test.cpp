@@ -53,9 +53,7 @@ std::vector<Cell> cells_by_cgal(const std::vector<Vec3>& points) {
 DelaunaySnapshot snapshot_of(const std::vector<Vec3>& points, int threads = 1) {
     auto made = Tetrahedralization::create(points, threads);
     EXPECT_TRUE(made.ok()) << to_line(made.error());
-    DelaunaySnapshot snapshot;
-    made.value().snapshot(snapshot);
-    return snapshot;
+    return made.value().snapshot();
 }
 
 std::vector<Cell> cells_of(const std::vector<Vec3>& points) {
@@ -222,7 +220,7 @@ TEST(SameCells, M13_in_any_batches) {
             batch.push_back(points[random() % done]);
             delaunay.value().insert(batch);
             done += count;
-            delaunay.value().snapshot(snapshot);
+            snapshot = delaunay.value().snapshot();
         }
         ASSERT_EQ(delaunay.value().points(), points) << name;
         ASSERT_TRUE(sorted(snapshot.cells) == expected) << name;
@@ -234,16 +232,15 @@ void expect_same_bytes_for_threads(const std::vector<Vec3>& points, std::size_t 
     for (const int threads : {1, 2, 4, 7}) {
         auto delaunay = Tetrahedralization::create(std::span(points).first(first), threads);
         ASSERT_TRUE(delaunay.ok()) << name;
-        DelaunaySnapshot snapshot;
-        delaunay.value().snapshot(snapshot);
+        delaunay.value().snapshot(threads);
         delaunay.value().insert(std::span(points).subspan(first), threads);
-        delaunay.value().snapshot(snapshot);
+        const DelaunaySnapshot& snapshot = delaunay.value().snapshot(threads);
         if (threads == 1) {
             expected = snapshot;
         } else {
             ASSERT_TRUE(snapshot.cells == expected.cells) << name << ", " << threads << " threads";
             ASSERT_TRUE(snapshot.neighbors == expected.neighbors) << name << ", " << threads << " threads";
-            ASSERT_TRUE(snapshot.previous == expected.previous) << name << ", " << threads << " threads";
+            ASSERT_TRUE(snapshot.changed == expected.changed) << name << ", " << threads << " threads";
         }
     }
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/delaunay/kernel.h"
 
 namespace anatomesh {
@@ -61,12 +62,17 @@ struct Tetrahedralization::State {
     std::vector<std::uint32_t> first_vertices;
     std::vector<std::uint32_t> index_of;  // of a kernel's vertex in `points`; no_cell for one not there yet
     std::vector<std::uint32_t> vertices;  // of the last batch, in the kernel
-    std::vector<std::uint32_t> slots;     // of the cells of the last snapshot, in its order
-    std::vector<std::uint32_t> place_of_slot;  // in the snapshot
-    std::uint32_t vertices_then = 0;           // of the kernel, at the last snapshot
+    DelaunaySnapshot snapshot;
+    std::vector<std::uint32_t> slots;          // of the cells of the snapshot
+    std::vector<std::uint32_t> place_of_slot;  // in the snapshot; no_cell for a slot without a finite cell there
+    std::uint32_t vertices_then = 0;           // of the kernel, at the snapshot
 
     bool insert(std::span<const Vec3> added, int threads, std::vector<std::uint32_t>& result);
-    void append_new_cells();
+    std::vector<std::uint32_t> take_removed_places(std::span<const std::uint32_t> touched);
+    std::vector<std::uint32_t> new_cells(std::span<const std::uint32_t> touched, int threads);
+    void put(std::uint32_t slot, std::uint32_t place);
+    void fill_from_the_end(std::span<const std::uint32_t> holes);
+    void write_changed(int threads);
 };
 
 // Numbers new vertices in the caller's order; equal points share one.
@@ -86,36 +92,94 @@ bool Tetrahedralization::State::insert(std::span<const Vec3> added, int threads,
     return true;
 }
 
-// Appends the slots of the finite cells made since the last snapshot, in canonical order: by their last
-// vertex, then by the others.
-void Tetrahedralization::State::append_new_cells() {
+// The places of cells that are gone, rising.
+std::vector<std::uint32_t> Tetrahedralization::State::take_removed_places(std::span<const std::uint32_t> touched) {
+    std::vector<std::uint32_t> places;
+    for (const std::uint32_t slot : touched) {
+        std::uint32_t& place = place_of_slot[slot];
+        if (place == no_cell) continue;
+        places.push_back(place);
+        place = no_cell;
+    }
+    std::sort(places.begin(), places.end());
+    return places;
+}
+
+// The slots of the finite cells made since the snapshot, in canonical order: by their last vertex, then by the
+// others.
+std::vector<std::uint32_t> Tetrahedralization::State::new_cells(std::span<const std::uint32_t> touched, int threads) {
+    constexpr std::uint32_t listed = no_cell - 1;
     const std::span<const KernelCell> cells = kernel.cells();
     const std::uint32_t first = vertices_then, count = kernel.vertex_count() - first;
-    const auto is_new = [&](const KernelCell& cell) {
-        return cell.alive() && cell.vertex[0] >= first && cell.infinite_place() < 0;
-    };
     // Count, scan, fill; then sort the few of one vertex.
-    std::vector<std::uint32_t> ends(count + 1, 0);
-    for (const KernelCell& cell : cells) {
-        if (is_new(cell)) ++ends[last_vertex(cell) - first + 1];
+    std::vector<std::uint32_t> made, ends(count + 1, 0);
+    for (const std::uint32_t slot : touched) {
+        const KernelCell& cell = cells[slot];
+        if (place_of_slot[slot] == listed || !cell.alive() || cell.infinite_place() >= 0) continue;
+        place_of_slot[slot] = listed;
+        made.push_back(slot);
+        ++ends[last_vertex(cell) - first + 1];
     }
     std::partial_sum(ends.begin(), ends.end(), ends.begin());
     struct Entry {
         std::uint32_t b, c, slot;  // the second and the third vertex tell cells of one last vertex apart
     };
-    std::vector<Entry> made(ends.back());
-    for (std::uint32_t slot = 0; slot < cells.size(); ++slot) {
-        if (!is_new(cells[slot])) continue;
+    std::vector<Entry> entries(made.size());
+    for (const std::uint32_t slot : made) {
         const auto& v = cells[slot].vertex;
         const auto& place = canonical_places(v);
-        made[ends[v[place[0]] - first]++] = {v[place[1]], v[place[2]], slot};
+        entries[ends[v[place[0]] - first]++] = {v[place[1]], v[place[2]], slot};
     }
-    for (std::uint32_t v = 0, begin = 0; v < count; begin = ends[v++]) {
-        std::sort(made.begin() + begin, made.begin() + ends[v],
-                  [](const Entry& p, const Entry& q) { return p.b != q.b ? p.b < q.b : p.c < q.c; });
+    parallel_for(count, 4096, threads, [&](std::size_t first_vertex, std::size_t last_vertex) {
+        for (std::size_t v = first_vertex; v < last_vertex; ++v) {
+            std::sort(entries.begin() + (v > 0 ? ends[v - 1] : 0), entries.begin() + ends[v],
+                      [](const Entry& p, const Entry& q) { return p.b != q.b ? p.b < q.b : p.c < q.c; });
+        }
+    });
+    std::transform(entries.begin(), entries.end(), made.begin(), [](const Entry& entry) { return entry.slot; });
+    return made;
+}
+
+void Tetrahedralization::State::put(std::uint32_t slot, std::uint32_t place) {
+    if (place == slots.size()) slots.emplace_back();
+    slots[place] = slot;
+    place_of_slot[slot] = place;
+    snapshot.changed.push_back(place);
+}
+
+// Moves the last cells into the holes, which rise.
+void Tetrahedralization::State::fill_from_the_end(std::span<const std::uint32_t> holes) {
+    const std::size_t size = slots.size() - holes.size();
+    std::size_t last = slots.size(), last_hole = holes.size();
+    for (const std::uint32_t hole : holes) {
+        if (hole >= size) break;
+        for (--last; holes[last_hole - 1] == last; --last) --last_hole;
+        put(slots[last], hole);
     }
-    slots.reserve(slots.size() + made.size());
-    for (const Entry& entry : made) slots.push_back(entry.slot);
+    slots.resize(size);
+}
+
+// The arrays at the changed places, and the links to these of older cells round them.
+void Tetrahedralization::State::write_changed(int threads) {
+    const std::span<const KernelCell> cells = kernel.cells();
+    snapshot.cells.resize(slots.size());
+    snapshot.neighbors.resize(slots.size());
+    const auto write = [&](std::uint32_t n) {
+        const KernelCell& cell = cells[slots[n]];
+        const auto& place = canonical_places(cell.vertex);
+        for (int i = 0; i < 4; ++i) {
+            const std::uint32_t link = cell.link[place[i]], other = place_of_slot[link >> 2];
+            snapshot.cells[n][i] = index_of[cell.vertex[place[i]]];
+            snapshot.neighbors[n][i] = other;
+            if (other == no_cell || cells[link >> 2].vertex[0] >= vertices_then) continue;
+            const auto& there = canonical_places(cells[link >> 2].vertex);
+            const auto back = std::find(there.begin(), there.end(), static_cast<int>(link & 3)) - there.begin();
+            snapshot.neighbors[other][static_cast<std::size_t>(back)] = n;
+        }
+    };
+    parallel_for(snapshot.changed.size(), 4096, threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t n = first; n < last; ++n) write(snapshot.changed[n]);
+    });
 }
 
 Tetrahedralization::Tetrahedralization(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -167,36 +231,34 @@ std::span<const std::uint32_t> Tetrahedralization::first_vertices() const {
     return state_->first_vertices;
 }
 
-void Tetrahedralization::snapshot(DelaunaySnapshot& snapshot) {
-    State& state = *state_;
-    const std::span<const KernelCell> cells = state.kernel.cells();
-    // Cells that are left of the last snapshot keep their order; a slot used again holds a newer vertex.
-    snapshot.previous.clear();
-    std::uint32_t kept = 0;
-    for (std::uint32_t n = 0; n < state.slots.size(); ++n) {
-        const KernelCell& cell = cells[state.slots[n]];
-        if (!cell.alive() || cell.vertex[0] >= state.vertices_then) continue;
-        state.slots[kept++] = state.slots[n];
-        snapshot.previous.push_back(n);
-    }
-    state.slots.resize(kept);
-    state.append_new_cells();
-    state.vertices_then = state.kernel.vertex_count();
+const DelaunaySnapshot& Tetrahedralization::last_snapshot() const {
+    return state_->snapshot;
+}
 
-    const std::size_t count = state.slots.size();
-    snapshot.previous.resize(count, no_cell);
-    snapshot.cells.resize(count);
-    snapshot.neighbors.resize(count);
-    state.place_of_slot.assign(cells.size(), no_cell);
-    for (std::uint32_t n = 0; n < count; ++n) state.place_of_slot[state.slots[n]] = n;
-    for (std::size_t n = 0; n < count; ++n) {
-        const KernelCell& cell = cells[state.slots[n]];
-        const auto& place = canonical_places(cell.vertex);
-        for (int i = 0; i < 4; ++i) {
-            snapshot.cells[n][i] = state.index_of[cell.vertex[place[i]]];
-            snapshot.neighbors[n][i] = state.place_of_slot[cell.link[place[i]] >> 2];
-        }
+const DelaunaySnapshot& Tetrahedralization::snapshot(int threads) {
+    State& state = *state_;
+    std::vector<std::uint32_t> all;
+    std::span<const std::uint32_t> touched = state.kernel.log();
+    if (state.slots.empty()) {
+        all.resize(state.kernel.cells().size());
+        std::iota(all.begin(), all.end(), 0u);
+        touched = all;
     }
+    state.place_of_slot.resize(state.kernel.cells().size(), no_cell);
+    const std::vector<std::uint32_t> removed = state.take_removed_places(touched);
+    const std::vector<std::uint32_t> made = state.new_cells(touched, threads);
+    state.snapshot.changed.clear();
+    std::size_t n = 0;
+    for (; n < made.size(); ++n) {
+        state.put(made[n], n < removed.size() ? removed[n] : static_cast<std::uint32_t>(state.slots.size()));
+    }
+    const bool moves = n < removed.size();
+    if (moves) state.fill_from_the_end(std::span(removed).subspan(n));
+    // A cell that only moved may be written from two sides.
+    state.write_changed(moves ? 1 : threads);
+    state.vertices_then = state.kernel.vertex_count();
+    state.kernel.start_log();
+    return state.snapshot;
 }
 
 }  // namespace anatomesh

@@ -15,14 +15,14 @@
 namespace anatomesh {
 
 // The cells at one moment, as flat arrays. neighbors[c][i] is the cell across the facet opposite vertex i,
-// no_cell on the convex hull. previous[c] is the index the same cell had in the last snapshot taken, no_cell
-// for a cell made since: what was computed for an unchanged cell carries over. Cells left of the last
-// snapshot come first, in the order they had; else neighbours in this order are near in space.
-// Cells, neighbors and their order are a function of the points and their batches, not of the threads.
+// no_cell on the convex hull. A cell keeps its place as long as it is there: what was computed for an
+// unchanged cell stays true. New cells take the places of those that went, in an order in which neighbours
+// are near in space; where more went than came, the last cells move into the places left. Cells, neighbors
+// and their order are a function of the points and their batches, not of the threads.
 struct DelaunaySnapshot {
     std::vector<Cell> cells;
     std::vector<std::array<std::uint32_t, 4>> neighbors;
-    std::vector<std::uint32_t> previous;
+    std::vector<std::uint32_t> changed;  // the places that have another cell than before; rising
 };
 
 // Guarantees: exact predicates for all finite doubles, however large or small. Cospherical points are decided
@@ -51,7 +51,10 @@ class Tetrahedralization {
     const std::vector<Vec3>& points() const;                // distinct, in order of first appearance
     std::span<const std::uint32_t> first_vertices() const;  // vertex of each point given to create()
 
-    void snapshot(DelaunaySnapshot& snapshot);
+    // The cells as they are now; valid until the next call. Complexity: linear in the changes since the last
+    // one.
+    const DelaunaySnapshot& snapshot(int threads = 1);
+    const DelaunaySnapshot& last_snapshot() const;  // as the last call left it; empty before the first
 
   private:
     struct State;

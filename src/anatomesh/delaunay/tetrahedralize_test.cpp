@@ -23,9 +23,7 @@ Tetrahedralization made_of(const std::vector<Vec3>& points) {
 }
 
 DelaunaySnapshot cells_of(Tetrahedralization& delaunay) {
-    DelaunaySnapshot snapshot;
-    delaunay.snapshot(snapshot);
-    return snapshot;
+    return delaunay.snapshot();
 }
 
 double volume_of(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh) {
@@ -38,7 +36,6 @@ double volume_of(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh) 
 // Positive cells, symmetric neighbours that share their facet, every point used.
 void expect_sound(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh) {
     ASSERT_EQ(mesh.neighbors.size(), mesh.cells.size());
-    ASSERT_EQ(mesh.previous.size(), mesh.cells.size());
     std::vector<std::uint8_t> used(points.size(), 0);
     for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
         const Cell& cell = mesh.cells[c];
@@ -273,31 +270,33 @@ TEST(Tetrahedralize, M13_same_points_same_cells) {
     }
 }
 
-// A cell keeps what was computed for it exactly as long as it is the same cell.
-TEST(Tetrahedralize, previous_leads_to_the_same_cell_and_new_cells_have_none) {
+// A cell keeps its place, and what was computed for it there, exactly as long as it is the same cell.
+TEST(Tetrahedralize, cells_that_did_not_change_are_the_same_cells) {
     for (const bool regular : {false, true}) {
         Tetrahedralization delaunay = made_of(regular ? grid(6, whole) : random_points(200, 11));
         DelaunaySnapshot mesh = cells_of(delaunay);
-        for (const std::uint32_t previous : mesh.previous) EXPECT_EQ(previous, no_cell);
+        EXPECT_EQ(mesh.changed.size(), mesh.cells.size());
         for (std::uint32_t round = 0; round < 8; ++round) {
             const DelaunaySnapshot before = mesh;
             std::vector<Vec3> added = random_points(round == 3 ? 0 : 20, 20 + round);
             // Inside, outside and far outside the hull.
             for (Vec3& p : added) p = (round % 3 == 0 ? 1.0 : round % 3 == 1 ? 3.0 : 50.0) * p;
             delaunay.insert(added);
-            delaunay.snapshot(mesh);
+            mesh = cells_of(delaunay);
             const std::vector<Vec3>& points = delaunay.points();
             expect_sound(points, mesh);
             expect_delaunay(points, mesh);
             std::set<std::set<std::uint32_t>> known;
             for (const Cell& cell : before.cells) known.emplace(cell.begin(), cell.end());
+            EXPECT_TRUE(std::is_sorted(mesh.changed.begin(), mesh.changed.end()));
+            std::vector<std::uint8_t> changed(mesh.cells.size(), 0);
+            for (const std::uint32_t c : mesh.changed) changed[c] = 1;
             std::size_t kept = 0;
             for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-                const std::set<std::uint32_t> vertices(mesh.cells[c].begin(), mesh.cells[c].end());
-                if (mesh.previous[c] == no_cell) {
-                    ASSERT_EQ(known.count(vertices), 0u);
+                if (changed[c]) {
+                    ASSERT_EQ(known.count({mesh.cells[c].begin(), mesh.cells[c].end()}), 0u);
                 } else {
-                    ASSERT_EQ(mesh.cells[c], before.cells[mesh.previous[c]]);
+                    ASSERT_EQ(mesh.cells[c], before.cells[c]);
                     ++kept;
                 }
             }
@@ -306,6 +305,32 @@ TEST(Tetrahedralize, previous_leads_to_the_same_cell_and_new_cells_have_none) {
             } else {
                 EXPECT_LT(kept, mesh.cells.size());
             }
+        }
+    }
+}
+
+// Two rings that link have a cell for each pair of their edges; a point in the middle takes most of them away.
+TEST(Tetrahedralize, fewer_cells_than_before_leave_no_holes) {
+    std::vector<Vec3> points;
+    constexpr int count = 24;
+    for (int n = 0; n < count; ++n) {
+        const double share = (n + 0.5) / count - 0.5;
+        points.push_back({share, 1, 0.01 * share * share});
+        points.push_back({0.01 * share * share, -1, share});
+    }
+    Tetrahedralization delaunay = made_of(points);
+    const DelaunaySnapshot before = cells_of(delaunay);
+    EXPECT_GT(before.cells.size(), static_cast<std::size_t>(count * count / 2));
+    delaunay.insert(std::vector<Vec3>{{0.01, 0, 0.02}});
+    const DelaunaySnapshot after = cells_of(delaunay);
+    ASSERT_LT(after.cells.size(), before.cells.size());
+    expect_sound(delaunay.points(), after);
+    expect_delaunay(delaunay.points(), after);
+    std::vector<std::uint8_t> changed(after.cells.size(), 0);
+    for (const std::uint32_t c : after.changed) changed[c] = 1;
+    for (std::size_t c = 0; c < after.cells.size(); ++c) {
+        if (!changed[c]) {
+            EXPECT_EQ(after.cells[c], before.cells[c]);
         }
     }
 }

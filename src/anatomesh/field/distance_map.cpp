@@ -1,6 +1,7 @@
 #include "anatomesh/field/distance_map.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -17,6 +18,7 @@ constexpr std::uint32_t far_outside = 0, far_inside = 1, first_list = 2;
 
 // The head of a list: how many edges, and whether the boundary crosses the cell or leaves it on one side.
 constexpr std::uint32_t crossed = 0, all_outside = 1, all_inside = 2, side_bits = 2;
+constexpr std::uint32_t side_mask = (1u << side_bits) - 1, head_size = 2;
 
 bool less(Vec2 a, Vec2 b) {
     return a.x != b.x ? a.x < b.x : a.y < b.y;
@@ -202,50 +204,57 @@ void DistanceMap::list_candidates() {
     for (std::size_t c = 0; c < cell_count; ++c) {
         const std::uint32_t far = side[c] == all_inside ? far_inside : far_outside;
         cells_[c] = cells[c].count > 0 ? static_cast<std::uint32_t>(size) : far;
-        if (cells[c].count > 0) size += cells[c].count + 1;
+        if (cells[c].count > 0) size += cells[c].count + head_size;
     }
     assert(size < std::numeric_limits<std::uint32_t>::max());
     candidates_.assign(size, 0);
     for (const Listed& entry : listed) {
         std::uint32_t* list = &candidates_[cells_[entry.cell]];
-        list[++list[0]] = entry.edge;
+        list[head_size + list[0]++] = entry.edge;
     }
     for (std::size_t c = 0; c < cell_count; ++c) {
-        if (cells[c].count > 0) candidates_[cells_[c]] = (cells[c].count << side_bits) | side[c];
+        if (cells[c].count == 0) continue;
+        const double lower = std::min(limit_, std::sqrt(cells[c].squared) - half_diagonal) * (1 - 1e-6) - tie_;
+        candidates_[cells_[c]] = (cells[c].count << side_bits) | side[c];
+        candidates_[cells_[c] + 1] = std::bit_cast<std::uint32_t>(static_cast<float>(std::max(lower, 0.0)));
     }
 }
 
-double DistanceMap::value(Vec2 q) const {
+// The entry of the cell that holds q; far_outside beyond the box.
+std::uint32_t DistanceMap::place(Vec2 q) const {
     const double x = (q.x - box_.low.x) * inverse_cell_, y = (q.y - box_.low.y) * inverse_cell_;
-    if (!(x >= 0 && y >= 0 && x < nx_ && y < ny_)) return limit_;
-    const std::uint32_t entry =
-        cells_[static_cast<std::size_t>(static_cast<std::uint32_t>(y)) * nx_ + static_cast<std::uint32_t>(x)];
+    if (!(x >= 0 && y >= 0 && x < nx_ && y < ny_)) return far_outside;
+    return cells_[static_cast<std::size_t>(static_cast<std::uint32_t>(y)) * nx_ + static_cast<std::uint32_t>(x)];
+}
+
+DistanceMap::Bound DistanceMap::bound(std::uint32_t entry) const {
+    if (entry < first_list) return {entry == far_inside ? -1 : 1, limit_};
+    const std::uint32_t whole = candidates_[entry] & side_mask;
+    if (whole == crossed) return {0, 0};
+    return {whole == all_inside ? -1 : 1, std::bit_cast<float>(candidates_[entry + 1])};
+}
+
+double DistanceMap::value(Vec2 q, std::uint32_t entry) const {
     if (entry < first_list) return entry == far_inside ? -limit_ : limit_;
 
-    const std::uint32_t* candidates = &candidates_[entry];
-    const std::uint32_t count = candidates[0] >> side_bits, whole = candidates[0] & ((1u << side_bits) - 1);
+    const std::uint32_t whole = candidates_[entry] & side_mask;
+    const std::span<const std::uint32_t> candidates(&candidates_[entry + head_size], candidates_[entry] >> side_bits);
     if (whole != crossed) {
         double squared = limit_ * limit_;
-        for (std::uint32_t i = 1; i <= count; ++i) {
-            squared = std::min(squared, foot(lines_[candidates[i]], q).squared_distance);
-        }
+        for (const std::uint32_t edge : candidates) squared = std::min(squared, foot(lines_[edge], q).squared_distance);
         return whole == all_inside ? -std::sqrt(squared) : std::sqrt(squared);
     }
     double best = std::numeric_limits<double>::infinity(), second = best;
     std::uint32_t nearest = 0;
-    int end = 0;
-    for (std::uint32_t i = 1; i <= count; ++i) {
-        const Foot f = foot(lines_[candidates[i]], q);
-        if (f.squared_distance < best) {
-            second = best;
-            best = f.squared_distance;
-            nearest = candidates[i];
-            end = f.end;
-        } else if (f.squared_distance < second) {
-            second = f.squared_distance;
-        }
+    for (const std::uint32_t edge : candidates) {
+        const double squared = foot(lines_[edge], q).squared_distance;
+        const bool nearer = squared < best;
+        second = std::min(second, nearer ? best : squared);
+        nearest = nearer ? edge : nearest;
+        best = nearer ? squared : best;
     }
-    if (best == 0 && end != 0) return 0;
+    const int end = foot(lines_[nearest], q).end;
+    if (q == (end < 0 ? lines_[nearest].start : lines_[nearest].end)) return 0;
     const double distance = std::sqrt(best);
     const double tied = distance * (1 + 1e-12) + tie_;
     const int sign = distance <= tie_        ? side_by_parity(q)
@@ -268,12 +277,12 @@ int DistanceMap::side(std::uint32_t edge, int end, Vec2 q) const {
 }
 
 // Several edges are nearest within rounding: their word counts if it is the same.
-int DistanceMap::side_of_nearest(Vec2 q, const std::uint32_t* candidates, double squared) const {
+int DistanceMap::side_of_nearest(Vec2 q, std::span<const std::uint32_t> candidates, double squared) const {
     int common = 2;
-    for (std::uint32_t i = 1; i <= candidates[0] >> side_bits; ++i) {
-        const Foot f = foot(lines_[candidates[i]], q);
+    for (const std::uint32_t edge : candidates) {
+        const Foot f = foot(lines_[edge], q);
         if (f.squared_distance > squared) continue;
-        const int sign = side(candidates[i], f.end, q);
+        const int sign = side(edge, f.end, q);
         if (common != 2 && sign != common) return side_by_parity(q);
         common = sign;
     }

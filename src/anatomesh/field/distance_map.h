@@ -1,6 +1,7 @@
 // DistanceMap: signed Euclidean distance to the drawn region of one structure in one slice.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -30,7 +31,22 @@ class DistanceMap {
     // `cell` is the grid's cell size; 0: from the edges' mean length and `limit`.
     DistanceMap(std::vector<Edge2> edges, double limit, double cell = 0);
 
-    double value(Vec2 q) const;
+    double value(Vec2 q) const { return value(q, place(q)); }
+
+    // What the grid alone knows of value(q): its sign, 0 near the boundary, where that takes a measurement,
+    // and a number that its size is not below.
+    struct Bound {
+        int sign;
+        double at_least;
+    };
+    Bound bound(Vec2 q) const { return bound(place(q)); }
+
+    // The same in two steps: whoever asks several maps finds all places first, so that the accesses to memory
+    // overlap.
+    std::uint32_t place(Vec2 q) const;
+    void prefetch(std::uint32_t entry) const { __builtin_prefetch(candidates_.data() + entry); }
+    double value(Vec2 q, std::uint32_t entry) const;
+    Bound bound(std::uint32_t entry) const;
 
     // Beyond this box the value is +limit.
     const Box2& box() const { return box_; }
@@ -65,18 +81,18 @@ class DistanceMap {
     void list_candidates();
     bool is_never_nearest(const Line& line, Vec2 centre, Vec2 best_foot) const;
     Vec2 nearest_point(const Line& line, Vec2 q) const;
+    // In the line's own frame, without a branch: across it, and along it beyond the nearer end. Exactly 0
+    // where q is one of the ends.
     static Foot foot(const Line& line, Vec2 q) {
         const Vec2 w = q - line.start, along = line.end - line.start;
-        const double projection = dot(w, along);
-        // At an end the difference to the vertex itself is taken: 0 exactly where q is that vertex.
-        if (projection <= 0) return {squared_length(w), -1};
-        if (projection >= line.squared) return {squared_length(q - line.end), 1};
-        const double across = cross(along, w);
-        return {across * across * line.inverse, 0};
+        const double projection = dot(w, along), across = cross(along, w);
+        const double beyond = projection - std::min(std::max(projection, 0.0), line.squared);
+        return {(across * across + beyond * beyond) * line.inverse,
+                (projection >= line.squared) - (projection <= 0)};
     }
     int side(std::uint32_t edge, int end, Vec2 q) const;
     int side_by_parity(Vec2 q) const;
-    int side_of_nearest(Vec2 q, const std::uint32_t* candidates, double squared) const;
+    int side_of_nearest(Vec2 q, std::span<const std::uint32_t> candidates, double squared) const;
 
     std::vector<Edge2> edges_;
     std::vector<Line> lines_;
@@ -85,7 +101,8 @@ class DistanceMap {
     double limit_ = 0, cell_ = 0, inverse_cell_ = 0, area_ = 0, tie_ = 0;
     std::uint32_t nx_ = 0, ny_ = 0;
     std::vector<std::uint32_t> cells_;  // far_outside, far_inside, or where in candidates_ the list starts
-    std::vector<std::uint32_t> candidates_;  // per list: how many and the side, then the edges
+    // Per list: how many and the side, a lower bound of the distance (a float's bits), then the edges.
+    std::vector<std::uint32_t> candidates_;
 };
 
 }  // namespace anatomesh

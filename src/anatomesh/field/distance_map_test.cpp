@@ -152,5 +152,29 @@ TEST(DistanceMap, moves_with_the_region) {
     EXPECT_NEAR(map.area(), area_of(shape), 1e-9);
 }
 
+TEST(DistanceMap, bounds_hold) {
+    std::vector<Edge2> edges;
+    constexpr int n = 60;
+    const auto corner = [](int i) {
+        const double turn = 2 * 3.14159265358979 * i / n, radius = i % 2 ? 10.0 : 7.5;
+        return Vec2{radius * std::cos(turn), 0.8 * radius * std::sin(turn)};
+    };
+    for (int i = 0; i < n; ++i) edges.push_back({corner(i), corner((i + 1) % n)});
+    const DistanceMap map(edges, 3);
+    std::size_t known = 0, count = 0;
+    for (double x = -14; x < 14; x += 0.11) {
+        for (double y = -14; y < 14; y += 0.13) {
+            const double value = map.value({x, y});
+            const DistanceMap::Bound bound = map.bound({x, y});
+            ++count;
+            if (bound.sign == 0) continue;
+            ++known;
+            ASSERT_EQ(bound.sign, value < 0 ? -1 : 1);
+            ASSERT_GE(std::abs(value), bound.at_least);
+        }
+    }
+    EXPECT_GT(2 * known, count);
+}
+
 }  // namespace
 }  // namespace anatomesh

@@ -19,7 +19,7 @@ struct RawValue {
 };
 
 // Source gives:
-//   RawValue raw(std::uint32_t structure, Vec3 p) const;
+//   RawValue raw(std::uint32_t structure, Vec3 p, double reach) const;  // beyond +-reach: the side
 //   template <class Body> void each_raw(Vec3 p, Body body) const;  // body(structure, RawValue), rising order
 //   double raw_union(Vec3 p) const;                                // of the union of all structures
 //
@@ -32,8 +32,12 @@ struct RawValue {
 template <class Source>
 class FieldQueries : public StructureField {
   public:
+    double value_within(std::uint32_t structure, Vec3 p, double reach) const final {
+        return partition_ ? value(structure, p) : clipped(source().raw(structure, p, reach));
+    }
+
     double value(std::uint32_t structure, Vec3 p) const final {
-        if (!partition_) return clipped(source().raw(structure, p));
+        if (!partition_) return clipped(source().raw(structure, p, everywhere));
         RawValue own{clamp_};
         double other = clamp_;
         source().each_raw(p, [&](std::uint32_t s, RawValue raw) {
@@ -81,24 +85,40 @@ class FieldQueries : public StructureField {
     }
 
     double interface_distance(Vec3 p) const final {
-        double nearest = clamp_;
-        const auto consider = [&](double value) { nearest = std::min(nearest, std::abs(value)); };
         if (!partition_) {
-            source().each_raw(p, [&](std::uint32_t, RawValue raw) { consider(clipped(raw)); });
+            double nearest = clamp_;
+            source().each_raw(
+                p, [&](std::uint32_t, RawValue raw) { nearest = std::min(nearest, std::abs(clipped(raw))); });
+            return nearest;
+        }
+        Best best;
+        source().each_raw(p, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
+        return best.structure == nobody ? clamp_ : wall_distance(best, source().raw_union(p));
+    }
+
+    double members_and_distance(Vec3 p, std::vector<std::uint32_t>& out) const final {
+        out.clear();
+        if (!partition_) {
+            double nearest = clamp_;
+            source().each_raw(p, [&](std::uint32_t s, RawValue raw) {
+                const double value = clipped(raw);
+                if (value < 0) out.push_back(s);
+                nearest = std::min(nearest, std::abs(value));
+            });
             return nearest;
         }
         Best best;
         source().each_raw(p, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
         if (best.structure == nobody) return clamp_;
         const double all = source().raw_union(p);
-        consider(owned({best.first, best.beyond_end}, best.second, all));
-        consider(owned({best.second, never}, best.first, all));
-        return nearest;
+        if (all < 0 && best.beyond_end < 0) out.push_back(best.structure);
+        return wall_distance(best, all);
     }
 
     double clamp() const final { return clamp_; }
 
   protected:
+    static constexpr double everywhere = std::numeric_limits<double>::infinity();  // as a reach
     double clamp_ = 0;
     bool partition_ = false;
 
@@ -122,6 +142,11 @@ class FieldQueries : public StructureField {
 
     const Source& source() const { return static_cast<const Source&>(*this); }
 
+    // How far the nearest wall of a partition is: that of the best structure or of the next one.
+    double wall_distance(const Best& best, double all) const {
+        return std::min({clamp_, std::abs(owned({best.first, best.beyond_end}, best.second, all)),
+                         std::abs(owned({best.second, never}, best.first, all))});
+    }
     double clipped(RawValue raw) const {
         return std::clamp(std::max(raw.value, raw.beyond_end), -clamp_, clamp_);
     }

@@ -66,7 +66,7 @@ class GeneralField final : public FieldQueries<GeneralField> {
     double slice_spacing() const override { return spacing_; }
     Box3 box() const override { return box_; }
 
-    RawValue raw(std::uint32_t structure, Vec3 p) const {
+    RawValue raw(std::uint32_t structure, Vec3 p, double /*reach*/) const {
         const Sight sight = look(p);
         return {blend(structure, sight), sight.beyond_end};
     }

@@ -37,6 +37,11 @@ std::string slice_text(const ContourSet& set, std::uint32_t slice) {
     return set.slices[slice].name.empty() ? "slice " + std::to_string(slice) : set.slices[slice].name;
 }
 
+// What the bends of a path add to the distance, before the bound of blend_distances().
+double bow_of(double t, const SliceMotion::Path& path) {
+    return t * (1 - t) * ((1 - t) * path.bend_below - t * path.bend_above);
+}
+
 // Between two slices, at the ends of a path from one to the other: the mean of their distances, weighted with
 // the nearness of the slice and of its contour. Its zero set is that of (1 - t) s(a) + t s(b) with s(d) = d /
 // (1 + |d| / softness): a contour without a counterpart is left at a steep angle. The bends of the path are
@@ -49,7 +54,7 @@ double blend_distances(double a, double b, double t, double gap, double softness
     const double inverse = 1 / (weight_a + weight_b), ease = t * (1 - t);
     const double most =
         0.9 * (weight_a * std::abs(a) + weight_b * std::abs(b)) * inverse + 4 * ease * largest_bow * gap;
-    const double bow = ease * ((1 - t) * path.bend_below - t * path.bend_above);
+    const double bow = bow_of(t, path);
     return (weight_a * a + weight_b * b) * inverse + std::clamp(bow, -most, most);
 }
 
@@ -89,8 +94,9 @@ class Track {
     double low() const { return levels_.front().low; }
     double high() const { return levels_.back().high; }
 
-    // The structure at (q, z): the two levels around z, each with its clamped distance, blended.
-    double blend(const std::vector<std::optional<DistanceMap>>& maps, double clamp, Vec2 q, double z) const {
+    // The structure at (q, z): the two levels around z, each with its clamped distance, blended. Where that lies
+    // beyond +-reach by what the maps' grids know, a number of the same sign beyond reach.
+    double blend(const std::vector<std::optional<DistanceMap>>& maps, double clamp, Vec2 q, double z, double reach) const {
         if (levels_.empty() || !(z > low() && z < high())) return clamp;
         const auto bucket = static_cast<std::size_t>((z - low()) * inverse_bucket_);
         std::size_t i = buckets_[std::min(bucket, buckets_.size() - 1)];
@@ -107,9 +113,20 @@ class Track {
         }
         if (below.map == empty_level) return std::min(ending(distance(above, q), 1 - t, gap, rounded_), clamp);
         const SliceMotion::Path path = motions_[i].at(q, t);
+        const Vec2 from = q - t * path.move, to = q + (1 - t) * path.move;
+        const DistanceMap &a = *maps[static_cast<std::size_t>(below.map)],
+                          &b = *maps[static_cast<std::size_t>(above.map)];
+        const std::uint32_t at_a = a.place(from), at_b = b.place(to);
+        a.prefetch(at_a);
+        b.prefetch(at_b);
+        if (reach < clamp) {
+            // A weighted mean of two distances is not below the smaller one.
+            const DistanceMap::Bound in_a = a.bound(at_a), in_b = b.bound(at_b);
+            const double beyond = std::min(in_a.at_least, in_b.at_least) - std::abs(bow_of(t, path));
+            if (in_a.sign == in_b.sign && in_a.sign != 0 && beyond > reach) return in_a.sign * std::min(beyond, clamp);
+        }
         const double value =
-            blend_distances(distance(below, q - t * path.move), distance(above, q + (1 - t) * path.move), t,
-                            gap, 0.5 * clamp, path);
+            blend_distances(a.value(from, at_a), b.value(to, at_b), t, gap, 0.5 * clamp, path);
         return std::clamp(value, -clamp, clamp);
     }
 
@@ -186,13 +203,13 @@ class ParallelField final : public FieldQueries<ParallelField> {
     double slice_spacing() const override { return spacing_; }
     Box3 box() const override { return box_; }
 
-    RawValue raw(std::uint32_t structure, Vec3 p) const {
+    RawValue raw(std::uint32_t structure, Vec3 p, double reach) const {
         assert(structure < tracks_.size());
-        return raw_at(structure, frame_.to_plane(p), frame_.signed_distance(p));
+        return raw_at(structure, frame_.to_plane(p), frame_.signed_distance(p), reach);
     }
 
     double raw_union(Vec3 p) const {
-        return union_.blend(maps_, clamp_, frame_.to_plane(p), frame_.signed_distance(p));
+        return union_.blend(maps_, clamp_, frame_.to_plane(p), frame_.signed_distance(p), everywhere);
     }
 
     template <class Body>
@@ -204,7 +221,7 @@ class ParallelField final : public FieldQueries<ParallelField> {
         const auto bucket = static_cast<std::size_t>(b);
         for (std::uint32_t i = bucket_begin_[bucket]; i < bucket_begin_[bucket + 1]; ++i) {
             if (!near_[i].box.contains(q)) continue;
-            const RawValue raw = raw_at(near_[i].structure, q, z);
+            const RawValue raw = raw_at(near_[i].structure, q, z, everywhere);
             if (raw.value < clamp_) body(near_[i].structure, raw);
         }
     }
@@ -221,9 +238,9 @@ class ParallelField final : public FieldQueries<ParallelField> {
         Box2 box;
     };
 
-    RawValue raw_at(std::uint32_t structure, Vec2 q, double z) const {
+    RawValue raw_at(std::uint32_t structure, Vec2 q, double z, double reach) const {
         const Track& track = tracks_[structure];
-        return {track.blend(maps_, clamp_, q, z), track.beyond_end(z)};
+        return {track.blend(maps_, clamp_, q, z, reach), track.beyond_end(z)};
     }
     StructureVolume pair_volume(std::uint32_t structure, const Track::Pair& pair, double points) const;
     double inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
@@ -460,9 +477,11 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
     };
     const double a = distance(pair.below), b = distance(pair.above);
     // Where the boundary is further away on both levels than it moves between them, nothing changes.
-    const double move = std::min(2 * length(pair.motion->at(q, 0.5).move), pair.motion->max_move());
     const double nearest = std::min(std::abs(a), std::abs(b));
-    if ((a < 0) == (b < 0) && nearest > std::min(move, 0.99 * clamp_) && (a < 0 || !partition_)) return 0;
+    const bool alike = (a < 0) == (b < 0) && (a < 0 || !partition_);
+    if (alike && nearest > 0.99 * clamp_) return 0;
+    const double move = std::min(2 * length(pair.motion->at(q, 0.5).move), pair.motion->max_move());
+    if (alike && nearest > move) return 0;
     const double by_slices = 0.5 * (a < 0) + 0.5 * (b < 0);
     const double gap = pair.above_low - pair.below_high;
     if (!partition_ || is_alone(structure, pair, q)) {
@@ -473,7 +492,7 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
         double inside = 0, last = a;
         for (int k = 1; k <= parts; ++k) {
             const double next =
-                k == parts ? b : raw(structure, foot + (k * gap / parts) * frame_.normal).value;
+                k == parts ? b : raw(structure, foot + (k * gap / parts) * frame_.normal, everywhere).value;
             if (last < 0 || next < 0) {
                 inside += last < 0 && next < 0
                               ? 1

@@ -217,5 +217,31 @@ TEST(ParallelField, a_ball_bulges_between_its_slices) {
     EXPECT_NEAR(sum / count, 0, 0.03);
 }
 
+// What a value within a reach says is what the value says; also where the boundary moves and bends.
+TEST(ParallelField, values_within_a_reach_are_the_values) {
+    RunContext context;
+    std::size_t beyond = 0;
+    for (const ContourSet& set : {shell(12, 3, 2, 0.7), oblique_tube(55, 6, 3, 8), ball(9, -8.5, 3, 40)}) {
+        const auto field = field_of(set, context);
+        const Box3 box = field->box().grown(1);
+        for (const double reach : {0.0, 0.4, 1.5, 100.0}) {
+            for (double x = box.low.x; x < box.high.x; x += 0.83) {
+                for (double y = box.low.y; y < box.high.y; y += 0.79) {
+                    for (double z = box.low.z; z < box.high.z; z += 0.37) {
+                        const double value = field->value(0, {x, y, z});
+                        const double within = field->value_within(0, {x, y, z}, reach);
+                        if (within == value) continue;
+                        ++beyond;
+                        ASSERT_EQ(within < 0, value < 0);
+                        ASSERT_GT(std::abs(value), reach);
+                        ASSERT_GT(std::abs(within), reach);
+                    }
+                }
+            }
+        }
+    }
+    EXPECT_GT(beyond, 1000u);
+}
+
 }  // namespace
 }  // namespace anatomesh

@@ -131,7 +131,11 @@ class PieceIndex {
         for (std::size_t b = 1; b < begin_.size(); ++b) begin_[b] += begin_[b - 1];
         std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
         listed_.resize(pieces_.size());
-        for (std::uint32_t p = 0; p < pieces_.size(); ++p) listed_[next[bin_of(pieces_[p].middle())]++] = p;
+        for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
+            const Piece& piece = pieces_[p];
+            const Vec2 edge = piece.b - piece.a;
+            listed_[next[bin_of(piece.middle())]++] = {piece.a, edge, piece.facing, 1 / squared_length(edge), p};
+        }
     }
 
     struct Match {
@@ -151,17 +155,15 @@ class PieceIndex {
         for (std::int64_t ring = 0; ring <= last; ++ring) {
             const double nearest_possible = static_cast<double>(ring - 1) * bin_ - 0.5 * piece_length * gap_;
             if (nearest_possible > 0 && nearest_possible * nearest_possible > best_cost) break;
-            each_in_ring(ci, cj, ring, [&](std::uint32_t p) {
-                const Piece& piece = pieces_[p];
+            each_in_ring(ci, cj, ring, [&](const Listed& piece) {
                 const double cosine = dot(piece.facing, facing);
                 if (cosine < least_cosine) return;
-                const Vec2 edge = piece.b - piece.a;
-                const double s = std::clamp(dot(target - piece.a, edge) / squared_length(edge), 0.0, 1.0);
-                const Vec2 point = piece.a + s * edge;
+                const double s = std::clamp(dot(target - piece.a, piece.edge) * piece.inverse, 0.0, 1.0);
+                const Vec2 point = piece.a + s * piece.edge;
                 const double cost = squared_length(point - target) + turn * (1 - cosine);
                 if (cost < best_cost && squared_length(point - from) < most * most) {
                     best_cost = cost;
-                    best = {p, point};
+                    best = {piece.number, point};
                 }
             });
         }
@@ -190,11 +192,18 @@ class PieceIndex {
         }
     }
 
+    // A piece made ready for the search; those of a bin lie together.
+    struct Listed {
+        Vec2 a, edge, facing;
+        double inverse;  // of the squared length
+        std::uint32_t number;
+    };
     const std::vector<Piece>& pieces_;
     double gap_, bin_ = 1;
     Box2 box_;
     std::int64_t nx_ = 1, ny_ = 1;
-    std::vector<std::uint32_t> begin_, listed_;
+    std::vector<std::uint32_t> begin_;
+    std::vector<Listed> listed_;
 };
 
 // Nodes at multiples of `step` that cover a box. `most` bounds their number.
@@ -368,13 +377,13 @@ SliceMotion::SliceMotion(const DistanceMap& below, const DistanceMap& above, dou
             const double limit = std::min({gap, below.limit(), above.limit()});
             const double a = std::clamp(below.value(from), -limit, limit),
                          b = std::clamp(above.value(to), -limit, limit);
-            Node& node = nodes_[static_cast<std::size_t>(j) * lattice.nx + i];
-            node.x = static_cast<float>(move.x);
-            node.y = static_cast<float>(move.y);
-            node.bend_below = static_cast<float>(
-                -fade * bend(a, b - a, further_below, from - (further_below.gap / gap) * move, limit));
-            node.bend_above = static_cast<float>(
-                fade * bend(b, a - b, further_above, to + (further_above.gap / gap) * move, limit));
+            const double bend_below =
+                -fade * bend(a, b - a, further_below, from - (further_below.gap / gap) * move, limit);
+            const double bend_above =
+                fade * bend(b, a - b, further_above, to + (further_above.gap / gap) * move, limit);
+            nodes_[static_cast<std::size_t>(j) * lattice.nx + i] = {
+                static_cast<float>(move.x), static_cast<float>(move.y), static_cast<float>(bend_below),
+                static_cast<float>(bend_above)};
             max_move_ = std::max(max_move_, length(move));
         }
     }

@@ -1,6 +1,7 @@
 // SliceMotion: how the drawn region of a structure moves and bends between two neighbouring slices.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -53,9 +54,7 @@ class SliceMotion {
     std::size_t bytes() const { return nodes_.size() * sizeof(Node); }
 
   private:
-    struct Node {
-        float x = 0, y = 0, bend_below = 0, bend_above = 0;
-    };
+    using Node = std::array<float, 4>;  // move x and y, bend below and above
 
     // The path through q half-way between the slices: bilinear between the nodes of a lattice.
     Path at_middle(Vec2 q) const {
@@ -64,13 +63,13 @@ class SliceMotion {
         const auto i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
         const Node* row = &nodes_[static_cast<std::size_t>(j) * (cells_x_ + 1) + i];
         const Node* next_row = row + cells_x_ + 1;
-        const double u = x - i, v = y - j;
-        const double w00 = (1 - u) * (1 - v), w10 = u * (1 - v), w01 = (1 - u) * v, w11 = u * v;
-        const auto mean = [&](float Node::*part) {
-            return w00 * (row[0].*part) + w10 * (row[1].*part) + w01 * (next_row[0].*part) +
-                   w11 * (next_row[1].*part);
-        };
-        return {{mean(&Node::x), mean(&Node::y)}, mean(&Node::bend_below), mean(&Node::bend_above)};
+        const auto u = static_cast<float>(x - i), v = static_cast<float>(y - j);
+        const float w00 = (1 - u) * (1 - v), w10 = u * (1 - v), w01 = (1 - u) * v, w11 = u * v;
+        Node mean;
+        for (std::size_t k = 0; k < 4; ++k) {
+            mean[k] = w00 * row[0][k] + w10 * row[1][k] + w01 * next_row[0][k] + w11 * next_row[1][k];
+        }
+        return {{mean[0], mean[1]}, mean[2], mean[3]};
     }
 
     Vec2 low_;

@@ -58,6 +58,12 @@ class StructureField {
     // O(1) for parallel slices apart from the nearest few contour segments.
     virtual double value(std::uint32_t structure, Vec3 p) const = 0;
 
+    // value() where that lies within +-reach; elsewhere a number of the same sign beyond it, which may cost
+    // less. With a reach of 0: the side.
+    virtual double value_within(std::uint32_t structure, Vec3 p, double /*reach*/) const {
+        return value(structure, p);
+    }
+
     // Values of all structures whose neighbourhood holds p are appended to `near` as (structure, value), in
     // order of structure; structures not listed are outside by at least half the clamp.
     virtual void values_near(Vec3 p, std::vector<Near>& near) const = 0;
@@ -70,6 +76,12 @@ class StructureField {
     // Distance-like value whose zero set is the union of all interfaces: how far p is from the nearest change
     // of region, in [0, clamp()].
     virtual double interface_distance(Vec3 p) const = 0;
+
+    // members() and interface_distance() at once, at about the price of one.
+    virtual double members_and_distance(Vec3 p, std::vector<std::uint32_t>& out) const {
+        members(p, out);
+        return interface_distance(p);
+    }
 
     virtual double slice_spacing() const = 0;  // mm between neighbouring slices (median); > 0
     virtual double clamp() const = 0;          // mm

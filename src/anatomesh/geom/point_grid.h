@@ -1,7 +1,6 @@
 // PointGrid: points in a hashed uniform grid, for "is there a point nearer than r" while points are being added.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -35,20 +34,14 @@ class PointGrid {
     // Calls visit(index, squared_distance) for every point within radius of p.
     template <class Visit>
     void for_each_within(Vec3 p, double radius, Visit visit) const {
-        const double squared = radius * radius;
-        const Key low = key({p.x - radius, p.y - radius, p.z - radius});
-        const Key high = key({p.x + radius, p.y + radius, p.z + radius});
-        for (std::int64_t k = low.k; k <= high.k; ++k) {
-            for (std::int64_t j = low.j; j <= high.j; ++j) {
-                for (std::int64_t i = low.i; i <= high.i; ++i) visit_cell({i, j, k}, p, squared, visit);
-            }
-        }
+        find_within(p, radius, [&](std::uint32_t index, double squared) {
+            visit(index, squared);
+            return false;
+        });
     }
 
     bool any_within(Vec3 p, double radius) const {
-        bool found = false;
-        for_each_within(p, radius, [&](std::uint32_t, double) { found = true; });
-        return found;
+        return find_within(p, radius, [](std::uint32_t, double) { return true; });
     }
 
   private:
@@ -58,25 +51,42 @@ class PointGrid {
         friend bool operator==(const Key&, const Key&) = default;
     };
 
-    Key key(Vec3 p) const {
-        return {static_cast<std::int64_t>(std::floor(p.x * inverse_)), static_cast<std::int64_t>(std::floor(p.y * inverse_)),
-                static_cast<std::int64_t>(std::floor(p.z * inverse_))};
+    static std::int64_t whole_below(double x) {
+        const auto whole = static_cast<std::int64_t>(x);
+        return whole - (static_cast<double>(whole) > x);
     }
-    std::size_t bucket(Key c) const {
-        std::uint64_t hash = static_cast<std::uint64_t>(c.i) * 0x9E3779B97F4A7C15ull;
-        hash = (hash ^ (hash >> 29)) + static_cast<std::uint64_t>(c.j) * 0xBF58476D1CE4E5B9ull;
-        hash = (hash ^ (hash >> 31)) + static_cast<std::uint64_t>(c.k) * 0x94D049BB133111EBull;
-        return (hash ^ (hash >> 30)) & (heads_.size() - 1);
+    Key key(Vec3 p) const { return {whole_below(p.x * inverse_), whole_below(p.y * inverse_), whole_below(p.z * inverse_)}; }
+    // Cells of a row follow each other.
+    std::size_t row(std::int64_t j, std::int64_t k) const {
+        std::uint64_t hash = static_cast<std::uint64_t>(j) * 0xBF58476D1CE4E5B9ull;
+        hash = (hash ^ (hash >> 31)) + static_cast<std::uint64_t>(k) * 0x94D049BB133111EBull;
+        return (hash ^ (hash >> 30)) * 0x9E3779B97F4A7C15ull >> 20;
     }
+    std::size_t bucket(std::size_t row, std::int64_t i) const {
+        return (row + static_cast<std::uint64_t>(i)) & (heads_.size() - 1);
+    }
+    // Whether visit() said true, which ends the search.
     template <class Visit>
-    void visit_cell(Key c, Vec3 p, double squared, Visit& visit) const {
-        for (std::uint32_t index = heads_[bucket(c)]; index != none; index = next_[index]) {
-            const double distance = squared_length(points_[index] - p);
-            if (distance <= squared && key(points_[index]) == c) visit(index, distance);
+    bool find_within(Vec3 p, double radius, Visit visit) const {
+        const double squared = radius * radius;
+        const Key low = key({p.x - radius, p.y - radius, p.z - radius});
+        const Key high = key({p.x + radius, p.y + radius, p.z + radius});
+        for (std::int64_t k = low.k; k <= high.k; ++k) {
+            for (std::int64_t j = low.j; j <= high.j; ++j) {
+                const std::size_t cells = row(j, k);
+                for (std::int64_t i = low.i; i <= high.i; ++i) {
+                    for (std::uint32_t index = heads_[bucket(cells, i)]; index != none; index = next_[index]) {
+                        const double distance = squared_length(points_[index] - p);
+                        if (distance <= squared && key(points_[index]) == Key{i, j, k} && visit(index, distance)) return true;
+                    }
+                }
+            }
         }
+        return false;
     }
     void link(std::uint32_t index, Vec3 p) {
-        std::uint32_t& head = heads_[bucket(key(p))];
+        const Key at = key(p);
+        std::uint32_t& head = heads_[bucket(row(at.j, at.k), at.i)];
         if (index == next_.size()) {
             next_.push_back(head);
         } else {

@@ -43,6 +43,9 @@ int orient3d(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
     const double error =
         7.8 * roundoff * permanent + underflow * (1 + std::abs(p.z) + std::abs(q.z) + std::abs(r.z));
     if (std::abs(determinant) > error) return determinant < 0 ? 1 : -1;
+    // Slices are often planes of one coordinate.
+    const auto all_zero = [](double x, double y, double z) { return x == 0 && y == 0 && z == 0; };
+    if (all_zero(p.x, q.x, r.x) || all_zero(p.y, q.y, r.y) || all_zero(p.z, q.z, r.z)) return 0;
     return exact::orient3d(a, b, c, d);
 }
 

@@ -77,14 +77,14 @@ class PlaneFit {
 class Balancer {
   public:
     Balancer(TetMesh& mesh, const RegionTable& regions, const std::vector<std::uint8_t>& fixed,
-             std::span<const double> targets, double max_radius_edge, const BalanceOptions& options)
+             std::span<const double> targets, double max_radius_edge, const BalanceOptions& options, int threads)
         : mesh_(mesh),
           regions_(regions),
           targets_(targets),
           options_(options),
           mover_(mesh, max_radius_edge, std::sin(options.min_dihedral_degrees * std::numbers::pi / 180)),
           moved_(mesh.points.size()) {
-        collect(fixed);
+        collect(fixed, threads);
     }
 
     BalanceStats run() {
@@ -103,25 +103,18 @@ class Balancer {
 
   private:
     // Facets between regions, by vertex; the vertices of such facets that are not fixed are free.
-    void collect(const std::vector<std::uint8_t>& fixed) {
-        const std::vector<std::uint32_t> neighbors = cell_neighbors(mesh_.cells, mesh_.points.size());
+    void collect(const std::vector<std::uint8_t>& fixed, int threads) {
         std::map<std::pair<Region, Region>, std::uint32_t> numbers;
-        std::vector<Facet> all;
-        for (std::size_t c = 0; c < mesh_.cells.size(); ++c) {
-            for (int i = 0; i < 4; ++i) {
-                const std::uint32_t n = neighbors[4 * c + i];
-                const Region inner = mesh_.regions[c], outer = n == no_cell ? Region{0} : mesh_.regions[n];
-                if (inner <= outer) continue;
-                const auto [place, added] =
-                    numbers.try_emplace({inner, outer}, static_cast<std::uint32_t>(interfaces_.size()));
-                if (added) interfaces_.push_back({signs_between(regions_, inner, outer), 0, 0});
-                const auto& f = facet_vertices[i];
-                all.push_back(
-                    {{mesh_.cells[c][f[0]], mesh_.cells[c][f[1]], mesh_.cells[c][f[2]]}, place->second});
-            }
+        for (const auto& [c, i, other] : region_facets(mesh_, threads)) {
+            const Region inner = mesh_.regions[c], outer = other == no_cell ? Region{0} : mesh_.regions[other];
+            const auto [place, added] =
+                numbers.try_emplace({inner, outer}, static_cast<std::uint32_t>(interfaces_.size()));
+            if (added) interfaces_.push_back({signs_between(regions_, inner, outer), 0, 0});
+            const auto& f = facet_vertices[i];
+            all_.push_back({{mesh_.cells[c][f[0]], mesh_.cells[c][f[1]], mesh_.cells[c][f[2]]}, place->second});
         }
         start_.assign(mesh_.points.size() + 1, 0);
-        for (const Facet& facet : all) {
+        for (const Facet& facet : all_) {
             for (const std::uint32_t v : facet.triangle) ++start_[v + 1];
         }
         for (std::size_t v = 0; v < mesh_.points.size(); ++v) {
@@ -130,7 +123,7 @@ class Balancer {
         }
         facets_.resize(start_.back());
         std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
-        for (const Facet& facet : all) {
+        for (const Facet& facet : all_) {
             for (const std::uint32_t v : facet.triangle) facets_[next[v]++] = facet;
         }
     }
@@ -141,14 +134,17 @@ class Balancer {
         return (1.0 / 6.0) * cross(mesh_.points[b] - mesh_.points[a], mesh_.points[c] - mesh_.points[a]);
     }
 
+    // A structure's surface is closed: the volumes between its facets and one point add up to its own.
     std::vector<double> missing_volumes() const {
+        std::vector<double> enclosed(interfaces_.size(), 0);
+        const Vec3 apex = all_.empty() ? Vec3{} : mesh_.points[all_.front().triangle[0]];
+        for (const Facet& facet : all_) {
+            const auto& [a, b, c] = facet.triangle;
+            enclosed[facet.interface] += signed_volume(mesh_.points[a], mesh_.points[c], mesh_.points[b], apex);
+        }
         std::vector<double> missing(targets_.begin(), targets_.end());
-        for (std::size_t c = 0; c < mesh_.cells.size(); ++c) {
-            if (mesh_.regions[c] == 0) continue;
-            const Cell& cell = mesh_.cells[c];
-            const double volume = signed_volume(mesh_.points[cell[0]], mesh_.points[cell[1]],
-                                                mesh_.points[cell[2]], mesh_.points[cell[3]]);
-            for (const std::uint32_t s : regions_.members[mesh_.regions[c]]) missing[s] -= volume;
+        for (std::size_t i = 0; i < interfaces_.size(); ++i) {
+            for (const auto& [s, sign] : interfaces_[i].signs) missing[s] -= sign * enclosed[i];
         }
         return missing;
     }
@@ -243,7 +239,7 @@ class Balancer {
     BalanceOptions options_;
     VertexMover mover_;
     std::vector<std::uint32_t> start_;
-    std::vector<Facet> facets_;  // by vertex
+    std::vector<Facet> all_, facets_;  // by vertex the second
     std::vector<Interface> interfaces_;
     std::vector<std::uint32_t> free_;
     std::vector<Vec3> moved_;
@@ -253,9 +249,9 @@ class Balancer {
 
 BalanceStats balance_volumes(TetMesh& mesh, const RegionTable& regions,
                              const std::vector<std::uint8_t>& fixed, std::span<const double> target_mm3,
-                             double max_radius_edge, const BalanceOptions& options) {
+                             double max_radius_edge, const BalanceOptions& options, int threads) {
     assert(fixed.size() == mesh.points.size());
-    return Balancer(mesh, regions, fixed, target_mm3, max_radius_edge, options).run();
+    return Balancer(mesh, regions, fixed, target_mm3, max_radius_edge, options, threads).run();
 }
 
 }  // namespace anatomesh

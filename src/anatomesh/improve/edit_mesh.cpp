@@ -8,14 +8,14 @@
 
 namespace anatomesh {
 
-EditMesh::EditMesh(TetMesh mesh)
+EditMesh::EditMesh(TetMesh mesh, int threads)
     : points_(std::move(mesh.points)),
       cells_(std::move(mesh.cells)),
       regions_(std::move(mesh.regions)),
       neighbors_(cells_.size()),
       cell_of_(points_.size(), no_cell),
       mark_(cells_.size(), 0) {
-    const std::vector<std::uint32_t> neighbors = cell_neighbors(cells_, points_.size());
+    const std::vector<std::uint32_t> neighbors = cell_neighbors(cells_, points_.size(), threads);
     for (std::uint32_t c = 0; c < cells_.size(); ++c) {
         for (int i = 0; i < 4; ++i) {
             neighbors_[c][i] = neighbors[4 * c + i];

@@ -28,7 +28,7 @@ struct EdgeRing {
 class EditMesh {
   public:
     // Requires: cells positive, no facet in more than two. Complexity: O(cells).
-    explicit EditMesh(TetMesh mesh);
+    explicit EditMesh(TetMesh mesh, int threads = 1);
 
     // The mesh without the removed cells, in the order of their numbers. Points stay, used or not.
     TetMesh take() &&;

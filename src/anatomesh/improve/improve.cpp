@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
+#include <numeric>
+#include <utility>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/improve/vertex_mover.h"
 #include "anatomesh/sample/interface_probe.h"
 
@@ -16,6 +20,8 @@ class Improver {
              std::uint32_t structures, const ImproveOptions& options)
         : mesh_(mesh),
           fixed_(fixed),
+          field_(field),
+          structures_(structures),
           options_(options),
           mover_(mesh, options.max_radius_edge),
           probe_(field, structures) {
@@ -23,16 +29,22 @@ class Improver {
     }
 
     ImproveStats run(RunContext& context) {
-        stats_.above_bound_before = bad_cells().size();
+        std::vector<std::uint32_t> off;  // vertices that may be off the interface
+        for (std::uint32_t v = 0; v < mesh_.points.size(); ++v) {
+            if (on_interface_[v] && !fixed_[v]) off.push_back(v);
+        }
+        stats_.above_bound_before = bad_of(all_cells(), context.threads).size();
         for (int round = 0; round < 3; ++round) {
-            for (std::uint32_t v = 0; v < mesh_.points.size(); ++v) {
-                if (on_interface_[v] && !fixed_[v]) pull_onto_interface(v);
-            }
+            off = chosen_of(off, context.threads, [&](std::uint32_t v) {
+                return InterfaceProbe(field_, structures_).distance(mesh_.points[v]) > options_.tolerance_mm;
+            });
+            for (const std::uint32_t v : off) pull_onto_interface(v);
         }
+        std::vector<std::uint32_t> bad = bad_of(all_cells(), context.threads);
         for (int round = 0; round < options_.rounds && !context.cancelled(); ++round) {
-            if (!smooth_bad_cells()) break;
+            if (!smooth_cells(bad, context.threads)) break;
         }
-        stats_.above_bound_after = bad_cells().size();
+        stats_.above_bound_after = bad.size();
         return stats_;
     }
 
@@ -48,17 +60,31 @@ class Improver {
         }
     }
 
-    std::vector<std::uint32_t> bad_cells() const {
-        std::vector<std::uint32_t> bad;
-        for (std::uint32_t c = 0; c < mesh_.cells.size(); ++c) {
-            if (mesh_.regions[c] != 0 && mover_.ratio(c) > options_.max_radius_edge) bad.push_back(c);
-        }
-        return bad;
+    std::vector<std::uint32_t> all_cells() const {
+        std::vector<std::uint32_t> all(mesh_.cells.size());
+        std::iota(all.begin(), all.end(), 0u);
+        return all;
+    }
+
+    // Those inside with a ratio above the bound.
+    std::vector<std::uint32_t> bad_of(const std::vector<std::uint32_t>& cells, int threads) const {
+        const double bound = options_.max_radius_edge * options_.max_radius_edge;
+        return chosen_of(cells, threads, [&](std::uint32_t c) {
+            return mesh_.regions[c] != 0 && mover_.squared_ratio(c) > bound;
+        });
+    }
+
+    template <class Choose>
+    static std::vector<std::uint32_t> chosen_of(const std::vector<std::uint32_t>& all, int threads, const Choose& choose) {
+        return parallel_collect<std::uint32_t>(
+            all.size(), 4096, threads, [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& chosen) {
+                std::copy_if(all.begin() + static_cast<std::ptrdiff_t>(first), all.begin() + static_cast<std::ptrdiff_t>(last),
+                             std::back_inserter(chosen), choose);
+            });
     }
 
     void pull_onto_interface(std::uint32_t v) {
         const Vec3 from = mesh_.points[v];
-        if (probe_.distance(from) <= options_.tolerance_mm) return;
         const double reach = 2.0 * mover_.shortest_edge(v);
         const auto target = probe_.project(from, reach, 0.1 * options_.tolerance_mm);
         if (!target) return;
@@ -70,9 +96,10 @@ class Improver {
         }
     }
 
-    bool smooth_bad_cells() {
+    // Moves vertices of the bad cells; they become those bad afterwards. Says whether one got better.
+    bool smooth_cells(std::vector<std::uint32_t>& bad, int threads) {
         std::vector<std::uint32_t> vertices;
-        for (const std::uint32_t c : bad_cells()) {
+        for (const std::uint32_t c : bad) {
             for (const std::uint32_t v : mesh_.cells[c]) {
                 if (!fixed_[v]) vertices.push_back(v);
             }
@@ -80,7 +107,14 @@ class Improver {
         std::sort(vertices.begin(), vertices.end());
         vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
         std::uint64_t moved = 0;
-        for (const std::uint32_t v : vertices) moved += smooth(v);
+        for (const std::uint32_t v : vertices) {
+            moved += smooth(v);
+            const auto star = mover_.star(v);
+            bad.insert(bad.end(), star.begin(), star.end());
+        }
+        std::sort(bad.begin(), bad.end());
+        bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+        bad = bad_of(bad, threads);
         stats_.vertices_smoothed += moved;
         return moved > 0;
     }
@@ -108,6 +142,8 @@ class Improver {
 
     TetMesh& mesh_;
     const std::vector<std::uint8_t>& fixed_;
+    const StructureField& field_;
+    std::uint32_t structures_;
     ImproveOptions options_;
     VertexMover mover_;
     InterfaceProbe probe_;

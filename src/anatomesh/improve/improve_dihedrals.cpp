@@ -4,9 +4,11 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <queue>
 #include <utility>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/improve/operations.h"
 
 namespace anatomesh {
@@ -33,15 +35,19 @@ class Climber {
     }
 
     void run(RunContext& context) {
-        drop_ears();
-        collect();
+        std::vector<std::uint32_t> all(bench_.mesh.cell_count());
+        std::iota(all.begin(), all.end(), 0u);
+        drop_ears(all);
+        collect(all, context.threads);
         bench_.stats.bad_before = queue_.size();
         bench_.stats.worst_before_degrees = worst_degrees();
         climb(context);
         // What is left may have more room.
         bench_.options.max_deviation_mm *= bench_.options.last_deviation;
         climb(context);
-        drop_ears();
+        all.resize(bench_.mesh.cell_count());
+        std::iota(all.begin(), all.end(), 0u);
+        drop_ears(std::move(all));
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
     }
@@ -50,26 +56,41 @@ class Climber {
     void climb(RunContext& context) {
         for (int pass = 0; pass < bench_.options.passes && !queue_.empty() && !context.cancelled(); ++pass) {
             const std::uint64_t gained = drain();
-            collect();
+            collect(std::move(left_), context.threads);
             if (gained * 50 < queue_.size() || gained == 0) break;
         }
     }
 
-    void drop_ears() {
-        for (bool any = true; any;) {
-            any = false;
-            for (std::uint32_t c = 0; c < bench_.mesh.cell_count(); ++c) {
-                any = (bench_.mesh.alive(c) && drop_ear(bench_, c, target_)) || any;
+    // Among the cells given; then among those beside what was dropped, as long as there is something.
+    void drop_ears(std::vector<std::uint32_t> cells) {
+        while (!cells.empty()) {
+            std::vector<std::uint32_t> next;
+            for (const std::uint32_t c : cells) {
+                if (!bench_.mesh.alive(c) || !drop_ear(bench_, c, target_)) continue;
+                next.push_back(c);
+                for (int i = 0; i < 4; ++i) next.push_back(bench_.mesh.neighbor(c, i));
             }
+            sort_distinct(next);
+            cells = std::move(next);
         }
     }
 
-    void collect() {
-        std::vector<BadCell> bad;
-        for (std::uint32_t c = 0; c < bench_.mesh.cell_count(); ++c) {
-            if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) continue;
-            if (const double sine = bench_.sine(c); sine < target_) bad.push_back({sine, c});
-        }
+    static void sort_distinct(std::vector<std::uint32_t>& cells) {
+        std::sort(cells.begin(), cells.end());
+        cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    }
+
+    // Queues those of the cells that are bad.
+    void collect(std::vector<std::uint32_t> cells, int threads) {
+        sort_distinct(cells);
+        const auto find_bad = [&](std::size_t first, std::size_t last, std::vector<BadCell>& bad) {
+            for (std::size_t n = first; n < last; ++n) {
+                const std::uint32_t c = cells[n];
+                if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) continue;
+                if (const double sine = bench_.sine(c); sine < target_) bad.push_back({sine, c});
+            }
+        };
+        std::vector<BadCell> bad = parallel_collect<BadCell>(cells.size(), 16384, threads, find_bad);
         queue_ = std::priority_queue<BadCell>({}, std::move(bad));
     }
 
@@ -78,8 +99,10 @@ class Climber {
                               : std::asin(std::max(0.0, queue_.top().sine)) / radians_per_degree;
     }
 
+    // Works through the queue; cells that nothing helps come to left_.
     std::uint64_t drain() {
         std::uint64_t gained = 0;
+        left_.clear();
         while (!queue_.empty()) {
             const BadCell bad = queue_.top();
             queue_.pop();
@@ -87,7 +110,10 @@ class Climber {
                 bench_.sine(bad.cell) != bad.sine)
                 continue;
             ++bench_.stats.tries;
-            if (!better(bad.cell)) continue;
+            if (!better(bad.cell)) {
+                left_.push_back(bad.cell);
+                continue;
+            }
             ++gained;
             for (const std::uint32_t c : bench_.changed) {
                 if (bench_.mesh.region(c) == 0) continue;
@@ -121,6 +147,7 @@ class Climber {
     Workbench& bench_;
     double target_;
     std::priority_queue<BadCell> queue_;
+    std::vector<std::uint32_t> left_;
 };
 
 }  // namespace
@@ -131,7 +158,7 @@ DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint8_t>& fixed,
                                 RunContext& context) {
     assert(fixed.size() == mesh.points.size());
     assert(std::is_sorted(fixed_edges.begin(), fixed_edges.end()));
-    Workbench bench(std::move(mesh), fixed, fixed_edges, field, structures, options);
+    Workbench bench(std::move(mesh), fixed, fixed_edges, field, structures, options, context.threads);
     Climber(bench).run(context);
     mesh = std::move(bench.mesh).take();
     return bench.stats;

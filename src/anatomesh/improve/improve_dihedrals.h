@@ -59,8 +59,9 @@ DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint8_t>& fixed,
                                 RunContext& context);
 
 // The mesh edges on interfaces that lie along the segments, as fixed_edges wants them: for each segment whose
-// ends are joined by a chain of interface edges along the straight line, the edges of the chain. Complexity:
-// O(n log n).
-std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const VertexPair> segments);
+// ends are joined by a chain of interface edges along the straight line, the edges of the chain. Requires: as
+// region_facets(). Complexity: linear in the cells and the segments. Same result at any number of threads.
+std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const VertexPair> segments,
+                                    int threads = 1);
 
 }  // namespace anatomesh

@@ -78,8 +78,7 @@ inline LabelledCase random_case(std::string name, AnalyticField field, std::uint
         points.push_back({n & 1 ? 30.0 : -30.0, n & 2 ? 30.0 : -30.0, n & 4 ? 30.0 : -30.0});
     auto delaunay = Tetrahedralization::create(points);
     EXPECT_TRUE(delaunay.ok());
-    DelaunaySnapshot snapshot;
-    delaunay.value().snapshot(snapshot);
+    const DelaunaySnapshot& snapshot = delaunay.value().snapshot();
     LabelledCase made{std::move(name), std::move(field), structures, {points, snapshot.cells, {}}, {}, {}};
     RegionRegistry registry;
     std::vector<std::uint32_t> members;

@@ -9,31 +9,39 @@ namespace {
 
 constexpr double off_line = 1e-6;  // of a chain's vertices from the segment, in its lengths
 
-// Edges of all interfaces in both directions, sorted.
-std::vector<VertexPair> interface_edges(const TetMesh& mesh) {
-    const std::vector<std::uint32_t> neighbors = cell_neighbors(mesh.cells, mesh.points.size());
-    std::vector<VertexPair> edges;
-    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-        for (std::size_t i = 0; i < 4; ++i) {
-            const std::uint32_t n = neighbors[4 * c + i];
-            if (mesh.regions[c] <= (n == no_cell ? Region{0} : mesh.regions[n])) continue;
-            const auto& f = facet_vertices[i];
+// The ends of the edges of all interfaces that start at a vertex; an edge comes once for each facet at it.
+class InterfaceEdges {
+  public:
+    InterfaceEdges(const TetMesh& mesh, int threads) : start_(mesh.points.size() + 1, 0) {
+        const std::vector<RegionFacet> facets = region_facets(mesh, threads);
+        const auto vertex = [&](const RegionFacet& facet, std::size_t k) {
+            return mesh.cells[facet.cell][static_cast<std::size_t>(facet_vertices[facet.index][k])];
+        };
+        for (const RegionFacet& facet : facets) {
+            for (std::size_t k = 0; k < 3; ++k) start_[vertex(facet, k) + 1] += 2;
+        }
+        for (std::size_t v = 0; v < mesh.points.size(); ++v) start_[v + 1] += start_[v];
+        std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
+        ends_.resize(start_.back());
+        for (const RegionFacet& facet : facets) {
             for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t a = mesh.cells[c][f[k]], b = mesh.cells[c][f[(k + 1) % 3]];
-                edges.push_back({a, b});
-                edges.push_back({b, a});
+                ends_[next[vertex(facet, k)]++] = vertex(facet, (k + 1) % 3);
+                ends_[next[vertex(facet, k)]++] = vertex(facet, (k + 2) % 3);
             }
         }
     }
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    return edges;
-}
+    std::span<const std::uint32_t> from(std::uint32_t v) const {
+        return {ends_.data() + start_[v], start_[v + 1] - start_[v]};
+    }
+
+  private:
+    std::vector<std::uint32_t> start_, ends_;
+};
 
 }  // namespace
 
-std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const VertexPair> segments) {
-    const std::vector<VertexPair> edges = interface_edges(mesh);
+std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const VertexPair> segments, int threads) {
+    const InterfaceEdges edges(mesh, threads);
     std::vector<VertexPair> found, chain;
     for (const auto& [a, b] : segments) {
         const Vec3 start = mesh.points[a], way = mesh.points[b] - start;
@@ -43,13 +51,12 @@ std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const VertexP
         for (std::uint32_t current = a; current != b;) {
             std::uint32_t next = no_cell;
             double next_reached = whole;
-            auto edge = std::lower_bound(edges.begin(), edges.end(), VertexPair{current, 0});
-            for (; edge != edges.end() && (*edge)[0] == current; ++edge) {
-                const Vec3 offset = mesh.points[(*edge)[1]] - start;
+            for (const std::uint32_t end : edges.from(current)) {
+                const Vec3 offset = mesh.points[end] - start;
                 const double along = dot(offset, way);
                 if (along <= reached || along > next_reached || length(cross(offset, way)) > off_line * whole)
                     continue;
-                next = (*edge)[1];
+                next = end;
                 next_reached = along;
             }
             if (next == no_cell) {

@@ -16,36 +16,44 @@ constexpr double nearly_flat = 1e-3;  // six volumes in cubes of the longest edg
 }  // namespace
 
 bool VertexMover::try_move(std::uint32_t v, Vec3 p) {
-    const double before = worst_ratio(v);
-    const Shape shape_before = shape(v);
-    const Vec3 from = mesh_.points[v];
-    mesh_.points[v] = p;
-    if (worst_ratio(v) <= std::max(before, max_radius_edge_) && keeps_shape(v, shape_before)) return true;
-    mesh_.points[v] = from;
-    return false;
+    return try_move(v, p, false);
 }
 
 bool VertexMover::try_better(std::uint32_t v, Vec3 p) {
-    const double before = worst_ratio(v);
-    const Shape shape_before = shape(v);
+    return try_move(v, p, true);
+}
+
+// What the cells were is looked at only where they are not good after the move.
+bool VertexMover::try_move(std::uint32_t v, Vec3 p, bool must_fall) {
     const Vec3 from = mesh_.points[v];
     mesh_.points[v] = p;
-    if (worst_ratio(v) < before && keeps_shape(v, shape_before)) return true;
+    const Shape now = shape(v);
+    const double bound = max_radius_edge_ * max_radius_edge_;
+    bool accepted = !must_fall && now.squared_ratio <= bound && now.flattest >= nearly_flat && now.sine >= good_sine_;
+    if (!accepted) {
+        mesh_.points[v] = from;
+        const Shape before = shape(v);
+        mesh_.points[v] = p;
+        accepted = (must_fall ? now.squared_ratio < before.squared_ratio
+                              : now.squared_ratio <= std::max(before.squared_ratio, bound)) &&
+                   now.flattest >= std::min(before.flattest, nearly_flat) && now.sine >= std::min(before.sine, good_sine_);
+    }
+    if (accepted && positive(v)) return true;
     mesh_.points[v] = from;
     return false;
 }
 
-double VertexMover::ratio(std::uint32_t cell) const {
+double VertexMover::squared_ratio(std::uint32_t cell) const {
     const Cell& c = mesh_.cells[cell];
-    return radius_edge_ratio(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]], mesh_.points[c[3]]);
+    return squared_radius_edge(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]], mesh_.points[c[3]]);
 }
 
 double VertexMover::worst_ratio(std::uint32_t v) const {
     double worst = 0;
     for (const std::uint32_t c : stars_.at(v)) {
-        if (mesh_.regions[c] != 0) worst = std::max(worst, ratio(c));
+        if (mesh_.regions[c] != 0) worst = std::max(worst, squared_ratio(c));
     }
-    return worst;
+    return std::sqrt(worst);
 }
 
 double VertexMover::shortest_edge(std::uint32_t v) const {
@@ -59,28 +67,25 @@ double VertexMover::shortest_edge(std::uint32_t v) const {
 }
 
 VertexMover::Shape VertexMover::shape(std::uint32_t v) const {
-    Shape worst{INFINITY, INFINITY};
+    Shape worst{0, INFINITY, INFINITY};
     for (const std::uint32_t cell : stars_.at(v)) {
         const Cell& c = mesh_.cells[cell];
+        const Vec3 p0 = mesh_.points[c[0]], p1 = mesh_.points[c[1]], p2 = mesh_.points[c[2]],
+                   p3 = mesh_.points[c[3]];
         double longest = 0;
         for (const auto& [i, j] : cell_edges) {
             longest = std::max(longest, squared_length(mesh_.points[c[i]] - mesh_.points[c[j]]));
         }
-        const Vec3 p0 = mesh_.points[c[0]], p1 = mesh_.points[c[1]], p2 = mesh_.points[c[2]],
-                   p3 = mesh_.points[c[3]];
         worst.flattest =
             std::min(worst.flattest, 6 * signed_volume(p0, p1, p2, p3) / (longest * std::sqrt(longest)));
-        if (good_sine_ > 0 && mesh_.regions[cell] != 0)
-            worst.sine = std::min(worst.sine, least_sine(p0, p1, p2, p3));
+        if (mesh_.regions[cell] == 0) continue;
+        worst.squared_ratio = std::max(worst.squared_ratio, squared_radius_edge(p0, p1, p2, p3));
+        if (good_sine_ > 0) worst.sine = std::min(worst.sine, least_sine(p0, p1, p2, p3));
     }
     return worst;
 }
 
-bool VertexMover::keeps_shape(std::uint32_t v, const Shape& before) const {
-    const Shape now = shape(v);
-    if (!(now.flattest >= std::min(before.flattest, nearly_flat)) ||
-        !(now.sine >= std::min(before.sine, good_sine_)))
-        return false;
+bool VertexMover::positive(std::uint32_t v) const {
     return std::all_of(stars_.at(v).begin(), stars_.at(v).end(), [&](std::uint32_t cell) {
         const Cell& c = mesh_.cells[cell];
         return orient3d(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]], mesh_.points[c[3]]) > 0;

@@ -28,18 +28,21 @@ class VertexMover {
     // As try_move, but only if the worst ratio falls.
     bool try_better(std::uint32_t v, Vec3 p);
 
-    double ratio(std::uint32_t cell) const;
-    double worst_ratio(std::uint32_t v) const;  // of the cells inside at v
+    double squared_ratio(std::uint32_t cell) const;  // circumradius / shortest edge
+    double worst_ratio(std::uint32_t v) const;       // of the cells inside at v
     double shortest_edge(std::uint32_t v) const;
+    auto star(std::uint32_t v) const { return stars_.at(v); }  // the cells at v
 
   private:
     // The worst of the cells at a vertex.
     struct Shape {
-        double flattest;  // of all
-        double sine;      // of those inside
+        double squared_ratio;  // of those inside
+        double flattest;       // of all
+        double sine;           // of those inside
     };
     Shape shape(std::uint32_t v) const;
-    bool keeps_shape(std::uint32_t v, const Shape& before) const;
+    bool try_move(std::uint32_t v, Vec3 p, bool must_fall);
+    bool positive(std::uint32_t v) const;
 
     TetMesh& mesh_;
     double max_radius_edge_, good_sine_;

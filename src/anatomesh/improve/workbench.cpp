@@ -10,8 +10,8 @@ namespace anatomesh {
 
 Workbench::Workbench(TetMesh mesh_in, std::vector<std::uint8_t>& fixed,
                      std::span<const VertexPair> fixed_edges, const StructureField& field,
-                     std::uint32_t structures, const DihedralOptions& options_in)
-    : mesh(std::move(mesh_in)),
+                     std::uint32_t structures, const DihedralOptions& options_in, int threads)
+    : mesh(std::move(mesh_in), threads),
       probe(field, structures),
       options(options_in),
       fixed_(fixed),

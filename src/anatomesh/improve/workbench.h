@@ -23,7 +23,7 @@ struct Bar {
 class Workbench {
   public:
     Workbench(TetMesh mesh, std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
-              const StructureField& field, std::uint32_t structures, const DihedralOptions& options);
+              const StructureField& field, std::uint32_t structures, const DihedralOptions& options, int threads);
 
     EditMesh mesh;
     InterfaceProbe probe;

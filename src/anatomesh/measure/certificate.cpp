@@ -4,7 +4,9 @@
 #include <cassert>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/number_text.h"
 #include "anatomesh/measure/quality_report.h"
@@ -66,6 +68,15 @@ void measure_structures(const CertificateInput& input, const Surfaces& surfaces,
         report.structures.push_back(std::move(structure));
     }
     report.regions = input.regions.members;
+}
+
+std::uint64_t count_interface_facets(const TetMesh& mesh, std::span<const std::uint32_t> neighbors) {
+    std::uint64_t count = 0;
+    for (std::size_t facet = 0; facet < neighbors.size(); ++facet) {
+        const std::uint32_t other = neighbors[facet];
+        count += mesh.regions[facet / 4] > (other == no_cell ? Region{0} : mesh.regions[other]);
+    }
+    return count;
 }
 
 // The model's structure that a contour structure is, or structures.size() when it has none.
@@ -131,7 +142,7 @@ struct ShapeFindings {
 };
 
 ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes,
-                         const ContourFindings& findings, ModelReport& report) {
+                         const ContourFindings& findings, int threads, ModelReport& report) {
     report.listed_cells.clear();
     report.listed_cells_total = shapes.over_bound.size();
     report.listed_cells_forced = 0;
@@ -150,14 +161,20 @@ ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes
     }
     report.listed_cells_forced = found.forced;
     if (input.contours) {
-        double sum = 0;
-        std::uint64_t count = 0;
-        for (std::uint32_t c = 0; c < shapes.radius_edge.size(); ++c) {
-            if (forced.forced(c)) continue;
-            sum += shapes.radius_edge[c];
-            ++count;
-        }
-        found.mean_free = count > 0 ? sum / static_cast<double>(count) : 0;
+        // Pieces of a fixed size: the same mean at any number of threads.
+        constexpr std::size_t grain = 16384;
+        const std::size_t cells = shapes.radius_edge.size();
+        std::vector<double> sums(cells / grain + 1, 0);
+        std::vector<std::uint64_t> counts(sums.size(), 0);
+        parallel_for(cells, grain, threads, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t c = begin; c < end; ++c) {
+                if (forced.forced(static_cast<std::uint32_t>(c))) continue;
+                sums[begin / grain] += shapes.radius_edge[c];
+                ++counts[begin / grain];
+            }
+        });
+        const auto count = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+        found.mean_free = count > 0 ? std::accumulate(sums.begin(), sums.end(), 0.0) / static_cast<double>(count) : 0;
     }
     return found;
 }
@@ -354,7 +371,8 @@ void measure_model(const CertificateInput& input, const RunContext& context, Mod
     assert(mesh.regions.size() == mesh.cells.size());
     assert(input.field_volumes_mm3.empty() || input.field_volumes_mm3.size() == input.structures.size());
 
-    const MeshCheck check = check_mesh(mesh);
+    std::vector<std::uint32_t> neighbors;
+    const MeshCheck check = check_mesh(mesh, context.threads, &neighbors);
     report.vertices = mesh.points.size();
     report.tetrahedra = mesh.cells.size();
     report.certificate.clear();
@@ -364,18 +382,17 @@ void measure_model(const CertificateInput& input, const RunContext& context, Mod
         report.certificate.back().state = ClauseState::broken;
         return;
     }
-    const std::vector<std::uint32_t> neighbors = cell_neighbors(mesh.cells, mesh.points.size());
     Surfaces surfaces;
     for (std::uint32_t s = 0; s < input.structures.size(); ++s) {
         surfaces.push_back(structure_surface(mesh, neighbors, input.regions, s));
     }
-    report.surface_triangles = extract_interfaces(mesh, neighbors).triangles.size();
+    report.surface_triangles = count_interface_facets(mesh, neighbors);
     measure_structures(input, surfaces, neighbors, report);
     ContourFindings findings;
     if (input.contours) findings = measure_contours(input, surfaces, report);
     const CellShapes shapes = measure_shapes(mesh, context);
     report.quality = shapes.report;
-    const ShapeFindings shape = list_cells(input, shapes, findings, report);
+    const ShapeFindings shape = list_cells(input, shapes, findings, context.threads, report);
 
     report.certificate = {clause_vertices(input, findings.all, context),
                           clause_segments(input, findings.all, report),

@@ -17,16 +17,22 @@ constexpr double small_angle_deg = 60.0;
 class SurfaceGraph {
   public:
     SurfaceGraph(std::span<const Vec3> points, const std::vector<Triangle>& triangles) : points_(points) {
+        // Both ends of every side; neighbours come once for each triangle at their edge.
+        start_.assign(points.size() + 1, 0);
+        for (const Triangle& f : triangles) {
+            for (const std::uint32_t v : f) start_[v + 1] += 2;
+        }
+        for (std::size_t v = 0; v < points.size(); ++v) {
+            if (start_[v + 1] > 0) by_place_.push_back(static_cast<std::uint32_t>(v));
+            start_[v + 1] += start_[v];
+        }
+        neighbors_.resize(start_.back());
+        std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
         for (const Triangle& f : triangles) {
             for (std::size_t i = 0; i < 3; ++i) {
-                edges_.push_back({f[i], f[(i + 1) % 3]});
-                edges_.push_back({f[(i + 1) % 3], f[i]});
+                neighbors_[next[f[i]]++] = f[(i + 1) % 3];
+                neighbors_[next[f[i]]++] = f[(i + 2) % 3];
             }
-        }
-        std::sort(edges_.begin(), edges_.end());
-        edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
-        for (std::size_t e = 0; e < edges_.size(); ++e) {
-            if (e == 0 || edges_[e].from != edges_[e - 1].from) by_place_.push_back(edges_[e].from);
         }
         std::sort(by_place_.begin(), by_place_.end(), [&](std::uint32_t a, std::uint32_t b) {
             if (points[a] == points[b]) return a < b;
@@ -53,12 +59,12 @@ class SurfaceGraph {
         while (current != b) {
             std::uint32_t next = no_cell;
             double next_reached = whole;
-            for (const Edge* edge = first_edge(current); edge != end() && edge->from == current; ++edge) {
-                const Vec3 offset = points_[edge->to] - start;
+            for (std::size_t n = start_[current]; n < start_[current + 1]; ++n) {
+                const Vec3 offset = points_[neighbors_[n]] - start;
                 const double along = dot(offset, way);
                 if (along <= reached || along > next_reached) continue;
                 if (length(cross(offset, way)) > tolerance * std::sqrt(whole)) continue;
-                next = edge->to;
+                next = neighbors_[n];
                 next_reached = along;
             }
             if (next == no_cell) return false;
@@ -69,21 +75,9 @@ class SurfaceGraph {
     }
 
   private:
-    struct Edge {
-        std::uint32_t from, to;
-        friend bool operator==(const Edge&, const Edge&) = default;
-        friend bool operator<(const Edge& a, const Edge& b) {
-            return a.from != b.from ? a.from < b.from : a.to < b.to;
-        }
-    };
-
-    const Edge* end() const { return edges_.data() + edges_.size(); }
-    const Edge* first_edge(std::uint32_t v) const {
-        return edges_.data() + (std::lower_bound(edges_.begin(), edges_.end(), Edge{v, 0}) - edges_.begin());
-    }
-
     std::span<const Vec3> points_;
-    std::vector<Edge> edges_;
+    std::vector<std::size_t> start_;         // where in neighbors_ those of each vertex start
+    std::vector<std::uint32_t> neighbors_;
     std::vector<std::uint32_t> by_place_;
 };
 

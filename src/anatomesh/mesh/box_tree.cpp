@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace anatomesh {
 
@@ -70,6 +71,49 @@ BoxTree make_box_tree(std::span<const Vec3> points, std::span<const Triangle> tr
         }
     }
     return tree;
+}
+
+MeetingPairs::MeetingPairs(const BoxTree& tree, std::span<const Vec3> points, std::span<const Triangle> triangles)
+    : tree_(tree) {
+    boxes_.reserve(tree.order.size());
+    for (const std::uint32_t t : tree.order) boxes_.push_back(triangle_box(points, triangles[t]));
+}
+
+// A pair of nodes of which one is no leaf, as pairs of their children.
+void MeetingPairs::part(std::uint32_t a, std::uint32_t b, std::vector<NodePair>& parts) const {
+    const BoxTree::Node &one = tree_.nodes[a], &two = tree_.nodes[b];
+    if (a == b) {
+        parts.push_back({one.first, one.first});
+        parts.push_back({one.first + 1, one.first + 1});
+        parts.push_back({one.first, one.first + 1});
+    } else if (two.count > 0 || (one.count == 0 && one.box.diagonal() >= two.box.diagonal())) {
+        parts.push_back({one.first, b});
+        parts.push_back({one.first + 1, b});
+    } else {
+        parts.push_back({a, two.first});
+        parts.push_back({a, two.first + 1});
+    }
+}
+
+std::vector<NodePair> MeetingPairs::pieces(std::size_t wanted) const {
+    std::vector<NodePair> pieces;
+    if (!tree_.nodes.empty()) pieces.push_back({0, 0});
+    for (bool parted = true; parted && pieces.size() < wanted;) {
+        parted = false;
+        std::vector<NodePair> next;
+        for (const auto& [a, b] : pieces) {
+            const BoxTree::Node &one = tree_.nodes[a], &two = tree_.nodes[b];
+            if (a != b && !boxes_meet(one.box, two.box)) continue;
+            if (one.count > 0 && two.count > 0) {
+                next.push_back({a, b});
+            } else {
+                part(a, b, next);
+                parted = true;
+            }
+        }
+        pieces = std::move(next);
+    }
+    return pieces;
 }
 
 }  // namespace anatomesh

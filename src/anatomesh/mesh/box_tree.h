@@ -38,40 +38,47 @@ inline Box3 triangle_box(std::span<const Vec3> points, const Triangle& triangle)
     return box;
 }
 
-// Calls visit(a, b) for every pair of different triangles whose boxes meet, each pair once, in a fixed order.
-template <class Visit>
-void for_meeting_pairs(const BoxTree& tree, std::span<const Vec3> points, std::span<const Triangle> triangles,
-                       const Visit& visit) {
-    if (tree.nodes.empty()) return;
-    std::vector<Box3> boxes(tree.order.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) boxes[i] = triangle_box(points, triangles[tree.order[i]]);
-    struct Pair {
-        std::uint32_t a, b;
-    };
-    std::vector<Pair> stack{{0, 0}};
-    while (!stack.empty()) {
-        const auto [a, b] = stack.back();
-        stack.pop_back();
-        const BoxTree::Node &one = tree.nodes[a], &two = tree.nodes[b];
-        if (a != b && !boxes_meet(one.box, two.box)) continue;
-        if (one.count > 0 && two.count > 0) {
+// Two nodes of a tree, or twice the same: the pairs of triangles below them, one from either.
+struct NodePair {
+    std::uint32_t a, b;
+};
+
+// Pairs of triangles whose boxes meet.
+class MeetingPairs {
+  public:
+    // Both must outlive it. `triangles`: those that the tree was made of.
+    MeetingPairs(const BoxTree& tree, std::span<const Vec3> points, std::span<const Triangle> triangles);
+
+    // At least `wanted` pieces of the work, unless there is less to do: pairs of nodes with which each pair
+    // of different triangles comes up once. In a fixed order.
+    std::vector<NodePair> pieces(std::size_t wanted) const;
+
+    // Calls visit(a, b) for every pair of a piece, in a fixed order. Thread-safe.
+    template <class Visit>
+    void for_each(NodePair piece, const Visit& visit) const {
+        std::vector<NodePair> stack{piece};
+        while (!stack.empty()) {
+            const auto [a, b] = stack.back();
+            stack.pop_back();
+            const BoxTree::Node &one = tree_.nodes[a], &two = tree_.nodes[b];
+            if (a != b && !boxes_meet(one.box, two.box)) continue;
+            if (one.count == 0 || two.count == 0) {
+                part(a, b, stack);
+                continue;
+            }
             for (std::uint32_t i = one.first; i < one.first + one.count; ++i) {
                 for (std::uint32_t j = a == b ? i + 1 : two.first; j < two.first + two.count; ++j) {
-                    if (boxes_meet(boxes[i], boxes[j])) visit(tree.order[i], tree.order[j]);
+                    if (boxes_meet(boxes_[i], boxes_[j])) visit(tree_.order[i], tree_.order[j]);
                 }
             }
-        } else if (a == b) {
-            stack.push_back({one.first, one.first});
-            stack.push_back({one.first + 1, one.first + 1});
-            stack.push_back({one.first, one.first + 1});
-        } else if (two.count > 0 || (one.count == 0 && one.box.diagonal() >= two.box.diagonal())) {
-            stack.push_back({one.first, b});
-            stack.push_back({one.first + 1, b});
-        } else {
-            stack.push_back({a, two.first});
-            stack.push_back({a, two.first + 1});
         }
     }
-}
+
+  private:
+    void part(std::uint32_t a, std::uint32_t b, std::vector<NodePair>& parts) const;
+
+    const BoxTree& tree_;
+    std::vector<Box3> boxes_;  // of the triangles, in the tree's order
+};
 
 }  // namespace anatomesh

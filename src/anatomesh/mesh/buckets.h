@@ -78,20 +78,4 @@ inline std::array<std::uint32_t, 3> facet_of(const Cell& cell, std::size_t facet
             cell[static_cast<std::size_t>(f[2])]};
 }
 
-// Facets of all cells in buckets; ids are facet ids. Requires: indices below point_count.
-template <class Cells>
-Buckets facet_buckets(const Cells& cells, std::size_t point_count) {
-    return fill_buckets(point_count, [&](const auto& emit) {
-        for (std::size_t c = 0; c < cells.size(); ++c) {
-            for (std::size_t i = 0; i < 4; ++i) {
-                auto [a, b, d] = facet_of(cells[c], i);
-                if (a > b) std::swap(a, b);
-                if (b > d) std::swap(b, d);
-                if (a > b) std::swap(a, b);
-                emit(a, (std::uint64_t{b} << 32) | d, static_cast<std::uint32_t>(4 * c + i));
-            }
-        }
-    });
-}
-
 }  // namespace anatomesh

@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "anatomesh/mesh/buckets.h"
+#include "anatomesh/mesh/facets.h"
 
 namespace anatomesh {
 
@@ -67,20 +68,46 @@ void count_vertices(const std::vector<std::uint32_t>& corner_vertex, std::size_t
 
 }  // namespace
 
-std::vector<std::uint32_t> cell_neighbors(std::span<const Cell> cells, std::size_t point_count) {
-    assert(cells.size() < no_cell / 4);
-    const Buckets buckets = facet_buckets(cells, point_count);
-    std::vector<std::uint32_t> neighbors(4 * cells.size(), no_cell);
-    for (std::size_t v = 0; v < point_count; ++v) {
-        for (std::size_t e = buckets.start[v]; e + 1 < buckets.start[v + 1]; ++e) {
-            const Entry &one = buckets.entries[e], &two = buckets.entries[e + 1];
-            if (one.key != two.key) continue;
-            neighbors[one.id] = two.id / 4;
-            neighbors[two.id] = one.id / 4;
-            ++e;
-        }
+std::vector<std::uint32_t> cell_neighbors(std::span<const Cell> cells, std::size_t point_count, int threads) {
+    std::vector<std::uint32_t> neighbors = match_facets(cells, point_count, threads).other;
+    for (std::uint32_t& n : neighbors) {
+        if (n != no_cell) n /= 4;
     }
     return neighbors;
+}
+
+std::vector<RegionFacet> region_facets(const TetMesh& mesh, int threads) {
+    const bool ends = std::find(mesh.regions.begin(), mesh.regions.end(), Region{0}) == mesh.regions.end();
+    constexpr std::uint32_t none = 0xFFFFFFFFu, several = 0xFFFFFFFEu;
+    std::vector<std::uint32_t> region_of(mesh.points.size(), none);
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+        for (const std::uint32_t v : mesh.cells[c]) {
+            if (region_of[v] == none) region_of[v] = mesh.regions[c];
+            if (region_of[v] != mesh.regions[c]) region_of[v] = several;
+        }
+    }
+    std::vector<std::uint32_t> numbers;
+    std::vector<Cell> cells;
+    for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
+        const Cell& cell = mesh.cells[c];
+        const auto shared =
+            std::count_if(cell.begin(), cell.end(), [&](std::uint32_t v) { return region_of[v] == several; });
+        if (!ends && shared < 3) continue;
+        numbers.push_back(c);
+        cells.push_back(cell);
+    }
+    const std::vector<std::uint32_t> neighbors = cell_neighbors(cells, mesh.points.size(), threads);
+    std::vector<RegionFacet> facets;
+    for (std::uint32_t facet = 0; facet < neighbors.size(); ++facet) {
+        const std::uint32_t c = numbers[facet / 4];
+        if (neighbors[facet] == no_cell) {
+            if (ends) facets.push_back({c, facet % 4, no_cell});
+            continue;
+        }
+        const std::uint32_t other = numbers[neighbors[facet]];
+        if (mesh.regions[c] > mesh.regions[other]) facets.push_back({c, facet % 4, other});
+    }
+    return facets;
 }
 
 SurfaceTopology surface_topology(std::span<const Triangle> triangles) {

@@ -12,8 +12,20 @@ namespace anatomesh {
 
 // neighbors[4 c + i] is the cell across facet i of cell c, no_cell on the boundary of the mesh.
 // Requires: no facet in more than two cells (check_mesh() counts them; here the first two are joined),
-// indices below point_count. Complexity: O(cells), by sorting facets in buckets of their smallest vertex.
-std::vector<std::uint32_t> cell_neighbors(std::span<const Cell> cells, std::size_t point_count);
+// indices below point_count. Complexity: O(cells), see match_facets().
+std::vector<std::uint32_t> cell_neighbors(std::span<const Cell> cells, std::size_t point_count,
+                                          int threads = 1);
+
+// A facet between cells of two regions, as one of the cell in the region with the larger number.
+struct RegionFacet {
+    std::uint32_t cell, index;  // the facet of the cell, opposite its vertex `index`
+    std::uint32_t other;        // the cell beyond; no_cell outside a mesh that has no cells outside
+};
+
+// All of them, by cell and index. Requires: as cell_neighbors(); the mesh has no cells outside, or has them round every
+// interface. Complexity: linear in the cells; where there are cells outside, in those with three vertices that belong to
+// several regions.
+std::vector<RegionFacet> region_facets(const TetMesh& mesh, int threads = 1);
 
 // Counts of a triangle set. It is a closed, oriented 2-manifold when the last four counts are all 0.
 struct SurfaceTopology {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include <chrono>
 #include <numeric>
 #include <random>
@@ -165,6 +168,62 @@ TEST(Topology, is_fast_enough_to_run_after_every_round) {
     // Ten times the figures aimed at, for slow and instrumented builds.
     EXPECT_LT(took.count(), 3000.0) << mesh.cells.size() << " cells";
     EXPECT_LT(surface_took.count(), 2000.0) << topology.triangles << " triangles";
+}
+
+// Against the neighbours of all cells.
+TEST(RegionFacets, are_those_between_cells_of_two_regions) {
+    std::vector<Vec3> points;
+    std::vector<Cell> cells;
+    constexpr std::uint32_t n = 6;
+    for (std::uint32_t k = 0; k <= n; ++k) {
+        for (std::uint32_t j = 0; j <= n; ++j) {
+            for (std::uint32_t i = 0; i <= n; ++i) points.push_back({double(i), double(j), double(k)});
+        }
+    }
+    // Six cells round the diagonal of every cube.
+    const auto at = [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) { return (k * (n + 1) + j) * (n + 1) + i; };
+    const std::array<std::array<std::uint32_t, 3>, 6> ways{{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
+    for (std::uint32_t k = 0; k < n; ++k) {
+        for (std::uint32_t j = 0; j < n; ++j) {
+            for (std::uint32_t i = 0; i < n; ++i) {
+                for (std::size_t w = 0; w < 6; ++w) {
+                    std::array<std::uint32_t, 3> step{i, j, k};
+                    Cell cell{at(i, j, k), 0, 0, at(i + 1, j + 1, k + 1)};
+                    for (std::size_t s = 0; s < 2; ++s) {
+                        ++step[ways[w][s]];
+                        cell[s + 1] = at(step[0], step[1], step[2]);
+                    }
+                    if (w >= 3) std::swap(cell[1], cell[2]);
+                    cells.push_back(cell);
+                }
+            }
+        }
+    }
+    const std::vector<std::uint32_t> neighbors = cell_neighbors(cells, points.size());
+    // With cells outside all round, and without any.
+    for (const bool ends : {false, true}) {
+        TetMesh mesh{points, cells, {}};
+        for (std::uint32_t c = 0; c < cells.size(); ++c) {
+            const bool inner = std::all_of(cells[c].begin(), cells[c].end(), [&](std::uint32_t v) {
+                const Vec3 p = points[v];
+                return std::min({p.x, p.y, p.z}) > 0 && std::max({p.x, p.y, p.z}) < n;
+            });
+            const std::uint32_t drawn = (c * 2654435761u >> 16) % 40 / 37;
+            mesh.regions.push_back(static_cast<Region>(ends ? 1 + drawn : inner ? drawn : 0));
+        }
+        std::vector<std::array<std::uint32_t, 3>> expected;
+        for (std::uint32_t f = 0; f < neighbors.size(); ++f) {
+            const Region beyond = neighbors[f] == no_cell ? Region{0} : mesh.regions[neighbors[f]];
+            if (mesh.regions[f / 4] > beyond) expected.push_back({f / 4, f % 4, neighbors[f]});
+        }
+        EXPECT_GT(expected.size(), 20u);
+        for (const int threads : {1, 2, 3}) {
+            std::vector<std::array<std::uint32_t, 3>> found;
+            for (const RegionFacet& f : region_facets(mesh, threads)) found.push_back({f.cell, f.index, f.other});
+            EXPECT_EQ(found, expected);
+            EXPECT_EQ(cell_neighbors(cells, points.size(), threads), neighbors);
+        }
+    }
 }
 
 }  // namespace

@@ -61,9 +61,11 @@ bool segment_meets(Vec3 a, Vec3 b, int side_a, int side_b, const Corners& t) {
     return (s >= 0 && u >= 0 && v >= 0) || (s <= 0 && u <= 0 && v <= 0);
 }
 
-std::array<int, 3> sides_of(const Corners& plane, const Corners& t) {
-    return {orient3d(plane[0], plane[1], plane[2], t[0]), orient3d(plane[0], plane[1], plane[2], t[1]),
-            orient3d(plane[0], plane[1], plane[2], t[2])};
+// Those of the first `common` corners, which are the plane's own, are 0.
+std::array<int, 3> sides_of(const Corners& plane, const Corners& t, std::size_t common) {
+    std::array<int, 3> sides{};
+    for (std::size_t i = common; i < 3; ++i) sides[i] = orient3d(plane[0], plane[1], plane[2], t[i]);
+    return sides;
 }
 
 bool all_on_one_side(const std::array<int, 3>& sides, std::size_t from) {
@@ -77,9 +79,9 @@ bool all_on_one_side(const std::array<int, 3>& sides, std::size_t from) {
 
 // Two triangles without a common vertex: they meet exactly when an edge of one meets the other.
 bool apart_triangles_meet(const Corners& a, const Corners& b) {
-    const std::array<int, 3> a_sides = sides_of(b, a);
+    const std::array<int, 3> a_sides = sides_of(b, a, 0);
     if (all_on_one_side(a_sides, 0)) return false;
-    const std::array<int, 3> b_sides = sides_of(a, b);
+    const std::array<int, 3> b_sides = sides_of(a, b, 0);
     if (all_on_one_side(b_sides, 0)) return false;
     for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t j = (i + 1) % 3;
@@ -92,9 +94,9 @@ bool apart_triangles_meet(const Corners& a, const Corners& b) {
 // Triangles with the common vertex a[0] = b[0]. What they share is star-shaped about it, and its far end lies
 // on the opposite edge of one of them.
 bool touching_triangles_meet(const Corners& a, const Corners& b) {
-    const std::array<int, 3> a_sides = sides_of(b, a);
+    const std::array<int, 3> a_sides = sides_of(b, a, 1);
     if (all_on_one_side(a_sides, 1)) return false;
-    const std::array<int, 3> b_sides = sides_of(a, b);
+    const std::array<int, 3> b_sides = sides_of(a, b, 1);
     if (all_on_one_side(b_sides, 1)) return false;
     return segment_meets(a[1], a[2], a_sides[1], a_sides[2], b) ||
            segment_meets(b[1], b[2], b_sides[1], b_sides[2], a);

@@ -1,13 +1,17 @@
 #include "anatomesh/mesh/validity.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/mesh/box_tree.h"
 #include "anatomesh/mesh/buckets.h"
+#include "anatomesh/mesh/facets.h"
 #include "anatomesh/mesh/triangles_meet.h"
 
 namespace anatomesh {
@@ -76,12 +80,17 @@ void check_indices(const TetMesh& mesh, MeshCheck& check) {
     }
 }
 
-void check_orientation(const TetMesh& mesh, MeshCheck& check) {
-    for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
-        const auto& [i, j, k, l] = mesh.cells[c];
-        const int sign = orient3d(mesh.points[i], mesh.points[j], mesh.points[k], mesh.points[l]);
-        if (sign < 0) add(check, MeshFault::cell_inverted, c);
-        if (sign == 0) add(check, MeshFault::cell_flat, c);
+void check_orientation(const TetMesh& mesh, int threads, MeshCheck& check) {
+    std::vector<std::int8_t> signs(mesh.cells.size());
+    parallel_for(signs.size(), 16384, threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t c = first; c < last; ++c) {
+            const auto& [i, j, k, l] = mesh.cells[c];
+            signs[c] = static_cast<std::int8_t>(orient3d(mesh.points[i], mesh.points[j], mesh.points[k], mesh.points[l]));
+        }
+    });
+    for (std::uint32_t c = 0; c < signs.size(); ++c) {
+        if (signs[c] < 0) add(check, MeshFault::cell_inverted, c);
+        if (signs[c] == 0) add(check, MeshFault::cell_flat, c);
     }
 }
 
@@ -106,45 +115,25 @@ void check_duplicates(const TetMesh& mesh, MeshCheck& check) {
     }
 }
 
-// Whether two listings of the same three vertices run round the same way.
-bool same_turn(const Triangle& a, const Triangle& b) {
-    const auto at = static_cast<std::size_t>(std::find(b.begin(), b.end(), a[0]) - b.begin());
-    return b[(at + 1) % 3] == a[1];
-}
-
 // The facets in one cell only, outward, and their cells.
 struct Boundary {
     std::vector<Triangle> triangles;
     std::vector<std::uint32_t> cells;
 };
 
-Boundary check_facets(const TetMesh& mesh, MeshCheck& check) {
-    const Buckets buckets = facet_buckets(mesh.cells, mesh.points.size());
-    std::vector<std::uint8_t> single(4 * mesh.cells.size(), 0);
-    const auto facet = [&](std::uint32_t id) { return facet_of(mesh.cells[id / 4], id % 4); };
-    for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-        std::size_t e = buckets.start[v];
-        const std::size_t end = buckets.start[v + 1];
-        while (e < end) {
-            std::size_t last = e + 1;
-            while (last < end && buckets.entries[last].key == buckets.entries[e].key) ++last;
-            const std::uint32_t one = buckets.entries[e].id;
-            if (last - e == 1) {
-                single[one] = 1;
-            } else {
-                const std::uint32_t two = buckets.entries[e + 1].id;
-                if (last - e > 2) add(check, MeshFault::facet_in_too_many_cells, one / 4, two / 4);
-                if (last - e == 2 && same_turn(facet(one), facet(two))) {
-                    add(check, MeshFault::facet_on_one_side, one / 4, two / 4);
-                }
-            }
-            e = last;
-        }
+Boundary check_facets(const TetMesh& mesh, const FacetPairs& pairs, MeshCheck& check) {
+    std::vector<std::uint8_t> crowded(4 * mesh.cells.size(), 0);
+    for (const auto& [first, third] : pairs.surplus) {
+        if (!crowded[first]) add(check, MeshFault::facet_in_too_many_cells, first / 4, pairs.other[first] / 4);
+        crowded[first] = crowded[third] = 1;
+    }
+    for (const auto& [first, second] : pairs.on_one_side) {
+        if (!crowded[first]) add(check, MeshFault::facet_on_one_side, first / 4, second / 4);
     }
     Boundary boundary;
-    for (std::uint32_t id = 0; id < single.size(); ++id) {
-        if (!single[id]) continue;
-        boundary.triangles.push_back(facet(id));
+    for (std::uint32_t id = 0; id < pairs.other.size(); ++id) {
+        if (pairs.other[id] != no_cell || crowded[id]) continue;
+        boundary.triangles.push_back(facet_of(mesh.cells[id / 4], id % 4));
         boundary.cells.push_back(id / 4);
     }
     check.boundary_triangles = boundary.triangles.size();
@@ -269,14 +258,24 @@ void check_shells(const TetMesh& mesh, const Boundary& boundary, const BoxTree& 
     }
 }
 
-void check_boundary(const TetMesh& mesh, const Boundary& boundary, MeshCheck& check) {
+void check_boundary(const TetMesh& mesh, const Boundary& boundary, int threads, MeshCheck& check) {
     const BoxTree tree = make_box_tree(mesh.points, boundary.triangles);
-    for_meeting_pairs(tree, mesh.points, boundary.triangles, [&](std::uint32_t a, std::uint32_t b) {
-        if (triangles_meet(mesh.points, boundary.triangles[a], boundary.triangles[b])) {
-            add(check, MeshFault::boundary_crosses, boundary.cells[std::min(a, b)],
-                boundary.cells[std::max(a, b)]);
+    const MeetingPairs pairs(tree, mesh.points, boundary.triangles);
+    constexpr std::size_t pieces_wanted = 512;
+    const std::vector<NodePair> pieces = pairs.pieces(pieces_wanted);
+    std::vector<std::vector<std::array<std::uint32_t, 2>>> found(pieces.size());
+    parallel_for(pieces.size(), 1, threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t n = first; n < last; ++n) {
+            pairs.for_each(pieces[n], [&](std::uint32_t a, std::uint32_t b) {
+                if (triangles_meet(mesh.points, boundary.triangles[a], boundary.triangles[b])) found[n].push_back({a, b});
+            });
         }
     });
+    for (const auto& piece : found) {
+        for (const auto& [a, b] : piece) {
+            add(check, MeshFault::boundary_crosses, boundary.cells[std::min(a, b)], boundary.cells[std::max(a, b)]);
+        }
+    }
     check.boundary_checked = true;
     if (check.count(MeshFault::boundary_crosses) == 0) check_shells(mesh, boundary, tree, check);
 }
@@ -305,20 +304,27 @@ std::string to_line(const MeshCheck& check) {
     return line.empty() ? "no fault" : line;
 }
 
-MeshCheck check_mesh(const TetMesh& mesh) {
+MeshCheck check_mesh(const TetMesh& mesh, int threads, std::vector<std::uint32_t>* neighbors) {
     assert(mesh.cells.size() < no_cell / 4);
     MeshCheck check;
     check_points(mesh, check);
     check_indices(mesh, check);
     if (check.count(MeshFault::index_out_of_range) > 0 || check.count(MeshFault::point_not_finite) > 0)
         return check;
-    check_orientation(mesh, check);
-    const Boundary boundary = check_facets(mesh, check);
+    check_orientation(mesh, threads, check);
+    FacetPairs pairs = match_facets(mesh.cells, mesh.points.size(), threads);
+    const Boundary boundary = check_facets(mesh, pairs, check);
     check_duplicates(mesh, check);
     const bool sound = check.count(MeshFault::cell_inverted) == 0 && check.count(MeshFault::cell_flat) == 0 &&
                        check.count(MeshFault::facet_in_too_many_cells) == 0 &&
                        check.count(MeshFault::facet_on_one_side) == 0;
-    if (sound) check_boundary(mesh, boundary, check);
+    if (sound) check_boundary(mesh, boundary, threads, check);
+    if (neighbors) {
+        *neighbors = std::move(pairs.other);
+        for (std::uint32_t& n : *neighbors) {
+            if (n != no_cell) n /= 4;
+        }
+    }
     return check;
 }
 

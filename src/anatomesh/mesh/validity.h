@@ -55,7 +55,9 @@ std::string to_line(const MeshCheck& check);
 
 // Complexity: O(n log n); 250,000 cells with 100,000 boundary facets take about 0.4 s on one thread.
 // Exact: every decision is a predicate on the given doubles, but for the point from which a shell's ray
-// starts, the rounded centroid of a boundary facet.
-MeshCheck check_mesh(const TetMesh& mesh);
+// starts, the rounded centroid of a boundary facet. `neighbors`, if given, receives what cell_neighbors()
+// gives, as it comes with the check of the facets; nothing when points or indices leave no facets to check.
+// Same result at any number of threads.
+MeshCheck check_mesh(const TetMesh& mesh, int threads = 1, std::vector<std::uint32_t>* neighbors = nullptr);
 
 }  // namespace anatomesh

@@ -132,7 +132,7 @@ class Builder {
     }
 
     Status tetrahedralize() {
-        ANATOMESH_TRY(Tetrahedralization delaunay, Tetrahedralization::create(sample_->points));
+        ANATOMESH_TRY(Tetrahedralization delaunay, Tetrahedralization::create(sample_->points, context_.threads));
         mesh_.emplace(std::move(delaunay), *field_, structures_, sample_->stats.size_mm,
                       interface_tolerance * sample_->stats.size_mm);
         // The mesh's vertex of every contour point, and the structures it must have on its surface.
@@ -162,14 +162,16 @@ class Builder {
 
     Status refine_cells() {
         double crossing_points = 0, deviation_points = 0, circumcenters = 0, surface_points = 0;
+        CellSearch crossings, deviations, shapes;
         CrossingOptions crossing;
-        ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossing_points));
+        ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
         DeviationOptions deviation;
         deviation.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
         for (int round = 0; round < deviation_rounds; ++round) {
             std::vector<Vec3> found;
+            mesh_->look_again(deviations);
             find_deviation_points(mesh_->points(), mesh_->cells(), mesh_->regions(), *field_, structures_, mesh_->grid(),
-                                  sample_->guard, deviation, found, context_);
+                                  sample_->guard, deviation, deviations.cells, found, context_);
             if (not_worth_a_round(found.size(), 500)) break;
             deviation_points += static_cast<double>(found.size());
             ANATOMESH_CHECK_STATUS(grow(found));
@@ -182,8 +184,10 @@ class Builder {
             // Where contours meet at small angles, segments and shape cannot both have their way: shape has the last word.
             if (round == protected_rounds) options.protected_share = 0;
             std::vector<Vec3> found;
-            const RefineStats stats = find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), mesh_->sides(),
-                                                             *field_, structures_, mesh_->grid(), sample_->guard, options, found, context_);
+            mesh_->look_again(shapes);
+            const RefineStats stats =
+                find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), mesh_->sides(), *field_, structures_,
+                                       mesh_->grid(), sample_->guard, options, shapes.cells, found, context_);
             if (round == 0) report().radius_edge_mean_before_refinement = stats.radius_edge_mean;
             circumcenters += static_cast<double>(stats.circumcenters);
             surface_points += static_cast<double>(stats.surface_points);
@@ -193,7 +197,7 @@ class Builder {
         }
         // Edges that came to cross an interface since the first rounds would end as spikes.
         crossing.protected_share = 0.5;
-        ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossing_points));
+        ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
         ANATOMESH_CHECK_STATUS(recover_segments(0));
         figures_ = {{"crossing_points", crossing_points},
                     {"deviation_points", deviation_points},
@@ -204,12 +208,13 @@ class Builder {
     }
 
     // Points where edges cross an interface; contour segments that keep them off are split instead.
-    Status meet_crossings(const CrossingOptions& options, double& points) {
+    Status meet_crossings(const CrossingOptions& options, CellSearch& search, double& points) {
         for (int round = 0; round < crossing_rounds; ++round) {
             std::vector<Vec3> found;
+            mesh_->look_again(search);
             const CrossingStats stats =
                 find_crossing_points(mesh_->points(), mesh_->cells(), mesh_->sides(), *field_, structures_,
-                                     mesh_->grid(), sample_->guard, options, found, context_);
+                                     mesh_->grid(), sample_->guard, options, search.cells, found, context_);
             if (found.empty() && (options.protected_share == 1 || stats.balls.empty())) break;
             points += static_cast<double>(found.size());
             ANATOMESH_CHECK_STATUS(
@@ -218,7 +223,7 @@ class Builder {
         return Nothing{};
     }
 
-    // The last few points: a round looks at the whole mesh.
+    // The last few points.
     bool not_worth_a_round(std::size_t count, std::size_t share) const { return count * share < mesh_->points().size(); }
 
     // Inserts the points, and the middles of the pieces of contour segments with these diametral balls.
@@ -234,7 +239,7 @@ class Builder {
         std::stable_sort(split.begin(), split.end(), [](auto& x, auto& y) { return x.ball < y.ball; });
         const std::size_t others = found.size();
         for (const SegmentPiece& piece : split) found.push_back(0.5 * (mesh_->points()[piece.a] + mesh_->points()[piece.b]));
-        const std::vector<std::uint32_t> vertices = mesh_->insert(found);
+        const std::vector<std::uint32_t> vertices = mesh_->insert(found, context_.threads);
         pieces_ = std::move(kept);
         add_halves(split, {vertices.begin() + static_cast<std::ptrdiff_t>(others), vertices.end()});
         mesh_->update(context_);
@@ -276,7 +281,7 @@ class Builder {
     Status recover_segments(std::size_t share) {
         for (int round = 0; round < segment_rounds; ++round) {
             std::vector<std::uint32_t> balls;
-            for (const std::uint32_t n : missing_pieces(mesh_->cells().cells, mesh_->points().size(), pieces_)) {
+            for (const std::uint32_t n : missing_pieces(mesh_->cells().cells, mesh_->points().size(), pieces_, context_.threads)) {
                 if (may_split(pieces_[n])) balls.push_back(pieces_[n].ball);
             }
             if (balls.empty() || (share > 0 && balls.size() * share < pieces_.size())) break;
@@ -338,7 +343,8 @@ class Builder {
         BalanceOptions balance;
         balance.max_offset_mm = balance_reach * stats.size_mm;
         const BalanceStats balanced =
-            balance_volumes(model_.mesh, model_.regions, fixed, volumes_mm3_, options_.max_radius_edge, balance);
+            balance_volumes(model_.mesh, model_.regions, fixed, volumes_mm3_, options_.max_radius_edge, balance,
+                            context_.threads);
         figures_ = {{"vertices_onto_interface", static_cast<double>(improved.vertices_onto_interface)},
                     {"vertices_smoothed", static_cast<double>(improved.vertices_smoothed)},
                     {"above_bound_before", static_cast<double>(improved.above_bound_before)},
@@ -373,7 +379,7 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
-        return improve_dihedrals(model_.mesh, fixed, edges_along(model_.mesh, segments), *field_, structures_, options, context_);
+        return improve_dihedrals(model_.mesh, fixed, edges_along(model_.mesh, segments, context_.threads), *field_, structures_, options, context_);
     }
 
     // Keeps the cells of a region, and the points that they use, in their order.

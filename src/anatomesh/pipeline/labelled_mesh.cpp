@@ -10,19 +10,30 @@ LabelledMesh::LabelledMesh(Tetrahedralization delaunay, const StructureField& fi
 }
 
 CullStats LabelledMesh::update(RunContext& context) {
-    const std::vector<Region> before = std::move(regions_);
-    delaunay_.snapshot(snapshot_);
-    regions_.assign(snapshot_.cells.size(), undecided_region);
-    for (std::size_t c = 0; c < regions_.size(); ++c) {
-        if (snapshot_.previous[c] != no_cell) regions_[c] = before[snapshot_.previous[c]];
-    }
+    const DelaunaySnapshot& now = delaunay_.snapshot(context.threads);
+    ++updates_;
+    regions_.resize(now.cells.size());
+    changed_at_.resize(now.cells.size());
+    for (const std::uint32_t c : now.changed) changed_at_[c] = updates_;
     find_sides(points(), field_, structures_, tolerance_mm_, sides_, registry_, context);
-    return cull(points(), snapshot_.cells, sides_, field_, structures_, regions_, registry_, context);
+    return cull(points(), now.cells, now.changed, sides_, field_, structures_, regions_, registry_, context);
 }
 
-std::vector<std::uint32_t> LabelledMesh::insert(std::span<const Vec3> points) {
+void LabelledMesh::look_again(CellSearch& search) const {
+    std::vector<std::uint32_t> cells;
+    auto again = search.cells.begin();
+    for (std::uint32_t c = 0; c < changed_at_.size(); ++c) {
+        const bool wanted = again != search.cells.end() && *again == c;
+        if (wanted || changed_at_[c] > search.seen) cells.push_back(c);
+        again += wanted;
+    }
+    search.cells = std::move(cells);
+    search.seen = updates_;
+}
+
+std::vector<std::uint32_t> LabelledMesh::insert(std::span<const Vec3> points, int threads) {
     const std::size_t before = delaunay_.points().size();
-    std::vector<std::uint32_t> vertices = delaunay_.insert(points);
+    std::vector<std::uint32_t> vertices = delaunay_.insert(points, threads);
     for (std::size_t n = before; n < delaunay_.points().size(); ++n) grid_.add(delaunay_.points()[n]);
     return vertices;
 }

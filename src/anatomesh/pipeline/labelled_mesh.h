@@ -14,7 +14,14 @@
 
 namespace anatomesh {
 
-// After the bulk insertion only what changes is decided anew: cells that an insertion left alone keep their region.
+// What a search that goes over the mesh in rounds has to look at.
+struct CellSearch {
+    std::vector<std::uint32_t> cells;  // rising
+    std::uint32_t seen = 0;            // updates of the mesh that it knows of
+};
+
+// After the bulk insertion only what changes is decided anew: cells that an insertion left alone keep their place and
+// their region.
 class LabelledMesh {
   public:
     // Requires: the field outlives the mesh. `tolerance_mm`: points this near an interface count as on it.
@@ -24,11 +31,16 @@ class LabelledMesh {
     // Takes the cells as they are now and decides the regions of the new ones.
     CullStats update(RunContext& context);
 
+    // Adds the cells that changed since the search's last look, at first all of them, to those of search.cells, which
+    // are cells of the last look that it wants to see again.
+    // Whoever changes regions() must begin searches that go by regions anew.
+    void look_again(CellSearch& search) const;
+
     // Returns the vertex of each.
-    std::vector<std::uint32_t> insert(std::span<const Vec3> points);
+    std::vector<std::uint32_t> insert(std::span<const Vec3> points, int threads);
 
     const std::vector<Vec3>& points() const { return delaunay_.points(); }
-    const DelaunaySnapshot& cells() const { return snapshot_; }
+    const DelaunaySnapshot& cells() const { return delaunay_.last_snapshot(); }
     const std::vector<Region>& sides() const { return sides_; }
     std::vector<Region>& regions() { return regions_; }
     const std::vector<Region>& regions() const { return regions_; }
@@ -41,7 +53,8 @@ class LabelledMesh {
     const StructureField& field_;
     std::uint32_t structures_;
     double tolerance_mm_;
-    DelaunaySnapshot snapshot_;
+    std::vector<std::uint32_t> changed_at_;  // the update that brought each cell
+    std::uint32_t updates_ = 0;
     std::vector<Region> sides_, regions_;
     RegionRegistry registry_;
     PointGrid grid_;

@@ -7,7 +7,6 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/cull/cull.h"
 #include "anatomesh/mesh/quality.h"
-#include "anatomesh/mesh/surface_mesh.h"
 #include "anatomesh/sample/interface_probe.h"
 
 namespace anatomesh {
@@ -81,26 +80,34 @@ void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfacePr
     }
 }
 
-// A facet between two regions, and the vertices opposite it in its two cells.
+// A facet of an interface, as one of the cell in the region with the larger number.
 struct InterfaceFacet {
-    Triangle vertices;
-    std::array<std::uint32_t, 2> apices;
+    std::uint32_t cell;
+    std::uint32_t index;
+    friend auto operator<=>(const InterfaceFacet&, const InterfaceFacet&) = default;
 };
 
-std::vector<InterfaceFacet> interface_facets(const DelaunaySnapshot& mesh,
-                                             const std::vector<Region>& regions) {
-    std::vector<InterfaceFacet> facets;
-    for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
-        for (std::size_t i = 0; i < 4; ++i) {
-            const std::uint32_t n = mesh.neighbors[c][i];
-            if (n == no_cell || regions[c] <= regions[n]) continue;
-            const auto& f = facet_vertices[i];
-            const auto back = static_cast<std::size_t>(
-                std::find(mesh.neighbors[n].begin(), mesh.neighbors[n].end(), c) - mesh.neighbors[n].begin());
-            facets.push_back({{mesh.cells[c][f[0]], mesh.cells[c][f[1]], mesh.cells[c][f[2]]},
-                              {mesh.cells[c][i], mesh.cells[n][back]}});
-        }
-    }
+// Those of the cells looked at, from either side; rising.
+std::vector<InterfaceFacet> interface_facets(const DelaunaySnapshot& mesh, const std::vector<Region>& regions,
+                                             const std::vector<std::uint32_t>& look, int threads) {
+    std::vector<InterfaceFacet> facets = parallel_collect<InterfaceFacet>(
+        look.size(), 16384, threads, [&](std::size_t first, std::size_t last, std::vector<InterfaceFacet>& out) {
+            for (std::size_t k = first; k < last; ++k) {
+                const std::uint32_t c = look[k];
+                for (std::uint32_t i = 0; i < 4; ++i) {
+                    const std::uint32_t n = mesh.neighbors[c][i];
+                    if (n == no_cell || regions[c] == regions[n]) continue;
+                    if (regions[c] > regions[n]) {
+                        out.push_back({c, i});
+                    } else {
+                        const auto& back = mesh.neighbors[n];
+                        out.push_back({n, static_cast<std::uint32_t>(std::find(back.begin(), back.end(), c) - back.begin())});
+                    }
+                }
+            }
+        });
+    std::sort(facets.begin(), facets.end());
+    facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
     return facets;
 }
 
@@ -109,30 +116,51 @@ std::vector<InterfaceFacet> interface_facets(const DelaunaySnapshot& mesh,
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<Region>& regions, const std::vector<Region>& sides,
                                    const StructureField& field, std::uint32_t structures, const PointGrid& all_points,
-                                   const SegmentGuard& guard, const RefineOptions& options, std::vector<Vec3>& found,
-                                   RunContext& context) {
+                                   const SegmentGuard& guard, const RefineOptions& options,
+                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found, RunContext& context) {
     RefineStats stats;
-    std::vector<BadCell> bad;
-    std::uint64_t inside = 0;
-    for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
-        const Cell& cell = mesh.cells[c];
-        const bool is_inside = regions[c] != 0;
-        if (!is_inside && std::none_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return sides[v] == on_interface; })) {
-            continue;
-        }
-        const Vec3 p = points[cell[0]], q = points[cell[1]], r = points[cell[2]], s = points[cell[3]];
-        const bool flat = flatness_of(p, q, r, s) < options.flatness;
-        if (!is_inside && !flat) continue;
-        const double ratio = radius_edge_ratio(p, q, r, s);
-        stats.flat += flat;
-        if (is_inside && !flat) {
-            ++inside;
-            stats.radius_edge_mean += ratio;
-            stats.above_bound += ratio > options.max_radius_edge;
-        }
-        if (flat || ratio > options.max_radius_edge) bad.push_back({c, flat ? 0 : ratio, flat, 0, std::nullopt, false, SegmentGuard::no_ball});
+    // Pieces of a fixed size keep the mean the same at any thread count.
+    struct Inside {
+        std::uint64_t cells = 0;
+        double ratios = 0;
+    };
+    constexpr std::size_t grain = 8192;
+    std::vector<Inside> inside(look.size() / grain + 1);
+    std::vector<BadCell> bad = parallel_collect<BadCell>(
+        look.size(), grain, context.threads, [&](std::size_t first, std::size_t last, std::vector<BadCell>& out) {
+            Inside& here = inside[first / grain];
+            for (std::size_t n = first; n < last; ++n) {
+                const std::uint32_t c = look[n];
+                const Cell& cell = mesh.cells[c];
+                const bool is_inside = regions[c] != 0;
+                if (!is_inside && std::none_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return sides[v] == on_interface; })) {
+                    continue;
+                }
+                const Vec3 p = points[cell[0]], q = points[cell[1]], r = points[cell[2]], s = points[cell[3]];
+                const bool flat = flatness_of(p, q, r, s) < options.flatness;
+                if (!is_inside && !flat) continue;
+                const double ratio = radius_edge_ratio(p, q, r, s);
+                if (is_inside && !flat) {
+                    ++here.cells;
+                    here.ratios += ratio;
+                }
+                if (flat || ratio > options.max_radius_edge) {
+                    out.push_back({c, flat ? 0 : ratio, flat, 0, std::nullopt, false, SegmentGuard::no_ball});
+                }
+            }
+        });
+    std::uint64_t cells_inside = 0;
+    for (const Inside& piece : inside) {
+        cells_inside += piece.cells;
+        stats.radius_edge_mean += piece.ratios;
     }
-    stats.radius_edge_mean /= static_cast<double>(std::max<std::uint64_t>(1, inside));
+    stats.radius_edge_mean /= static_cast<double>(std::max<std::uint64_t>(1, cells_inside));
+    for (const BadCell& cell : bad) {
+        stats.flat += cell.flat;
+        stats.above_bound += !cell.flat && regions[cell.cell] != 0;
+    }
+    look.clear();
+    for (const BadCell& cell : bad) look.push_back(cell.cell);
 
     parallel_for(bad.size(), 256, context.threads, [&](std::size_t first, std::size_t last) {
         InterfaceProbe probe(field, structures);
@@ -165,13 +193,26 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
                                    const std::vector<Region>& sides, const StructureField& field,
                                    std::uint32_t structures, const PointGrid& all_points,
                                    const SegmentGuard& guard, const CrossingOptions& options,
-                                   std::vector<Vec3>& found, RunContext& context) {
+                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found, RunContext& context) {
     CrossingStats stats;
-    std::vector<std::array<std::uint32_t, 2>> edges;
-    for (const Cell& cell : mesh.cells) {
+    using Edge = std::array<std::uint32_t, 2>;
+    const auto crosses = [&](std::uint32_t a, std::uint32_t b) {
+        return sides[a] != sides[b] && sides[a] != on_interface && sides[b] != on_interface;
+    };
+    look = parallel_collect<std::uint32_t>(
+        look.size(), 16384, context.threads, [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& out) {
+            for (std::size_t n = first; n < last; ++n) {
+                const Cell& cell = mesh.cells[look[n]];
+                if (std::any_of(cell_edges.begin(), cell_edges.end(), [&](auto& e) { return crosses(cell[e[0]], cell[e[1]]); })) {
+                    out.push_back(look[n]);
+                }
+            }
+        });
+    std::vector<Edge> edges;
+    for (const std::uint32_t c : look) {
         for (const auto& [i, j] : cell_edges) {
-            const std::uint32_t a = std::min(cell[i], cell[j]), b = std::max(cell[i], cell[j]);
-            if (sides[a] != sides[b] && sides[a] != on_interface && sides[b] != on_interface) edges.push_back({a, b});
+            const std::uint32_t a = std::min(mesh.cells[c][i], mesh.cells[c][j]), b = std::max(mesh.cells[c][i], mesh.cells[c][j]);
+            if (crosses(a, b)) edges.push_back({a, b});
         }
     }
     std::sort(edges.begin(), edges.end());
@@ -215,9 +256,10 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
 DeviationStats find_deviation_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                      const std::vector<Region>& regions, const StructureField& field,
                                      std::uint32_t structures, const PointGrid& all_points, const SegmentGuard& guard,
-                                     const DeviationOptions& options, std::vector<Vec3>& found, RunContext& context) {
+                                     const DeviationOptions& options, std::vector<std::uint32_t>& look,
+                                     std::vector<Vec3>& found, RunContext& context) {
     DeviationStats stats;
-    const std::vector<InterfaceFacet> facets = interface_facets(mesh, regions);
+    const std::vector<InterfaceFacet> facets = interface_facets(mesh, regions, look, context.threads);
     struct Candidate {
         std::optional<Vec3> point;
         double longest = 0;
@@ -227,9 +269,10 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
     parallel_for(facets.size(), 1024, context.threads, [&](std::size_t first, std::size_t last) {
         InterfaceProbe probe(field, structures);
         for (std::size_t n = first; n < last; ++n) {
-            const InterfaceFacet& facet = facets[n];
-            const Vec3 a = points[facet.vertices[0]], b = points[facet.vertices[1]],
-                       c = points[facet.vertices[2]];
+            const auto& [owner, index] = facets[n];
+            const auto& f = facet_vertices[index];
+            const Cell& cell = mesh.cells[owner];
+            const Vec3 a = points[cell[f[0]]], b = points[cell[f[1]]], c = points[cell[f[2]]];
             const Vec3 middle = (1.0 / 3.0) * (a + b + c);
             if (probe.distance(middle) <= options.max_deviation_mm) continue;
             Candidate& candidate = candidates[n];
@@ -241,7 +284,11 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
                 if (guard.ball_at(*p, share) == SegmentGuard::no_ball) candidate.point = p;
             };
             keep_if_free(probe.project(middle, candidate.longest, tolerance), 1);
-            for (const std::uint32_t apex : facet.apices) {
+            // The vertices opposite the facet in its two cells.
+            const std::uint32_t beyond = mesh.neighbors[owner][index];
+            const auto& back = mesh.neighbors[beyond];
+            const auto across = static_cast<std::size_t>(std::find(back.begin(), back.end(), owner) - back.begin());
+            for (const std::uint32_t apex : {cell[index], mesh.cells[beyond][across]}) {
                 if (candidate.point) break;
                 keep_if_free(probe.first_crossing(middle, points[apex], 0.25 * candidate.longest, tolerance),
                              options.protected_share);
@@ -249,6 +296,10 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
         }
     });
     double total = 0;
+    look.clear();
+    for (std::size_t n = 0; n < facets.size(); ++n) {
+        if (candidates[n].deviates && (look.empty() || look.back() != facets[n].cell)) look.push_back(facets[n].cell);
+    }
     for (const Candidate& candidate : candidates) {
         stats.deviating += candidate.deviates;
         stats.refused += candidate.deviates && !candidate.point;

@@ -1,4 +1,8 @@
 // refine: rounds of Delaunay refinement, of the interfaces and by circumradius / shortest edge.
+//
+// Each search looks at the cells of `look`, rising and without repeats, and leaves those of them in it that it wants to
+// see again in the next round even if they do not change: the ones for which it found a point or none was allowed.
+// All others need a look only when they change.
 #pragma once
 
 #include <cstdint>
@@ -23,12 +27,12 @@ struct RefineOptions {
 };
 
 struct RefineStats {
-    std::uint64_t above_bound = 0;       // cells inside with a ratio above the bound, before
-    std::uint64_t flat = 0;              // cells inside or at an interface that are nearly flat, before
+    std::uint64_t above_bound = 0;       // of the cells looked at: inside, with a ratio above the bound
+    std::uint64_t flat = 0;              // of these: inside or at an interface, and nearly flat
     std::uint64_t circumcenters = 0, surface_points = 0;  // points to insert
     std::uint64_t refused = 0;           // bad cells for which no allowed point was found
     std::vector<std::uint32_t> balls;    // of the guard: pieces of contour segments to split instead; rising, distinct
-    double radius_edge_mean = 0;         // over the cells inside, before
+    double radius_edge_mean = 0;         // of those looked at that are inside
 };
 
 // Points that improve the cells inside: the circumcentre of each bad cell; where an interface lies between the cell
@@ -38,13 +42,13 @@ struct RefineStats {
 // ball of a piece of a contour segment: that piece is to be split instead, if it is longer than the cell's shortest edge. Points found in one round keep out of each other's empty spheres.
 // Terminates when repeated: a circumcentre is farther from every point than twice the shortest edge of its cell,
 // and points on interfaces keep min_spacing; so spacing never falls below a share of the contours' own.
-// Complexity: linear in the cells. Same result at any thread count.
+// Complexity: linear in the cells looked at. Same result at any thread count.
 // Follows: Shewchuk, Delaunay refinement mesh generation, 1997, chapter 4; Boissonnat and Oudot, Graph. Models 67, 2005.
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<Region>& regions, const std::vector<Region>& sides,
                                    const StructureField& field, std::uint32_t structures, const PointGrid& all_points,
-                                   const SegmentGuard& guard, const RefineOptions& options, std::vector<Vec3>& found,
-                                   RunContext& context);
+                                   const SegmentGuard& guard, const RefineOptions& options,
+                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found, RunContext& context);
 
 struct CrossingOptions {
     double min_spacing = 0.3;  // of a crossing point from others, in lengths of its edge. (0, 1]
@@ -53,7 +57,7 @@ struct CrossingOptions {
 };
 
 struct CrossingStats {
-    std::uint64_t crossing_edges = 0;  // mesh edges from one region to another with no vertex between
+    std::uint64_t crossing_edges = 0;  // of the cells looked at: from one region to another with no vertex between
     std::uint64_t refused =
         0;  // of these: a vertex is already too near to the crossing, or a contour segment
     std::vector<std::uint32_t>
@@ -64,12 +68,12 @@ struct CrossingStats {
 // a cell there, and a cell must have a vertex there before it can be split along it (the cut of the 2006
 // method). A point keeps min_spacing lengths of its edge from every other one, and out of the protected share
 // of the diametral ball of a piece of a contour segment: that piece is to be split. Requires: sides as
-// find_sides() (cull/cull.h) gives them. Complexity: O(cells log cells). Same result at any thread count.
+// find_sides() (cull/cull.h) gives them. Complexity: O(n log n) in the cells looked at. Same result at any thread count.
 CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<Region>& sides, const StructureField& field,
                                    std::uint32_t structures, const PointGrid& all_points,
                                    const SegmentGuard& guard, const CrossingOptions& options,
-                                   std::vector<Vec3>& found, RunContext& context);
+                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found, RunContext& context);
 
 struct DeviationOptions {
     double max_deviation_mm = 0.1;  // of the middle of an interface facet from the field's interface. > 0
@@ -79,7 +83,7 @@ struct DeviationOptions {
 };
 
 struct DeviationStats {
-    std::uint64_t deviating = 0;  // interface facets with their middle off the field's interface
+    std::uint64_t deviating = 0;  // interface facets of the cells looked at with their middle off the field's interface
     std::uint64_t refused = 0;    // of these: no interface found near, a vertex too close to it, or a contour segment
 };
 
@@ -87,11 +91,12 @@ struct DeviationStats {
 // from it: where the surface is curved, or a structure is small, it needs more points than its contours give.
 // Where the nearest place on the interface is taken - a pocket that closes between two slices has its facets
 // in the plane of one, and its contour is nearest - the point is where the way from the middle to the farther
-// vertex of the cell on the wrong side crosses it. Complexity: linear in the interface facets. Same result at
+// vertex of the cell on the wrong side crosses it. Complexity: linear in the cells looked at. Same result at
 // any thread count. Follows: the distance criterion of Boissonnat and Oudot, Graph. Models 67, 2005.
 DeviationStats find_deviation_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                      const std::vector<Region>& regions, const StructureField& field,
                                      std::uint32_t structures, const PointGrid& all_points, const SegmentGuard& guard,
-                                     const DeviationOptions& options, std::vector<Vec3>& found, RunContext& context);
+                                     const DeviationOptions& options, std::vector<std::uint32_t>& look,
+                                     std::vector<Vec3>& found, RunContext& context);
 
 }  // namespace anatomesh

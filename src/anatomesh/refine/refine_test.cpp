@@ -18,8 +18,9 @@ std::vector<Vec3> refinement(const CulledMesh& mesh, const StructureField& field
     RunContext context;
     context.threads = threads;
     std::vector<Vec3> found;
+    std::vector<std::uint32_t> look = mesh.all_cells();
     stats = find_refinement_points(mesh.points(), mesh.cells, mesh.regions, mesh.sides, field, 1, mesh.grid,
-                                   no_segments, {}, found, context);
+                                   no_segments, {}, look, found, context);
     return found;
 }
 
@@ -100,6 +101,51 @@ TEST(Refine, same_points_for_any_number_of_threads) {
     for (const int threads : {2, 4}) EXPECT_EQ(refinement(mesh, field, stats, threads), one);
 }
 
+// What the searches leave out need not be looked at: they find the same as when they look at everything.
+TEST(Refine, a_second_look_goes_to_what_is_bad_or_has_changed) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    CulledMesh mesh = random_ball(field, 9);
+    RunContext context;
+    const auto search = [&](int kind, std::vector<std::uint32_t>& look) {
+        std::vector<Vec3> found;
+        if (kind == 0) {
+            find_refinement_points(mesh.points(), mesh.cells, mesh.regions, mesh.sides, field, 1, mesh.grid, no_segments,
+                                   {}, look, found, context);
+        } else if (kind == 1) {
+            find_crossing_points(mesh.points(), mesh.cells, mesh.sides, field, 1, mesh.grid, no_segments, {}, look, found,
+                                 context);
+        } else {
+            find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1, mesh.grid, no_segments, {}, look,
+                                  found, context);
+        }
+        return found;
+    };
+    std::array<std::vector<std::uint32_t>, 3> again{mesh.all_cells(), mesh.all_cells(), mesh.all_cells()};
+    for (int round = 0; round < 6; ++round) {
+        std::vector<Vec3> all;
+        for (int kind = 0; kind < 3; ++kind) {
+            std::vector<std::uint32_t> everything = mesh.all_cells(), look = again[kind];
+            EXPECT_TRUE(std::is_sorted(look.begin(), look.end()));
+            const std::vector<Vec3> found = search(kind, look);
+            EXPECT_EQ(found, search(kind, everything));
+            EXPECT_EQ(look, everything);
+            if (round > 0) {
+                EXPECT_LT(again[kind].size(), mesh.cells.cells.size());
+            }
+            again[kind] = look;
+            all.insert(all.end(), found.begin(), found.end());
+        }
+        mesh.delaunay.insert(std::vector<Vec3>(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2)));
+        mesh.update(field, 1, 0.02);
+        for (auto& look : again) {
+            look.insert(look.end(), mesh.cells.changed.begin(), mesh.cells.changed.end());
+            std::sort(look.begin(), look.end());
+            look.erase(std::unique(look.begin(), look.end()), look.end());
+            std::erase_if(look, [&](std::uint32_t c) { return c >= mesh.cells.cells.size(); });
+        }
+    }
+}
+
 TEST(Refine, crossing_points_lie_on_the_interface_and_apart) {
     const AnalyticField field({ball({}, 5)}, 6);
     // A coarse lattice that knows nothing of the ball.
@@ -115,8 +161,9 @@ TEST(Refine, crossing_points_lie_on_the_interface_and_apart) {
     std::uint64_t first = 0, last = 0;
     for (int round = 0; round < 4; ++round) {
         std::vector<Vec3> found;
+        std::vector<std::uint32_t> look = mesh.all_cells();
         const CrossingStats stats = find_crossing_points(mesh.points(), mesh.cells, mesh.sides, field, 1,
-                                                         mesh.grid, no_segments, {}, found, context);
+                                                         mesh.grid, no_segments, {}, look, found, context);
         if (round == 0) {
             first = stats.crossing_edges;
             EXPECT_GT(found.size(), 20u);
@@ -141,9 +188,10 @@ TEST(Refine, deviation_points_bring_the_surface_to_the_interface) {
     std::uint64_t first = 0, last = 0;
     for (int round = 0; round < 8; ++round) {
         std::vector<Vec3> found;
+        std::vector<std::uint32_t> look = mesh.all_cells();
         const DeviationStats stats =
             find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1, mesh.grid,
-                                  SegmentGuard(size, 0), options, found, context);
+                                  SegmentGuard(size, 0), options, look, found, context);
         if (round == 0) first = stats.deviating;
         last = stats.deviating;
         for (const Vec3& p : found) EXPECT_NEAR(length(p), 5, 0.01);
@@ -166,8 +214,9 @@ TEST(Refine, deviation_points_stay_out_of_the_balls_of_contour_segments) {
         DeviationOptions options;
         options.protected_share = share;
         std::vector<Vec3> found;
+        std::vector<std::uint32_t> look = mesh.all_cells();
         const DeviationStats stats = find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1,
-                                                           mesh.grid, guard, options, found, context);
+                                                           mesh.grid, guard, options, look, found, context);
         EXPECT_TRUE(found.empty());
         EXPECT_EQ(stats.refused, stats.deviating);
     }
@@ -197,8 +246,9 @@ TEST(Refine, deviation_points_open_a_pocket_whose_facets_lie_in_its_rims_plane) 
     mesh.update(field, 1, 0.02);
     RunContext context;
     std::vector<Vec3> found;
+    std::vector<std::uint32_t> look = mesh.all_cells();
     find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1, mesh.grid, SegmentGuard(size, 0),
-                          {}, found, context);
+                          {}, look, found, context);
     EXPECT_TRUE(std::any_of(found.begin(), found.end(),
                             [](Vec3 p) { return std::hypot(p.x, p.y) < 2.9 && p.z > 0.5; }));
 }

@@ -8,7 +8,7 @@ namespace anatomesh {
 const std::vector<std::uint32_t>& InterfaceProbe::members(Vec3 p) {
     members_.clear();
     if (single_) {
-        if (field_.value(0, p) < 0) members_.push_back(0);
+        if (field_.value_within(0, p, 0) < 0) members_.push_back(0);
     } else {
         field_.members(p, members_);
     }
@@ -19,18 +19,32 @@ double InterfaceProbe::distance(Vec3 p) {
     return single_ ? std::abs(field_.value(0, p)) : field_.interface_distance(p);
 }
 
-void InterfaceProbe::fix_side(Vec3 p) {
-    if (single_) {
-        sign_ = field_.value(0, p) < 0 ? -1 : 1;
-    } else {
-        side_ = members(p);
+InterfaceProbe::Look InterfaceProbe::look(Vec3 p, double reach) {
+    if (!single_) {
+        const double distance = field_.members_and_distance(p, members_);
+        return {members_, distance};
     }
+    const double value = field_.value_within(0, p, reach);
+    members_.clear();
+    if (value < 0) members_.push_back(0);
+    return {members_, std::abs(value)};
+}
+
+double InterfaceProbe::fix_side(Vec3 p) {
+    if (single_) {
+        const double value = field_.value(0, p);
+        sign_ = value < 0 ? -1 : 1;
+        return std::abs(value);
+    }
+    const Look there = look(p);
+    side_ = there.members;
+    return there.distance;
 }
 
 double InterfaceProbe::side_distance(Vec3 p) {
     if (single_) return sign_ * field_.value(0, p);
-    const double distance = field_.interface_distance(p);
-    return members(p) == side_ ? distance : -distance;
+    const Look there = look(p);
+    return there.members == side_ ? there.distance : -there.distance;
 }
 
 // Illinois method: regula falsi that halves the weight of an end kept twice (Dowell and Jarratt, BIT 11, 1971).
@@ -56,13 +70,11 @@ Vec3 InterfaceProbe::crossing_between(Vec3 p, Vec3 q, double at_p, double at_q, 
 }
 
 std::optional<Vec3> InterfaceProbe::project(Vec3 p, double max_move, double tolerance) {
-    fix_side(p);
-    const double here = side_distance(p);
+    const double here = fix_side(p);
     // Where the distance falls fastest, by differences over a step that stays on this side where it can.
     const double delta = std::max(tolerance, 0.25 * here);
-    const Vec3 gradient{side_distance(p + Vec3{delta, 0, 0}) - side_distance(p - Vec3{delta, 0, 0}),
-                        side_distance(p + Vec3{0, delta, 0}) - side_distance(p - Vec3{0, delta, 0}),
-                        side_distance(p + Vec3{0, 0, delta}) - side_distance(p - Vec3{0, 0, delta})};
+    const Vec3 gradient{side_distance(p + Vec3{delta, 0, 0}) - here, side_distance(p + Vec3{0, delta, 0}) - here,
+                        side_distance(p + Vec3{0, 0, delta}) - here};
     const double steepness = length(gradient);
     if (!(steepness > 0)) return std::nullopt;
     const Vec3 direction = (-1.0 / steepness) * gradient;
@@ -81,10 +93,9 @@ std::optional<Vec3> InterfaceProbe::project(Vec3 p, double max_move, double tole
 }
 
 std::optional<Vec3> InterfaceProbe::first_crossing(Vec3 p, Vec3 q, double step, double tolerance) {
-    fix_side(p);
+    double at_near = fix_side(p);
     const int steps = static_cast<int>(std::clamp(std::ceil(length(q - p) / step), 1.0, 64.0));
     Vec3 near = p;
-    double at_near = side_distance(p);
     for (int i = 1; i <= steps; ++i) {
         const Vec3 far = p + (static_cast<double>(i) / steps) * (q - p);
         const double at_far = side_distance(far);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -21,6 +22,14 @@ class InterfaceProbe {
     // Distance-like, >= 0, clamped to the field's clamp.
     double distance(Vec3 p);
 
+    // Both at once, at about the price of one; the members are valid until the next call. A distance above `reach` may
+    // be any number above it, which costs less.
+    struct Look {
+        const std::vector<std::uint32_t>& members;
+        double distance;
+    };
+    Look look(Vec3 p, double reach = std::numeric_limits<double>::infinity());
+
     // The point of the nearest interface in the direction in which the distance falls, at most `max_move` mm away
     // and on it to within `tolerance` mm along that direction; nothing if there is none there.
     std::optional<Vec3> project(Vec3 p, double max_move, double tolerance);
@@ -29,8 +38,9 @@ class InterfaceProbe {
     std::optional<Vec3> first_crossing(Vec3 p, Vec3 q, double step, double tolerance);
 
   private:
-    // Positive while the region is the one that `fix_side` was given, negative beyond; zero on the interface.
-    void fix_side(Vec3 p);
+    // Positive while the region is that at the point which `fix_side` was given, negative beyond; zero on the interface.
+    // fix_side returns its value there.
+    double fix_side(Vec3 p);
     double side_distance(Vec3 p);
     Vec3 crossing_between(Vec3 p, Vec3 q, double at_p, double at_q, double tolerance);
 

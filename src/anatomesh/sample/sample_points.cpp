@@ -78,9 +78,10 @@ Sites classify(const Lattice& lattice, const StructureField& field, std::uint32_
             for (std::uint32_t j = parity; j < lattice.size[1]; j += 2) {
                 for (std::uint32_t i = parity; i < lattice.size[0]; i += 2) {
                     const Vec3 p = lattice.position(i, j, static_cast<std::uint32_t>(k));
-                    sites.at[slot++] = probe.distance(p) < band      ? Site::near
-                                       : !probe.members(p).empty() ? Site::inside
-                                                                   : Site::outside;
+                    const InterfaceProbe::Look there = probe.look(p, band);
+                    sites.at[slot++] = there.distance < band    ? Site::near
+                                       : there.members.empty() ? Site::outside
+                                                               : Site::inside;
                 }
             }
         }
@@ -282,6 +283,7 @@ void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>&
                         PointSample& sample, std::vector<ThinSpot>& thin, int threads) {
     std::vector<std::optional<Vec3>> moved(near.size());
     std::vector<int> levels(near.size(), 0);
+    std::vector<std::uint8_t> allowed(near.size(), 0);
     parallel_for(near.size(), 1024, threads, [&](std::size_t first, std::size_t last) {
         InterfaceProbe probe(field, structures);
         const WallGauge gauge(field, thin_wall * size);
@@ -293,15 +295,14 @@ void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>&
             if (const auto thickness = thickness_beside(p, *moved[n], gauge, probe, structures, changed)) {
                 levels[n] = level_of(*thickness, size);
             }
+            allowed[n] = guard.allows(*moved[n], protected_spacing * size);
         }
     });
     for (std::size_t n = 0; n < near.size(); ++n) {
         if (levels[n] > 0) thin.push_back({*moved[n], levels[n]});
-    }
-    for (const std::optional<Vec3>& p : moved) {
-        if (!p || surface.any_within(*p, surface_spacing * size) || !guard.allows(*p, protected_spacing * size)) continue;
-        surface.add(*p);
-        sample.points.push_back(*p);
+        if (!allowed[n] || surface.any_within(*moved[n], surface_spacing * size)) continue;
+        surface.add(*moved[n]);
+        sample.points.push_back(*moved[n]);
     }
 }
 
@@ -320,13 +321,18 @@ void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const Str
                 if (probe.distance(sites[n]) >= surface_band * local) continue;
                 moved[n] = probe.project(sites[n], 2.0 * surface_band * local, position_tolerance * local);
                 if (!moved[n]) continue;
+                if (surface.any_within(*moved[n], surface_spacing * local) ||
+                    !guard.allows(*moved[n], protected_spacing * local)) {
+                    moved[n].reset();
+                    continue;
+                }
                 // A spot's neighbourhood may be thicker than the spot.
                 const auto thickness = thickness_beside(sites[n], *moved[n], gauge, probe, structures, changed);
                 if (thickness && level_of(0.8 * *thickness, size) < level) moved[n].reset();
             }
         });
         for (const std::optional<Vec3>& p : moved) {
-            if (!p || surface.any_within(*p, surface_spacing * local) || !guard.allows(*p, protected_spacing * local)) continue;
+            if (!p || surface.any_within(*p, surface_spacing * local)) continue;
             surface.add(*p);
             sample.points.push_back(*p);
         }
@@ -334,11 +340,11 @@ void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const Str
 }
 
 void add_lattice_points(const Lattice& lattice, const Sites& sites, double size, double growth, const SegmentGuard& guard,
-                        const PointGrid& surface, PointSample& sample) {
+                        const PointGrid& surface, PointSample& sample, int threads) {
     const SiteReader reader(lattice, sites);
     const DepthMap depths(lattice, reader);
-    const std::size_t before = sample.points.size();
-    for (std::uint32_t k = 0; k < lattice.size[2]; ++k) {
+    std::vector<std::vector<Vec3>> layers(lattice.size[2]);
+    const auto add_layer = [&](std::uint32_t k) {
         const std::uint32_t parity = k & 1;
         for (std::uint32_t j = parity; j < lattice.size[1]; j += 2) {
             for (std::uint32_t i = parity; i < lattice.size[0]; i += 2) {
@@ -351,10 +357,15 @@ void add_lattice_points(const Lattice& lattice, const Sites& sites, double size,
                 }
                 const Vec3 p = lattice.position(i, j, k);
                 if (surface.any_within(p, protected_spacing * size) || !guard.allows(p, protected_spacing * size)) continue;
-                sample.points.push_back(p);
+                layers[k].push_back(p);
             }
         }
-    }
+    };
+    parallel_for(lattice.size[2], 1, threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t k = first; k < last; ++k) add_layer(static_cast<std::uint32_t>(k));
+    });
+    const std::size_t before = sample.points.size();
+    for (const std::vector<Vec3>& layer : layers) sample.points.insert(sample.points.end(), layer.begin(), layer.end());
     sample.stats.lattice_points = sample.points.size() - before;
 }
 
@@ -448,7 +459,7 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
     add_thin_wall_points(lattice.low, thin, field, structures, size, guard, surface, sample, context.threads);
     sample.stats.surface_points = surface.size();
     sample.stats.thin_spots = thin.size();
-    add_lattice_points(lattice, sites, size, options.growth, guard, surface, sample);
+    add_lattice_points(lattice, sites, size, options.growth, guard, surface, sample, context.threads);
     add_frame(box, sample);
     return sample;
 }

@@ -1,8 +1,9 @@
 #include "anatomesh/sample/thin_walls.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+
+#include "anatomesh/geom/box.h"
 
 namespace anatomesh {
 
@@ -38,9 +39,16 @@ std::optional<double> thickness_beside(Vec3 p, Vec3 surface, const WallGauge& ga
 }
 
 std::vector<Vec3> fine_sites(Vec3 low, const std::vector<ThinSpot>& spots, int level, double size) {
-    const double step = 0.5 * size / (1 << level), reach = spot_reach * size;
-    using Site = std::array<std::int64_t, 3>;
-    std::vector<Site> sites;
+    const double step = 0.5 * size / (1 << level), reach = spot_reach * size, r = reach / step;
+    // Sites by one number that rises with k, then j, then i.
+    Box3 box;
+    for (const ThinSpot& spot : spots) box.extend((1.0 / step) * (spot.point - low));
+    if (box.empty()) return {};
+    const auto first = [&](double at) { return static_cast<std::int64_t>(std::floor(at - r)); };
+    const std::int64_t i0 = first(box.low.x), j0 = first(box.low.y), k0 = first(box.low.z);
+    const auto count = [&](double high, std::int64_t from) { return static_cast<std::int64_t>(std::floor(high + r)) + 1 - from; };
+    const std::int64_t nx = count(box.high.x, i0), ny = count(box.high.y, j0);
+    std::vector<std::int64_t> sites;
     std::size_t look_for_repeats = 4'000'000;
     const auto drop_repeats = [&] {
         std::sort(sites.begin(), sites.end());
@@ -50,15 +58,14 @@ std::vector<Vec3> fine_sites(Vec3 low, const std::vector<ThinSpot>& spots, int l
     for (const ThinSpot& spot : spots) {
         if (spot.level < level) continue;
         const Vec3 p = (1.0 / step) * (spot.point - low);
-        const double r = reach / step;
         for (auto k = static_cast<std::int64_t>(std::ceil(p.z - r)); k <= p.z + r; ++k) {
+            const double in_layer = r * r - (static_cast<double>(k) - p.z) * (static_cast<double>(k) - p.z);
             for (auto j = static_cast<std::int64_t>(std::ceil(p.y - r)); j <= p.y + r; ++j) {
-                if ((j - k) & 1) continue;
-                for (auto i = static_cast<std::int64_t>(std::ceil(p.x - r)); i <= p.x + r; ++i) {
-                    if ((i - k) & 1) continue;
-                    const Vec3 site{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
-                    if (squared_length(site - p) <= r * r) sites.push_back({k, j, i});
-                }
+                const double in_row = in_layer - (static_cast<double>(j) - p.y) * (static_cast<double>(j) - p.y);
+                if (((j - k) & 1) || in_row < 0) continue;
+                const double half = std::sqrt(in_row);
+                auto i = static_cast<std::int64_t>(std::ceil(p.x - half));
+                for (i += (i - k) & 1; i <= p.x + half; i += 2) sites.push_back(((k - k0) * ny + (j - j0)) * nx + (i - i0));
             }
         }
         // Spots lie close together: drop the repeats before they take much memory.
@@ -67,8 +74,9 @@ std::vector<Vec3> fine_sites(Vec3 low, const std::vector<ThinSpot>& spots, int l
     drop_repeats();
     std::vector<Vec3> points;
     points.reserve(sites.size());
-    for (const Site& s : sites) {
-        points.push_back(low + step * Vec3{static_cast<double>(s[2]), static_cast<double>(s[1]), static_cast<double>(s[0])});
+    for (const std::int64_t site : sites) {
+        const std::int64_t i = site % nx + i0, j = site / nx % ny + j0, k = site / nx / ny + k0;
+        points.push_back(low + step * Vec3{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
     }
     return points;
 }

@@ -27,7 +27,7 @@ class WallGauge {
     double thickness(std::uint32_t structure, Vec3 p, Vec3 normal) const;
 
   private:
-    bool inside(std::uint32_t structure, Vec3 p) const { return field_.value(structure, p) < 0; }
+    bool inside(std::uint32_t structure, Vec3 p) const { return field_.value_within(structure, p, 0) < 0; }
     double depth(std::uint32_t structure, Vec3 p, Vec3 direction, bool expected) const;
 
     const StructureField& field_;
