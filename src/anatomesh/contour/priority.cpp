@@ -139,7 +139,7 @@ Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<st
                          "E-PRI-001",
                          "the contours of a slice cross too often to be parted",
                          {set.source, set.slices[k].name, "", "", ""},
-                         "leave out --priority"};
+                         "give no order of the structures"};
         }
         for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
             const double given = partition.add_region(s, static_cast<std::int32_t>(k), raw);

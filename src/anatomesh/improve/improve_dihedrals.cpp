@@ -47,7 +47,8 @@ class Climber {
         climb(context);
         all.resize(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
-        drop_ears(std::move(all));
+        drop_ears(all);
+        collect(std::move(all), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
     }

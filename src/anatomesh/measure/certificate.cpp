@@ -233,7 +233,7 @@ std::string cuts_text(const ModelReport& report, std::size_t& above) {
         worst = share;
         where = " (" + cut.structure + ", slice " + cut.slice + ")";
     }
-    return "symmetric difference of the cuts by the slices' planes and the drawn regions " +
+    return "on the slices where a structure is drawn: symmetric difference of the cuts by the slices' planes and the drawn regions " +
            percent_text(difference, drawn, 4) + " of the area in all, at most " + percent_text(worst, 1, 3) +
            where + ", above " + percent_text(certificate_cut_tolerance, 1, 1) + " in " +
            count_of(above, report.cuts.size()) + " cuts";

@@ -2,14 +2,15 @@
 //
 //   clause                                                    promised now
 //   1 contour vertices on the surface, bit for bit            yes
-//   2 contour segments are chains of surface edges            no: counted and stated
+//   2 contour segments are chains of surface edges, cuts by
+//     the slices' planes the drawn regions                    kept where all are; else counted and stated
 //   3 closed oriented 2-manifolds, positive cells, no overlap yes
 //   4 radius-edge ratio at most 2; dihedral angles            the radius-edge half; the angles are stated
 //   5 same input, same bytes                                  yes, by construction of the stages
 //   6 volume by mesh equals the field's within 0.2 %          yes, where the field is at hand
 //
 // A clause that cannot be checked because its input is not there (contours, field) is `not_promised_yet` and
-// its evidence says "not checked".
+// its evidence says "not checked". So is clause 2 where segments or cuts are missed: its evidence says how many.
 #pragma once
 
 #include <span>

@@ -11,12 +11,17 @@ double x_at(const Segment2& s, double y) {
     return s.a.x + (y - s.a.y) / (s.b.y - s.a.y) * (s.b.x - s.a.x);
 }
 
-// The heights between which no segment begins, ends or crosses another.
+// The heights between which no segment begins, ends, or crosses another or the clip's sides.
 std::vector<double> heights(const std::vector<Segment2>& segments, const Box2& clip) {
     std::vector<double> found{clip.low.y, clip.high.y};
     for (const Segment2& s : segments) {
         found.push_back(s.a.y);
         found.push_back(s.b.y);
+        // Where it enters or leaves the clip's columns.
+        for (const double x : {clip.low.x, clip.high.x}) {
+            if ((s.a.x < x) != (s.b.x < x))
+                found.push_back(s.a.y + (x - s.a.x) / (s.b.x - s.a.x) * (s.b.y - s.a.y));
+        }
     }
     const SegmentIndex index(segments);
     index.for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {

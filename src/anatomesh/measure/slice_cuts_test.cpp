@@ -63,6 +63,14 @@ TEST(EvenOddArea, two_polygons_of_many_sides_at_any_turn) {
     }
 }
 
+TEST(EvenOddArea, a_slanted_segment_that_leaves_the_clip_sideways) {
+    std::vector<Segment2> triangle, spike;
+    add_ring(triangle, {{0, 0}, {4, 0}, {0, 4}});
+    EXPECT_NEAR(even_odd_area(triangle, {{0, 0}, {2, 4}}), 6, 1e-12);
+    add_ring(spike, {{1, 0}, {9, 4}, {9, -4}});
+    EXPECT_NEAR(even_odd_area(spike, {{0, -9}, {2, 9}}), 0.5, 1e-12);
+}
+
 // A prism of a polygon from z = 0 to 2 with a ring of vertices at z = 1, whose normal and place are given.
 struct Prism {
     std::vector<Vec3> points;

@@ -155,6 +155,8 @@ void expect_near_truth(const Case& drawn, const Model& model, bool printed) {
         for (const Corners& t : surface.triangles) area += area_of(model.mesh, t);
         const double volume = volume_of(model.mesh, surface), truth = truth_volume(solid, drawn.radius);
         const double offset = (volume - truth) / area / drawn.spacing;
+        ASSERT_GT(there.size(), 50u);
+        ASSERT_GT(back.size(), 50u);
         const Errors to_truth = errors_of(there), to_model = errors_of(back);
         if (printed) {
             std::printf(

@@ -218,6 +218,7 @@ TEST(Refine, deviation_points_stay_out_of_the_balls_of_contour_segments) {
         const DeviationStats stats = find_deviation_points(mesh.points(), mesh.cells, mesh.regions, field, 1,
                                                            mesh.grid, guard, options, look, found, context);
         EXPECT_TRUE(found.empty());
+        EXPECT_GT(stats.deviating, 0u);
         EXPECT_EQ(stats.refused, stats.deviating);
     }
 }
