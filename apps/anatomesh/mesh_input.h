@@ -26,5 +26,6 @@ std::string unknown_content(const std::string& path);
 
 // The surface of a model: every interface between two regions; a surface as it is.
 SurfaceFile surface_of(const MeshInput& input);
+SurfaceFile surface_of(const ModelFile& model);
 
 }  // namespace anatomesh

@@ -12,20 +12,23 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/contour/priority.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/quadratic_model.h"
+#include "anatomesh/uncertainty/left_out.h"
+#include "anatomesh/uncertainty/surface_uncertainty.h"
 #include "anatomesh_io/contour/number_text.h"
 #include "anatomesh_io/contour/write_contours.h"
 #include "anatomesh_io/file/atomic_file.h"
 #include "anatomesh_io/mesh/mesh_file.h"
 #include "anatomesh_io/report/report_html.h"
 #include "anatomesh_io/report/report_json.h"
-#include "estimate.h"
 #include "dicom_input.h"
 #include "dicom_outputs.h"
 #include "element_options.h"
+#include "estimate.h"
 #include "input_options.h"
+#include "mesh_input.h"
 #include "option_values.h"
 #include "outputs.h"
 #include "progress_bar.h"
@@ -61,6 +64,8 @@ struct ModelVerbOptions {
     double slice_thickness_mm = 0;  // 0: not stated
     ReconcileStepOptions reconcile;
     std::string caps = "half";
+    std::vector<std::string> priority;
+    bool separate = false, uncertainty = false;
     std::string output, report, html, contours;
     std::vector<std::string> surfaces;
     std::vector<DumpOption> dumps;
@@ -148,19 +153,19 @@ ModelFile dump_file(const TetMesh& mesh, const std::string& stage) {
 }
 
 // What the caller of the pipeline knows and the pipeline does not.
-void complete_report(ModelReport& report, InputContours& contours, const ModelVerbOptions& options,
+void complete_report(ModelReport& report, const InputContours& contours, const ModelVerbOptions& options,
                      const Session& session) {
     report.version = ANATOMESH_VERSION;
     report.command = session.command;
     report.inputs.insert(report.inputs.begin(), contours.files.begin(), contours.files.end());
-    report.contour_log = std::move(contours.log);
+    report.contour_log = contours.log;
     report.hole_rule = contours.hole_rule;
     report.end_caps = options.caps;
     report.space = contours.kept.frame == Frame::unknown ? "unknown" : "LPS";
     report.traced_points = contours.traced_points;
     report.islands_left_out = contours.islands_left_out;
     report.epsilon_mm = contours.epsilon_mm;
-    report.options = std::move(contours.options);
+    report.options = contours.options;
     std::string size;
     append_number(size, report.size_mm);
     report.options.emplace_back("size_mm", size);
@@ -173,6 +178,8 @@ void complete_report(ModelReport& report, InputContours& contours, const ModelVe
         report.options.emplace_back("align", options.reconcile.stage.align ? "yes" : "no");
     }
     if (options.element.order == 2) report.options.emplace_back("order", "2");
+    if (options.separate) report.options.emplace_back("separate", "yes");
+    if (options.uncertainty) report.options.emplace_back("uncertainty", "yes");
     std::string gap;
     append_number(gap, options.max_gap_spacings);
     report.options.emplace_back("max_gap_spacings", gap);
@@ -184,14 +191,36 @@ void complete_report(ModelReport& report, InputContours& contours, const ModelVe
     report.warnings = session.context.warnings;
 }
 
-Status add_surfaces(const Model& model, const MeshDescription& description,
-                    const std::vector<std::string>& paths, AtomicFileSet& files, RunContext& context) {
-    const SurfaceFile surface{extract_interfaces(model.mesh), description};
+Status add_surfaces(const ModelFile& file, const std::vector<std::string>& paths, AtomicFileSet& files,
+                    RunContext& context) {
+    const SurfaceFile surface = surface_of(file);
     for (const std::string& path : paths) {
         ANATOMESH_TRY(const std::string bytes, format_surface(path, surface, context));
         ANATOMESH_CHECK_STATUS(files.add(path, bytes));
     }
     return Nothing{};
+}
+
+FieldOptions field_options(const ModelVerbOptions& options) {
+    FieldOptions field;
+    field.caps = options.caps == "flat"      ? EndCaps::flat
+                 : options.caps == "rounded" ? EndCaps::rounded
+                                             : EndCaps::half;
+    field.max_gap_spacings = options.max_gap_spacings;
+    field.single_slice_mm = options.slice_thickness_mm;
+    return field;
+}
+
+// How sure the surface is, at every point of the mesh.
+Result<std::vector<PointArray>> uncertainty_arrays(const Model& model, const ContourSet& kept,
+                                                   const ModelVerbOptions& options, RunContext& context) {
+    LeftOutOptions leaving;
+    leaving.field = field_options(options);
+    ANATOMESH_TRY(const LeftOut errors, leave_slices_out(kept, leaving, context));
+    SurfaceUncertainty found = surface_uncertainty(kept, errors, model.mesh, model.regions, context);
+    return std::vector<PointArray>{{"uncertainty", std::move(found.expected)},
+                                   {"evidence_distance", std::move(found.evidence)},
+                                   {"left_out_error", std::move(found.left_out)}};
 }
 
 // All outputs under temporary names.
@@ -201,10 +230,13 @@ Status stage_outputs(Model& model, ModelFile& file, const ContourSet& kept, cons
     std::vector<Material> materials = std::move(file.description.materials);
     file.description = description_of(model, session);
     file.description.materials = std::move(materials);
+    if (options.uncertainty) {
+        ANATOMESH_TRY(file.arrays, uncertainty_arrays(model, kept, options, context));
+    }
     ANATOMESH_TRY(const std::string mesh_bytes, format_model(options.output, file, context));
     ANATOMESH_CHECK_STATUS(files.add(options.output, mesh_bytes));
     if (!options.surfaces.empty()) {
-        ANATOMESH_CHECK_STATUS(add_surfaces(model, file.description, options.surfaces, files, context));
+        ANATOMESH_CHECK_STATUS(add_surfaces(file, options.surfaces, files, context));
     }
     if (!options.contours.empty()) {
         ANATOMESH_TRY(const ContourFormat format, contour_format_of(options.contours));
@@ -221,34 +253,191 @@ Status stage_outputs(Model& model, ModelFile& file, const ContourSet& kept, cons
 }
 
 // What the file of the model has beside the mesh: mid-nodes, grey values, materials.
-Result<ModelFile> model_file(Model& model, const InputContours& contours, const ModelVerbOptions& options,
+Result<ModelFile> model_file(Model& model, const ContourSet& kept, const ModelVerbOptions& options,
                              Session& session) {
     ModelFile file;
     file.mesh = model.mesh;
     if (options.element.order == 2) {
-        ANATOMESH_TRY(file.mid_nodes, quadratic_model(model, contours.kept, {}, session.context));
+        ANATOMESH_TRY(file.mid_nodes, quadratic_model(model, kept, {}, session.context));
     }
     if (!options.element.wanted()) return file;
     file.description.structures = model.structures;
     file.description.regions = model.regions;
-    ANATOMESH_TRY(CellValues values, add_cell_values(file, options.element,
-                                                     options.input.threshold ? &options.input : nullptr, session));
+    ANATOMESH_TRY(
+        CellValues values,
+        add_cell_values(file, options.element, options.input.threshold ? &options.input : nullptr, session));
     for (StageReport& stage : values.stages) model.report.stages.push_back(std::move(stage));
     for (InputReport& input : values.files) model.report.inputs.push_back(std::move(input));
     return file;
 }
 
-Status answer(const Model& model, const ModelVerbOptions& options, Session& session) {
-    if (session.json) return print_answer(session, report_json(model.report));
+// What is said about the models that were made.
+struct Answers {
+    std::vector<std::string> json, text;
+};
+
+void add_answer(const Model& model, const ModelVerbOptions& options, const Session& session,
+                Answers& answers) {
+    if (session.json) return answers.json.push_back(report_json(model.report));
+    answers.text.push_back(
+        printable(options.output + "\n" + report_summary(model.report) + certificate_line(model.report)));
+}
+
+Status answer(const Answers& answers, bool separate, Session& session) {
+    if (session.json) {
+        if (!separate) return print_answer(session, answers.json.front());
+        return print_answer(session, fmt::format("{{\"models\": [{}]}}\n", fmt::join(answers.json, ",")));
+    }
     if (session.quiet || session.output_closed) return Nothing{};
-    return print_answer(session, printable(options.output + "\n" + report_summary(model.report) +
-                                           certificate_line(model.report)));
+    return print_answer(session, fmt::format("{}", fmt::join(answers.text, "\n")));
+}
+
+// Where the output of one structure goes: organs.vtu, 5 -> organs-5.vtu.
+std::string with_number(const std::string& path, std::int32_t number) {
+    if (path.empty()) return path;
+    const std::string stem = with_ending(path, "");
+    return fmt::format("{}-{}{}", stem, number, path.substr(stem.size()));
+}
+
+ModelVerbOptions options_of_one(ModelVerbOptions options, std::int32_t number) {
+    for (std::string* path : {&options.output, &options.report, &options.html, &options.contours})
+        *path = with_number(*path, number);
+    for (std::string& surface : options.surfaces) surface = with_number(surface, number);
+    for (DumpOption& dump : options.dumps) dump.path = with_number(dump.path, number);
+    if (options.report.empty()) options.report = with_ending(options.output, ".report.json");
+    return options;
+}
+
+// A structure by itself. The slices without it stay: they say that it is not there.
+ContourSet structure_alone(const ContourSet& set, std::uint32_t structure) {
+    ContourSet alone = set;
+    alone.structures = {set.structures[structure]};
+    alone.contours.clear();
+    alone.points.clear();
+    for (Slice& slice : alone.slices) {
+        const auto all = set.contours_of(slice);
+        slice.first_contour = static_cast<std::uint32_t>(alone.contours.size());
+        slice.contour_count = 0;
+        for (Contour contour : all) {
+            if (contour.structure != structure) continue;
+            const auto points = set.points_of(contour);
+            contour.structure = 0;
+            contour.first_point = static_cast<std::uint32_t>(alone.points.size());
+            alone.points.insert(alone.points.end(), points.begin(), points.end());
+            alone.contours.push_back(contour);
+            ++slice.contour_count;
+        }
+    }
+    return alone;
+}
+
+Status give_to_first(InputContours& contours, const ModelVerbOptions& options, RunContext& context) {
+    if (options.priority.empty()) return Nothing{};
+    std::vector<std::uint32_t> order;
+    for (const std::string& name : options.priority) {
+        ANATOMESH_TRY(const std::vector<std::uint32_t> found,
+                      find_structures(contours.kept.structures, {name}, options.input.input));
+        for (const std::uint32_t structure : found) {
+            if (std::find(order.begin(), order.end(), structure) == order.end()) order.push_back(structure);
+        }
+        contours.options.emplace_back("priority", name);
+    }
+    ANATOMESH_TRY(PriorityResult result, give_overlaps(contours.kept, order, context));
+    for (std::size_t s = 0; s < result.given.size(); ++s) {
+        if (result.given[s].slices == 0) continue;
+        context.warn(
+            {"W-CMD-006",
+             "the structure overlaps others, which keep what they have in common",
+             {options.input.input, "", contours.kept.structures[s].name, "",
+              fmt::format("{:.4g} mm2 on {} slices", result.given[s].area_mm2, result.given[s].slices)},
+             "taken from it, as --priority says"});
+    }
+    contours.kept = std::move(result.kept);
+    return Nothing{};
+}
+
+// Builds one model and adds its outputs to `files`.
+Status make_model(const ContourSet& kept, const InputContours& contours, const CrossingReport& crossing,
+                  const std::vector<StageReport>& stages, const ModelVerbOptions& options,
+                  AtomicFileSet& files, Answers& answers, Session& session) {
+    RunContext& context = session.context;
+    // A second attempt at the model shows its stages again: the last one counts.
+    std::vector<ModelFile> dumps(options.dumps.size());
+    const StageObserver observer = [&](const std::string& stage, const TetMesh& mesh) {
+        for (std::size_t i = 0; i < dumps.size(); ++i) {
+            if (options.dumps[i].stage == stage) dumps[i] = dump_file(mesh, stage);
+        }
+    };
+    const FieldOptions field = field_options(options);
+    ModelOptions building;
+    building.size_mm = options.size_mm;
+    building.caps = field.caps;
+    building.max_gap_spacings = field.max_gap_spacings;
+    building.single_slice_mm = field.single_slice_mm;
+    building.max_tetrahedra = session.limits.tetrahedra;
+    if (options.size_mm > 0) {
+        ANATOMESH_CHECK_STATUS(check_size(kept, options.size_mm, session.limits));
+    }
+    ANATOMESH_TRY(Model model, build_model(kept, building, context, observer));
+    for (std::size_t i = 0; i < dumps.size(); ++i) {
+        ANATOMESH_TRY(const std::string bytes, format_model(options.dumps[i].path, dumps[i], context));
+        ANATOMESH_CHECK_STATUS(files.add(options.dumps[i].path, bytes));
+    }
+    model.report.stages.insert(model.report.stages.begin(), stages.begin(), stages.end());
+    model.report.crossing = crossing;
+    ANATOMESH_TRY(ModelFile file, model_file(model, kept, options, session));
+    complete_report(model.report, contours, options, session);
+    ANATOMESH_CHECK_STATUS(stage_outputs(model, file, kept, options, files, session));
+    if (!options.dicom.paths().empty()) {
+        ANATOMESH_TRY(const DicomSource source, output_source(options.input, contours.dicom_source, context));
+        ANATOMESH_CHECK_STATUS(add_dicom_outputs(model, source, options.dicom, files, context));
+    }
+    add_answer(model, options, session, answers);
+    return Nothing{};
+}
+
+// One model of each structure. The files of each tell what was said of all the input, and of itself.
+template <class Begin>
+Status make_separate_models(const InputContours& contours, const CrossingReport& crossing,
+                            const std::vector<StageReport>& stages, const ModelVerbOptions& options,
+                            AtomicFileSet& files, Answers& answers, const Begin& begin, Session& session) {
+    std::vector<Warning>& warnings = session.context.warnings;
+    const auto of_all = static_cast<std::ptrdiff_t>(warnings.size());
+    std::vector<Warning> said = warnings;
+    const std::size_t count = contours.kept.structures.size();
+    const double share = 0.85 / static_cast<double>(count);
+    for (std::uint32_t s = 0; s < count; ++s) {
+        begin("model", 0.15 + share * s, 0.15 + share * (s + 1));
+        const ModelVerbOptions part = options_of_one(options, contours.kept.structures[s].number);
+        ANATOMESH_CHECK_STATUS(check_outputs(names_of(contours.files), outputs_of(part)));
+        warnings.erase(warnings.begin() + of_all, warnings.end());
+        Status made = make_model(structure_alone(contours.kept, s), contours, crossing, stages, part, files,
+                                 answers, session);
+        said.insert(said.end(), warnings.begin() + of_all, warnings.end());
+        if (!made.ok()) {
+            warnings = std::move(said);
+            return made;
+        }
+    }
+    warnings = std::move(said);
+    return Nothing{};
+}
+
+Status check_separate(const ModelVerbOptions& options) {
+    if (!options.separate || options.dicom.paths().empty()) return Nothing{};
+    return Error{ErrorKind::usage,
+                 "E-CMD-008",
+                 "--separate makes several models, and a DICOM object is of one",
+                 {},
+                 "leave out --separate, or choose a structure with --structure"};
 }
 
 Status run_model(ModelVerbOptions options, Session& session) {
     options.input.limits = session.limits;
-    if (options.report.empty()) options.report = with_ending(options.output, ".report.json");
-    ANATOMESH_CHECK_STATUS(check_output_names(options));
+    ModelVerbOptions whole = options;
+    if (whole.report.empty()) whole.report = with_ending(whole.output, ".report.json");
+    ANATOMESH_CHECK_STATUS(check_separate(options));
+    ANATOMESH_CHECK_STATUS(check_output_names(whole));
 
     RunContext& context = session.context;
     std::optional<ProgressBar> bar;
@@ -263,51 +452,30 @@ Status run_model(ModelVerbOptions options, Session& session) {
     Stopwatch watch;
     begin("reading", 0, 0.08);
     ANATOMESH_TRY(OpenedInput opened, open_input(options.input, context));
-    ANATOMESH_CHECK_STATUS(check_outputs(names_of(opened.files), outputs_of(options)));
+    ANATOMESH_CHECK_STATUS(check_outputs(names_of(opened.files), outputs_of(whole)));
     StageReport reading{"read", watch.lap(), 0, 0, {}};
     begin("contours", 0.08, 0.15);
     ANATOMESH_TRY(InputContours contours, contours_of(std::move(opened), options.input, context));
     StageReport tracing{"contours", watch.lap(), contours.kept.points.size(), 0, {}};
 
-    ANATOMESH_TRY(CrossingReport crossing, reconcile_step(contours.kept, options.reconcile, context));
-    StageReport reconciling{"reconcile", watch.lap(), contours.kept.points.size(), 0, {}};
+    ANATOMESH_TRY(const CrossingReport crossing, reconcile_step(contours.kept, options.reconcile, context));
+    ANATOMESH_CHECK_STATUS(give_to_first(contours, options, context));
+    const std::vector<StageReport> stages{
+        reading, tracing, StageReport{"reconcile", watch.lap(), contours.kept.points.size(), 0, {}}};
 
-    // A second attempt at the model shows its stages again: the last one counts.
-    std::vector<ModelFile> dumps(options.dumps.size());
-    const StageObserver observer = [&](const std::string& stage, const TetMesh& mesh) {
-        for (std::size_t i = 0; i < dumps.size(); ++i) {
-            if (options.dumps[i].stage == stage) dumps[i] = dump_file(mesh, stage);
-        }
-    };
-    begin("model", 0.15, 0.9);
-    ModelOptions building;
-    building.size_mm = options.size_mm;
-    building.max_gap_spacings = options.max_gap_spacings;
-    building.single_slice_mm = options.slice_thickness_mm;
-    building.max_tetrahedra = session.limits.tetrahedra;
-    if (options.size_mm > 0) {
-        ANATOMESH_CHECK_STATUS(check_size(contours.kept, options.size_mm, session.limits));
-    }
-    building.caps = options.caps == "flat" ? EndCaps::flat : EndCaps::half;
-    ANATOMESH_TRY(Model model, build_model(contours.kept, building, context, observer));
     AtomicFileSet files;
-    for (std::size_t i = 0; i < dumps.size(); ++i) {
-        ANATOMESH_TRY(const std::string bytes, format_model(options.dumps[i].path, dumps[i], context));
-        ANATOMESH_CHECK_STATUS(files.add(options.dumps[i].path, bytes));
-    }
-    model.report.stages.insert(model.report.stages.begin(), {std::move(reading), std::move(tracing), std::move(reconciling)});
-    model.report.crossing = std::move(crossing);
-    ANATOMESH_TRY(ModelFile file, model_file(model, contours, options, session));
-    complete_report(model.report, contours, options, session);
-    begin("writing", 0.9, 1);
-    ANATOMESH_CHECK_STATUS(stage_outputs(model, file, contours.kept, options, files, session));
-    if (!options.dicom.paths().empty()) {
-        ANATOMESH_TRY(const DicomSource source, output_source(options.input, contours.dicom_source, context));
-        ANATOMESH_CHECK_STATUS(add_dicom_outputs(model, source, options.dicom, files, context));
+    Answers answers;
+    if (options.separate) {
+        ANATOMESH_CHECK_STATUS(
+            make_separate_models(contours, crossing, stages, options, files, answers, begin, session));
+    } else {
+        begin("model", 0.15, 1);
+        ANATOMESH_CHECK_STATUS(
+            make_model(contours.kept, contours, crossing, stages, whole, files, answers, session));
     }
     context.progress = nullptr;
     bar.reset();
-    return files.commit([&] { return answer(model, options, session); });
+    return files.commit([&] { return answer(answers, options.separate, session); });
 }
 
 }  // namespace
@@ -321,8 +489,10 @@ Work declare_model(CLI::App& verb) {
     add_cleaning_options(verb, options->input);
     add_number(verb, "--size", options->size_mm, 0.01, 1000, "MM",
                "Target edge length, 0.01 to 1000 (default: found from the data)");
-    add_choice(verb, "--caps", options->caps, {"half", "flat"},
-               "Where a structure ends beyond its last contour: half a slice further (default), or at it");
+    add_choice(verb, "--caps", options->caps, {"half", "flat", "rounded"},
+               "Where a structure ends beyond its last contour: half a slice further (default), at it, or "
+               "half a slice "
+               "further with a rounded rim");
     add_number(
         verb, "--max-gap", options->max_gap_spacings, 1, 1e6, "SPACINGS",
         "Join contours of a structure over a gap of up to so many slice spacings, 1 to 1000000 (default 2)");
@@ -330,6 +500,15 @@ Work declare_model(CLI::App& verb) {
                "How thick a slice is when there is only one, 0.001 to 1000");
     add_reconcile_options(verb, options->reconcile);
     add_element_options(verb, options->element);
+    add_texts(verb, "--priority", options->priority, "NAME",
+              "Where structures overlap, NAME (or number) keeps what they have in common; may be repeated, "
+              "the first "
+              "wins");
+    verb.add_flag(
+        "--separate", options->separate,
+        "Make one model of each structure by itself: MODEL-NUMBER.vtu, and so for every other output");
+    verb.add_flag("--uncertainty", options->uncertainty,
+                  "Also find how sure the surface is at every point, in mm: arrays of .vtu and .vtp");
     add_texts(verb, "--surface", options->surfaces, "FILE",
               "Also write the surface: .vtp, .stl, .ply or .obj; may be repeated");
     add_text(verb, "--contours", options->contours, "FILE",

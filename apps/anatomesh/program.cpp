@@ -100,6 +100,10 @@ const VerbEntry verb_entries[] = {
      R"(Examples:
   anatomesh send model_surface.dcm --to ORTHANC@127.0.0.1:4242
   anatomesh send incoming/1.2.840.1 --to https://pacs/dicom-web --user me --password-file secret)"},
+    {"where-next", "Name the planes where one more contour would help most", declare_where_next,
+     R"(Examples:
+  anatomesh where-next rtss.dcm --structure GTV
+  anatomesh where-next labels.nii.gz --count 3 --json)"},
 };
 
 Work declare_completion(CLI::App& verb, const CLI::App& app) {

@@ -27,5 +27,6 @@ Work declare_receive(CLI::App& verb);
 Work declare_query(CLI::App& verb);
 Work declare_fetch(CLI::App& verb);
 Work declare_send(CLI::App& verb);
+Work declare_where_next(CLI::App& verb);
 
 }  // namespace anatomesh

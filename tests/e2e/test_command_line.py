@@ -13,7 +13,7 @@ import harness
 import shapes
 
 VERBS = ("info", "segment", "contours", "field", "model", "check", "compare", "convert", "receive", "query", "fetch",
-         "send", "completion", "manual")
+         "send", "where-next", "completion", "manual")
 
 
 class Help(harness.TestCase):
@@ -61,7 +61,7 @@ class Completion(harness.TestCase):
     def test_bash_completes_verbs_options_values_and_files(self):
         self.assertEqual(self.complete("anatomesh", "mo"), ["model"])
         self.assertEqual(self.complete("anatomesh", "model", "--thr"), ["--threshold", "--threads"])
-        self.assertEqual(sorted(self.complete("anatomesh", "model", "--caps", "")), ["flat", "half"])
+        self.assertEqual(sorted(self.complete("anatomesh", "model", "--caps", "")), ["flat", "half", "rounded"])
         self.assertEqual(self.complete("anatomesh", "completion", "z"), ["zsh"])
         self.write("liver.nii.gz", "")
         self.assertEqual(self.complete("anatomesh", "info", "liv"), ["liver.nii.gz"])

@@ -25,6 +25,17 @@ Error unknown_extension(const std::string& path, const char* known) {
     return error;
 }
 
+// Formats without values at points.
+void warn_of_arrays(const std::vector<PointArray>& arrays, const std::string& path, RunContext& context) {
+    if (arrays.empty()) return;
+    Warning warning{"W-MDL-008",
+                    "the format has no place for values at points, such as " + arrays.front().name,
+                    {},
+                    "left out; .vtu and .vtp keep them"};
+    warning.place.file = path;
+    context.warn(std::move(warning));
+}
+
 Error other_kind(const std::string& path, FileKind kind, const char* wanted) {
     return mesh_error("E-MDL-002",
                       std::string("the content is ") +
@@ -128,6 +139,7 @@ Result<std::string> format_model(const std::string& path, const ModelFile& model
     assert(model.material.empty() || model.material.size() == model.mesh.cells.size());
     const auto format = model_format_of(path);
     if (!format) return unknown_extension(path, ".vtu, .msh, .mesh, .inp, .feb");
+    if (*format != ModelFormat::vtu) warn_of_arrays(model.arrays, path, context);
     switch (*format) {
         case ModelFormat::vtu:
             return format_vtu(path, model, context);
@@ -151,6 +163,7 @@ Result<std::string> format_surface(const std::string& path, const SurfaceFile& s
     assert(surface.surface.sides.empty() || surface.surface.sides.size() == surface.surface.triangles.size());
     const auto format = surface_format_of(path);
     if (!format) return unknown_extension(path, ".vtp, .stl, .ply, .obj");
+    if (*format != SurfaceFormat::vtp) warn_of_arrays(surface.arrays, path, context);
     switch (*format) {
         case SurfaceFormat::vtp:
             return format_vtp(path, surface, context);

@@ -23,6 +23,7 @@
 //   W-MDL-002 elements of other kinds left out     W-MDL-005 polygons cut into triangles
 //   W-MDL-003 structure numbers <= 0 renumbered    W-MDL-006 grey values or materials left out
 //             for a format that cannot hold them   W-MDL-007 .feb without materials: place holders
+//   W-MDL-008 values at points left out, in a format that cannot hold them
 #pragma once
 
 #include <cstdint>
@@ -54,19 +55,28 @@ struct MeshDescription {
     std::vector<Material> materials{};
 };
 
-// Requires for writing: regions of cells are in the table. After reading, cells are as the file has them:
-// orientation is not checked, and points without a cell are kept.
+// A value at every point of the mesh. .vtu and .vtp keep them; the other formats leave them out (W-MDL-008).
+// Nodes on edges get the mean of the edge's ends when written; their own in a file are not kept.
+struct PointArray {
+    std::string name;
+    std::vector<float> values;
+};
+
+// Requires for writing: regions of cells are in the table, arrays have a value a point. After reading, cells
+// are as the file has them: orientation is not checked, and points without a cell are kept.
 struct ModelFile {
     TetMesh mesh;
     MeshDescription description;
     MidNodes mid_nodes{};                   // empty: linear tetrahedra
     std::vector<double> grey{};             // per cell, the mean grey value of an image; empty: none
     std::vector<std::uint32_t> material{};  // per cell, index into description.materials; empty: none
+    std::vector<PointArray> arrays{};       // of the points of `mesh`
 };
 
 struct SurfaceFile {
     SurfaceMesh surface;  // `sides` empty: the file has no regions
     MeshDescription description;
+    std::vector<PointArray> arrays{};
 };
 
 // The number that files show per region (arrays and sets named `structure`): the structure's own where the

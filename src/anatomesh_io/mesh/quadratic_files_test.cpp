@@ -15,6 +15,7 @@
 #include "anatomesh_io/mesh/mesh_file.h"
 #include "anatomesh_io/mesh/model_sets.h"
 #include "anatomesh_io/mesh/mutate_for_test.h"
+#include "anatomesh_io/mesh/vtk_xml.h"
 
 namespace anatomesh {
 namespace {
@@ -80,6 +81,42 @@ TEST(QuadraticFiles, come_back_to_the_last_bit_and_to_the_same_bytes) {
             EXPECT_TRUE(format_model("m" + extension, back.value(), context).value() == bytes)
                 << extension << parts;
         }
+    }
+}
+
+TEST(QuadraticFiles, values_at_points_come_back_and_are_the_mean_on_edges) {
+    for (const bool quadratic : {false, true}) {
+        ModelFile m = model(4, quadratic, false, false);
+        PointArray& array = m.arrays.emplace_back(PointArray{"height", {}});
+        for (const Vec3& p : m.mesh.points) array.values.push_back(static_cast<float>(p.x + 2 * p.y));
+        RunContext context;
+        const std::string bytes = format_model("m.vtu", m, context).value();
+        const auto back = parse_vtu("m.vtu", bytes_of(bytes), {}, context);
+        ASSERT_TRUE(back.ok()) << to_line(back.error());
+        expect_same(back.value(), m, "m.vtu");
+        ASSERT_EQ(back.value().arrays.size(), 1u);
+        EXPECT_EQ(back.value().arrays[0].name, "height");
+        EXPECT_EQ(back.value().arrays[0].values, array.values);
+        EXPECT_TRUE(format_model("m.vtu", back.value(), context).value() == bytes);
+        EXPECT_TRUE(context.warnings.empty());
+
+        const VtkFile file = parse_vtk_xml(bytes_of(bytes), "m.vtu", {}).value();
+        const std::vector<double> written = file.point_data.at(0).to_doubles();
+        ASSERT_EQ(written.size(), m.mesh.points.size() + m.mid_nodes.points.size());
+        // A linear function is its own mean; nodes on edges were moved along z only.
+        for (std::size_t n = 0; n < written.size(); ++n)
+            EXPECT_NEAR(written[n], file.points[n].x + 2 * file.points[n].y, 1e-4) << n;
+    }
+}
+
+TEST(QuadraticFiles, formats_without_values_at_points_say_so) {
+    ModelFile m = model(3, false, false, false);
+    m.arrays = {{"height", std::vector<float>(m.mesh.points.size(), 1)}};
+    for (const char* name : {"m.msh", "m.mesh", "m.inp"}) {
+        RunContext context;
+        ASSERT_TRUE(format_model(name, m, context).ok());
+        ASSERT_EQ(context.warnings.size(), 1u) << name;
+        EXPECT_EQ(context.warnings[0].code, "W-MDL-008") << name;
     }
 }
 

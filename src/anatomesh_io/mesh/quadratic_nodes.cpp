@@ -26,6 +26,13 @@ Status split_mid_nodes(ModelFile& model, std::vector<std::array<std::uint32_t, 6
         home.push_back(points[n]);
     }
     points = std::move(corners);
+    for (PointArray& array : model.arrays) {
+        std::vector<float> values;
+        for (std::size_t n = 0; n < is_mid.size(); ++n) {
+            if (!is_mid[n]) values.push_back(array.values[n]);
+        }
+        array.values = std::move(values);
+    }
     for (Cell& cell : model.mesh.cells) {
         for (std::uint32_t& n : cell) n = place[n];
     }

@@ -39,8 +39,8 @@ void each_node(const ModelFile& model, std::size_t cell, const EdgeOrder& order,
 
 // Puts mid-nodes apart from the corners: model.mesh.points holds all nodes of the file, `six` those of every
 // cell's cell_edges. Corners and nodes of no cell keep their order in model.mesh.points, mid-nodes theirs in
-// model.mid_nodes. Requires: as many entries as cells; every index names a point.
-// Error: E-MDL-015 a node is a corner of one element and on the edge of another.
+// model.mid_nodes; model.arrays keep the values of the former. Requires: as many entries as cells; every
+// index names a point. Error: E-MDL-015 a node is a corner of one element and on the edge of another.
 Status split_mid_nodes(ModelFile& model, std::vector<std::array<std::uint32_t, 6>> six,
                        const std::string& path);
 

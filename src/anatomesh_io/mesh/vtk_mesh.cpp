@@ -51,6 +51,39 @@ std::string head_comment(const MeshDescription& description) {
     return "SPACE=" + description.space + " UNIT=" + description.unit;
 }
 
+std::vector<VtkArray> point_data(const std::vector<PointArray>& arrays) {
+    std::vector<VtkArray> data;
+    for (const PointArray& array : arrays) data.push_back(VtkArray::of<float>(array.name, array.values));
+    return data;
+}
+
+// The arrays of a model for all its nodes: those on edges get the mean of the edge's ends.
+std::vector<PointArray> with_mid_nodes(const ModelFile& model) {
+    std::vector<PointArray> arrays = model.arrays;
+    for (PointArray& array : arrays) {
+        array.values.resize(node_count(model));
+        for (std::size_t c = 0; c < model.mid_nodes.cells.size(); ++c) {
+            for (std::size_t e = 0; e < cell_edges.size(); ++e) {
+                const float a = array.values[model.mesh.cells[c][cell_edges[e][0]]];
+                const float b = array.values[model.mesh.cells[c][cell_edges[e][1]]];
+                array.values[model.mesh.points.size() + model.mid_nodes.cells[c][e]] = 0.5F * a + 0.5F * b;
+            }
+        }
+    }
+    return arrays;
+}
+
+// The arrays of single precision with one value a point.
+std::vector<PointArray> point_arrays(const VtkFile& file) {
+    std::vector<PointArray> arrays;
+    for (const VtkArray& array : file.point_data) {
+        if (array.type != VtkType::float32 || array.components != 1) continue;
+        const std::vector<double> values = array.to_doubles();
+        arrays.push_back({array.name, {values.begin(), values.end()}});
+    }
+    return arrays;
+}
+
 Status check_points(const VtkFile& file, const std::string& path) {
     if (file.points.size() >= no_cell) return mesh_error("E-MDL-013", "more than 2^32 - 2 points", path);
     for (std::size_t i = 0; i < file.points.size(); ++i) {
@@ -134,6 +167,7 @@ Result<std::string> format_vtu(const std::string&, const ModelFile& model, RunCo
                       VtkArray::of<double>("quality", qualities(mesh, context.threads))};
     if (!model.grey.empty()) file.cell_data.push_back(VtkArray::of<double>("grey", model.grey));
     if (!model.material.empty()) add_material_arrays(model, file);
+    file.point_data = point_data(with_mid_nodes(model));
     file.field_data = field_data(model.description);
     return format_vtk_xml(file, head_comment(model.description), {1, context.threads});
 }
@@ -175,6 +209,7 @@ Result<ModelFile> parse_vtu(const std::string& path, Bytes content, const InputL
     }
     if (chosen.empty()) return mesh_error("E-MDL-008", "the file has no tetrahedra", path);
     warn_left_out(file.cells.size() - chosen.size(), "tetrahedra", path, context);
+    model.arrays = point_arrays(file);
     model.mesh.points = std::move(file.points);
     if (!mid_nodes.empty()) {
         ANATOMESH_CHECK_STATUS(split_mid_nodes(model, std::move(mid_nodes), path));
@@ -217,6 +252,7 @@ Result<std::string> format_vtp(const std::string&, const SurfaceFile& surface, R
                           VtkArray::of<Region>("region_in", inner),
                           VtkArray::of<Region>("region_out", outer)};
     }
+    file.point_data = point_data(surface.arrays);
     file.field_data = field_data(surface.description);
     return format_vtk_xml(file, head_comment(surface.description), {1, context.threads});
 }
@@ -252,6 +288,7 @@ Result<SurfaceFile> parse_vtp(const std::string& path, Bytes content, const Inpu
     if (cell_of.empty()) return mesh_error("E-MDL-008", "the file has no triangles", path);
     warn_left_out(first_strip, "triangles", path, context);
     warn_polygons(polygons, path, context);
+    surface.arrays = point_arrays(file);
     surface.surface.points = std::move(file.points);
 
     const std::vector<std::int64_t> inner = integers_at(file, "region_in", cell_of);

@@ -1,0 +1,125 @@
+"""Overlaps and how sure a surface is: --priority, --separate, --caps rounded, --uncertainty, where-next."""
+import math
+import unittest
+
+import numpy as np
+
+import harness
+import judge
+import shapes
+
+
+def radius(z):
+    """Wavy: what lies between two slices is not foretold well by the others."""
+    return 8 + 1.2 * math.sin(math.pi * z / 6)
+
+
+def two_cylinders(missing=None):
+    """Wavy cylinders that overlap, 3 mm apart."""
+    shape = shapes.Shape({1: "left", 2: "right"}, 3)
+    for z in range(0, 30, 3):
+        if z != missing:
+            shape.add_slice(float(z), [(n, shapes.circle(radius(z), 48, (x, 0.0))) for n, x in ((1, -4), (2, 4))])
+    return shape
+
+
+def areas(shape):
+    """Of one cylinder and of what both have in common, summed over the slices, mm2."""
+    whole = common = 0.0
+    for z, _ in shape.slices:
+        r = radius(z)
+        whole += math.pi * r * r
+        common += 2 * r * r * math.acos(4 / r) - 8 * math.sqrt(r * r - 16)
+    return whole, common
+
+
+class Overlaps(harness.TestCase):
+    def test_priority_gives_the_overlap_to_the_structure_named(self):
+        shape = two_cylinders()
+        self.write("two.json", shape.document())
+        result = self.run_program("model", "two.json", "-o", "two.vtu", "--priority", "right")
+        self.assertIn("W-CMD-006", result.err)
+        model = judge.Model(self.folder / "two.vtu")
+        whole, common = areas(shape)
+        self.assertAlmostEqual(model.volume(2) / (3 * whole), 1, delta=0.03)
+        self.assertAlmostEqual(model.volume(1) / (3 * (whole - common)), 1, delta=0.03)
+        self.assertEqual(set(np.unique(model.structure)), {1, 2})
+
+    def test_a_structure_that_there_is_not_is_refused(self):
+        self.write("two.json", two_cylinders().document())
+        result = self.run_program("model", "two.json", "-o", "two.vtu", "--priority", "middle", expect=2)
+        self.assertIn("E-CMD-005", result.err)
+
+    def test_separate_makes_a_whole_model_of_each(self):
+        shape = two_cylinders()
+        self.write("two.json", shape.document())
+        answer = self.run_program("model", "two.json", "-o", "two.vtu", "--surface", "two.stl", "--separate",
+                                  "--json").json()
+        self.assertEqual(len(answer["models"]), 2)
+        whole, _ = areas(shape)
+        for number in (1, 2):
+            self.assertTrue((self.folder / f"two-{number}.stl").exists())
+            self.assertTrue((self.folder / f"two-{number}.report.json").exists())
+            model = judge.Model(self.folder / f"two-{number}.vtu")
+            self.assertAlmostEqual(model.volume(number) / (3 * whole), 1, delta=0.02)
+        self.assertFalse((self.folder / "two.vtu").exists())
+
+    def test_rounded_caps_hold_less_than_half_caps(self):
+        self.write("two.json", two_cylinders().document())
+        volumes = {}
+        for caps in ("half", "rounded", "flat"):
+            self.run_program("model", "two.json", "--structure", "left", "-o", f"{caps}.vtu", "--caps", caps)
+            volumes[caps] = judge.Model(self.folder / f"{caps}.vtu").volume(1)
+        self.assertLess(volumes["flat"], volumes["rounded"])
+        # A quarter circle of 1.5 mm along both rims takes 0.48 mm2 times their lengths.
+        lost = (1 - math.pi / 4) * 1.5 ** 2 * 2 * math.pi * (radius(0) + radius(27) - 0.67)
+        self.assertAlmostEqual(volumes["half"] - volumes["rounded"], lost, delta=0.25 * lost)
+
+
+class Sureness(harness.TestCase):
+    def test_surface_and_model_have_the_arrays(self):
+        shape = two_cylinders()
+        self.write("two.json", shape.document())
+        self.run_program("model", "two.json", "-o", "two.vtu", "--surface", "two.vtp", "--uncertainty")
+        for name, reader in (("two.vtu", "vtkXMLUnstructuredGridReader"), ("two.vtp", "vtkXMLPolyDataReader")):
+            points, arrays = self.point_arrays(name, reader)
+            on_slices = np.abs(points[:, 2] / 3 - np.round(points[:, 2] / 3)) < 1e-9
+            evidence = arrays["evidence_distance"]
+            self.assertLess(evidence[on_slices & (evidence > 0)].max(initial=0), 20)
+            self.assertTrue((arrays["uncertainty"] <= arrays["left_out_error"] * (1 + 1e-5)).all())
+            vertices = {tuple(p) for p in shape.vertices()}
+            mine = np.array([tuple(p) in vertices for p in points])
+            self.assertEqual(mine.sum(), len(vertices))
+            self.assertEqual(arrays["uncertainty"][mine].max(), 0)
+
+    def point_arrays(self, name, reader):
+        import vtk
+        from vtk.util.numpy_support import vtk_to_numpy
+        read = getattr(vtk, reader)()
+        read.SetFileName(str(self.folder / name))
+        read.Update()
+        data = read.GetOutput().GetPointData()
+        arrays = {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
+        return vtk_to_numpy(read.GetOutput().GetPoints().GetData()), arrays
+
+    def test_arrays_come_back_and_other_formats_say_that_they_leave_them_out(self):
+        self.write("two.json", two_cylinders().document())
+        self.run_program("model", "two.json", "-o", "two.vtu", "--uncertainty")
+        self.run_program("convert", "two.vtu", "-o", "again.vtu")
+        self.assertEqual((self.folder / "again.vtu").read_bytes(), (self.folder / "two.vtu").read_bytes())
+        self.assertIn("W-MDL-008", self.run_program("convert", "two.vtu", "-o", "two.msh").err)
+
+    def test_where_next_names_the_missing_slice(self):
+        self.write("gap.json", two_cylinders(missing=15).document())
+        answer = self.run_program("where-next", "gap.json", "--count", "2", "--json").json()
+        self.assertEqual(len(answer["planes"]), 2)
+        first = answer["planes"][0]
+        self.assertAlmostEqual(first["origin_mm"][2], 15, delta=0.01)
+        self.assertGreater(first["gain_mm3"], answer["planes"][1]["gain_mm3"])
+        self.assertEqual(len(answer["left_out_slices"]), 9)
+        table = self.run_program("where-next", "gap.json", "--count", "2").out
+        self.assertIn("between", table)
+
+
+if __name__ == "__main__":
+    harness.main(__name__)
