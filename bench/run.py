@@ -33,6 +33,7 @@ SLOW = 30  # a contender that takes longer runs once
 # Mesh_3 bounds circumradii, not edges. In our target edge lengths; these give the mean edge length that ours has.
 FACET_RADIUS, CELL_RADIUS, FACET_DISTANCE, SURFACE_ERROR = 0.7, 0.7, 0.1, 0.02
 
+SEGMENTED = "body_ct_mr_labels"  # a CT and labels of it
 SKULL_OPTIONS = ["--threshold", "226", "--keep-largest", "1"]
 CASES = [  # name, file, options; the skull's file is found by scripts/skull.sh
     ("skull, every 2nd slice", None, [*SKULL_OPTIONS, "--every", "2"]),
@@ -363,6 +364,10 @@ def write_tables(arguments, folder, emit):
         note("growth")
         emit("### Growth with the number of contour vertices (skull, 1 thread)\n")
         emit(growth(bench, skull, arguments.runs))
+    if (root / SEGMENTED).exists():
+        note("segmentation")
+        emit("### Segmentation of a CT beside labels that a trained network made\n")
+        emit(run([SOURCE / "bench/segment_dice.py", "--program", arguments.program, "--data", root / SEGMENTED])["out"])
     note("pieces")
     emit("### Hot pieces alone (1 thread)\n")
     emit(micro(bench.build))

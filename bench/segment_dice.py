@@ -15,14 +15,18 @@ import time
 import nibabel
 import numpy
 
-# Name, labels, options. Seeds are single clicks, LPS mm.
+# Name, labels, options. Seeds are single clicks, boxes are drawn about the structure with a few millimetres to spare, LPS mm.
 RUNS = [
-    ("spleen, active contour by edges", [1], ["--seed", "109,-107.3,406.3"]),
-    ("spleen, Chan-Vese", [1], ["--method", "chan-vese", "--seed", "109,-107.3,406.3", "--seed-radius", "15"]),
-    ("spleen, slice by slice", [1], ["--method", "region", "--per-slice", "--spread", "2", "--seed", "109,-107.3,406.3"]),
-    ("right femur, threshold and growing", [76],
-     ["--threshold", "150:1500", "--seed", "-94,-133,130", "--close", "6", "--fill-holes"]),
-    ("vertebra L3, Chan-Vese", [29], ["--method", "chan-vese", "--seed", "3.7,-145,315", "--seed-radius", "12"]),
+    ("right femur, threshold and growing in a box", [76],
+     ["--threshold", "100:1500", "--seed", "-89,-143,118", "--within", "-59,-104,94:-152,-167,145", "--close", "9", "--fill-holes"]),
+    ("left femur, threshold and growing in a box", [75],
+     ["--threshold", "150:1500", "--seed", "97,-131,118", "--within", "145,-92,94:61,-167,148", "--close", "9", "--fill-holes"]),
+    ("vertebrae T12 to S1 together, threshold and growing in a box", list(range(26, 33)),
+     ["--threshold", "100:1500", "--seed", "4,-125,310", "--within", "49,-62,205:-50,-164,427", "--close", "3", "--fill-holes"]),
+    ("one vertebra, threshold and growing in a box", [29],
+     ["--threshold", "100:1500", "--seed", "4,-134,316", "--within", "49,-77,289:-50,-164,331", "--close", "3", "--fill-holes"]),
+    ("spleen, active contour by edges, one click", [1], ["--seed", "109,-107.3,406.3"]),
+    ("spleen, slice by slice, one click", [1], ["--method", "region", "--per-slice", "--spread", "2", "--seed", "109,-107.3,406.3"]),
     ("all bone, threshold", list(range(25, 32)) + [75, 76, 77, 78] + list(range(92, 118)),
      ["--threshold", "150", "--keep-largest", "1", "--close", "6", "--fill-holes"]),
 ]
@@ -56,8 +60,9 @@ def main():
     if options.json:
         print(json.dumps(rows, indent=1))
     else:
+        print("| structure | Dice | s | options |\n|---|---:|---:|---|")
         for row in rows:
-            print(f"{row['what']:38} {row['dice']:.3f}  {row['seconds']:6.2f} s   {row['options']}")
+            print(f"| {row['what']} | {row['dice']:.3f} | {row['seconds']:.2f} | `{row['options']}` |")
     return 1 if failed else 0
 
 

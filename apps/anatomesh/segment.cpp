@@ -212,6 +212,21 @@ void add_triples(CLI::App& verb, const std::string& name, std::vector<Vec3>& tar
         ->allow_extra_args(false);
 }
 
+void add_within(CLI::App& verb, std::vector<Vec3>& corners) {
+    const auto read = [&corners](const std::string& text) {
+        const std::size_t colon = text.find(':');
+        if (colon == std::string::npos)
+            throw CLI::ValidationError("--within",
+                                       fmt::format("'{}' is not two corners as 1,2,3:4,5,6", text));
+        corners = {triple_of("--within", text.substr(0, colon), -1e7, 1e7, false),
+                   triple_of("--within", text.substr(colon + 1), -1e7, 1e7, false)};
+    };
+    verb.add_option_function<std::string>("--within", read,
+                                          "Look only at the part of the image between two corners, along its "
+                                          "axes, LPS mm; nothing outside belongs to the structure")
+        ->type_name("X,Y,Z:X,Y,Z");
+}
+
 void add_optional(CLI::App& verb, const std::string& name, std::optional<double>& target, double low,
                   double high, const std::string& unit, const std::string& description) {
     const auto read = [name, &target, low, high](const std::string& text) {
@@ -232,6 +247,7 @@ void add_method_options(CLI::App& verb, SegmentVerbOptions& options) {
                 "A point inside the structure, LPS mm; may be repeated");
     add_triples(verb, "--seed-voxel", options.task.voxel_seeds, "I,J,K", true,
                 "The same as voxel indices, from 0; may be repeated");
+    add_within(verb, options.task.within);
     const SegmentOptions defaults;
     add_optional(verb, "--seed-radius", options.task.radius_mm, 0.01, 1000, "MM",
                  fmt::format("Radius of the balls around seeds that confidence, region and geodesic begin "
@@ -276,8 +292,8 @@ Work declare_segment(CLI::App& verb) {
         "Before all else the median of each pixel's surroundings in its slice, 0 to 100 (default 0: none)");
     add_text(verb, "--recipe", options->recipe, "FILE",
              "Several structures in one run: a JSON file with the options of each")
-        ->excludes("--method", "--threshold", "--seed", "--seed-voxel", "--seed-radius", "--spread",
-                   "--curvature", "--iterations", "--median", "--open", "--close", "--fill-holes",
+        ->excludes("--method", "--threshold", "--seed", "--seed-voxel", "--within", "--seed-radius",
+                   "--spread", "--curvature", "--iterations", "--median", "--open", "--close", "--fill-holes",
                    "--keep-largest", "--name", "--number", "--per-slice");
     add_text(verb, "-o,--output", options->output, "OUT",
              "File to write: .nrrd, .nii or .nii.gz (label map), or .json, .vtp or .csl (contours)")

@@ -108,7 +108,7 @@ Status add_seed(Vec3 voxel, Vec3 given, const SegmentTask& task, const LoadedIma
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if (!(at[axis] >= 0 && at[axis] < size[axis]))
             return task_error(
-                "E-SGM-007", "a seed lies outside of the image", image, task,
+                "E-SGM-007", "a seed lies outside of the image, or of the part to look at", image, task,
                 fmt::format("{},{},{}, which is voxel {:.0f}, {:.0f}, {:.0f} of {} x {} x {}", given.x,
                             given.y, given.z, at[0], at[1], at[2], size[0], size[1], size[2]),
                 "--seed takes LPS mm (x to the left, y to the back), --seed-voxel indices from 0");
@@ -116,6 +116,72 @@ Status add_seed(Vec3 voxel, Vec3 given, const SegmentTask& task, const LoadedIma
     }
     segmenting.seeds.push_back(seed);
     return Nothing{};
+}
+
+// A part of an image: a range of voxels along each axis.
+struct ImagePart {
+    std::array<std::uint32_t, 3> first{0, 0, 0}, size{0, 0, 0};
+};
+
+// The voxels between the two corners, those of the corners included.
+Result<ImagePart> part_of(const SegmentTask& task, const LoadedImage& image) {
+    const ImageGeometry& geometry = image.image.geometry;
+    if (task.within.empty()) return ImagePart{{0, 0, 0}, geometry.size};
+    if (!image.poses.empty())
+        return task_error("E-CMD-008", "--within does not apply to frames that each have a pose", image, task,
+                          "", "leave it out");
+    const Vec3 a = voxel_at(geometry, task.within[0]), b = voxel_at(geometry, task.within[1]);
+    const std::array<double, 3> low{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)},
+        high{std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+    ImagePart part;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double first = std::max(std::round(low[axis]), 0.0),
+                     last = std::min(std::round(high[axis]), geometry.size[axis] - 1.0);
+        if (!(first <= last))
+            return task_error(
+                "E-SGM-013", "the part to look at lies outside of the image", image, task,
+                fmt::format("voxels {:.0f} to {:.0f} along axis {} of {}", std::round(low[axis]),
+                            std::round(high[axis]), axis + 1, geometry.size[axis]),
+                "--within takes two corners in LPS mm (x to the left, y to the back)");
+        part.first[axis] = static_cast<std::uint32_t>(first);
+        part.size[axis] = static_cast<std::uint32_t>(last - first) + 1;
+    }
+    return part;
+}
+
+// Calls body(index in the image, index in the part, voxels) for every row of the part.
+template <class Body>
+void each_row(const ImageGeometry& geometry, const ImagePart& part, Body&& body) {
+    for (std::uint32_t k = 0; k < part.size[2]; ++k)
+        for (std::uint32_t j = 0; j < part.size[1]; ++j)
+            body(static_cast<std::ptrdiff_t>(
+                     geometry.index(part.first[0], part.first[1] + j, part.first[2] + k)),
+                 static_cast<std::ptrdiff_t>((std::size_t{k} * part.size[1] + j) * part.size[0]),
+                 static_cast<std::ptrdiff_t>(part.size[0]));
+}
+
+LoadedImage cut_out(const LoadedImage& image, const ImagePart& part) {
+    const ImageGeometry& geometry = image.image.geometry;
+    LoadedImage cut;
+    cut.image.source = image.image.source;
+    cut.image.geometry = geometry;
+    cut.image.geometry.size = part.size;
+    cut.image.geometry.origin = geometry.position(part.first[0], part.first[1], part.first[2]);
+    cut.image.voxels.resize(cut.image.geometry.voxel_count());
+    each_row(geometry, part, [&](std::ptrdiff_t from, std::ptrdiff_t to, std::ptrdiff_t count) {
+        std::copy_n(image.image.voxels.begin() + from, count, cut.image.voxels.begin() + to);
+    });
+    return cut;
+}
+
+// The labels of a part in the whole image.
+void put_back(LabelMap& labels, const ImageGeometry& geometry, const ImagePart& part) {
+    std::vector<std::uint16_t> voxels(geometry.voxel_count());
+    each_row(geometry, part, [&](std::ptrdiff_t to, std::ptrdiff_t from, std::ptrdiff_t count) {
+        std::copy_n(labels.voxels.begin() + from, count, voxels.begin() + to);
+    });
+    labels.voxels = std::move(voxels);
+    labels.geometry = geometry;
 }
 
 Result<SegmentOptions> segmenting_of(const SegmentTask& task, SegmentMethod method,
@@ -170,7 +236,9 @@ Status clean_slices(LabelMap& labels, const SegmentTask& task, bool largest_of_s
 const std::vector<std::string> segment_methods{"threshold", "otsu",     "grow",     "confidence",
                                                "region",    "geodesic", "chan-vese"};
 
-Result<TaskResult> run_task(const SegmentTask& task, const LoadedImage& image, RunContext& context) {
+namespace {
+
+Result<TaskResult> run_in(const SegmentTask& task, const LoadedImage& image, RunContext& context) {
     TaskResult result;
     result.method = method_of(task);
     const SegmentMethod method = std::find_if(std::begin(methods), std::end(methods), [&](const auto& entry) {
@@ -206,6 +274,20 @@ Result<TaskResult> run_task(const SegmentTask& task, const LoadedImage& image, R
                  "give smaller radii to --median and --open"};
 }
 
+}  // namespace
+
+Result<TaskResult> run_task(const SegmentTask& task, const LoadedImage& image, RunContext& context) {
+    ANATOMESH_TRY(const ImagePart part, part_of(task, image));
+    const ImageGeometry& geometry = image.image.geometry;
+    if (part.size == geometry.size) return run_in(task, image, context);
+    SegmentTask inside = task;
+    for (Vec3& seed : inside.voxel_seeds)
+        seed = seed - Vec3{1.0 * part.first[0], 1.0 * part.first[1], 1.0 * part.first[2]};
+    ANATOMESH_TRY(TaskResult result, run_in(inside, cut_out(image, part), context));
+    put_back(result.segmentation.labels, geometry, part);
+    return result;
+}
+
 // ---- recipes
 
 namespace {
@@ -218,7 +300,7 @@ class RecipeReader {
 
     Result<std::vector<SegmentTask>> read(std::string_view text) {
         const Json recipe = Json::parse(text, nullptr, false);
-        if (recipe.is_discarded() || !recipe.is_object() || recipe.value("format", "") != "anatomesh-recipe")
+        if (!recipe.is_object() || !recipe.contains("format") || recipe["format"] != "anatomesh-recipe")
             return failure("it is no JSON object with \"format\": \"anatomesh-recipe\"", "");
         if (!recipe.contains("structures") || !recipe["structures"].is_array() ||
             recipe["structures"].empty())
@@ -310,6 +392,7 @@ class RecipeReader {
         if (key == "threshold") return take_threshold(value, task.threshold);
         if (key == "seeds") return take_points(value, false, task.seeds);
         if (key == "seed_voxels") return take_points(value, true, task.voxel_seeds);
+        if (key == "within") return take_points(value, false, task.within) && task.within.size() == 2;
         if (key == "seed_radius") return take_optional(value, 0.01, 1000, task.radius_mm);
         if (key == "spread") return take_optional(value, 0.01, 100, task.spread);
         if (key == "curvature") return take_optional(value, 0, 100, task.curvature);

@@ -23,6 +23,7 @@ struct SegmentTask {
     std::optional<std::uint32_t> iterations;
     CleanMaskOptions cleaning;
     bool per_slice = false;
+    std::vector<Vec3> within;  // two opposite corners, LPS mm, of the part of the image to look at; or empty
 };
 
 extern const std::vector<std::string> segment_methods;
@@ -35,7 +36,7 @@ struct TaskResult {
 };
 
 // Checks what the method cannot do without, or has no use for; then finds the structure. Frames with poses
-// are treated one by one. Errors: usage E-SGM-005, -006, -007, -012, E-CMD-008; those of segment.h.
+// are treated one by one. Errors: usage E-SGM-005, -006, -007, -012, -013, E-CMD-008; those of segment.h.
 Result<TaskResult> run_task(const SegmentTask& task, const LoadedImage& image, RunContext& context);
 
 // The tasks of a recipe file. Errors: E-SGM-009, with the structure and the key.

@@ -2,6 +2,7 @@
 
 Everything runs on loopback, at ports of its own and in folders of its own.
 """
+import http.server
 import json
 import os
 import pathlib
@@ -14,6 +15,8 @@ import threading
 import time
 import unittest
 import urllib.request
+
+import pydicom
 
 import harness
 import test_dicom
@@ -30,6 +33,18 @@ def needed(tool):
     if not path:
         raise unittest.SkipTest(f"no {tool} (make dependencies)")
     return path
+
+
+def run_tool(name, *words, expect=0, timeout=120):
+    done = subprocess.run([needed(name), *map(str, words)], capture_output=True, text=True, timeout=timeout)
+    if expect is not None:
+        assert done.returncode == expect, (name, words, done.returncode, done.stdout[-2000:], done.stderr[-2000:])
+    return done
+
+
+def content_of(path):
+    """What an object says, without its meta header."""
+    return pydicom.dcmread(path).to_json()
 
 
 def free_port():
@@ -168,6 +183,20 @@ def data_set(instance, study=b"1.2.3", series=b"1.2.3.4", payload=b"xx"):
             + element(0x20, 0xE, "UI", series) + element(0x7FE0, 0x10, "OW", payload))
 
 
+def closes_within(connection, seconds):
+    """Whether the peer ends the connection in time; what it said before is read."""
+    connection.settimeout(seconds)
+    begun = time.monotonic()
+    try:
+        while connection.recv(65536):
+            connection.settimeout(max(0.01, seconds - (time.monotonic() - begun)))
+    except ConnectionResetError:
+        pass
+    except socket.timeout:
+        return False
+    return True
+
+
 def receive_pdu(connection):
     """Type and body; (None, b"") when the peer has closed."""
     def exactly(count):
@@ -212,6 +241,35 @@ def store(connection, instance, content, context=3):
     kind, body = receive_pdu(connection)
     assert kind == 4, kind
     return status_of(body)
+
+
+def store_in_pieces(connection, instance, content, piece=60000):
+    """As store(), for objects longer than a unit may be."""
+    connection.sendall(data(3, True, True, store_command(instance)))
+    for at in range(0, len(content), piece):
+        connection.sendall(data(3, False, at + piece >= len(content), content[at:at + piece]))
+    kind, body = receive_pdu(connection)
+    assert kind == 4, kind
+    return status_of(body)
+
+
+def send_at_once(receiver, senders, objects, payload):
+    """So many senders at the same time, each so many objects of a series of its own; the statuses they got."""
+    statuses = []
+
+    def send(number):
+        try:
+            with associated(receiver) as connection:
+                for k in range(objects):
+                    instance = b"%d.%d" % (number + 1, k)
+                    content = data_set(instance, b"1.%d" % number, b"1.2.%d" % number, bytes(payload))
+                    statuses.append(store_in_pieces(connection, instance, content))
+        except (OSError, AssertionError):
+            pass  # the receiver has ended
+    threads = [threading.Thread(target=send, args=(number,)) for number in range(senders)]
+    for thread in threads:
+        thread.start()
+    return threads, statuses
 
 
 class Orthanc:
@@ -270,3 +328,39 @@ class Orthanc:
                 self.process.kill()
                 self.process.wait()
         self.log.close()
+
+
+class WebService:
+    """A DICOMweb service that answers as it is told: status, type and content for every path."""
+
+    def __init__(self, answer, tls=None):
+        class Handler(http.server.BaseHTTPRequestHandler):
+            def do_GET(self):
+                status, kind, content = answer(self.path)
+                self.send_response(status)
+                self.send_header("Content-Type", kind)
+                self.send_header("Content-Length", str(len(content)))
+                if status == 302:
+                    self.send_header("Location", "http://192.0.2.1/")
+                self.end_headers()
+                self.wfile.write(content)
+
+            def do_POST(self):
+                self.rfile.read(int(self.headers["Content-Length"]))
+                self.do_GET()
+
+            def log_message(self, *_):
+                pass
+
+        self.server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+        if tls:
+            self.server.socket = tls.wrap_socket(self.server.socket, server_side=True)
+        self.url = f"{'https' if tls else 'http'}://127.0.0.1:{self.server.server_address[1]}/web"
+
+    def __enter__(self):
+        threading.Thread(target=self.server.serve_forever, daemon=True).start()
+        return self.url
+
+    def __exit__(self, *_):
+        self.server.shutdown()
+        self.server.server_close()

@@ -68,6 +68,26 @@ class Segment(harness.TestCase):
             labels, _, _, _, _ = images.read_nrrd(self.folder / "out.nrrd")
             self.assertGreater(images.dice(labels == 1, self.truth), 0.9, words)
 
+    def test_a_part_of_the_image(self):
+        """Corners in any order, along the axes; voxels and seeds keep their places."""
+        half = self.truth.copy()
+        half[24:] = False
+        for words in (["--threshold", "60"], ["--threshold", "60", "--seed-voxel", "20,22,16"], ["--threshold", "60", "--seed", "-10,34,29"]):
+            self.run_program("segment", "image.nrrd", *words, "--within", "-7,0,60:-90,99,-5", "-o", "out.nrrd")
+            labels, origin, _, _, _ = images.read_nrrd(self.folder / "out.nrrd")
+            self.assertEqual((labels.shape, list(origin)), (self.truth.shape, [-30, 12, 5]))
+            self.assertFalse(labels[24:].any())
+            self.assertGreater(images.dice(labels == 1, half), 0.99)
+        segment = ["segment", "image.nrrd", "--threshold", "60", "-o", "x.nrrd", "--within"]
+        self.assert_refused([*segment, "100,0,0:200,9,9"], 2, "E-SGM-013", "along axis 1 of 48")
+        self.assert_refused([*segment, "-30,12,5:-10,20,20", "--seed-voxel", "40,22,16"], 2, "E-SGM-007")
+        for text in ("1,2,3", "1,2:3,4", "1,2,3:4,5,x", "1,2,3:4,5,6:7,8,9", ""):
+            self.assert_refused([*segment, text], 2, "E-CMD-001")
+        structure = {"name": "half", "threshold": [60, None], "within": [[-90, 0, -5], [-7, 99, 60]]}
+        self.write("recipe.json", {"format": "anatomesh-recipe", "structures": [structure]})
+        self.run_program("segment", "image.nrrd", "--recipe", "recipe.json", "-o", "out.nrrd")
+        self.assertGreater(images.dice(images.read_nrrd(self.folder / "out.nrrd")[0] == 1, half), 0.99)
+
     def test_edges_alone_are_for_volumes(self):
         self.assert_refused(["segment", "image.nrrd", "--seed", self.seed, "--per-slice", "-o", "x.nrrd"], 2, "E-SGM-012", "chan-vese")
 
@@ -87,10 +107,10 @@ class Segment(harness.TestCase):
         segment = ["segment", "image.nrrd", "--recipe", "recipe.json", "-o", "x.nrrd"]
         self.assert_refused([*segment, "--threshold", "3"], 2, "E-CMD-001")
         for key, value in (("metod", "grow"), ("method", "magic"), ("threshold", "60"), ("seeds", [[1, 2]]),
-                           ("number", 0), ("median", -1), ("keep_largest", 0), ("per_slice", 1)):
+                           ("number", 0), ("median", -1), ("within", [[1, 2, 3]]), ("keep_largest", 0), ("per_slice", 1)):
             self.write("recipe.json", {**recipe, "structures": [{"name": "x", key: value}]})
             self.assert_refused(segment, 3, "E-SGM-009", key)
-        for text in ("", "[]", "{}", '{"format": "anatomesh-recipe"}', '{"format": "anatomesh-recipe", "structures": [3]}'):
+        for text in ("", "[]", "{}", '{"format": 3}', '{"format": "anatomesh-recipe"}', '{"format": "anatomesh-recipe", "structures": [3]}'):
             self.write("recipe.json", text)
             self.assert_refused(segment, 3, "E-SGM-009")
 
@@ -171,6 +191,15 @@ class RealImages(harness.TestCase):
         self.run_program("segment", image, "--seed", "109,-107.3,406.3", "-o", "spleen.nii.gz")
         found = np.asarray(nibabel.load(self.folder / "spleen.nii.gz").dataobj) == 1
         self.assertGreater(images.dice(found, np.asarray(nibabel.load(truth).dataobj) == 1), 0.85)
+
+    def test_bones_of_a_ct_by_growing_in_a_box_against_their_labels(self):
+        image = harness.data("body_ct_mr_labels", "example_ct.nii.gz")
+        truth = np.asarray(nibabel.load(harness.data("body_ct_mr_labels", "example_seg_fast_force_split.nii.gz")).dataobj)
+        for labels, words in (([76], ["--seed", "-89,-143,118", "--within", "-59,-104,94:-152,-167,145", "--close", "9"]),
+                              (range(26, 33), ["--seed", "4,-125,310", "--within", "49,-62,205:-50,-164,427", "--close", "3"])):
+            self.run_program("segment", image, "--threshold", "100:1500", *words, "--fill-holes", "-o", "bone.nii.gz")
+            found = np.asarray(nibabel.load(self.folder / "bone.nii.gz").dataobj) == 1
+            self.assertGreater(images.dice(found, np.isin(truth, labels)), 0.75)
 
 
 if __name__ == "__main__":

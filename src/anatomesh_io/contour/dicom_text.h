@@ -1,4 +1,4 @@
-// dicom_text: texts of DICOM files as UTF-8.
+// dicom_text: texts of DICOM files, without their padding and as UTF-8.
 #pragma once
 
 #include <string>
@@ -13,5 +13,8 @@ struct DicomText {
 
 // `text` in the character sets that SpecificCharacterSet (0008,0005) states; empty means ASCII. Thread-safe.
 DicomText dicom_text(std::string_view text, std::string_view character_set);
+
+// Without the blanks and NULs at both ends.
+std::string_view without_padding(std::string_view text);
 
 }  // namespace anatomesh

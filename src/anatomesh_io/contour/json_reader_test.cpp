@@ -2,9 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <clocale>
-
 #include "anatomesh_io/contour/contour_test_support.h"
+#include "anatomesh_io/file/comma_locale_fixture.h"
 
 namespace anatomesh {
 namespace {
@@ -221,9 +220,9 @@ TEST(Json, limits_hold) {
 TEST(Json, same_numbers_in_a_locale_with_decimal_commas) {
     RunContext context;
     const auto plain = read_with(read_json_contours, good, context);
-    if (!std::setlocale(LC_NUMERIC, "de_DE.UTF-8")) GTEST_SKIP() << "no locale de_DE.UTF-8 here";
+    const fixtures::CommaLocale locale;
+    ASSERT_TRUE(locale.is_there()) << "localedef makes none (package locales)";
     const auto german = read_with(read_json_contours, good, context);
-    std::setlocale(LC_NUMERIC, "C");
     ASSERT_TRUE(plain.ok() && german.ok());
     EXPECT_EQ(plain.value().points, german.value().points);
 }

@@ -3,14 +3,13 @@
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dcistrmb.h>
 #include <dcmtk/dcmdata/dctk.h>
-#include <dcmtk/oflog/oflog.h>
 
 #include <map>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "anatomesh_io/contour/dcmtk_set_up.h"
 #include "anatomesh_io/contour/dicom_layout.h"
 #include "anatomesh_io/contour/dicom_text.h"
 #include "anatomesh_io/contour/number_text.h"
@@ -18,23 +17,6 @@
 namespace anatomesh {
 
 namespace {
-
-void set_up_dcmtk() {
-    static std::once_flag once;
-    std::call_once(once, [] {
-        OFLog::configure(OFLogger::OFF_LOG_LEVEL);
-        // Lists beyond 64 KiB are written as UN where the length field has 16 bits.
-        dcmEnableUnknownVRConversion.set(OFTrue);
-    });
-}
-
-bool is_sequence(std::uint16_t group, std::uint16_t element) {
-    const DcmDataDictionary& dictionary = dcmDataDict.rdlock();
-    const DcmDictEntry* entry = dictionary.findEntry(DcmTagKey(group, element), nullptr);
-    const bool answer = entry && entry->getEVR() == EVR_SQ;
-    dcmDataDict.rdunlock();
-    return answer;
-}
 
 E_TransferSyntax syntax_of(DicomEncoding encoding) {
     switch (encoding) {
@@ -48,13 +30,6 @@ E_TransferSyntax syntax_of(DicomEncoding encoding) {
     return EXS_LittleEndianExplicit;
 }
 
-std::string_view trimmed(std::string_view text) {
-    const auto is_pad = [](char c) { return c == ' ' || c == '\0'; };
-    while (!text.empty() && is_pad(text.front())) text.remove_prefix(1);
-    while (!text.empty() && is_pad(text.back())) text.remove_suffix(1);
-    return text;
-}
-
 // The characters of an element, whatever its VR says they are; valid as long as the element. Empty when there
 // is none, or no value.
 std::string_view text_of(DcmItem& item, const DcmTagKey& tag) {
@@ -62,10 +37,10 @@ std::string_view text_of(DcmItem& item, const DcmTagKey& tag) {
     if (item.findAndGetElement(tag, element).bad() || !element || element->getLength() == 0) return {};
     char* text = nullptr;
     Uint32 length = 0;
-    if (element->getString(text, length).good() && text) return trimmed({text, length});
+    if (element->getString(text, length).good() && text) return without_padding({text, length});
     Uint8* bytes = nullptr;
     if (element->getUint8Array(bytes).good() && bytes)
-        return trimmed({reinterpret_cast<const char*>(bytes), element->getLength()});
+        return without_padding({reinterpret_cast<const char*>(bytes), element->getLength()});
     return {};
 }
 
@@ -106,7 +81,7 @@ class RtStructReader {
 
   private:
     Status parse(std::string_view file) {
-        ANATOMESH_TRY(DicomLayout layout, check_dicom_layout(file, builder_.file(), is_sequence));
+        ANATOMESH_TRY(DicomLayout layout, check_dicom_layout(file, builder_.file(), is_sequence_tag));
         warn_of_guess(layout, builder_.file(), builder_.context());
         std::string_view data = file.substr(layout.data_set);
         if (!layout.inflated.empty()) data = layout.inflated;
@@ -196,7 +171,7 @@ class RtStructReader {
             double xyz[3];
             for (double& value : xyz) {
                 const std::size_t end = std::min(data.find('\\'), data.size());
-                const std::string_view word = trimmed(data.substr(0, end));
+                const std::string_view word = without_padding(data.substr(0, end));
                 const auto number = parse_number(word);
                 if (!number) {
                     bool changed = false;
@@ -250,7 +225,7 @@ class RtStructReader {
         bool is_color = std::count(data.begin(), data.end(), '\\') == 2;
         for (std::uint8_t& part : color) {
             const std::size_t end = std::min(rest.find('\\'), rest.size());
-            const auto value = parse_integer<std::uint8_t>(trimmed(rest.substr(0, end)));
+            const auto value = parse_integer<std::uint8_t>(without_padding(rest.substr(0, end)));
             is_color = is_color && value;
             part = value.value_or(0);
             rest.remove_prefix(std::min(end + 1, rest.size()));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "anatomesh_io/contour/dicom_text.h"
 #include "anatomesh_io/contour/number_text.h"
 #include "anatomesh_io/contour/raw_builder.h"
 #include "anatomesh_io/dicom/tags.h"
@@ -80,13 +81,6 @@ class Collector : public DicomEvents {
     bool is_full_ = false;
 };
 
-std::string_view trimmed(std::string_view text) {
-    const auto is_pad = [](char c) { return c == ' ' || c == '\0'; };
-    while (!text.empty() && is_pad(text.front())) text.remove_prefix(1);
-    while (!text.empty() && is_pad(text.back())) text.remove_suffix(1);
-    return text;
-}
-
 Error value_error(const char* code, const DicomItem& item, DicomTag tag, const std::string& what) {
     bool changed = false;
     return {ErrorKind::input,
@@ -111,7 +105,7 @@ std::string_view DicomItem::bytes(DicomTag tag) const {
 }
 
 std::string_view DicomItem::text(DicomTag tag) const {
-    return trimmed(bytes(tag));
+    return without_padding(bytes(tag));
 }
 
 std::vector<DicomItem> DicomItem::items(DicomTag tag) const {
@@ -183,7 +177,7 @@ Result<std::optional<std::vector<double>>> decimals(const DicomItem& item, Dicom
     std::vector<double> values;
     while (values.size() <= count) {
         const std::size_t end = std::min(rest.find('\\'), rest.size());
-        const auto value = parse_number(trimmed(rest.substr(0, end)));
+        const auto value = parse_number(without_padding(rest.substr(0, end)));
         if (!value) return bad_value(item, tag, "holds a value that is no number");
         values.push_back(*value);
         if (end == rest.size()) break;

@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <clocale>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -15,6 +14,7 @@
 #include "anatomesh_io/dicom/dicom_fixtures.h"
 #include "anatomesh_io/dicom/pixels.h"
 #include "anatomesh_io/dicom/read_series.h"
+#include "anatomesh_io/file/comma_locale_fixture.h"
 
 namespace anatomesh {
 namespace {
@@ -242,10 +242,9 @@ TEST(DicomFiles, D20_decimal_comma_of_the_locale) {
     auto files = ct_series(3);
     for (auto& file : files) file.set(tags::rescale_slope, "DS", "1.5");
     const auto expected = voxels_of(files);
-    if (!std::setlocale(LC_ALL, "de_DE.UTF-8")) GTEST_SKIP() << "no locale with a decimal comma";
-    const auto found = voxels_of(files);
-    std::setlocale(LC_ALL, "C");
-    EXPECT_EQ(found, expected);
+    const fixtures::CommaLocale locale;
+    ASSERT_TRUE(locale.is_there()) << "localedef makes none (package locales)";
+    EXPECT_EQ(voxels_of(files), expected);
 }
 
 TEST(DicomFiles, colours_are_refused) {

@@ -4,36 +4,14 @@
 #include <dcmtk/dcmdata/dcistrmb.h>
 #include <dcmtk/dcmdata/dcostrmb.h>
 #include <dcmtk/dcmdata/dctk.h>
-#include <dcmtk/oflog/oflog.h>
 
 #include <algorithm>
-#include <mutex>
 #include <vector>
 
+#include "anatomesh_io/contour/dcmtk_set_up.h"
 #include "anatomesh_io/network/acceptor.h"
 
 namespace anatomesh {
-
-namespace {
-
-void set_up_dcmtk() {
-    static std::once_flag once;
-    std::call_once(once, [] {
-        OFLog::configure(OFLogger::OFF_LOG_LEVEL);
-        // Lists beyond 64 KiB are written as UN where the length field has 16 bits.
-        dcmEnableUnknownVRConversion.set(OFTrue);
-    });
-}
-
-}  // namespace
-
-bool is_sequence_tag(std::uint16_t group, std::uint16_t element) {
-    const DcmDataDictionary& dictionary = dcmDataDict.rdlock();
-    const DcmDictEntry* entry = dictionary.findEntry(DcmTagKey(group, element), nullptr);
-    const bool answer = entry && entry->getEVR() == EVR_SQ;
-    dcmDataDict.rdunlock();
-    return answer;
-}
 
 bool is_storage_class(std::string_view sop_class) {
     for (int i = 0; i < numberOfDcmAllStorageSOPClassUIDs; ++i)

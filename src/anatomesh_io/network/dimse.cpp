@@ -1,5 +1,7 @@
 #include "anatomesh_io/network/dimse.h"
 
+#include "anatomesh_io/contour/dicom_text.h"
+
 namespace anatomesh {
 
 namespace {
@@ -50,13 +52,6 @@ std::uint64_t number_at(std::string_view bytes, std::size_t at, int size) {
     for (int i = size; i-- > 0;)
         value = value << 8 | static_cast<unsigned char>(bytes[at + static_cast<std::size_t>(i)]);
     return value;
-}
-
-std::string_view trimmed(std::string_view text) {
-    const auto is_pad = [](char c) { return c == ' ' || c == '\0'; };
-    while (!text.empty() && is_pad(text.front())) text.remove_prefix(1);
-    while (!text.empty() && is_pad(text.back())) text.remove_suffix(1);
-    return text;
 }
 
 std::uint16_t* short_field(Command& command, std::uint16_t element) {
@@ -145,7 +140,7 @@ std::optional<Command> parse_command(std::string_view bytes) {
             *number = static_cast<std::uint16_t>(number_at(value, 0, 2));
             has_field = has_field || element == command_field;
         } else if (std::string* text = text_field(command, element)) {
-            *text = trimmed(value);
+            *text = without_padding(value);
         }
     }
     if (!has_field || !has_type) return std::nullopt;

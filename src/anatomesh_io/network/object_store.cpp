@@ -12,7 +12,9 @@
 #include <filesystem>
 #include <utility>
 
+#include "anatomesh_io/contour/dcmtk_set_up.h"
 #include "anatomesh_io/contour/dicom_layout.h"
+#include "anatomesh_io/contour/dicom_text.h"
 #include "anatomesh_io/dicom/dicom_writer.h"
 #include "anatomesh_io/dicom/sha256.h"
 #include "anatomesh_io/dicom/tags.h"
@@ -29,13 +31,6 @@ constexpr std::string_view storage_class_prefix = "1.2.840.10008.5.1.4.1.1.";
 constexpr const char* implementation_class = "2.25.231180546138466129170253893712506374981";
 constexpr std::size_t most_references = 1'000'000;
 
-std::string_view trimmed(std::string_view text) {
-    const auto is_pad = [](char c) { return c == ' ' || c == '\0'; };
-    while (!text.empty() && is_pad(text.front())) text.remove_prefix(1);
-    while (!text.empty() && is_pad(text.back())) text.remove_suffix(1);
-    return text;
-}
-
 // Keeps who an object is and which images it refers to.
 class IdentityEvents : public DicomEvents {
   public:
@@ -45,7 +40,7 @@ class IdentityEvents : public DicomEvents {
         // The longest value that is looked at is a UID; a longer one is none. Offsets in a data set that was
         // inflated are none in the file.
         if (length > 1024 || offset > file_.size() || length > file_.size() - offset) return;
-        const std::string_view value = trimmed(file_.substr(offset, length));
+        const std::string_view value = without_padding(file_.substr(offset, length));
         if (depth_ == 0) return own_element(tag, value);
         if (tag == tags::referenced_sop_class) referenced_class_ = value;
         if (tag != tags::referenced_sop_instance || identity_.references.size() == most_references) return;

@@ -4,6 +4,8 @@
 #include <bitset>
 #include <cassert>
 
+#include "anatomesh_io/contour/dicom_text.h"
+
 namespace anatomesh {
 
 namespace {
@@ -61,13 +63,6 @@ std::string pdu(PduType type, std::string_view body) {
     return out;
 }
 
-std::string_view trimmed(std::string_view text) {
-    const auto is_pad = [](char c) { return c == ' ' || c == '\0'; };
-    while (!text.empty() && is_pad(text.front())) text.remove_prefix(1);
-    while (!text.empty() && is_pad(text.back())) text.remove_suffix(1);
-    return text;
-}
-
 std::string padded_title(std::string_view title) {
     std::string text(title.substr(0, longest_ae_title));
     text.resize(longest_ae_title, ' ');
@@ -110,7 +105,7 @@ bool parse_context(std::string_view content, bool is_request, std::bitset<256>& 
     seen[context.id] = true;
     ItemReader items(content.substr(4));
     while (items.next()) {
-        const std::string_view name = trimmed(items.content());
+        const std::string_view name = without_padding(items.content());
         if (name.size() > longest_uid) return false;
         if (items.type() == abstract_item) {
             if (!context.abstract_syntax.empty()) return false;
@@ -130,8 +125,8 @@ bool parse_role(std::string_view content, Association& out) {
     if (content.size() < 4) return false;
     const std::size_t length = short_at(content, 0);
     if (length > longest_uid || content.size() != length + 4) return false;
-    out.roles.push_back({std::string(trimmed(content.substr(2, length))), byte_at(content, length + 2) == 1,
-                         byte_at(content, length + 3) == 1});
+    out.roles.push_back({std::string(without_padding(content.substr(2, length))),
+                         byte_at(content, length + 2) == 1, byte_at(content, length + 3) == 1});
     return true;
 }
 
@@ -221,13 +216,13 @@ std::optional<Association> parse_associate(PduType type, std::string_view body) 
     const bool is_request = type == PduType::associate_request;
     Association out;
     out.protocol_version = short_at(body, 0);
-    out.called = trimmed(body.substr(4, longest_ae_title));
-    out.calling = trimmed(body.substr(20, longest_ae_title));
+    out.called = without_padding(body.substr(4, longest_ae_title));
+    out.calling = without_padding(body.substr(20, longest_ae_title));
     std::bitset<256> seen;
     ItemReader items(body.substr(fixed_associate_bytes));
     while (items.next()) {
         if (items.type() == application_item) {
-            out.application_context = trimmed(items.content());
+            out.application_context = without_padding(items.content());
         } else if (items.type() == (is_request ? request_context_item : accept_context_item)) {
             if (!parse_context(items.content(), is_request, seen, out)) return std::nullopt;
         } else if (items.type() == user_item && !parse_user_items(items.content(), out)) {
@@ -290,7 +285,7 @@ bool is_ae_title(std::string_view text) {
     if (text.empty() || text.size() > longest_ae_title) return false;
     const bool printable =
         std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7F && c != '\\'; });
-    return printable && !trimmed(text).empty();
+    return printable && !without_padding(text).empty();
 }
 
 }  // namespace anatomesh

@@ -272,17 +272,22 @@ Result<std::uint16_t> Requestor::store(const PresentationContext& context, const
     return inbox.message.status;
 }
 
-Result<std::uint16_t> Requestor::find(const PresentationContext& context, std::string_view identifier,
-                                      const Matched& matched) {
-    Command request;
-    request.field = dimse::find_request;
+Status Requestor::send_request(const PresentationContext& context, Command& request,
+                               std::string_view identifier) {
     request.message = ++message_;
     request.sop_class = context.abstract_syntax;
     request.has_data_set = true;
     std::string out;
     append_data(out, context.id, true, true, format_command(request), longest_pdu_);
     append_data(out, context.id, false, true, identifier, longest_pdu_);
-    ANATOMESH_CHECK_STATUS(send(out));
+    return send(out);
+}
+
+Result<std::uint16_t> Requestor::find(const PresentationContext& context, std::string_view identifier,
+                                      const Matched& matched) {
+    Command request;
+    request.field = dimse::find_request;
+    ANATOMESH_CHECK_STATUS(send_request(context, request, identifier));
     Inbox inbox;
     bool is_cancelled = false;
     while (true) {
@@ -302,13 +307,7 @@ Result<std::uint16_t> Requestor::find(const PresentationContext& context, std::s
 Result<std::uint16_t> Requestor::retrieve(const PresentationContext& context, Command request,
                                           std::string_view identifier, const OpenSink& open,
                                           RetrieveCounts& counts, const Progress& progress) {
-    request.message = ++message_;
-    request.sop_class = context.abstract_syntax;
-    request.has_data_set = true;
-    std::string out;
-    append_data(out, context.id, true, true, format_command(request), longest_pdu_);
-    append_data(out, context.id, false, true, identifier, longest_pdu_);
-    ANATOMESH_CHECK_STATUS(send(out));
+    ANATOMESH_CHECK_STATUS(send_request(context, request, identifier));
     Inbox inbox(open);
     inbox.find_context = [this](std::uint8_t id) -> const PresentationContext* {
         for (const PresentationContext& each : accepted_)

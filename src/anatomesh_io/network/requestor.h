@@ -82,6 +82,8 @@ class Requestor {
 
     Status send(std::string_view bytes);
     Status send_command(std::uint8_t context, const Command& command);
+    // A command of this class, numbered, with its identifier.
+    Status send_request(const PresentationContext& context, Command& request, std::string_view identifier);
     Status receive_some(std::string& into);
     Status receive_pdu(PduType& type, std::string& body);
     Status negotiate(const std::vector<PresentationContext>& asked, const std::vector<RoleSelection>& roles);

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "anatomesh_io/contour/dcmtk_set_up.h"
 #include "anatomesh_io/contour/dicom_layout.h"
 #include "anatomesh_io/file/input_file.h"
 #include "anatomesh_io/network/dcmtk_door.h"

@@ -1,0 +1,185 @@
+"""The whole way round with a PACS, by DIMSE and by DICOMweb; web services that answer badly."""
+import shutil
+
+import pydicom
+import pydicom.misc
+
+import harness
+import network_peers as peers
+from network_peers import Orthanc, Receiver, WebService, content_of, run_tool, write_study
+
+
+class Archive(harness.TestCase):
+    """The whole way round with Orthanc: in, found, fetched, modelled, the model back, and found again."""
+
+    def there_and_back(self, orthanc, peer, login=()):
+        study, contours = write_study(self.folder / "study")
+        shutil.copy(contours, study / "rs.dcm")
+        (study / "notes.txt").write_text("no DICOM")
+        sent = self.run_program("send", study, "--to", peer, *login, "--json").json()
+        self.assertEqual((sent["objects"], sent["stored"], sent["skipped"]), (21, 21, 1))
+
+        found = self.run_program("query", "--from", peer, *login, "--json").json()["answers"]
+        self.assertEqual([each["StudyInstanceUID"] for each in found], [peers.STUDY])
+        self.assertEqual(found[0]["NumberOfStudyRelatedInstances"], "21")
+        self.assertEqual(sorted(found[0]["ModalitiesInStudy"].split("\\")), ["CT", "RTSTRUCT"])
+        # O05: what could name the patient is shown on request alone.
+        text = self.run_program("query", "--from", peer, *login).out
+        self.assertNotIn("ZZPLANTED", text.upper())
+        named = self.run_program("query", "--from", peer, *login, "--keep-patient-ids", "--match", "PatientID=ZZPLANTEDID",
+                                 "--match", "StudyDate=19990101-20001231", "--json").json()["answers"]
+        self.assertEqual(named[0]["PatientName"], "Zzplanted^Name")
+        self.assertEqual(self.run_program("query", "--from", peer, *login, "--match", "PatientID=NOBODY", "--json").json()["answers"], [])
+        series = self.run_program("query", "--from", peer, *login, "--level", "series", "--study", peers.STUDY, "--json").json()["answers"]
+        self.assertEqual(sorted(each["Modality"] for each in series), ["CT", "RTSTRUCT"])
+        images = self.run_program("query", "--from", peer, *login, "--level", "instance", "--study", peers.STUDY, "--series",
+                                  peers.SERIES, "--json").json()["answers"]
+        self.assertEqual(len(images), 20)
+        cut = self.run_program("query", "--from", peer, *login, "--level", "instance", "--study", peers.STUDY, "--series",
+                               peers.SERIES, "--most", "7", "--json").json()
+        self.assertEqual((len(cut["answers"]), cut["warnings"][0]["code"]), (7, "W-NET-001"))
+
+        fetched = self.run_program("fetch", "--from", peer, *login, "--study", peers.STUDY, "-o", "fetched", "--json").json()
+        self.assertEqual((fetched["stored"], fetched["failed"], fetched["refused"]), (21, 0, 0))
+        by_uid = {pydicom.dcmread(path).SOPInstanceUID: path for path in study.glob("*.dcm")}
+        for path in (self.folder / "fetched").glob("*/*/*.dcm"):
+            self.assertEqual(content_of(path), content_of(by_uid.pop(path.name[:-4])))
+        self.assertEqual(by_uid, {})
+        again = self.run_program("fetch", "--from", peer, *login, "--study", peers.STUDY, "-o", "fetched", "--json").json()
+        self.assertEqual((again["stored"], again["there_already"]), (0, 21))
+        one = self.run_program("fetch", "--from", peer, *login, "--study", peers.STUDY, "--series", peers.SERIES, "--instance",
+                               images[0]["SOPInstanceUID"], "-o", "one", "--json").json()
+        self.assertEqual(one["stored"], 1)
+        self.assert_refused(["fetch", "--from", peer, *login, "--study", "1.2.3.4.5", "-o", "none"], 3, "E-NET-023")
+
+        self.run_program("model", next((self.folder / "fetched").iterdir()), "-o", "model.vtu", "--size", "6",
+                         "--keep-patient-ids", "--dicom-surface", "surface.dcm", "--quiet")
+        sent = self.run_program("send", "surface.dcm", "--to", peer, *login, "--json").json()
+        self.assertEqual(sent["stored"], 1)
+        found = self.run_program("query", "--from", peer, *login, "--level", "series", "--study", peers.STUDY, "--match",
+                                 "Modality=M3D", "--json").json()["answers"]
+        self.assertEqual(len(found), 1)
+        back = self.run_program("fetch", "--from", peer, *login, "--study", peers.STUDY, "--series",
+                                found[0]["SeriesInstanceUID"], "-o", "back", "--json").json()
+        self.assertEqual(back["stored"], 1)
+        self.assertEqual(content_of(next((self.folder / "back").glob("*/*/*.dcm"))), content_of(self.folder / "surface.dcm"))
+
+    def test_by_dimse(self):
+        orthanc = Orthanc(self)
+        self.there_and_back(orthanc, orthanc.peer)
+        # Others find and get what was sent.
+        got = self.folder / "got"
+        got.mkdir()
+        done = run_tool("getscu", "-v", "-S", "-aec", "ORTHANC", "-od", got, "-k", "QueryRetrieveLevel=SERIES", "-k",
+                        f"StudyInstanceUID={peers.STUDY}", "-k", f"SeriesInstanceUID={peers.SERIES}", "127.0.0.1", orthanc.dicom)
+        self.assertEqual(len(list(got.iterdir())), 20, done.stdout + done.stderr)
+        rejected = self.run_program("query", "--from", orthanc.peer.replace("ORTHANC", "OTHER"), expect=6)
+        self.assertIn("E-NET-011", rejected.err)
+
+    def test_by_dicomweb(self):
+        orthanc = Orthanc(self)
+        self.there_and_back(orthanc, orthanc.url, orthanc.web_login)
+        self.assertIn("E-NET-017", self.run_program("query", "--from", orthanc.url, expect=6).err)
+        self.assertIn("--user", self.run_program("send", "surface.dcm", "--to", orthanc.url, expect=6).err)
+
+    def test_by_move(self):
+        port = peers.free_port()
+        orthanc = Orthanc(self, port)
+        study, _ = write_study(self.folder / "study")
+        self.run_program("send", study, "--to", orthanc.peer)
+        fetched = self.run_program("fetch", "--from", orthanc.peer, "--study", peers.STUDY, "--move-to", "MOVEHERE", "--port",
+                                   port, "-o", "fetched", "--json").json()
+        self.assertEqual((fetched["stored"], fetched["sent"]), (20, 20))
+        # To another program: a receiver that runs.
+        receiver = Receiver(self, title="MOVEHERE", port=port)
+        moved = self.run_program("fetch", "--from", orthanc.peer, "--study", peers.STUDY, "--move-to", "MOVEHERE", "--json").json()
+        self.assertEqual(moved["sent"], 20)
+        self.assertEqual(len(receiver.files()), 20)
+        receiver.stop()
+        unknown = self.run_program("fetch", "--from", orthanc.peer, "--study", peers.STUDY, "--move-to", "NOBODY", expect=6)
+        self.assertIn("E-NET-019", unknown.err)
+
+
+class RealStudies(harness.TestCase):
+    """Studies of real scanners through the archive, by both ways: what comes out is what went in."""
+
+    def through(self, folder, peer, login, orthanc_count):
+        sent = self.run_program("send", folder, "--to", peer, *login, "--json").json()
+        self.assertEqual(sent["stored"], sent["objects"])
+        self.assertEqual(sent["objects"], orthanc_count)
+        uid = next(str(pydicom.dcmread(path, stop_before_pixels=True).StudyInstanceUID)
+                   for path in sorted(folder.rglob("*")) if path.is_file() and pydicom.misc.is_dicom(path))
+        fetched = self.run_program("fetch", "--from", peer, *login, "--study", uid, "-o", "fetched", "--json").json()
+        self.assertEqual(fetched["stored"], orthanc_count)
+        study = self.folder / "fetched" / uid
+        return study
+
+    def ways(self, orthanc):
+        return ((orthanc.peer, ()), (orthanc.url, orthanc.web_login))
+
+    def test_contours_and_images_of_a_thigh(self):
+        folder = harness.data("thigh_mr", "STS_001")
+        count = sum(path.is_file() and pydicom.misc.is_dicom(path) for path in folder.rglob("*"))
+        orthanc = Orthanc(self)
+        self.run_program("contours", folder, "--structure", "GTV_Mass", "-o", "before.json", "--quiet")
+        for peer, login in self.ways(orthanc):
+            study = self.through(folder, peer, login, count)
+            self.run_program("contours", study, "--structure", "GTV_Mass", "-o", "after.json", "--quiet")
+            self.assertEqual((self.folder / "before.json").read_bytes(), (self.folder / "after.json").read_bytes())
+            shutil.rmtree(self.folder / "fetched")
+
+    def test_compressed_images(self):
+        source = harness.data("body_ct_mr_labels", "example_ct_dicom")
+        folder = self.folder / "ct"
+        folder.mkdir()
+        # As they were before they lost their identity: without it nothing can be sent.
+        self.assert_refused(["send", source, "--to", "A@127.0.0.1:1"], 3, "E-NET-006")
+        for count, path in enumerate(sorted(source.iterdir()), 1):
+            each = pydicom.dcmread(path)
+            each.SOPClassUID, each.SOPInstanceUID = each.file_meta.MediaStorageSOPClassUID, each.file_meta.MediaStorageSOPInstanceUID
+            each.StudyInstanceUID, each.SeriesInstanceUID = peers.STUDY, peers.SERIES
+            each.save_as(folder / f"{count}.dcm")
+        orthanc = Orthanc(self)
+        self.run_program("segment", folder, "--threshold", "200", "-o", "before.nrrd", "--quiet")
+        for peer, login in self.ways(orthanc):
+            study = self.through(folder, peer, login, count)
+            self.run_program("segment", study, "--threshold", "200", "-o", "after.nrrd", "--quiet")
+            self.assertEqual((self.folder / "before.nrrd").read_bytes(), (self.folder / "after.nrrd").read_bytes())
+            shutil.rmtree(self.folder / "fetched")
+
+
+class HostileServices(harness.TestCase):
+    def test_answers_to_a_query(self):
+        for status, content, code in ((500, b"", "E-NET-017"), (302, b"", "E-NET-017"), (200, b"<html>", "E-NET-018"),
+                                      (200, b"[" * 100000, "E-NET-018"), (200, b"{}", "E-NET-019"), (200, b"[7]", None),
+                                      (200, b"", None), (204, b"", None), (200, b'[{"0020000D":{"Value":[{"a":1}]}}]', None)):
+            with WebService(lambda path: (status, "application/dicom+json", content)) as url:
+                done = self.run_program("query", "--from", url, expect=6 if code else 0)
+                self.assertIn(code or "", done.err)
+
+    def test_answers_to_a_retrieval(self):
+        good = b"--b\r\nContent-Type: application/dicom\r\n\r\n" + b"x" * 1000 + b"\r\n--b--"
+        multipart = "multipart/related; type=\"application/dicom\"; boundary=b"
+        for kind, content, code in ((multipart, good, "E-NET-015"), (multipart, good[:500], "E-NET-018"),
+                                    ("application/dicom", good, "E-NET-018"), ("multipart/related", good, "E-NET-018"),
+                                    (multipart, b"", "E-NET-018"), (multipart, b"--b\r\n" + b"h" * 100000, "E-NET-018")):
+            with WebService(lambda path: (200, kind, content)) as url:
+                self.assert_refused(["fetch", "--from", url, "--study", "1.2", "-o", "x"], 6, code)
+        with WebService(lambda path: (404, "text/plain", b"")) as url:
+            self.assert_refused(["fetch", "--from", url, "--study", "1.2", "-o", "x"], 3, "E-NET-023")
+
+    def test_answers_to_what_is_sent(self):
+        study, _ = write_study(self.folder / "study")
+        stored = '{"00081199":{"vr":"SQ","Value":[%s]}}' % ",".join(
+            '{"00081155":{"vr":"UI","Value":["%s"]}}' % pydicom.dcmread(path).SOPInstanceUID for path in sorted(study.iterdir())[:19])
+        for status, content, code in ((200, b"", "E-NET-014"), (200, stored.encode(), "E-NET-014"), (200, b"nonsense", "E-NET-018"),
+                                      (413, b"", "E-NET-017")):
+            with WebService(lambda path: (status, "application/dicom+json", content)) as url:
+                done = self.run_program("send", study, "--to", url, "--json", expect=6)
+                self.assertIn(code, done.err)
+                if content == stored.encode():
+                    self.assertEqual((done.json()["stored"], len(done.json()["failed"])), (19, 1))
+
+
+if __name__ == "__main__":
+    harness.main("__main__")
