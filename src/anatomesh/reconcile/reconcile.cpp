@@ -14,6 +14,7 @@
 #include "anatomesh/reconcile/align_slices.h"
 #include "anatomesh/reconcile/contour_graph.h"
 #include "anatomesh/reconcile/disagreement.h"
+#include "anatomesh/reconcile/flatten_folds.h"
 #include "anatomesh/reconcile/line_ends.h"
 #include "anatomesh/reconcile/movement.h"
 #include "anatomesh/reconcile/shared_points.h"
@@ -58,8 +59,11 @@ class Reconciler {
             graph_ = make_contour_graph(set_);
             ANATOMESH_CHECK_STATUS(move());
             note_movements();
+            std::vector<MovedPoint> moved(drawn_.size());
+            for (std::size_t k = 0; k < moved.size(); ++k) moved[k] = {set_.points[k], drawn_[k]};
             const SharedPoints shared = insert_shared_points(set_, comparisons_, normal_reach_mm);
             stats_.shared_points = shared.points;
+            stats_.folds = flatten_folds(set_, std::move(moved), {4 * options_.max_disagreement_mm});
             compare();
         }
         if (context_.cancelled()) return cancelled_error();
@@ -363,8 +367,19 @@ class Reconciler {
         warn_of_shifts();
         warn_of_disagreement();
         warn_of_pairs();
+        warn_of_folds();
         warn_of_rest();
         warn_of_outliers();
+    }
+
+    void warn_of_folds() {
+        const FoldStats& folds = stats_.folds;
+        if (folds.folds == 0) return;
+        context_.warn({"W-RCN-006",
+                       std::to_string(folds.folds) + " narrow folds, up to " + brief(folds.highest_mm) +
+                           " mm high, came about where notches closed as contours were moved",
+                       {set_.source, "", "", "", ""},
+                       "cut off, with " + std::to_string(folds.vertices) + " drawn vertices"});
     }
 
     void warn_of_shifts() {

@@ -1,0 +1,204 @@
+#include "anatomesh/reconcile/flatten_folds.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <optional>
+
+#include "anatomesh/reconcile/slice_soundness.h"
+
+namespace anatomesh {
+
+namespace {
+
+// A stretch is narrow when its ends are nearer to each other than this share of its length, and it bounds
+// less than this share of its length's square (a circle: 0.08). What was nearly so when drawn is the
+// drawing's.
+constexpr double narrow_gap = 0.25, narrow_area = 0.045;
+constexpr double drawn_gap = 0.35, drawn_area = 0.06;
+constexpr double least_move_mm = 0.5;  // of a point of a contour: else nothing was folded
+
+struct RingPoint {
+    Vec3 at;
+    Vec2 here, drawn;  // in the slice's plane
+    bool stays = false;
+};
+using Ring = std::vector<RingPoint>;
+
+// Lengths and areas of the stretches of a ring, from sums along it, twice round.
+class Stretches {
+  public:
+    Stretches(const Ring& ring, bool drawn) : ring_(ring), drawn_(drawn) {
+        length_.assign(1, 0);
+        area_.assign(1, 0);
+        for (std::size_t k = 0; k + 1 < 2 * ring.size(); ++k) {
+            length_.push_back(length_.back() + anatomesh::length(at(k + 1) - at(k)));
+            area_.push_back(area_.back() + 0.5 * cross(at(k), at(k + 1)));
+        }
+    }
+    double length(std::size_t i, std::size_t j) const { return length_[j] - length_[i]; }
+    bool narrow(std::size_t i, std::size_t j, double gap, double share) const {
+        const double along = length(i, j);
+        if (anatomesh::length(at(j) - at(i)) > gap * along) return false;
+        const double area = std::abs(area_[j] - area_[i] + 0.5 * cross(at(j), at(i)));
+        return area <= share * along * along;
+    }
+
+  private:
+    Vec2 at(std::size_t k) const {
+        const RingPoint& point = ring_[k % ring_.size()];
+        return drawn_ ? point.drawn : point.here;
+    }
+    const Ring& ring_;
+    const bool drawn_;
+    std::vector<double> length_, area_;
+};
+
+struct Fold {
+    std::size_t first = 0,
+                last = 0;  // of the points that stay at its ends; last may be beyond the ring's end
+};
+
+std::optional<Fold> longest_fold(const Ring& ring, double longest) {
+    const Stretches now(ring, false), drawn(ring, true);
+    std::optional<Fold> found;
+    double length = 0;
+    const double most = std::min(longest, 0.5 * now.length(0, ring.size()));
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        for (std::size_t j = i + 2; j < i + ring.size() - 1 && now.length(i, j) <= most; ++j) {
+            if (ring[(j - 1) % ring.size()].stays) break;
+            if (now.length(i, j) <= length || !now.narrow(i, j, narrow_gap, narrow_area) ||
+                drawn.narrow(i, j, drawn_gap, drawn_area))
+                continue;
+            found = Fold{i, j};
+            length = now.length(i, j);
+        }
+    }
+    return found;
+}
+
+// Takes the points between the fold's ends out of the ring.
+void take_out(Ring& ring, const Fold& fold, FoldStats& stats) {
+    const Vec2 a = ring[fold.first].here, way = ring[fold.last % ring.size()].here - a;
+    const double squared = squared_length(way);
+    std::vector<bool> out(ring.size(), false);
+    for (std::size_t k = fold.first + 1; k < fold.last; ++k) {
+        const Vec2 from = ring[k % ring.size()].here - a;
+        const double t = squared > 0 ? std::clamp(dot(from, way) / squared, 0.0, 1.0) : 0;
+        stats.highest_mm = std::max(stats.highest_mm, length(from - t * way));
+        out[k % ring.size()] = true;
+        ++stats.vertices;
+    }
+    ++stats.folds;
+    Ring kept;
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+        if (!out[k]) kept.push_back(ring[k]);
+    }
+    ring = std::move(kept);
+}
+
+class Flattener {
+  public:
+    Flattener(ContourSet& set, std::vector<MovedPoint> moved, const FoldOptions& options)
+        : set_(set), moved_(std::move(moved)), options_(options) {
+        std::sort(moved_.begin(), moved_.end(),
+                  [](const MovedPoint& p, const MovedPoint& q) { return lexicographic_less(p.at, q.at); });
+        for (std::uint32_t c = 0; c < set.contours.size(); ++c) {
+            for (const Vec3& point : set.points_of(set.contours[c])) owners_.push_back({point, c});
+        }
+        std::sort(owners_.begin(), owners_.end(), [](const Owner& p, const Owner& q) {
+            return p.at != q.at ? lexicographic_less(p.at, q.at) : p.contour < q.contour;
+        });
+    }
+
+    FoldStats run() {
+        std::vector<std::vector<Vec3>> fresh(set_.contours.size());
+        for (const Slice& slice : set_.slices) flatten(slice, fresh);
+        std::vector<Vec3> points;
+        for (std::uint32_t c = 0; c < set_.contours.size(); ++c) {
+            set_.contours[c].first_point = static_cast<std::uint32_t>(points.size());
+            set_.contours[c].point_count = static_cast<std::uint32_t>(fresh[c].size());
+            points.insert(points.end(), fresh[c].begin(), fresh[c].end());
+        }
+        set_.points = std::move(points);
+        return stats_;
+    }
+
+  private:
+    struct Owner {
+        Vec3 at;
+        std::uint32_t contour;
+    };
+
+    bool is_shared(Vec3 point) const {
+        const auto range =
+            std::equal_range(owners_.begin(), owners_.end(), Owner{point, 0},
+                             [](const Owner& p, const Owner& q) { return lexicographic_less(p.at, q.at); });
+        return range.first->contour != (range.second - 1)->contour;
+    }
+
+    // A point that nobody drew counts as moved like the one before it.
+    Ring ring_of(const Contour& contour, const Plane& plane, double& furthest) const {
+        const auto points = set_.points_of(contour);
+        std::optional<Vec3> move;
+        Ring ring;
+        for (std::size_t k = 0; k < 2 * points.size(); ++k) {
+            const Vec3 point = points[k % points.size()];
+            const auto found =
+                std::lower_bound(moved_.begin(), moved_.end(), point,
+                                 [](const MovedPoint& p, Vec3 q) { return lexicographic_less(p.at, q); });
+            if (found != moved_.end() && found->at == point) move = point - found->drawn;
+            if (k < points.size())
+                continue;  // the first time round finds the move that the second begins with
+            furthest = std::max(furthest, length(move.value_or(Vec3{})));
+            ring.push_back({point, plane.to_plane(point), plane.to_plane(point - move.value_or(Vec3{})),
+                            is_shared(point)});
+        }
+        return ring;
+    }
+
+    // The slice's contours without their folds, or as they are.
+    void flatten(const Slice& slice, std::vector<std::vector<Vec3>>& fresh) {
+        FoldStats stats = stats_;
+        std::vector<PlaneRing> rings;
+        for (std::uint32_t c = slice.first_contour; c < slice.first_contour + slice.contour_count; ++c) {
+            double furthest = 0;
+            Ring ring = ring_of(set_.contours[c], slice.plane, furthest);
+            while (furthest >= least_move_mm && ring.size() > 4) {
+                const std::optional<Fold> fold = longest_fold(ring, options_.longest_mm);
+                if (!fold) break;
+                take_out(ring, *fold, stats);
+            }
+            PlaneRing flat{set_.contours[c].structure, {}};
+            for (const RingPoint& point : ring) {
+                flat.at.push_back(point.here);
+                fresh[c].push_back(point.at);
+            }
+            rings.push_back(std::move(flat));
+        }
+        if (stats.folds == stats_.folds) return;
+        if (slice_faults(rings, set_.exclusive).empty()) {
+            stats_ = stats;
+            return;
+        }
+        for (std::uint32_t c = slice.first_contour; c < slice.first_contour + slice.contour_count; ++c) {
+            const auto points = set_.points_of(set_.contours[c]);
+            fresh[c].assign(points.begin(), points.end());
+        }
+    }
+
+    ContourSet& set_;
+    std::vector<MovedPoint> moved_;  // sorted by their place
+    const FoldOptions& options_;
+    std::vector<Owner> owners_;  // of every point, sorted
+    FoldStats stats_;
+};
+
+}  // namespace
+
+FoldStats flatten_folds(ContourSet& set, std::vector<MovedPoint> moved, const FoldOptions& options) {
+    assert(options.longest_mm > 0);
+    return Flattener(set, std::move(moved), options).run();
+}
+
+}  // namespace anatomesh
