@@ -90,6 +90,10 @@ TEST(DicomSegmentation, L06_numbers_with_gaps_many_labels_and_label_0) {
     EXPECT_TRUE(renumbered.warned("W-SEG-006"));
     EXPECT_EQ(renumbered.layer().structures[1].number, 4);
 
+    SegFile twice = SegFile::stack(2);
+    twice.segments = {1, 1};
+    EXPECT_EQ(Read(twice.bytes()).code(), "E-SEG-002");
+
     // Every label there can be, in one object.
     SegFile many;
     many.type = "LABELMAP";
