@@ -85,3 +85,25 @@ def share_on_surface(model, triangles, vertices):
     """Share of `vertices` that are vertices of the surface, coordinate for coordinate."""
     surface = {tuple(p) for p in model.points[np.unique(triangles)].tolist()}
     return sum(tuple(v) in surface for v in vertices.tolist()) / len(vertices)
+
+
+def missing_segments(points, triangles, starts, ends):
+    """How many of the segments are not chains of edges of the surface."""
+    from scipy.spatial import cKDTree
+    edges = np.sort(np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1).astype(np.int64)
+    known = set((edges[:, 0] << 32 | edges[:, 1]).tolist())
+    used = np.unique(triangles)
+    tree = cKDTree(points[used])
+    missing = 0
+    for start, end in zip(starts, ends):
+        span = np.linalg.norm(end - start)
+        along = (end - start) / span
+        near = used[tree.query_ball_point((start + end) / 2, 0.5 * span * (1 + 1e-9))]
+        offset = points[near] - start
+        place = offset @ along
+        on = np.linalg.norm(offset - place[:, None] * along, axis=1) < 1e-6 * span
+        chain = near[on][np.argsort(place[on])].astype(np.int64)
+        low, high = np.minimum(chain[:-1], chain[1:]), np.maximum(chain[:-1], chain[1:])
+        whole = len(chain) > 1 and (points[chain[0]] == start).all() and (points[chain[-1]] == end).all()
+        missing += not whole or not all(edge in known for edge in (low << 32 | high).tolist())
+    return missing

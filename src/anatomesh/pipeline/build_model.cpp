@@ -26,6 +26,7 @@ namespace {
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
 constexpr double balance_reach = 0.25;        // no vertex moves further than this for the volume's sake, in sizes
 constexpr double surface_deviation = 0.06;    // of the middle of an interface facet from the interface, in sizes
+constexpr double widest_cut = 0.01;           // more of a drawn region's area amiss on its slice is warned of
 constexpr int max_attempts = 3;               // with a default size; each one finer
 constexpr double finer = 0.7;
 constexpr int crossing_rounds = 3;
@@ -34,7 +35,12 @@ constexpr int refinement_rounds = 12;
 constexpr int protected_rounds = 4;           // of these, the first keep out of the balls of contour segments
 constexpr int small_mesh_rounds = 60;         // tiny segments need a round for each doubling of the size,
 constexpr std::size_t small_mesh = 20000;     // in meshes of fewer points than this
+constexpr int last_rounds = 1;                // after the last segments
 constexpr int segment_rounds = 8;
+constexpr int side_rounds = 6;  // of points beside pieces of contour segments off their structure's surface
+constexpr int relabel_rounds = 4;  // after the first, with such points where a piece was given up
+constexpr std::size_t a_few = 8;
+constexpr std::size_t last_few = 300;  // shorter pieces are split where fewer than one in so many is missing
 constexpr double free_share =
     0.25;  // of a piece that is split: no other contour vertex is this near to its middle
 constexpr double shortest_piece = 0.3;       // of a contour segment that is still split, in sizes
@@ -180,14 +186,17 @@ class Builder {
         RefineOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.max_reach_mm = 3 * sample_->stats.size_mm;
+        const auto find_shapes = [&](std::vector<Vec3>& found) {
+            mesh_->look_again(shapes);
+            return find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), mesh_->sides(),
+                                          *field_, structures_, mesh_->grid(), sample_->guard, options,
+                                          shapes.cells, found, context_);
+        };
         for (int round = 0; round < (mesh_->points().size() < small_mesh ? small_mesh_rounds : refinement_rounds); ++round) {
             // Where contours meet at small angles, segments and shape cannot both have their way: shape has the last word.
             if (round == protected_rounds) options.protected_share = 0;
             std::vector<Vec3> found;
-            mesh_->look_again(shapes);
-            const RefineStats stats =
-                find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), mesh_->sides(), *field_, structures_,
-                                       mesh_->grid(), sample_->guard, options, shapes.cells, found, context_);
+            const RefineStats stats = find_shapes(found);
             if (round == 0) report().radius_edge_mean_before_refinement = stats.radius_edge_mean;
             circumcenters += static_cast<double>(stats.circumcenters);
             surface_points += static_cast<double>(stats.surface_points);
@@ -198,11 +207,24 @@ class Builder {
         // Edges that came to cross an interface since the first rounds would end as spikes.
         crossing.protected_share = 0.5;
         ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
-        ANATOMESH_CHECK_STATUS(recover_segments(0));
+        ANATOMESH_CHECK_STATUS(finish_segments());
+        // What that spoiled, out of the balls of the segments.
+        options.protected_share = 1;
+        for (int round = 0; round < (mesh_->points().size() < small_mesh ? small_mesh_rounds : last_rounds);
+             ++round) {
+            std::vector<Vec3> found;
+            const RefineStats stats = find_shapes(found);
+            if (found.empty()) break;
+            circumcenters += static_cast<double>(stats.circumcenters);
+            surface_points += static_cast<double>(stats.surface_points);
+            ANATOMESH_CHECK_STATUS(grow(found));
+            ANATOMESH_CHECK_STATUS(finish_segments());
+        }
         figures_ = {{"crossing_points", crossing_points},
                     {"deviation_points", deviation_points},
                     {"circumcenters", circumcenters},
                     {"surface_points", surface_points},
+                    {"side_points", static_cast<double>(side_points_)},
                     {"segment_points", static_cast<double>(segment_vertices_.size())}};
         return end_stage("refine", 0.6);
     }
@@ -227,13 +249,13 @@ class Builder {
     bool not_worth_a_round(std::size_t count, std::size_t share) const { return count * share < mesh_->points().size(); }
 
     // Inserts the points, and the middles of the pieces of contour segments with these diametral balls.
-    Status grow(std::vector<Vec3> found, const std::vector<std::uint32_t>& balls = {}) {
+    Status grow(std::vector<Vec3> found, const std::vector<std::uint32_t>& balls = {}, double scale = 1) {
         if (context_.cancelled()) return cancelled_error();
         std::vector<SegmentPiece> split;
         std::vector<SegmentPiece> kept;
         for (const SegmentPiece& piece : pieces_) {
             const bool wanted =
-                std::binary_search(balls.begin(), balls.end(), piece.ball) && may_split(piece);
+                std::binary_search(balls.begin(), balls.end(), piece.ball) && may_split(piece, scale);
             (wanted ? split : kept).push_back(piece);
         }
         std::stable_sort(split.begin(), split.end(), [](auto& x, auto& y) { return x.ball < y.ball; });
@@ -266,29 +288,70 @@ class Builder {
     }
 
     // Not where a contour runs close beside it, which would have to be split in its turn, and so on.
-    bool may_split(const SegmentPiece& piece) const {
+    bool may_split(const SegmentPiece& piece, double scale) const {
         const double span = piece_length(piece);
         const Vec3 middle = 0.5 * (mesh_->points()[piece.a] + mesh_->points()[piece.b]);
-        return span > shortest_piece_mm() && !sample_->guard.any_point_within(middle, free_share * span);
+        return span > scale * shortest_piece * sample_->stats.size_mm &&
+               !sample_->guard.any_point_within(middle, scale * free_share * span);
     }
-    double shortest_piece_mm() const { return shortest_piece * sample_->stats.size_mm; }
     double piece_length(const SegmentPiece& piece) const {
         return length(mesh_->points()[piece.b] - mesh_->points()[piece.a]);
     }
 
-    // Splits pieces of contour segments that are not edges, until all are, or, with a share above 0, fewer than one in so
-    // many is missing.
-    Status recover_segments(std::size_t share) {
+    // Splits pieces of contour segments that are not edges, until all are, or, with a share above 0, fewer
+    // than one in so many is missing. With a scale below 1 shorter pieces are split, and nearer to other
+    // contours: as long as fewer are missing from round to round, and not where many are, which lie too close
+    // beside each other.
+    Status recover_segments(std::size_t share, double scale = 1) {
+        std::size_t last = pieces_.size();
         for (int round = 0; round < segment_rounds; ++round) {
             std::vector<std::uint32_t> balls;
-            for (const std::uint32_t n : missing_pieces(mesh_->cells().cells, mesh_->points().size(), pieces_, context_.threads)) {
-                if (may_split(pieces_[n])) balls.push_back(pieces_[n].ball);
+            mesh_->look_again(segment_search_);
+            const std::vector<std::uint32_t> missing = missing_.find(
+                mesh_->cells(), mesh_->points().size(), pieces_, segment_search_.cells, context_.threads);
+            segment_search_.cells.clear();
+            for (const std::uint32_t n : missing) {
+                if (may_split(pieces_[n], scale)) balls.push_back(pieces_[n].ball);
             }
+            if (scale < 1 &&
+                ((balls.size() >= last && balls.size() > a_few) || balls.size() * last_few > pieces_.size()))
+                break;
+            last = balls.size();
             if (balls.empty() || (share > 0 && balls.size() * share < pieces_.size())) break;
             std::sort(balls.begin(), balls.end());
-            ANATOMESH_CHECK_STATUS(grow({}, balls));
+            ANATOMESH_CHECK_STATUS(grow({}, balls, scale));
         }
         return Nothing{};
+    }
+
+    // The last few: pieces that only shorter ones resolve, and pieces that are edges off their structure's
+    // surface.
+    Status finish_segments() {
+        for (const double scale : {1.0, 0.5, 0.25, 0.125}) {
+            ANATOMESH_CHECK_STATUS(recover_segments(0, scale));
+        }
+        for (int round = 0; round < side_rounds; ++round) {
+            ANATOMESH_TRY(const bool opened, open_sides());
+            if (!opened) break;
+        }
+        return Nothing{};
+    }
+
+    // Puts points beside the pieces that are edges off their structure's surface. Says whether there were
+    // any.
+    Result<bool> open_sides() {
+        const std::vector<PieceSides> sides =
+            piece_sides(mesh_->cells().cells, mesh_->regions(), mesh_->registry().table(),
+                        mesh_->points().size(), pieces_, context_.threads);
+        std::vector<Vec3> found;
+        find_side_points(mesh_->points(), pieces_, sides, *field_, mesh_->grid(), {}, found, context_);
+        if (found.empty()) return false;
+        side_points_ += found.size();
+        ANATOMESH_CHECK_STATUS(grow(found));
+        for (const double scale : {1.0, 0.25}) {
+            ANATOMESH_CHECK_STATUS(recover_segments(0, scale));
+        }
+        return true;
     }
 
     Status check_region_count() {
@@ -298,19 +361,34 @@ class Builder {
                      {}, "choose fewer structures with --structure"};
     }
 
-    Status cut_cells() {
-        TetMesh& mesh = model_.mesh;
-        mesh.points = mesh_->points();
+    ContourOwners contour_owners() const {
         std::vector<std::array<std::uint32_t, 3>> pieces;
         for (const SegmentPiece& piece : pieces_) pieces.push_back({piece.a, piece.b, piece.structure});
-        const ContourOwners owners(owner_pairs_, mesh.points.size(), pieces);
+        return {owner_pairs_, mesh_->points().size(), pieces};
+    }
+
+    RelabelStats relabel_cells(std::vector<std::uint32_t>& unsound) {
+        const VertexStars stars(mesh_->cells().cells, mesh_->points().size());
+        return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, stars,
+                       contour_owners(), mesh_->sides(), mesh_->regions(), mesh_->registry(), unsound);
+    }
+
+    Status cut_cells() {
         std::vector<std::uint32_t> unsound;
-        RelabelStats relabelled;
-        {
-            const VertexStars stars(mesh_->cells().cells, mesh.points.size());
-            relabelled = relabel(mesh.points, mesh_->cells().cells, mesh_->cells().neighbors, stars, owners,
-                                 mesh_->sides(), mesh_->regions(), mesh_->registry(), unsound);
+        RelabelStats relabelled = relabel_cells(unsound);
+        // What was given up for a manifold's sake gets room beside it.
+        for (int round = 0; round < relabel_rounds && relabelled.lost_pieces_after > 0; ++round) {
+            ANATOMESH_TRY(const bool opened, open_sides());
+            if (!opened) break;
+            const RelabelStats again = relabel_cells(unsound);
+            relabelled.cells_moved += again.cells_moved;
+            relabelled.flat_cells_peeled += again.flat_cells_peeled;
+            relabelled.unsound_after = again.unsound_after;
+            relabelled.lost_pieces_after = again.lost_pieces_after;
         }
+        TetMesh& mesh = model_.mesh;
+        mesh.points = mesh_->points();
+        const ContourOwners owners = contour_owners();
         mesh.cells = mesh_->cells().cells;
         mesh.regions = mesh_->regions();
         ANATOMESH_TRY(const SplitStats split, split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
@@ -454,6 +532,7 @@ class Builder {
         input.field_volumes_mm3 = volumes_mm3_;
         measure_model(input, context_, report());
         ANATOMESH_CHECK_STATUS(end_stage("certificate", 1.0));
+        warn_of_cuts();
         for (const Clause& clause : report().certificate) {
             if (clause.state != ClauseState::broken) continue;
             // Quality and volume are out of reach for this input; a wrong surface would be a fault of ours.
@@ -464,6 +543,30 @@ class Builder {
                          {}, "try another --size; nothing was written"};
         }
         return Nothing{};
+    }
+
+    // The contours hold, and yet the model may leave them between their vertices and segments.
+    void warn_of_cuts() {
+        const SliceCutReport* worst = nullptr;
+        std::size_t count = 0;
+        for (const SliceCutReport& cut : report().cuts) {
+            if (!(cut.difference_mm2 > widest_cut * cut.drawn_mm2)) continue;
+            ++count;
+            const bool worse =
+                !worst || cut.difference_mm2 * worst->drawn_mm2 > worst->difference_mm2 * cut.drawn_mm2;
+            if (worse) worst = &cut;
+        }
+        if (!worst) return;
+        Place place;
+        place.file = contours_.source;
+        place.slice = worst->slice;
+        place.structure = worst->structure;
+        place.value = brief(100 * worst->difference_mm2 / worst->drawn_mm2) + " % of the area";
+        context_.warn({"W-PIP-003",
+                       "on " + std::to_string(count) + (count == 1 ? " slice" : " slices") +
+                           " the model differs from the drawn region by more than " +
+                           brief(100 * widest_cut) + " % of its area; the worst is named",
+                       place, "kept; a smaller --size follows small or thin parts more closely"});
     }
 
     ModelReport& report() { return model_.report; }
@@ -517,6 +620,9 @@ class Builder {
     std::optional<LabelledMesh> mesh_;
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
     std::vector<SegmentPiece> pieces_;             // of contour segments, between vertices of mesh_
+    MissingPieces missing_;                        // of them
+    CellSearch segment_search_;                    // the cells that missing_ has not seen
+    std::size_t side_points_ = 0;                  // put beside pieces off their structure's surface
     std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling
     Model model_;
     std::vector<std::pair<std::string, double>> figures_;  // of the stage under way

@@ -2,46 +2,214 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <optional>
 
 #include "anatomesh/base/parallel.h"
 
 namespace anatomesh {
 
-std::vector<std::uint32_t> missing_pieces(const std::vector<Cell>& cells, std::size_t point_count,
-                                          const std::vector<SegmentPiece>& pieces, int threads) {
-    // For every vertex the other ends of the pieces at it, each pair at the lower vertex.
-    std::vector<std::uint32_t> start(point_count + 1, 0);
-    for (const SegmentPiece& piece : pieces) ++start[std::min(piece.a, piece.b) + 1];
-    for (std::size_t v = 0; v < point_count; ++v) start[v + 1] += start[v];
-    std::vector<std::uint32_t> next(start.begin(), start.end() - 1), slot(pieces.size());
-    std::vector<std::uint32_t> other(pieces.size());
-    for (std::size_t n = 0; n < pieces.size(); ++n) {
-        slot[n] = next[std::min(pieces[n].a, pieces[n].b)]++;
-        other[slot[n]] = std::max(pieces[n].a, pieces[n].b);
+namespace {
+
+// The pieces by their lower vertex.
+struct PieceTable {
+    std::vector<std::uint32_t> start, other,
+        slot;                          // slot: of each piece in `other`, the piece's higher vertex
+    std::vector<std::uint8_t> is_end;  // most cells have fewer than two vertices that are
+
+    PieceTable(std::size_t point_count, const std::vector<SegmentPiece>& pieces)
+        : start(point_count + 1, 0), other(pieces.size()), slot(pieces.size()), is_end(point_count, 0) {
+        for (const SegmentPiece& piece : pieces) ++start[std::min(piece.a, piece.b) + 1];
+        for (std::size_t v = 0; v < point_count; ++v) start[v + 1] += start[v];
+        std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
+        for (std::size_t n = 0; n < pieces.size(); ++n) {
+            slot[n] = next[std::min(pieces[n].a, pieces[n].b)]++;
+            other[slot[n]] = std::max(pieces[n].a, pieces[n].b);
+            is_end[pieces[n].a] = is_end[pieces[n].b] = 1;
+        }
     }
-    // Most cells have fewer than two vertices that are ends of pieces.
-    std::vector<std::uint8_t> is_end(point_count, 0);
-    for (const SegmentPiece& piece : pieces) is_end[piece.a] = is_end[piece.b] = 1;
-    const std::vector<std::uint32_t> found = parallel_collect<std::uint32_t>(
-        cells.size(), 32768, threads, [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& slots) {
-            for (std::size_t c = first; c < last; ++c) {
-                const Cell& cell = cells[c];
-                if (is_end[cell[0]] + is_end[cell[1]] + is_end[cell[2]] + is_end[cell[3]] < 2) continue;
-                for (const auto& [i, j] : cell_edges) {
-                    const std::uint32_t a = std::min(cell[i], cell[j]), b = std::max(cell[i], cell[j]);
-                    for (std::uint32_t s = start[a]; s < start[a + 1]; ++s) {
-                        if (other[s] == b) slots.push_back(s);
+
+    // Calls body(cell, slot) for every edge of a cell that is a piece, and collects what it appends.
+    template <class Body>
+    std::vector<std::uint32_t> collect(const std::vector<Cell>& cells, int threads, const Body& body) const {
+        return parallel_collect<std::uint32_t>(
+            cells.size(), 32768, threads,
+            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& out) {
+                for (std::size_t c = first; c < last; ++c) {
+                    const Cell& cell = cells[c];
+                    if (is_end[cell[0]] + is_end[cell[1]] + is_end[cell[2]] + is_end[cell[3]] < 2) continue;
+                    for (const auto& [i, j] : cell_edges) {
+                        const std::uint32_t a = std::min(cell[i], cell[j]), b = std::max(cell[i], cell[j]);
+                        for (std::uint32_t s = start[a]; s < start[a + 1]; ++s) {
+                            if (other[s] == b) body(c, s, out);
+                        }
                     }
                 }
+            });
+    }
+};
+
+// Two unit vectors across a direction and across each other.
+std::array<Vec3, 2> across(Vec3 direction) {
+    const Vec3 size{std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)};
+    const Vec3 other = size.x <= size.y && size.x <= size.z ? Vec3{1, 0, 0}
+                       : size.y <= size.z                   ? Vec3{0, 1, 0}
+                                                            : Vec3{0, 0, 1};
+    const Vec3 u = cross(direction, other), v = cross(direction, u);
+    return {(1 / length(u)) * u, (1 / length(v)) * v};
+}
+
+std::array<std::uint32_t, 2> ends(const SegmentPiece& piece) {
+    return {std::min(piece.a, piece.b), std::max(piece.a, piece.b)};
+}
+
+// Walks the star of a vertex, from one cell at it, in search of another vertex.
+class StarWalk {
+  public:
+    explicit StarWalk(const DelaunaySnapshot& mesh) : mesh_(mesh) {}
+
+    bool meets(std::uint32_t vertex, std::uint32_t first, std::uint32_t wanted) {
+        cells_.assign(1, first);
+        for (std::size_t n = 0; n < cells_.size(); ++n) {
+            const Cell& cell = mesh_.cells[cells_[n]];
+            if (std::find(cell.begin(), cell.end(), wanted) != cell.end()) return true;
+            for (std::size_t i = 0; i < 4; ++i) {
+                const std::uint32_t across = mesh_.neighbors[cells_[n]][i];
+                if (cell[i] == vertex || across == no_cell) continue;
+                if (std::find(cells_.begin(), cells_.end(), across) == cells_.end()) cells_.push_back(across);
             }
-        });
+        }
+        return false;
+    }
+
+  private:
+    const DelaunaySnapshot& mesh_;
+    std::vector<std::uint32_t> cells_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> missing_pieces(const std::vector<Cell>& cells, std::size_t point_count,
+                                          const std::vector<SegmentPiece>& pieces, int threads) {
+    const PieceTable table(point_count, pieces);
+    const std::vector<std::uint32_t> found = table.collect(
+        cells, threads,
+        [](std::size_t, std::uint32_t s, std::vector<std::uint32_t>& out) { out.push_back(s); });
     std::vector<std::uint8_t> present(pieces.size(), 0);
     for (const std::uint32_t s : found) present[s] = 1;
     std::vector<std::uint32_t> missing;
     for (std::uint32_t n = 0; n < pieces.size(); ++n) {
-        if (!present[slot[n]]) missing.push_back(n);
+        if (!present[table.slot[n]]) missing.push_back(n);
     }
     return missing;
+}
+
+std::vector<std::uint32_t> MissingPieces::find(const DelaunaySnapshot& mesh, std::size_t point_count,
+                                               const std::vector<SegmentPiece>& pieces,
+                                               const std::vector<std::uint32_t>& look, int threads) {
+    std::vector<std::uint32_t> missing;
+    if (4 * look.size() > mesh.cells.size() || !find_changed(mesh, point_count, pieces, look, missing)) {
+        missing = missing_pieces(mesh.cells, point_count, pieces, threads);
+    }
+    missing_.clear();
+    for (const std::uint32_t n : missing) missing_.push_back(ends(pieces[n]));
+    std::sort(missing_.begin(), missing_.end());
+    for (const SegmentPiece& piece : pieces) balls_ = std::max(balls_, piece.ball + 1);
+    return missing;
+}
+
+bool MissingPieces::find_changed(const DelaunaySnapshot& mesh, std::size_t point_count,
+                                 const std::vector<SegmentPiece>& pieces,
+                                 const std::vector<std::uint32_t>& look,
+                                 std::vector<std::uint32_t>& missing) const {
+    std::vector<std::uint32_t> new_cell(point_count, no_cell);
+    for (const std::uint32_t c : look) {
+        for (const std::uint32_t v : mesh.cells[c]) new_cell[v] = c;
+    }
+    StarWalk walk(mesh);
+    for (std::uint32_t n = 0; n < pieces.size(); ++n) {
+        const SegmentPiece& piece = pieces[n];
+        const bool at_a = new_cell[piece.a] != no_cell, at_b = new_cell[piece.b] != no_cell,
+                   is_new = piece.ball >= balls_;
+        bool is_missing = false;
+        if ((at_a && at_b) || (is_new && (at_a || at_b))) {
+            // An edge that came or went had both ends in a cell that came.
+            is_missing = at_a ? !walk.meets(piece.a, new_cell[piece.a], piece.b)
+                              : !walk.meets(piece.b, new_cell[piece.b], piece.a);
+        } else if (is_new) {
+            missing.clear();
+            return false;  // between two vertices that were there before
+        } else {
+            is_missing = std::binary_search(missing_.begin(), missing_.end(), ends(piece));
+        }
+        if (is_missing) missing.push_back(n);
+    }
+    return true;
+}
+
+std::vector<PieceSides> piece_sides(const std::vector<Cell>& cells, const std::vector<Region>& regions,
+                                    const RegionTable& region_table, std::size_t point_count,
+                                    const std::vector<SegmentPiece>& pieces, int threads) {
+    assert(pieces.size() < 0x80000000u);
+    const PieceTable table(point_count, pieces);
+    std::vector<std::uint32_t> structure(pieces.size());
+    for (std::size_t n = 0; n < pieces.size(); ++n) structure[table.slot[n]] = pieces[n].structure;
+    const std::vector<std::uint32_t> found =
+        table.collect(cells, threads, [&](std::size_t c, std::uint32_t s, std::vector<std::uint32_t>& out) {
+            out.push_back(2 * s + region_table.contains(regions[c], structure[s]));
+        });
+    std::vector<PieceSides> by_slot(pieces.size(), PieceSides{0, 0}), sides(pieces.size());
+    for (const std::uint32_t entry : found) {
+        PieceSides& here = by_slot[entry / 2];
+        if (entry % 2) {
+            here.inside = 1;
+        } else {
+            here.outside = 1;
+        }
+    }
+    for (std::size_t n = 0; n < pieces.size(); ++n) sides[n] = by_slot[table.slot[n]];
+    return sides;
+}
+
+void find_side_points(const std::vector<Vec3>& points, const std::vector<SegmentPiece>& pieces,
+                      const std::vector<PieceSides>& sides, const StructureField& field,
+                      const PointGrid& all_points, const SidePointOptions& options, std::vector<Vec3>& found,
+                      RunContext& context) {
+    assert(sides.size() == pieces.size());
+    std::vector<std::uint32_t> covered;
+    for (std::uint32_t n = 0; n < pieces.size(); ++n) {
+        if (sides[n].inside != sides[n].outside) covered.push_back(n);
+    }
+    std::vector<std::optional<Vec3>> chosen(covered.size());
+    parallel_for(covered.size(), 16, context.threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t k = first; k < last; ++k) {
+            const SegmentPiece& piece = pieces[covered[k]];
+            const double wanted = sides[covered[k]].inside ? 1 : -1;
+            const Vec3 a = points[piece.a], b = points[piece.b], middle = 0.5 * (a + b);
+            const double span = length(b - a);
+            const auto [u, v] = across(b - a);
+            double best = 0;
+            // Outside the piece's diametral ball it keeps the piece an edge.
+            for (const double reach : {0.52, 0.36, 0.2}) {
+                for (int d = 0; d < options.directions; ++d) {
+                    const double angle = 2 * std::numbers::pi * d / options.directions;
+                    const Vec3 p =
+                        middle + (reach * span * std::cos(angle)) * u + (reach * span * std::sin(angle)) * v;
+                    const double clearance = wanted * field.value(piece.structure, p);
+                    if (clearance <= best || all_points.any_within(p, options.min_spacing * span)) continue;
+                    best = clearance;
+                    chosen[k] = p;
+                }
+                if (chosen[k]) break;
+            }
+        }
+    });
+    // Two structures' pieces along one line may want the same point.
+    for (const std::optional<Vec3>& p : chosen) {
+        if (p && std::find(found.begin(), found.end(), *p) == found.end()) found.push_back(*p);
+    }
 }
 
 }  // namespace anatomesh
