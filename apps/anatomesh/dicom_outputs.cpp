@@ -1,5 +1,7 @@
 #include "dicom_outputs.h"
 
+#include <tuple>
+
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh_io/dicom/voxelize.h"
 #include "anatomesh_io/dicom/write_objects.h"
@@ -12,6 +14,7 @@ namespace anatomesh {
 std::vector<std::string> DicomOutputs::paths() const {
     std::vector<std::string> all;
     if (!surface.empty()) all.push_back(surface);
+    if (!obj.empty()) all.push_back(obj);
     if (!segmentation.empty()) all.push_back(segmentation);
     return all;
 }
@@ -19,6 +22,8 @@ std::vector<std::string> DicomOutputs::paths() const {
 void add_dicom_output_options(CLI::App& verb, DicomOutputs& outputs) {
     add_text(verb, "--dicom-surface", outputs.surface, "FILE",
              "Also write the surface as a DICOM object (Encapsulated STL) of the input's study: .dcm");
+    add_text(verb, "--dicom-obj", outputs.obj, "FILE",
+             "The same as Encapsulated OBJ: text, in double precision, .dcm");
     add_text(verb, "--dicom-segmentation", outputs.segmentation, "FILE",
              "Also write the model as a DICOM segmentation on the grid of the input's images: .dcm");
 }
@@ -39,14 +44,17 @@ Status add_dicom_outputs(const Model& model, const DicomSource& source, const Di
                      "a model whose axes are not known cannot become DICOM",
                      {outputs.paths()[0], "", "", "", ""},
                      "give --frame LPS or --frame RAS"};
-    if (!outputs.surface.empty()) {
-        SurfaceFile surface;
+    SurfaceFile surface;
+    if (!outputs.surface.empty() || !outputs.obj.empty()) {
         surface.surface = extract_interfaces(model.mesh);
         surface.description.structures = model.structures;
         surface.description.regions = model.regions;
-        ANATOMESH_TRY(const std::string stl, format_surface("surface.stl", surface, context));
-        ANATOMESH_CHECK_STATUS(files.add(
-            outputs.surface, format_encapsulated(SurfaceObject::stl, stl, "model surface", source)));
+    }
+    for (const auto& [path, kind, name] : {std::tuple{&outputs.surface, SurfaceObject::stl, "surface.stl"},
+                                           {&outputs.obj, SurfaceObject::obj, "surface.obj"}}) {
+        if (path->empty()) continue;
+        ANATOMESH_TRY(const std::string bytes, format_surface(name, surface, context));
+        ANATOMESH_CHECK_STATUS(files.add(*path, format_encapsulated(kind, bytes, "model surface", source)));
     }
     if (!outputs.segmentation.empty()) {
         VoxelModel voxels;

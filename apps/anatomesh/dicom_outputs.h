@@ -1,4 +1,4 @@
-// What the verb model writes besides as DICOM: its surface (Encapsulated STL) and its voxels (SEG).
+// What the verb model writes besides as DICOM: its surface (Encapsulated STL, OBJ) and its voxels (SEG).
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,12 +12,12 @@
 namespace anatomesh {
 
 struct DicomOutputs {
-    std::string surface, segmentation;  // paths; empty: not written
+    std::string surface, obj, segmentation;  // paths; empty: not written
 
     std::vector<std::string> paths() const;
 };
 
-// --dicom-surface, --dicom-segmentation.
+// --dicom-surface, --dicom-obj, --dicom-segmentation.
 void add_dicom_output_options(CLI::App& verb, DicomOutputs& outputs);
 
 // The names end in .dcm. Error: usage E-CMD-004.
