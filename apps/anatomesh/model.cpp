@@ -432,6 +432,15 @@ Status check_separate(const ModelVerbOptions& options) {
                  "leave out --separate, or choose a structure with --structure"};
 }
 
+Status check_slice_thickness(const ModelVerbOptions& options, const ContourSet& kept) {
+    if (options.slice_thickness_mm == 0 || kept.slices.size() < 2) return Nothing{};
+    return Error{ErrorKind::usage,
+                 "E-CMD-008",
+                 fmt::format("--slice-thickness does not apply: there are {} slices", kept.slices.size()),
+                 {options.input.input, "", "", "", ""},
+                 "leave out --slice-thickness"};
+}
+
 Status run_model(ModelVerbOptions options, Session& session) {
     options.input.limits = session.limits;
     ModelVerbOptions whole = options;
@@ -458,6 +467,7 @@ Status run_model(ModelVerbOptions options, Session& session) {
     ANATOMESH_TRY(InputContours contours, contours_of(std::move(opened), options.input, context));
     StageReport tracing{"contours", watch.lap(), contours.kept.points.size(), 0, {}};
 
+    ANATOMESH_CHECK_STATUS(check_slice_thickness(options, contours.kept));
     ANATOMESH_TRY(const CrossingReport crossing, reconcile_step(contours.kept, options.reconcile, context));
     ANATOMESH_CHECK_STATUS(give_to_first(contours, options, context));
     const std::vector<StageReport> stages{

@@ -48,6 +48,11 @@ bool is_image(FileKind kind) {
            kind == FileKind::invesalius || kind == FileKind::dicom || kind == FileKind::dicom_segmentation;
 }
 
+bool is_dicom(FileKind kind) {
+    return kind == FileKind::dicom || kind == FileKind::dicom_segmentation ||
+           kind == FileKind::dicom_rtstruct;
+}
+
 bool is_contour_file(FileKind kind) {
     return kind == FileKind::contour_json || kind == FileKind::csl || kind == FileKind::vtk_polydata ||
            kind == FileKind::dicom_rtstruct || kind == FileKind::guide_points;
@@ -100,6 +105,27 @@ ReadImageOptions image_options(const InputOptions& options) {
     return reading;
 }
 
+// Options of DICOM objects and tracked sequences, for files of other kinds.
+Status check_special_options(const InputOptions& options, FileKind kind) {
+    const std::string why = fmt::format("the input is of the kind {}", name_of(kind));
+    const std::pair<const char*, bool> of_dicom[] = {
+        {"--series", !options.series.empty()},
+        {"--allow-gaps", options.allow_gaps},
+        {"--ignore-frame-of-reference", options.ignore_frame_of_reference},
+        {"--ignore-patient", options.ignore_patient},
+        {"--match-by-geometry", options.match_by_geometry},
+        {"--allow-outside", options.allow_outside},
+        {"--ultrasound-region", options.ultrasound_region.has_value()},
+        {"--keep-patient-ids", options.keep_patient_ids}};
+    for (const auto& [option, given] : of_dicom) {
+        if (given && !is_dicom(kind)) return does_not_apply(option, options.input, why);
+    }
+    if (kind == FileKind::metaimage || kind == FileKind::nrrd) return Nothing{};
+    if (!options.image_to_probe.empty()) return does_not_apply("--image-to-probe", options.input, why);
+    if (!options.pose_to.empty()) return does_not_apply("--pose-to", options.input, why);
+    return Nothing{};
+}
+
 // Options that this kind of file has no use for at all.
 Status check_reading_options(const InputOptions& options, FileKind kind) {
     const bool image = is_image(kind);
@@ -112,6 +138,7 @@ Status check_reading_options(const InputOptions& options, FileKind kind) {
     }
     if (!image && options.volume && kind != FileKind::guide_points)
         return does_not_apply("--volume", options.input, why);
+    ANATOMESH_CHECK_STATUS(check_special_options(options, kind));
     if (image && !options.cleaning_given.empty()) {
         return does_not_apply(options.cleaning_given.front(), options.input,
                               "the input is an image, whose contours are traced and not drawn");
@@ -139,6 +166,11 @@ void warn_of_unused_options(const InputOptions& options, bool is_tracked, RunCon
 
 Result<OpenedInput> open_image(const InputOptions& options, FileKind kind, RunContext& context) {
     ANATOMESH_TRY(LoadedImage image, read_image(options.input, image_options(options), context));
+    if (image.poses.empty()) {
+        const std::string why = "the image is no tracked sequence";
+        if (!options.image_to_probe.empty()) return does_not_apply("--image-to-probe", options.input, why);
+        if (!options.pose_to.empty()) return does_not_apply("--pose-to", options.input, why);
+    }
     OpenedInput opened;
     opened.kind = kind;
     for (const InputHash& hash : image.inputs) {
@@ -426,7 +458,10 @@ Result<OpenedInput> open_input(const InputOptions& options, RunContext& context)
         "in VTK polydata";
     std::error_code error;
     if (fs::is_directory(options.input, error)) {
-        if (!has_contour_file(options.input)) return open_dicom(options, context);
+        if (!has_contour_file(options.input)) {
+            ANATOMESH_CHECK_STATUS(check_special_options(options, FileKind::dicom));
+            return open_dicom(options, context);
+        }
         ANATOMESH_CHECK_STATUS(check_reading_options(options, FileKind::vtk_polydata));
         return open_contours(options, FileKind::vtk_polydata, true, context);
     }

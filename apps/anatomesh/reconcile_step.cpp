@@ -19,10 +19,21 @@ void add_reconcile_options(CLI::App& verb, ReconcileStepOptions& options) {
                "Whether contours of slices that cross are made to agree (1, default) or kept as drawn (0)");
     verb.add_flag("--align", options.stage.align,
                   "First shift every slice in its plane so that it agrees best with those that it crosses");
+    for (const char* name : {"--max-disagreement", "--reconcile", "--align"}) {
+        verb.get_option(name)->each([&options, name](const std::string&) { options.given.push_back(name); });
+    }
 }
 
 Result<CrossingReport> reconcile_step(ContourSet& kept, const ReconcileStepOptions& options,
                                       RunContext& context) {
+    if (!options.given.empty() && all_parallel(kept, 0.01)) {
+        const std::string& option = options.given.front();
+        return Error{ErrorKind::usage,
+                     "E-CMD-008",
+                     option + " does not apply: the slices are parallel, so that none cross",
+                     {kept.source, "", "", "", ""},
+                     "leave out " + option};
+    }
     ReconcileOptions stage = options.stage;
     stage.reconcile = options.reconcile == "1";
     ANATOMESH_TRY(ReconcileResult result, reconcile_contours(std::move(kept), stage, context));

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 #include "anatomesh/measure/report.h"
 #include "anatomesh/reconcile/reconcile.h"
@@ -11,14 +12,15 @@ namespace anatomesh {
 
 struct ReconcileStepOptions {
     ReconcileOptions stage;
-    std::string reconcile = "1";  // "0": only measure
+    std::string reconcile = "1";     // "0": only measure
+    std::vector<std::string> given;  // the options among these that were given
 };
 
 // --max-disagreement, --reconcile, --align.
 void add_reconcile_options(CLI::App& verb, ReconcileStepOptions& options);
 
 // Reconciles `kept` in place. The report of its crossing slices; without any it is empty and `kept` as it
-// was.
+// was. Error: usage E-CMD-008 an option was given and the slices are parallel, so that none cross.
 Result<CrossingReport> reconcile_step(ContourSet& kept, const ReconcileStepOptions& options,
                                       RunContext& context);
 

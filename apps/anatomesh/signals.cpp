@@ -31,7 +31,7 @@ ProcessState prepare_process() {
             if (::open("/dev/null", descriptor == 0 ? O_RDONLY : O_WRONLY) < 0) break;
         }
     }
-    std::signal(SIGPIPE, SIG_IGN);
+    for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_IGN);
     struct sigaction action {};
     action.sa_handler = on_signal;
     sigemptyset(&action.sa_mask);

@@ -11,8 +11,8 @@ struct ProcessState {
 };
 
 // Opens /dev/null for standard streams that are closed, so that no output file can take their place; ignores
-// SIGPIPE; makes SIGINT, SIGTERM and SIGHUP set the flag that is returned. A second signal ends the process
-// at once with 130. Call once, first.
+// SIGPIPE and SIGXFSZ, so that such a write fails by itself; makes SIGINT, SIGTERM and SIGHUP set the flag
+// that is returned. A second signal ends the process at once with 130. Call once, first.
 ProcessState prepare_process();
 
 // Processors this process may run on (its affinity mask), at least 1.

@@ -122,6 +122,19 @@ class WrongCommands(harness.TestCase):
         for words in (["--threshold", "5"], ["--keep-largest", "1"], ["--min-area", "3"]):
             self.assert_refused(["model", "ball.json", "-o", "a.vtu", *words], 2, "E-CMD-008", words[0])
 
+    def test_P03_options_of_dicom_tracking_and_other_slices_for_parallel_contours(self):
+        matrix = "1,0,0,0,0,1,0,0,0,0,1,0"
+        for words in (["--series", "x"], ["--allow-gaps"], ["--ignore-patient"], ["--ignore-frame-of-reference"],
+                      ["--match-by-geometry"], ["--allow-outside"], ["--ultrasound-region", "1"],
+                      ["--keep-patient-ids"], ["--image-to-probe", matrix], ["--pose-to", "Tracker"],
+                      ["--slice-thickness", "7"], ["--align"], ["--reconcile", "0"], ["--max-disagreement", "5"]):
+            self.assert_refused(["model", "ball.json", "-o", "a.vtu", *words], 2, "E-CMD-008", words[0])
+        self.image("plain.nrrd", [0] * 21 + [1] * 22 + [0] * 21,
+                   "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspace: LPS\nspace directions: (1,0,0) (0,1,0) "
+                   "(0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n\n")
+        for words in (["--pose-to", "Tracker"], ["--image-to-probe", matrix], ["--series", "x"]):
+            self.assert_refused(["contours", "plain.nrrd", "-o", "a.json", *words], 2, "E-CMD-008", words[0])
+
     def image(self, name, values, header):
         self.write(name, header.encode() + bytes(values))
 
@@ -439,6 +452,13 @@ class Outputs(harness.TestCase):
         """An input that would take long is not even opened when an output cannot be written."""
         os.mkfifo(self.folder / "input.json")
         self.run_program("model", "input.json", "-o", "none/a.vtu", expect=6, timeout=10)
+
+    def test_F01_a_limit_on_files_is_an_error_and_no_signal(self):
+        for script in ('ulimit -f 0; exec "$@"', 'ulimit -f 0; exec "$@" 2>err.txt'):
+            done = subprocess.run(["bash", "-c", script, "bash", harness.PROGRAM, "contours", "ball.json", "-o", "b.json"],
+                                  cwd=self.folder, capture_output=True, text=True)
+            self.assertEqual(done.returncode, 6, script)
+            self.assertFalse((self.folder / "b.json").exists())
 
     def test_F01_disk_full_leaves_the_old_file(self):
         self.run_program("contours", "ball.json", "-o", "out.json")

@@ -24,6 +24,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double coordinate_bound_mm = 1e7;
+constexpr double least_span_mm = 1;   // of all contours: below it the unit is most likely not the millimetre
 constexpr double no_width_mm = 1e-6;  // a contour nowhere wider than this has no area
 
 // Shortest text that reads back as the same number, with a decimal point.
@@ -82,6 +83,7 @@ class Cleaner {
         ANATOMESH_CHECK_STATUS(check_coordinates());
         ANATOMESH_CHECK_STATUS(gather());
         drop_repeats();
+        fit_tolerances();
         group();
         ANATOMESH_CHECK_STATUS(resolve_slices());
         return finish();
@@ -256,6 +258,24 @@ class Cleaner {
         candidates_ = std::move(kept);
     }
 
+    // Tolerances in mm would swallow contours in metres.
+    void fit_tolerances() {
+        Box3 box;
+        for (const Candidate& candidate : candidates_) {
+            for (const Vec3& p : candidate.points) box.extend(p);
+        }
+        if (candidates_.empty() || box.diagonal() >= least_span_mm) return;
+        const double scale = box.diagonal() / least_span_mm;
+        for (double* tolerance : {&options_.plane_tolerance_mm, &options_.group_tolerance_mm,
+                                  &options_.corridor_mm, &options_.separation_mm, &options_.weld_mm})
+            *tolerance *= scale;
+        context_.warn({"W-CON-023",
+                       "all contours together span less than 1 mm: is the file in metres or centimetres?",
+                       {raw_.source, "", "", "", brief(box.diagonal()) + " mm"},
+                       "taken as millimetres; if they are not, write the file in mm (1000 or 10 times the "
+                       "numbers)"});
+    }
+
     void group() {
         std::vector<ContourToPlace> contours;
         for (const Candidate& candidate : candidates_) {
@@ -395,8 +415,7 @@ class Cleaner {
         } else if (options_.unite_repeated_planes) {
             done += "nearly equal contours are dropped, contradicting ones united";
         } else {
-            done +=
-                "nearly equal contours are dropped, contradicting ones refused, one inside another is a hole";
+            done += "nearly equal contours are dropped, contradicting ones refused";
         }
         context_.warn({"W-CON-010",
                        given.size() < 2 ? "contours of one slice lie on planes that differ"
@@ -543,7 +562,7 @@ class Cleaner {
     }
 
     const RawContours& raw_;
-    const CleanOptions& options_;
+    CleanOptions options_;
     RunContext& context_;
     std::vector<std::uint32_t> by_number_, rank_;  // structures in the order of their numbers, and back
     std::vector<Candidate> candidates_;

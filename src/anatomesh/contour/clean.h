@@ -21,7 +21,8 @@ struct CleanOptions {
     double plane_tolerance_mm = 0.05;
     // Points up to this far off are projected, with a warning; beyond: refused. [plane_tolerance_mm, 10]
     double plane_repair_mm = 1.0;
-    // Contours whose planes differ by less at their own extent share a slice. [0, 1]
+    // Contours whose planes differ by less at their own extent may share a slice: see plane_grouping.h. [0,
+    // 1]
     double group_tolerance_mm = 0.01;
     // An open contour with at most this gap is closed with a warning. [0, 100]
     double closing_gap_mm = 2.0;
@@ -31,7 +32,8 @@ struct CleanOptions {
     double corridor_mm = 0.05;
     // Rings that share a vertex are moved apart there by at most this. (0, 1]
     double separation_mm = 0.05;
-    // Vertices of different structures nearer than this become one: a wall that two structures share. [0, 0.01]; 0: not.
+    // Vertices of different structures nearer than this become one: a wall that two structures share. [0,
+    // 0.01]; 0: not.
     double weld_mm = 1e-4;
     HoleRule holes = HoleRule::even_odd;
     // Contours that contradict each other on a plane given twice: unite them instead of refusing.
@@ -69,7 +71,9 @@ struct CleanResult {
 // crosses itself is read by the even-odd rule. Where two rings have to share a vertex the larger keeps it,
 // and the other's copy moves into the smaller one's own polygon by at most separation_mm: a shared vertex
 // would make every surface non-manifold. Every repair is counted and warned about, with its displacement and
-// area; above its bound it is an error. Errors: E-CON-001..009, warnings: W-CON-001..022. Complexity: O(n log
+// area; above its bound it is an error. Contours that span less than 1 mm in all are most likely in another
+// unit: there the tolerances (plane, group, corridor, separation, weld) shrink with the span, so that nothing
+// is lost. Errors: E-CON-001..009, warnings: W-CON-001..023. Complexity: O(n log
 // n) per slice in its points, plus the crossings found.
 Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context);
 

@@ -457,18 +457,90 @@ TEST(Clean, C23_plane_given_twice) {
     const Cleaned run = clean(contradiction, united);
     EXPECT_KEPT(run);
     EXPECT_EQ(run.count("W-CON-019"), 1u);
-    const Cleaned hole = clean(twice(circle(0, 0, 10, 50, 10), circle(0, 0, 5, 49, 10.001)));
+    // One inside the other: a hole, or two drawings of one outline.
+    const File nested = twice(circle(0, 0, 10, 50, 10), circle(0, 0, 5, 49, 10.001));
+    const Cleaned question = clean(nested);
+    ASSERT_EQ(question.code(), "E-CON-007");
+    EXPECT_EQ(question.result.error().place.contour, "1");
+    EXPECT_NE(question.result.error().message.find("of plane 1 lies inside contour 0 of plane 0"),
+              std::string::npos);
+    const Cleaned whole = clean(nested, united);
+    EXPECT_KEPT(whole);
+    ASSERT_EQ(whole.kept().contours.size(), 1u);
+    EXPECT_EQ(whole.kept().contours[0].point_count, 50u);
+    EXPECT_EQ(whole.count("W-CON-022"), 1u);
+    // Drawn on one plane, it is a hole like any other.
+    const Cleaned hole = clean(File().add(circle(0, 0, 10, 50, 10)).add(circle(0, 0, 5, 49, 10)));
     EXPECT_KEPT(hole);
     EXPECT_EQ(hole.kept().contours.size(), 2u);
-    ASSERT_EQ(hole.count("W-CON-022"), 1u);
-    const Warning& read_as_hole = hole.warning("W-CON-022");
-    EXPECT_EQ(read_as_hole.place.contour, "1");
-    EXPECT_NE(read_as_hole.message.find("of plane 1 lies inside contour 0 of plane 0"), std::string::npos)
-        << read_as_hole.message;
-    EXPECT_EQ(read_as_hole.what_was_done, "read as a hole; --holes filled takes holes as inside");
-    // Drawn on one plane, it is a hole like any other.
-    EXPECT_EQ(clean(File().add(circle(0, 0, 10, 50, 10)).add(circle(0, 0, 5, 49, 10))).count("W-CON-022"),
-              0u);
+}
+
+TEST(Clean, C23_the_union_of_rings_drawn_twice_keeps_what_is_a_hole_in_both) {
+    // Radii on the first and second plane, and those that bound the union.
+    const struct {
+        std::vector<double> first, second, expected;
+    } cases[] = {{{14, 5}, {10}, {14}},
+                 {{14}, {10, 5}, {14}},
+                 {{14, 5}, {10, 4}, {14, 4}},
+                 {{14, 8}, {6}, {14, 8, 6}},
+                 {{14, 4}, {13.9, 9}, {14, 4}},
+                 {{14, 10}, {7, 5}, {14, 10, 7, 5}},
+                 {{14, 10, 3}, {12, 6}, {14, 6, 3}}};
+    CleanOptions united;
+    united.unite_repeated_planes = true;
+    for (const auto& each : cases) {
+        File file;
+        file.raw.planes = {make_plane({0, 0, 10}, {0, 0, 1}), make_plane({0, 0, 10}, {0, 0, 1})};
+        for (const double radius : each.first)
+            file.add(circle(0, 0, radius, 60, 10), 0, ContourKind::closed_planar, 0);
+        for (const double radius : each.second)
+            file.add(circle(0, 0, radius, 60, 10), 0, ContourKind::closed_planar, 1);
+        const Cleaned run = clean(file, united);
+        EXPECT_KEPT(run);
+        std::vector<double> radii;
+        for (const Contour& contour : run.kept().contours) {
+            const Vec3 p = run.kept().points_of(contour)[0];
+            radii.push_back(std::round(10 * std::hypot(p.x, p.y)) / 10);
+        }
+        std::sort(radii.rbegin(), radii.rend());
+        EXPECT_EQ(radii, each.expected);
+    }
+}
+
+TEST(Clean, G30_a_stack_of_fine_slices_keeps_them_all) {
+    for (const double spacing : {0.0099, 0.008, 0.004, 0.0001}) {
+        for (const double radius : {10 * spacing, 100 * spacing}) {
+            File file;
+            for (int k = 0; k < 8; ++k)
+                file.add(circle(0, 0, radius + 0.5 * spacing * k, 24, 5 + spacing * k));
+            const Cleaned run = clean(file);
+            EXPECT_KEPT(run);
+            EXPECT_EQ(run.kept().slices.size(), 8u) << spacing;
+            EXPECT_EQ(run.count("W-CON-010"), 0u);
+        }
+    }
+}
+
+TEST(Clean, RS30_contours_in_metres_are_kept_whole_and_told_of) {
+    File millimetres, metres;
+    // A tilted stack, with one slice given twice.
+    for (const double height : {0.0, 3.0, 6.0, 6.001, 9.0, 12.0}) {
+        Points points = circle(0, 0, 20 + (height == 6.001 ? 0.0 : 0.1 * height), 40, 0);
+        if (height == 6.001) points = circle(0, 0, 20.6, 39, 0);
+        for (Vec3& p : points) p = {p.x, 0.8 * p.y - 0.6 * height, 0.6 * p.y + 0.8 * height};
+        millimetres.add(points);
+        for (Vec3& p : points) p = 0.001 * p;
+        metres.add(points);
+    }
+    const Cleaned right = clean(millimetres), small = clean(metres);
+    EXPECT_KEPT(right);
+    EXPECT_KEPT(small);
+    EXPECT_EQ(right.count("W-CON-023"), 0u);
+    EXPECT_EQ(small.count("W-CON-023"), 1u);
+    ASSERT_EQ(small.kept().slices.size(), right.kept().slices.size());
+    EXPECT_EQ(small.kept().slices.size(), 5u);
+    for (std::size_t s = 0; s < 5; ++s)
+        EXPECT_LT(length(cross(small.kept().slices[s].plane.normal, Vec3{0, -0.6, 0.8})), 1e-6);
 }
 
 TEST(Clean, C23_the_warning_of_planes_made_one_names_them_and_what_became_of_contours) {

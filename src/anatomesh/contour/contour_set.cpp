@@ -5,14 +5,21 @@
 
 namespace anatomesh {
 
+namespace {
+
+constexpr double most_sine = 0.01;  // between normals of slices of one stack, however small it is
+
+}  // namespace
+
 bool all_parallel(const ContourSet& set, double tolerance_mm) {
     if (set.slices.empty()) return true;
     // Turning a plane by an angle about the middle of the set moves its outermost point by at most the sine
     // of the angle times half the diagonal.
     const double reach = set.box().diagonal() / 2;
+    const double bound = std::min(tolerance_mm, most_sine * reach);
     const Vec3 normal = set.slices.front().plane.normal;
     return std::all_of(set.slices.begin(), set.slices.end(), [&](const Slice& slice) {
-        return length(cross(normal, slice.plane.normal)) * reach <= tolerance_mm;
+        return length(cross(normal, slice.plane.normal)) * reach <= bound;
     });
 }
 

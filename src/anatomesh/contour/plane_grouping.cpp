@@ -305,6 +305,24 @@ double declared_offset(const ContourToPlace& contour, const Plane& plane, Vec3 n
     return dot(center - plane.signed_distance(center) * plane.normal, normal);
 }
 
+// How near each other planes of one orientation, in order, are one plane given twice. `extent` is that of all
+// contours.
+double same_plane_mm(std::span<const Positioned> stack, double extent, double bound) {
+    constexpr double share_of_gap = 0.02, share_of_extent = 1e-3, rounding_share = 1e-5;
+    const double rounding = rounding_share * extent;
+    double largest_gap = 0;
+    std::size_t planes = 1;
+    for (std::size_t i = 1; i < stack.size(); ++i) {
+        const double gap = stack[i].offset - stack[i - 1].offset;
+        if (gap <= rounding) continue;
+        ++planes;
+        largest_gap = std::max(largest_gap, gap);
+    }
+    // One gap says nothing of what is usual in the stack.
+    if (planes <= 2) return std::min(bound, share_of_extent * extent);
+    return std::min(bound, std::max(rounding, share_of_gap * largest_gap));
+}
+
 // The offset that half the points of a run of contours reach.
 double common_offset(std::span<const Positioned> run) {
     std::size_t all = 0, seen = 0;
@@ -348,7 +366,9 @@ PlaneGroups group_planes(std::span<const ContourToPlace> contours, std::span<con
 
     std::vector<Positioned> positioned;
     std::vector<double> buffer;
+    Box3 box;
     for (std::size_t c = 0; c < contours.size(); ++c) {
+        for (const Vec3& p : contours[c].points) box.extend(p);
         const std::int32_t o = orientation_of[c];
         const Vec3 normal = orientations[o].normal;
         const double offset = contours[c].plane >= 0
@@ -362,16 +382,21 @@ PlaneGroups group_planes(std::span<const ContourToPlace> contours, std::span<con
 
     PlaneGroups groups;
     groups.slice_of.resize(contours.size());
-    for (std::size_t begin = 0, end = 0; begin < positioned.size(); begin = end) {
-        while (end < positioned.size() && positioned[end].orientation == positioned[begin].orientation &&
-               positioned[end].offset - positioned[begin].offset <= options.group_tolerance_mm) {
-            groups.slice_of[positioned[end].contour] = static_cast<std::uint32_t>(groups.slices.size());
-            ++end;
+    for (std::size_t first = 0, last = 0; first < positioned.size(); first = last) {
+        while (last < positioned.size() && positioned[last].orientation == positioned[first].orientation)
+            ++last;
+        const std::span<const Positioned> stack(positioned.data() + first, last - first);
+        const double same = same_plane_mm(stack, box.diagonal(), options.group_tolerance_mm);
+        const Vec3 normal = orientations[order[stack.front().orientation]].normal;
+        for (std::size_t begin = 0, end = 0; begin < stack.size(); begin = end) {
+            while (end < stack.size() && stack[end].offset - stack[begin].offset <= same) {
+                groups.slice_of[stack[end].contour] = static_cast<std::uint32_t>(groups.slices.size());
+                ++end;
+            }
+            const std::span<const Positioned> run = stack.subspan(begin, end - begin);
+            groups.slices.push_back(plane_at(common_offset(run), normal));
+            groups.spread_mm.push_back(run.back().offset - run.front().offset);
         }
-        const std::span<const Positioned> run(positioned.data() + begin, end - begin);
-        const Vec3 normal = orientations[order[positioned[begin].orientation]].normal;
-        groups.slices.push_back(plane_at(common_offset(run), normal));
-        groups.spread_mm.push_back(run.back().offset - run.front().offset);
     }
     return groups;
 }

@@ -49,16 +49,17 @@ class Resolver {
         }
         // Repeats on coincident planes are taken away one by one; everything else is settled in one go.
         std::optional<Combined> combined;
-        for (bool again = true; again;) {
+        for (bool again = true, first = true; again; first = false) {
             combined = combine_rings(rings_, plane_, rule(), options_.max_repair_area_share, most_crossings);
             if (!combined) {
                 return Error{ErrorKind::limit, "E-CON-008", "the contours cross too often to be repaired",
                              place_of_(rings_.front().source), "repair the contours"};
             }
+            if (first && unite_nested_planes(*combined)) continue;
             ANATOMESH_TRY(again, drop_plane_repeat(*combined));
         }
         ANATOMESH_CHECK_STATUS(read_fates(*combined));
-        note_nesting_across_planes(*combined);
+        ANATOMESH_CHECK_STATUS(check_nesting_across_planes(*combined));
         rings_ = std::move(combined->rings);
         ANATOMESH_CHECK_STATUS(separate());
         return finish(RingEdges(rings_));
@@ -103,6 +104,44 @@ class Resolver {
             append(readings_[ring.source].rule, "dropped: no area");
             return true;
         });
+    }
+
+    // With unite_repeated_planes: takes away every contour that bounds the region of its own plane where that
+    // of another plane goes on, so that what is left by nesting bounds the union. Whether there was one.
+    bool unite_nested_planes(const Combined& combined) {
+        if (!options_.unite_repeated_planes || rule() != CombineRule::nest_and_unite) return false;
+        std::vector<char> covered(rings_.size(), 0);
+        for (std::uint32_t r = 0; r < rings_.size(); ++r) {
+            const double area = combined.fates[r].area_mm2;
+            std::map<std::int32_t, bool> inside;  // per plane, just outside of r
+            inside[rings_[r].plane] = false;
+            for (std::uint32_t q = 0; q < rings_.size(); ++q) {
+                if (q == r || combined.fates[q].area_mm2 <= area) continue;
+                const double common = combined.common_area(std::min(q, r), std::max(q, r));
+                if (area - common <= no_share * area) inside[rings_[q].plane] ^= true;
+            }
+            covered[r] = std::any_of(inside.begin(), inside.end(), [&](const auto& plane) {
+                return plane.second && plane.first != rings_[r].plane;
+            });
+        }
+        if (std::none_of(covered.begin(), covered.end(), [](char c) { return c != 0; })) return false;
+        std::vector<Ring> rest;
+        for (std::uint32_t r = 0; r < rings_.size(); ++r) {
+            if (!covered[r]) {
+                rest.push_back(std::move(rings_[r]));
+                continue;
+            }
+            RingReading& reading = readings_[rings_[r].source];
+            append(reading.rule, "united with the other drawing of its plane, which covers it");
+            reading.points_kept = 0;
+            reading.repaired = true;
+            note(rings_[r].source, "W-CON-022",
+                 "a plane is given twice: this contour of plane " + std::to_string(rings_[r].plane) +
+                     " lies inside what is drawn on the other",
+                 brief(combined.fates[r].area_mm2) + " mm2", "united: adds nothing");
+        }
+        rings_ = std::move(rest);
+        return true;
     }
 
     // A contour on the twin of a plane given twice: nearly the same as one there already is dropped (returns
@@ -174,24 +213,31 @@ class Resolver {
     }
 
     // A plane given twice, a contour on one of them inside a contour on the other: two drawings of one
-    // outline as like as a hole.
-    void note_nesting_across_planes(const Combined& combined) {
-        if (exclusive_or_) return;
+    // outline as like as a hole, which only the user can tell.
+    Status check_nesting_across_planes(const Combined& combined) {
+        if (exclusive_or_ || options_.unite_repeated_planes) return Nothing{};
         for (std::uint32_t r = 0; r < rings_.size(); ++r) {
             const RingFate& fate = combined.fates[r];
             if (fate.parent < 0) continue;
             const auto parent = static_cast<std::uint32_t>(fate.parent);
             if (rings_[r].plane < 0 || rings_[parent].plane < 0 || rings_[r].plane == rings_[parent].plane)
                 continue;
-            note(rings_[r].source, "W-CON-022",
-                 "a plane is given twice: this contour of plane " + std::to_string(rings_[r].plane) +
-                     " lies inside contour " + place_of_(rings_[parent].source).contour + " of plane " +
-                     std::to_string(rings_[parent].plane),
-                 brief(fate.area_mm2) + " mm2",
-                 fate.level % 2 == 1 ? "read as a hole; --holes filled takes holes as inside"
-                 : fate.level > 0    ? "read as an island in a hole"
-                                     : "adds nothing, holes are filled");
+            const std::string message = "a plane is given twice: this contour of plane " +
+                                        std::to_string(rings_[r].plane) + " lies inside contour " +
+                                        place_of_(rings_[parent].source).contour + " of plane " +
+                                        std::to_string(rings_[parent].plane);
+            const std::string value = brief(fate.area_mm2) + " mm2";
+            if (fate.level % 2 == 1) {
+                Place place = place_of_(rings_[r].source);
+                place.value = value;
+                return Error{ErrorKind::geometry, "E-CON-007", message, std::move(place),
+                             "unite the two with --unite-repeated-planes or remove one of the planes; if it "
+                             "is a hole, put both contours on one plane"};
+            }
+            note(rings_[r].source, "W-CON-022", message, value,
+                 fate.level > 0 ? "read as an island in a hole" : "adds nothing, holes are filled");
         }
+        return Nothing{};
     }
 
     // What a contour did by itself.
