@@ -27,6 +27,7 @@
 #include "dicom_outputs.h"
 #include "element_options.h"
 #include "estimate.h"
+#include "field_options.h"
 #include "input_options.h"
 #include "mesh_input.h"
 #include "option_values.h"
@@ -60,10 +61,8 @@ struct DumpOption {
 struct ModelVerbOptions {
     InputOptions input;
     double size_mm = 0;
-    double max_gap_spacings = FieldOptions{}.max_gap_spacings;
-    double slice_thickness_mm = 0;  // 0: not stated
+    FieldRuleOptions rules;
     ReconcileStepOptions reconcile;
-    std::string caps = "half";
     std::vector<std::string> priority;
     bool separate = false, uncertainty = false;
     std::string output, report, html, contours;
@@ -160,7 +159,7 @@ void complete_report(ModelReport& report, const InputContours& contours, const M
     report.inputs.insert(report.inputs.begin(), contours.files.begin(), contours.files.end());
     report.contour_log = contours.log;
     report.hole_rule = contours.hole_rule;
-    report.end_caps = options.caps;
+    report.end_caps = options.rules.caps;
     report.space = contours.kept.frame == Frame::unknown ? "unknown" : "LPS";
     report.traced_points = contours.traced_points;
     report.islands_left_out = contours.islands_left_out;
@@ -169,7 +168,7 @@ void complete_report(ModelReport& report, const InputContours& contours, const M
     std::string size;
     append_number(size, report.size_mm);
     report.options.emplace_back("size_mm", size);
-    report.options.emplace_back("caps", options.caps);
+    report.options.emplace_back("caps", options.rules.caps);
     if (!report.crossing.pairs.empty()) {
         std::string bound;
         append_number(bound, options.reconcile.stage.max_disagreement_mm);
@@ -181,11 +180,11 @@ void complete_report(ModelReport& report, const InputContours& contours, const M
     if (options.separate) report.options.emplace_back("separate", "yes");
     if (options.uncertainty) report.options.emplace_back("uncertainty", "yes");
     std::string gap;
-    append_number(gap, options.max_gap_spacings);
+    append_number(gap, options.rules.max_gap_spacings);
     report.options.emplace_back("max_gap_spacings", gap);
-    if (options.slice_thickness_mm > 0) {
+    if (options.rules.slice_thickness_mm > 0) {
         std::string thickness;
-        append_number(thickness, options.slice_thickness_mm);
+        append_number(thickness, options.rules.slice_thickness_mm);
         report.options.emplace_back("slice_thickness_mm", thickness);
     }
     report.warnings = session.context.warnings;
@@ -201,21 +200,11 @@ Status add_surfaces(const ModelFile& file, const std::vector<std::string>& paths
     return Nothing{};
 }
 
-FieldOptions field_options(const ModelVerbOptions& options) {
-    FieldOptions field;
-    field.caps = options.caps == "flat"      ? EndCaps::flat
-                 : options.caps == "rounded" ? EndCaps::rounded
-                                             : EndCaps::half;
-    field.max_gap_spacings = options.max_gap_spacings;
-    field.single_slice_mm = options.slice_thickness_mm;
-    return field;
-}
-
 // How sure the surface is, at every point of the mesh.
 Result<std::vector<PointArray>> uncertainty_arrays(const Model& model, const ContourSet& kept,
                                                    const ModelVerbOptions& options, RunContext& context) {
     LeftOutOptions leaving;
-    leaving.field = field_options(options);
+    leaving.field = options.rules.field();
     ANATOMESH_TRY(const LeftOut errors, leave_slices_out(kept, leaving, context));
     SurfaceUncertainty found = surface_uncertainty(kept, errors, model.mesh, model.regions, context);
     return std::vector<PointArray>{{"uncertainty", std::move(found.expected)},
@@ -343,6 +332,12 @@ Status give_to_first(InputContours& contours, const ModelVerbOptions& options, R
         contours.options.emplace_back("priority", name);
     }
     ANATOMESH_TRY(PriorityResult result, give_overlaps(contours.kept, order, context));
+    if (std::all_of(result.given.begin(), result.given.end(),
+                    [](const auto& given) { return given.slices == 0; }))
+        context.warn({"W-CMD-007",
+                      "--priority was given, and no structures overlap on any slice",
+                      {options.input.input, "", "", "", ""},
+                      "no contour was changed; between the slices the structures exclude each other"});
     for (std::size_t s = 0; s < result.given.size(); ++s) {
         if (result.given[s].slices == 0) continue;
         context.warn(
@@ -368,7 +363,7 @@ Status make_model(const ContourSet& kept, const InputContours& contours, const C
             if (options.dumps[i].stage == stage) dumps[i] = dump_file(mesh, stage);
         }
     };
-    const FieldOptions field = field_options(options);
+    const FieldOptions field = options.rules.field();
     ModelOptions building;
     building.size_mm = options.size_mm;
     building.caps = field.caps;
@@ -406,10 +401,13 @@ Status make_separate_models(const InputContours& contours, const CrossingReport&
     std::vector<Warning> said = warnings;
     const std::size_t count = contours.kept.structures.size();
     const double share = 0.85 / static_cast<double>(count);
+    for (const Structure& structure : contours.kept.structures) {
+        const ModelVerbOptions part = options_of_one(options, structure.number);
+        ANATOMESH_CHECK_STATUS(check_outputs(names_of(contours.files), outputs_of(part)));
+    }
     for (std::uint32_t s = 0; s < count; ++s) {
         begin("model", 0.15 + share * s, 0.15 + share * (s + 1));
         const ModelVerbOptions part = options_of_one(options, contours.kept.structures[s].number);
-        ANATOMESH_CHECK_STATUS(check_outputs(names_of(contours.files), outputs_of(part)));
         warnings.erase(warnings.begin() + of_all, warnings.end());
         Status made = make_model(structure_alone(contours.kept, s), contours, crossing, stages, part, files,
                                  answers, session);
@@ -499,15 +497,7 @@ Work declare_model(CLI::App& verb) {
     add_cleaning_options(verb, options->input);
     add_number(verb, "--size", options->size_mm, 0.01, 1000, "MM",
                "Target edge length, 0.01 to 1000 (default: found from the data)");
-    add_choice(verb, "--caps", options->caps, {"half", "flat", "rounded"},
-               "Where a structure ends beyond its last contour: half a slice further (default), at it, or "
-               "half a slice "
-               "further with a rounded rim");
-    add_number(
-        verb, "--max-gap", options->max_gap_spacings, 1, 1e6, "SPACINGS",
-        "Join contours of a structure over a gap of up to so many slice spacings, 1 to 1000000 (default 2)");
-    add_number(verb, "--slice-thickness", options->slice_thickness_mm, 0.001, 1000, "MM",
-               "How thick a slice is when there is only one, 0.001 to 1000");
+    add_field_rule_options(verb, options->rules);
     add_reconcile_options(verb, options->reconcile);
     add_element_options(verb, options->element);
     add_texts(verb, "--priority", options->priority, "NAME",

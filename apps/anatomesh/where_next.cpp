@@ -12,6 +12,7 @@
 #include "anatomesh/uncertainty/left_out.h"
 #include "anatomesh/uncertainty/surface_uncertainty.h"
 #include "answer.h"
+#include "field_options.h"
 #include "input_options.h"
 #include "option_values.h"
 #include "read_input.h"
@@ -25,6 +26,7 @@ namespace {
 struct WhereNextVerbOptions {
     InputOptions input;
     ReconcileStepOptions reconcile;
+    FieldRuleOptions rules;
     double size_mm = 0;
     WhereNextOptions choosing;
 };
@@ -90,11 +92,16 @@ Status run_where_next(WhereNextVerbOptions options, Session& session) {
     ANATOMESH_TRY(OpenedInput opened, open_input(options.input, context));
     ANATOMESH_TRY(InputContours contours, contours_of(std::move(opened), options.input, context));
     ANATOMESH_CHECK_STATUS(reconcile_step(contours.kept, options.reconcile, context));
+    LeftOutOptions leaving;
+    leaving.field = options.rules.field();
     ModelOptions building;
+    building.caps = leaving.field.caps;
+    building.max_gap_spacings = leaving.field.max_gap_spacings;
+    building.single_slice_mm = leaving.field.single_slice_mm;
     building.size_mm = options.size_mm;
     building.max_tetrahedra = session.limits.tetrahedra;
     ANATOMESH_TRY(const Model model, build_model(contours.kept, building, context));
-    ANATOMESH_TRY(const LeftOut errors, leave_slices_out(contours.kept, {}, context));
+    ANATOMESH_TRY(const LeftOut errors, leave_slices_out(contours.kept, leaving, context));
     const SurfaceUncertainty uncertainty =
         surface_uncertainty(contours.kept, errors, model.mesh, model.regions, context);
     const WhereNext next =
@@ -116,6 +123,7 @@ Work declare_where_next(CLI::App& verb) {
     add_selection_options(verb, options->input);
     add_cleaning_options(verb, options->input);
     add_reconcile_options(verb, options->reconcile);
+    add_field_rule_options(verb, options->rules);
     add_number(verb, "--size", options->size_mm, 0.01, 1000, "MM",
                "Edge length of the model that is looked at, 0.01 to 1000 (default: found from the data)");
     add_count(verb, "--count", options->choosing.count, 1, 1000,

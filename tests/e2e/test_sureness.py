@@ -1,4 +1,5 @@
 """Overlaps and how sure a surface is: --priority, --separate, --caps rounded, --uncertainty, where-next."""
+import json
 import math
 import unittest
 
@@ -45,6 +46,14 @@ class Overlaps(harness.TestCase):
         self.assertAlmostEqual(model.volume(1) / (3 * (whole - common)), 1, delta=0.03)
         self.assertEqual(set(np.unique(model.structure)), {1, 2})
 
+    def test_priority_where_nothing_overlaps_is_told(self):
+        shape = shapes.Shape({1: "left", 2: "right"}, 3)
+        for z in range(0, 12, 3):
+            shape.add_slice(float(z), [(n, shapes.circle(4, 24, (x, 0.0))) for n, x in ((1, -5), (2, 5))])
+        self.write("apart.json", shape.document())
+        result = self.run_program("model", "apart.json", "-o", "apart.vtu", "--priority", "right")
+        self.assertIn("W-CMD-007", result.err)
+
     def test_a_structure_that_there_is_not_is_refused(self):
         self.write("two.json", two_cylinders().document())
         result = self.run_program("model", "two.json", "-o", "two.vtu", "--priority", "middle", expect=2)
@@ -54,12 +63,18 @@ class Overlaps(harness.TestCase):
         shape = two_cylinders()
         self.write("two.json", shape.document())
         answer = self.run_program("model", "two.json", "-o", "two.vtu", "--surface", "two.stl", "--separate",
-                                  "--json").json()
+                                  "--contours", "kept.vtp", "--html", "page.html", "--dump", "cut=cut.vtu",
+                                  "--uncertainty", "--json").json()
         self.assertEqual(len(answer["models"]), 2)
         whole, _ = areas(shape)
         for number in (1, 2):
             self.assertTrue((self.folder / f"two-{number}.stl").exists())
-            self.assertTrue((self.folder / f"two-{number}.report.json").exists())
+            for name in (f"kept-{number}.vtp", f"page-{number}.html", f"cut-{number}.vtu"):
+                self.assertTrue((self.folder / name).exists(), name)
+            report = json.loads((self.folder / f"two-{number}.report.json").read_text())
+            self.assertEqual([s["number"] for s in report["structures"]], [number])
+            self.assertEqual([c["clause"] for c in report["certificate"]], [1, 2, 3, 4, 5, 6])
+            self.assertNotIn("broken", {c["state"] for c in report["certificate"]})
             model = judge.Model(self.folder / f"two-{number}.vtu")
             self.assertAlmostEqual(model.volume(number) / (3 * whole), 1, delta=0.02)
         self.assertFalse((self.folder / "two.vtu").exists())
@@ -108,6 +123,16 @@ class Sureness(harness.TestCase):
         self.run_program("convert", "two.vtu", "-o", "again.vtu")
         self.assertEqual((self.folder / "again.vtu").read_bytes(), (self.folder / "two.vtu").read_bytes())
         self.assertIn("W-MDL-008", self.run_program("convert", "two.vtu", "-o", "two.msh").err)
+
+    def test_where_next_goes_by_the_rules_of_the_model(self):
+        # A gap of three spacings: where it is not joined, its middle has no surface that a contour could hold.
+        shape = shapes.Shape({1: "tube"}, 3)
+        for z in (0, 3, 6, 9, 18, 21, 24, 27):
+            shape.add_slice(float(z), [(1, shapes.circle(8, 48, (0.0, 0.0)))])
+        self.write("gap.json", shape.document())
+        errors = [self.run_program("where-next", "gap.json", "--count", "1", "--json", *more).json()["expected_error_mm3"]
+                  for more in ((), ("--max-gap", "4"))]
+        self.assertNotEqual(*errors)
 
     def test_where_next_names_the_missing_slice(self):
         self.write("gap.json", two_cylinders(missing=15).document())

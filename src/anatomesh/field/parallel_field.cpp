@@ -138,6 +138,14 @@ class Track {
         return std::max(flat_[part].low - z, z - flat_[part].high);
     }
 
+    void add_flat_ends(std::vector<double>& heights) const {
+        for (const StructureLevels::Extent& part : flat_) {
+            for (const double height : {part.low, part.high}) {
+                if (std::isfinite(height)) heights.push_back(height);
+            }
+        }
+    }
+
     std::size_t pair_count() const { return levels_.empty() ? 0 : levels_.size() - 1; }
 
     // How the structure moves between levels i and i + 1; both must be drawn, else nothing happens.
@@ -201,6 +209,12 @@ class ParallelField final : public FieldQueries<ParallelField> {
     }
 
     double slice_spacing() const override { return spacing_; }
+    FlatEnds flat_ends() const override {
+        FlatEnds ends{frame_, {}};
+        for (const Track& track : tracks_) track.add_flat_ends(ends.heights);
+        std::sort(ends.heights.begin(), ends.heights.end());
+        return ends;
+    }
     Box3 box() const override { return box_; }
 
     RawValue raw(std::uint32_t structure, Vec3 p, double reach) const {

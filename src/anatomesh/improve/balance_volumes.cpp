@@ -34,6 +34,7 @@ Signs signs_between(const RegionTable& table, Region inner, Region outer) {
 struct Facet {
     Triangle triangle;
     std::uint32_t interface;  // index into the interfaces
+    bool flat = false;        // in the plane of a flat end
 };
 
 struct Interface {
@@ -77,7 +78,8 @@ class PlaneFit {
 class Balancer {
   public:
     Balancer(TetMesh& mesh, const RegionTable& regions, const std::vector<std::uint8_t>& fixed,
-             std::span<const double> targets, double max_radius_edge, const BalanceOptions& options, int threads)
+             std::span<const double> targets, double max_radius_edge, const BalanceOptions& options,
+             int threads)
         : mesh_(mesh),
           regions_(regions),
           targets_(targets),
@@ -85,16 +87,21 @@ class Balancer {
           mover_(mesh, max_radius_edge, std::sin(options.min_dihedral_degrees * std::numbers::pi / 180)),
           moved_(mesh.points.size()) {
         collect(fixed, threads);
+        find_ends();
+        put_onto_ends(max_radius_edge);
     }
 
     BalanceStats run() {
         BalanceStats stats;
         std::vector<double> missing = missing_volumes();
         stats.worst_before = worst(missing);
-        for (int round = 0; round < options_.rounds && worst(missing) > options_.tolerance; ++round) {
-            find_offsets(missing);
-            stats.moves += move_all();
-            missing = missing_volumes();
+        move_rounds(missing, stats);
+        if (worst(missing) > options_.max_difference && has_ends()) {
+            stats.ends_held = false;
+            end_of_.assign(end_of_.size(), no_end);
+            beside_end_ = end_of_;
+            for (Facet& facet : facets_) facet.flat = false;
+            move_rounds(missing, stats);
         }
         stats.worst_after = worst(missing);
         for (const Vec3& m : moved_) stats.largest_offset_mm = std::max(stats.largest_offset_mm, length(m));
@@ -102,16 +109,107 @@ class Balancer {
     }
 
   private:
+    static constexpr std::uint32_t no_end = 0xFFFFFFFFu;
+
+    void move_rounds(std::vector<double>& missing, BalanceStats& stats) {
+        for (int round = 0; round < options_.rounds && worst(missing) > options_.tolerance; ++round) {
+            find_offsets(missing);
+            stats.moves += move_all();
+            missing = missing_volumes();
+        }
+    }
+
+    bool has_ends() const {
+        return std::any_of(end_of_.begin(), end_of_.end(), [](std::uint32_t end) { return end != no_end; });
+    }
+
+    // The end in whose plane a point lies, or no_end.
+    std::uint32_t end_near(Vec3 p) const {
+        const std::vector<double>& heights = options_.ends.heights;
+        if (heights.empty()) return no_end;
+        const double height = options_.ends.frame.signed_distance(p);
+        const auto above = std::lower_bound(heights.begin(), heights.end(), height);
+        const auto near =
+            above == heights.begin() || (above != heights.end() && *above - height < height - *(above - 1))
+                ? above
+                : above - 1;
+        if (std::abs(*near - height) > options_.end_tolerance_mm) return no_end;
+        return static_cast<std::uint32_t>(near - heights.begin());
+    }
+
+    // The facets that lie in an end, and their vertices.
+    void find_ends() {
+        end_of_.assign(mesh_.points.size(), no_end);
+        beside_end_ = end_of_;
+        if (options_.ends.heights.empty()) return;
+        std::vector<std::uint32_t> near(mesh_.points.size(), no_end);
+        for (std::size_t v = 0; v < mesh_.points.size(); ++v) {
+            if (start_[v + 1] > start_[v]) near[v] = end_near(mesh_.points[v]);
+        }
+        const auto in_end = [&](const Triangle& t) {
+            return near[t[0]] != no_end && near[t[0]] == near[t[1]] && near[t[0]] == near[t[2]];
+        };
+        for (Facet& facet : facets_) {
+            facet.flat = in_end(facet.triangle);
+            if (!facet.flat) continue;
+            for (const std::uint32_t v : facet.triangle) end_of_[v] = near[v];
+        }
+        // What is beside an end is on it too, or stays on the inner side of its plane.
+        std::vector<double> outward(mesh_.points.size(), 0);
+        for (const Facet& facet : facets_) {
+            if (!facet.flat) continue;
+            const double up = dot(third_of_area(facet), options_.ends.frame.normal);
+            for (const std::uint32_t v : facet.triangle) outward[v] = up > 0 ? 1 : -1;
+        }
+        beside_end_ = end_of_;
+        outward_ = outward;
+        for (const Facet& facet : facets_) {
+            for (const std::uint32_t v : facet.triangle) {
+                for (const std::uint32_t w : facet.triangle) {
+                    if (beside_end_[w] != no_end) continue;
+                    beside_end_[w] = end_of_[v];
+                    outward_[w] = outward[v];
+                }
+            }
+        }
+        for (std::size_t v = 0; v < near.size(); ++v) {
+            if (beside_end_[v] == near[v]) end_of_[v] = near[v];
+        }
+    }
+
+    // p moved into the plane of the vertex's end, if it is on one, or if it is beside one and sticks out of
+    // it.
+    Vec3 onto_end(std::uint32_t v, Vec3 p) const {
+        if (beside_end_[v] == no_end) return p;
+        const Plane& frame = options_.ends.frame;
+        const double end = options_.ends.heights[beside_end_[v]], height = frame.signed_distance(p) - end;
+        const double beyond = outward_[v] * height;
+        const bool sticks_out = beyond > 0 && beyond < 5 * options_.end_tolerance_mm;
+        return end_of_[v] != no_end || sticks_out ? p - height * frame.normal : p;
+    }
+
+    // Rather a slightly smaller angle than a step in the end.
+    void put_onto_ends(double max_radius_edge) {
+        if (!has_ends()) return;
+        VertexMover smaller_angle(mesh_, max_radius_edge, std::sin(5 * std::numbers::pi / 180));
+        for (const std::uint32_t v : free_) {
+            const Vec3 to = onto_end(v, mesh_.points[v]);
+            if (to != mesh_.points[v] && !mover_.try_move(v, to)) smaller_angle.try_move(v, to);
+        }
+    }
+
     // Facets between regions, by vertex; the vertices of such facets that are not fixed are free.
     void collect(const std::vector<std::uint8_t>& fixed, int threads) {
         std::map<std::pair<Region, Region>, std::uint32_t> numbers;
         for (const auto& [c, i, other] : region_facets(mesh_, threads)) {
-            const Region inner = mesh_.regions[c], outer = other == no_cell ? Region{0} : mesh_.regions[other];
+            const Region inner = mesh_.regions[c],
+                         outer = other == no_cell ? Region{0} : mesh_.regions[other];
             const auto [place, added] =
                 numbers.try_emplace({inner, outer}, static_cast<std::uint32_t>(interfaces_.size()));
             if (added) interfaces_.push_back({signs_between(regions_, inner, outer), 0, 0});
             const auto& f = facet_vertices[i];
-            all_.push_back({{mesh_.cells[c][f[0]], mesh_.cells[c][f[1]], mesh_.cells[c][f[2]]}, place->second});
+            all_.push_back(
+                {{mesh_.cells[c][f[0]], mesh_.cells[c][f[1]], mesh_.cells[c][f[2]]}, place->second});
         }
         start_.assign(mesh_.points.size() + 1, 0);
         for (const Facet& facet : all_) {
@@ -140,7 +238,8 @@ class Balancer {
         const Vec3 apex = all_.empty() ? Vec3{} : mesh_.points[all_.front().triangle[0]];
         for (const Facet& facet : all_) {
             const auto& [a, b, c] = facet.triangle;
-            enclosed[facet.interface] += signed_volume(mesh_.points[a], mesh_.points[c], mesh_.points[b], apex);
+            enclosed[facet.interface] +=
+                signed_volume(mesh_.points[a], mesh_.points[c], mesh_.points[b], apex);
         }
         std::vector<double> missing(targets_.begin(), targets_.end());
         for (std::size_t i = 0; i < interfaces_.size(); ++i) {
@@ -163,7 +262,8 @@ class Balancer {
         for (Interface& interface : interfaces_) interface.free_area = 0;
         for (const std::uint32_t v : free_) {
             for (std::uint32_t n = start_[v]; n < start_[v + 1]; ++n) {
-                interfaces_[facets_[n].interface].free_area += length(third_of_area(facets_[n]));
+                if (!facets_[n].flat)
+                    interfaces_[facets_[n].interface].free_area += length(third_of_area(facets_[n]));
             }
         }
         const auto multiply = [&](const std::vector<double>& x) {
@@ -220,14 +320,15 @@ class Balancer {
             for (std::uint32_t n = start_[v]; n < start_[v + 1]; ++n) {
                 const Vec3 vector = third_of_area(facets_[n]);
                 const double area = length(vector);
-                if (area > 0) fit.add((1.0 / area) * vector, area, interfaces_[facets_[n].interface].offset);
+                const double offset = facets_[n].flat ? 0 : interfaces_[facets_[n].interface].offset;
+                if (area > 0) fit.add((1.0 / area) * vector, area, offset);
             }
             Vec3 total = moved_[v] + fit.solve();
             const double offset = length(total);
             if (offset > options_.max_offset_mm) total = (options_.max_offset_mm / offset) * total;
-            const Vec3 step = total - moved_[v];
-            if (squared_length(step) == 0 || !mover_.try_move(v, mesh_.points[v] + step)) continue;
-            moved_[v] = total;
+            const Vec3 from = mesh_.points[v], to = onto_end(v, from + (total - moved_[v]));
+            if (to == from || !mover_.try_move(v, to)) continue;
+            moved_[v] = moved_[v] + (to - from);
             ++moves;
         }
         return moves;
@@ -242,6 +343,9 @@ class Balancer {
     std::vector<Facet> all_, facets_;  // by vertex the second
     std::vector<Interface> interfaces_;
     std::vector<std::uint32_t> free_;
+    // By vertex: the flat end that it is on; the one that it is on or shares a facet with.
+    std::vector<std::uint32_t> end_of_, beside_end_;
+    std::vector<double> outward_;  // 1 where the solid ends upwards there, -1 downwards
     std::vector<Vec3> moved_;
 };
 

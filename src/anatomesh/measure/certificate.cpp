@@ -88,6 +88,33 @@ std::size_t matching_structure(const CertificateInput& input, std::uint32_t cont
     return static_cast<std::size_t>(found - input.structures.begin());
 }
 
+// Where a structure is not drawn, cuts are listed that are more than the tolerance of what it has on a slice.
+void list_cuts(const ContourSet& contours, const std::vector<SliceCut>& cuts,
+               const std::vector<std::uint32_t>& segments_missed, ModelReport& report) {
+    std::vector<double> drawn(contours.structures.size(), 0), slices(drawn);
+    for (const SliceCut& cut : cuts) {
+        drawn[cut.structure] += cut.drawn;
+        slices[cut.structure] += cut.drawn > 0;
+    }
+    report.cuts.clear();
+    report.cuts_not_drawn = 0;
+    for (const SliceCut& cut : cuts) {
+        const bool is_drawn = cut.drawn > 0;
+        report.cuts_not_drawn += !is_drawn;
+        const double mean = slices[cut.structure] > 0 ? drawn[cut.structure] / slices[cut.structure] : 0;
+        if (!is_drawn && cut.difference <= certificate_cut_tolerance * mean) continue;
+        const Structure& structure = contours.structures[cut.structure];
+        const Slice& slice = contours.slices[cut.slice];
+        SliceCutReport entry{structure.name.empty() ? std::to_string(structure.number) : structure.name,
+                             slice.name.empty() ? std::to_string(cut.slice) : slice.name, cut.drawn,
+                             cut.difference, 0};
+        for (std::uint32_t c = slice.first_contour; c < slice.first_contour + slice.contour_count; ++c) {
+            if (contours.contours[c].structure == cut.structure) entry.segments_missed += segments_missed[c];
+        }
+        report.cuts.push_back(std::move(entry));
+    }
+}
+
 // Counts of contour vertices and segments on the surfaces; the vertex of every contour point.
 struct ContourFindings {
     StructureFidelity all;
@@ -124,13 +151,8 @@ ContourFindings measure_contours(const CertificateInput& input, const Surfaces& 
         structure.contour_segments_on_surface += part.segments_on_surface;
         if (!volumes.empty()) structure.volume_slices_mm3 += volumes[s];
     }
-    report.cuts.clear();
-    for (const SliceCut& cut : slice_cuts(input.mesh.points, of_contours, contours, fidelity.vertex_of)) {
-        const Structure& structure = contours.structures[cut.structure];
-        const std::string& slice = contours.slices[cut.slice].name;
-        report.cuts.push_back({structure.name.empty() ? std::to_string(structure.number) : structure.name,
-                               slice.empty() ? std::to_string(cut.slice) : slice, cut.drawn, cut.difference});
-    }
+    list_cuts(contours, slice_cuts(input.mesh.points, of_contours, contours, fidelity.vertex_of),
+              fidelity.segments_missed, report);
     findings.vertex_of = std::move(fidelity.vertex_of);
     return findings;
 }
@@ -139,27 +161,42 @@ ContourFindings measure_contours(const CertificateInput& input, const Surfaces& 
 struct ShapeFindings {
     std::uint64_t above = 0, forced = 0;  // cells above the bound; those of them that the contours force
     double mean_free = 0;                 // ratio of the cells that nothing is known to force
+    std::uint64_t bad = 0, gross = 0;     // that nothing is known to force and that are beyond these bounds
+    std::vector<ListedCell> worst;        // some of them
 };
+
+constexpr std::size_t named_places = 3;
 
 ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes,
                          const ContourFindings& findings, int threads, ModelReport& report) {
     report.listed_cells.clear();
     report.listed_cells_total = shapes.over_bound.size();
     report.listed_cells_forced = 0;
-    ShapeFindings found{shapes.over_bound.size(), 0, report.quality.radius_edge_mean};
+    ShapeFindings found;
+    found.above = report.quality.radius_edge_over_2;
+    found.mean_free = report.quality.radius_edge_mean;
     if (shapes.over_bound.empty()) return found;
     const ContourSet none;
-    const ForcedCells forced(input.mesh, input.contours ? *input.contours : none, findings.vertex_of);
+    ForcedCells forced(input.mesh, input.contours ? *input.contours : none, findings.vertex_of);
+    forced.find_crowded(shapes.over_bound, certificate_crowded_share * report.quality.edge_mean_mm);
     for (const std::uint32_t c : shapes.over_bound) {
-        ListedCell listed{c, shapes.radius_edge[c], {}, forced.reason(c)};
-        found.forced += !listed.forced_by.empty();
-        if (report.listed_cells.size() == max_listed_cells) continue;
+        ListedCell listed{c, shapes.radius_edge[c], shapes.min_dihedral_deg[c], {}, forced.reason(c)};
         Vec3 sum;
         for (const std::uint32_t v : input.mesh.cells[c]) sum += input.mesh.points[v];
         listed.at = {sum.x / 4, sum.y / 4, sum.z / 4};
-        report.listed_cells.push_back(std::move(listed));
+        const bool is_forced = !listed.forced_by.empty();
+        report.listed_cells_forced += is_forced;
+        found.forced += is_forced && listed.value > certificate_max_radius_edge;
+        // Negated, so that a ratio that is no number is bad.
+        const bool bad = !(listed.value <= certificate_bad_radius_edge) ||
+                         listed.min_dihedral_deg < certificate_bad_dihedral_deg;
+        const bool gross = !(listed.value <= certificate_gross_radius_edge) ||
+                           listed.min_dihedral_deg < certificate_gross_dihedral_deg;
+        found.bad += bad && !is_forced;
+        found.gross += gross && !is_forced;
+        if (bad && !is_forced && found.worst.size() < named_places) found.worst.push_back(listed);
+        if (report.listed_cells.size() < max_listed_cells) report.listed_cells.push_back(std::move(listed));
     }
-    report.listed_cells_forced = found.forced;
     if (input.contours) {
         // Pieces of a fixed size: the same mean at any number of threads.
         constexpr std::size_t grain = 16384;
@@ -174,7 +211,8 @@ ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes
             }
         });
         const auto count = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
-        found.mean_free = count > 0 ? std::accumulate(sums.begin(), sums.end(), 0.0) / static_cast<double>(count) : 0;
+        found.mean_free =
+            count > 0 ? std::accumulate(sums.begin(), sums.end(), 0.0) / static_cast<double>(count) : 0;
     }
     return found;
 }
@@ -219,24 +257,85 @@ Clause clause_vertices(const CertificateInput& input, const StructureFidelity& a
     return clause;
 }
 
-// The cuts of the model beside the drawn regions: the sum, and the worst slice.
-std::string cuts_text(const ModelReport& report, std::size_t& above) {
-    double drawn = 0, difference = 0, worst = 0;
-    std::string where;
-    above = 0;
+std::string place_text(const SliceCutReport& cut) {
+    return cut.structure + ", slice " + cut.slice;
+}
+
+// The first few of the cuts that `wanted` picks, those with the largest `value` first.
+template <class Wanted, class Value, class Text>
+std::string worst_places(const ModelReport& report, const Wanted& wanted, const Value& value,
+                         const Text& text) {
+    std::vector<const SliceCutReport*> worst;
     for (const SliceCutReport& cut : report.cuts) {
+        if (wanted(cut)) worst.push_back(&cut);
+    }
+    std::stable_sort(worst.begin(), worst.end(),
+                     [&](const auto* a, const auto* b) { return value(*a) > value(*b); });
+    std::string places;
+    for (std::size_t n = 0; n < std::min(worst.size(), named_places); ++n)
+        places += (n > 0 ? "; " : "") + place_text(*worst[n]) + ": " + text(*worst[n]);
+    return places;
+}
+
+// The cuts of the model beside the drawn regions: the sum, the worst slices, and how many are not as drawn.
+std::string cuts_text(const ModelReport& report, std::size_t& above) {
+    const auto is_drawn = [](const SliceCutReport& cut) { return cut.drawn_mm2 > 0; };
+    const auto share = [](const SliceCutReport& cut) { return cut.difference_mm2 / cut.drawn_mm2; };
+    const auto too_far = [&](const SliceCutReport& cut) {
+        return is_drawn(cut) && cut.difference_mm2 > certificate_cut_tolerance * cut.drawn_mm2;
+    };
+    double drawn = 0, difference = 0, worst = 0;
+    std::size_t total = 0, far = 0, strange = 0;
+    for (const SliceCutReport& cut : report.cuts) {
+        far += too_far(cut);
+        if (!is_drawn(cut)) {
+            ++strange;
+            continue;
+        }
+        ++total;
         drawn += cut.drawn_mm2;
         difference += cut.difference_mm2;
-        above += cut.difference_mm2 > certificate_cut_tolerance * cut.drawn_mm2;
-        const double share = cut.drawn_mm2 > 0 ? cut.difference_mm2 / cut.drawn_mm2 : 0;
-        if (share <= worst) continue;
-        worst = share;
-        where = " (" + cut.structure + ", slice " + cut.slice + ")";
+        worst = std::max(worst, share(cut));
     }
-    return "on the slices where a structure is drawn: symmetric difference of the cuts by the slices' planes and the drawn regions " +
-           percent_text(difference, drawn, 4) + " of the area in all, at most " + percent_text(worst, 1, 3) +
-           where + ", above " + percent_text(certificate_cut_tolerance, 1, 1) + " in " +
-           count_of(above, report.cuts.size()) + " cuts";
+    above = far + strange;
+    std::string text =
+        "on the slices where a structure is drawn: symmetric difference of the cuts by the slices' planes "
+        "and the "
+        "drawn regions " +
+        percent_text(difference, drawn, 4) + " of the area in all, at most " + percent_text(worst, 1, 3) +
+        ", above " + percent_text(certificate_cut_tolerance, 1, 1) + " in " + count_of(far, total) + " cuts";
+    if (far > 0) {
+        text += " (" +
+                worst_places(report, too_far, share,
+                             [&](const SliceCutReport& cut) {
+                                 return percent_text(share(cut), 1, 3) + ", " +
+                                        fixed_text(cut.difference_mm2, 2) + " mm2";
+                             }) +
+                ")";
+    }
+    text += "; where it is not drawn: cut in " + count_of(strange, report.cuts_not_drawn) + " slices";
+    if (strange > 0) {
+        text += " (" +
+                worst_places(
+                    report, [&](const SliceCutReport& cut) { return !is_drawn(cut); },
+                    [](const SliceCutReport& cut) { return cut.difference_mm2; },
+                    [](const SliceCutReport& cut) { return fixed_text(cut.difference_mm2, 2) + " mm2"; }) +
+                ")";
+    }
+    return text;
+}
+
+std::string segments_text(const StructureFidelity& all, const ModelReport& report) {
+    std::string text =
+        count_of(all.segments_on_surface, all.segments) + " contour segments (" +
+        percent_text(static_cast<double>(all.segments_on_surface), static_cast<double>(all.segments), 2) +
+        ") are chains of surface edges";
+    if (all.segments_on_surface == all.segments) return text;
+    const auto missed = [](const SliceCutReport& cut) { return cut.segments_missed; };
+    return text + " (missed most in " +
+           worst_places(report, missed, missed,
+                        [&](const SliceCutReport& cut) { return std::to_string(missed(cut)); }) +
+           ")";
 }
 
 Clause clause_segments(const CertificateInput& input, const StructureFidelity& all,
@@ -244,16 +343,16 @@ Clause clause_segments(const CertificateInput& input, const StructureFidelity& a
     Clause clause{
         2, ClauseState::not_promised_yet,
         "Every segment of a kept contour is a chain of surface edges; the cut of the model by the slice's "
-        "plane is the drawn region.",
+        "plane is the drawn region, and nothing where a structure is not drawn.",
         "not checked: no contours were given"};
     if (!input.contours) return clause;
-    clause.evidence =
-        count_of(all.segments_on_surface, all.segments) + " contour segments (" +
-        percent_text(static_cast<double>(all.segments_on_surface), static_cast<double>(all.segments), 2) +
-        ") are chains of surface edges; ";
     std::size_t above = 0;
-    clause.evidence += cuts_text(report, above);
-    if (all.segments_on_surface == all.segments && above == 0) clause.state = ClauseState::kept;
+    clause.evidence = segments_text(all, report) + "; " + cuts_text(report, above);
+    if (all.segments_on_surface == all.segments && above == 0) {
+        clause.state = ClauseState::kept;
+    } else {
+        clause.evidence = "measured, not met: " + clause.evidence;
+    }
     return clause;
 }
 
@@ -285,21 +384,36 @@ std::string share_text(std::uint64_t part, std::uint64_t total) {
     return percent_text(static_cast<double>(part), static_cast<double>(total), 3);
 }
 
+std::string bad_cells_text(const ShapeFindings& found) {
+    std::string text =
+        std::to_string(found.bad) +
+        " of the tetrahedra that nothing is known to force are beyond ratio 4 or angle 5 degrees, " +
+        std::to_string(found.gross) + " beyond 20 or 0.1 (";
+    for (std::size_t n = 0; n < found.worst.size(); ++n) {
+        const ListedCell& cell = found.worst[n];
+        text += (n > 0 ? "; " : "") + std::string("at ") + fixed_text(cell.at[0], 1) + " " +
+                fixed_text(cell.at[1], 1) + " " + fixed_text(cell.at[2], 1) + ": ratio " +
+                fixed_text(cell.value, 2) + ", angle " + fixed_text(cell.min_dihedral_deg, 2);
+    }
+    return text + ")";
+}
+
 Clause clause_shape(const CertificateInput& input, const ShapeFindings& found, const ModelReport& report) {
     const QualityReport& quality = report.quality;
     const std::uint64_t free = found.above - found.forced;
-    Clause clause{4, ClauseState::kept,
-                  "Radius-edge ratio at most 2 for every tetrahedron that the input does not force to be "
-                  "worse, but for "
-                  "0.5 % of them while the mean is at most 1.2; dihedral angles of at least 10 degrees are "
-                  "not promised "
-                  "yet.",
-                  ""};
+    Clause clause{
+        4, ClauseState::kept,
+        "Radius-edge ratio at most 2 for every tetrahedron that the input does not force to be "
+        "worse, but for 0.5 % of them while the mean is at most 1.2, and at most 4 for each, with "
+        "dihedral angles of at least 5 degrees; dihedral angles of at least 10 degrees are not promised "
+        "yet.",
+        ""};
     // Negated, so that a mean that is no number breaks the clause.
     const bool tolerable =
         static_cast<double>(free) <= certificate_share_over_bound * static_cast<double>(report.tetrahedra) &&
         found.mean_free <= certificate_mean_radius_edge;
-    if (free > 0 && !tolerable) clause.state = ClauseState::broken;
+    if (found.bad > 0) clause.state = ClauseState::not_promised_yet;
+    if ((free > 0 && !tolerable) || found.gross > 0) clause.state = ClauseState::broken;
     clause.evidence = "radius-edge: " + count_of(found.above, report.tetrahedra) + " (" +
                       share_text(found.above, report.tetrahedra) + ") above 2, ";
     clause.evidence += input.contours ? std::to_string(found.forced) + " of them forced by contour points"
@@ -309,13 +423,15 @@ Clause clause_shape(const CertificateInput& input, const ShapeFindings& found, c
         clause.evidence += " (" + fixed_text(found.mean_free, 3) + " where nothing forces)";
     clause.evidence += ", maximum " + fixed_text(quality.radius_edge_max, 2);
     if (found.above > 0) {
-        clause.evidence += found.above <= max_listed_cells
+        clause.evidence += report.listed_cells_total <= max_listed_cells
                                ? ", all listed"
                                : ", the worst " + std::to_string(max_listed_cells) + " listed";
     }
     clause.evidence += "; smallest dihedral angle " + fixed_text(quality.dihedral_min_deg, 2) + " degrees, " +
                        std::to_string(quality.dihedral_below_10) + " tetrahedra below 10, " +
                        std::to_string(quality.dihedral_below_15) + " below 15";
+    if (found.bad > 0)
+        clause.evidence = "measured, not met: " + bad_cells_text(found) + "; " + clause.evidence;
     return clause;
 }
 

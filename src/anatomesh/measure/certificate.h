@@ -5,12 +5,14 @@
 //   2 contour segments are chains of surface edges, cuts by
 //     the slices' planes the drawn regions                    kept where all are; else counted and stated
 //   3 closed oriented 2-manifolds, positive cells, no overlap yes
-//   4 radius-edge ratio at most 2; dihedral angles            the radius-edge half; the angles are stated
+//   4 radius-edge ratio at most 2; dihedral angles            the radius-edge half, and gross bounds of both
 //   5 same input, same bytes                                  yes, by construction of the stages
 //   6 volume by mesh equals the field's within 0.2 %          yes, where the field is at hand
 //
 // A clause that cannot be checked because its input is not there (contours, field) is `not_promised_yet` and
-// its evidence says "not checked". So is clause 2 where segments or cuts are missed: its evidence says how many.
+// its evidence says "not checked". So are clauses 2 and 4 where they were measured and are not met, within
+// what is tolerated: their evidence begins with "measured, not met", says by how much, and names the worst
+// places.
 #pragma once
 
 #include <span>
@@ -36,6 +38,12 @@ inline constexpr double certificate_max_radius_edge = 2.0;
 // Cells above the bound that nothing forces may be this share of all cells, while the mean ratio of the cells
 // that nothing forces is at most this. Without contours nothing is known to force any.
 inline constexpr double certificate_share_over_bound = 0.005;
+// One cell that nothing forces and that is beyond these: the clause is not kept.
+inline constexpr double certificate_bad_radius_edge = 4, certificate_bad_dihedral_deg = 5;
+// One such cell beyond these breaks it, whatever the shares.
+inline constexpr double certificate_gross_radius_edge = 20, certificate_gross_dihedral_deg = 0.1;
+// A contour vertex nearer to another one, or to a segment, than this share of the mean edge forces its cells.
+inline constexpr double certificate_crowded_share = 0.1;
 // Share of a drawn region's area by which the cut of the model may differ from it.
 inline constexpr double certificate_cut_tolerance = 0.001;
 inline constexpr double certificate_mean_radius_edge = 1.2;

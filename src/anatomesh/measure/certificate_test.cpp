@@ -186,8 +186,21 @@ Clause shape_of_spoiled(int spoiled, double distance, bool with_contours) {
 TEST(Certificate, cells_above_the_bound_that_nothing_forces_are_kept_only_while_few) {
     EXPECT_EQ(shape_of_spoiled(0, 0, false).state, ClauseState::kept);
     // Of 49,152 cells 245 may be above the bound; each spoiled vertex makes a few such.
-    EXPECT_EQ(shape_of_spoiled(4, 0.2, false).state, ClauseState::kept);
+    EXPECT_EQ(shape_of_spoiled(4, 0.3, false).state, ClauseState::kept)
+        << shape_of_spoiled(4, 0.3, false).evidence;
     EXPECT_EQ(shape_of_spoiled(200, 0.2, false).state, ClauseState::broken);
+}
+
+TEST(Certificate, one_cell_that_is_bad_and_that_nothing_forces_is_said_and_a_gross_one_breaks_clause_4) {
+    for (const bool with_contours : {false, true}) {
+        const Clause bad = shape_of_spoiled(1, 0.08, with_contours);
+        EXPECT_EQ(bad.state, ClauseState::not_promised_yet) << bad.evidence;
+        EXPECT_EQ(bad.evidence.rfind("measured, not met: ", 0), 0u) << bad.evidence;
+        EXPECT_NE(bad.evidence.find("(at "), std::string::npos) << bad.evidence;
+        // A ratio of some hundreds: too few to matter for the mean.
+        const Clause gross = shape_of_spoiled(1, 0.002, with_contours);
+        EXPECT_EQ(gross.state, ClauseState::broken) << gross.evidence;
+    }
 }
 
 TEST(Certificate, a_few_cells_that_spoil_the_mean_break_clause_4) {
@@ -250,6 +263,17 @@ TEST(ForcedCells, names_the_contour_vertices_of_the_shortest_edge_and_the_sharp_
                   .reason(0),
               "an angle of 6.3 degrees at contour vertex 3 in slice k = 8");
     EXPECT_EQ(ForcedCells(mesh, {}, {}).reason(0), "");
+    // The contour of slice k = 8 passes the vertex (0, 0, 0) at 0.01 mm.
+    contours.points = {{0, 0, 0}, {9, 0, 0}, {0, 9, 0}, {-5, 0.01, 0}, {5, 0.01, 0}, {0, 9, 0}};
+    const std::vector<std::uint32_t> vertices{0, no_cell, no_cell, no_cell, no_cell, no_cell};
+    ForcedCells crowded(mesh, contours, vertices);
+    EXPECT_EQ(crowded.reason(0), "");
+    crowded.find_crowded(std::vector<std::uint32_t>{0}, 0.02);
+    EXPECT_EQ(crowded.reason(0),
+              "contour vertex 0 in slice k = 7 0.0100 mm from the contour at vertex 3 in slice k = 8");
+    ForcedCells free(mesh, contours, vertices);
+    free.find_crowded(std::vector<std::uint32_t>{0}, 0.005);
+    EXPECT_EQ(free.reason(0), "");
 }
 
 TEST(Volume, overlapping_structures_get_their_overlap_each) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "anatomesh/geom/point_grid.h"
 #include "anatomesh/measure/number_text.h"
 
 namespace anatomesh {
@@ -76,7 +77,7 @@ class SurfaceGraph {
 
   private:
     std::span<const Vec3> points_;
-    std::vector<std::size_t> start_;         // where in neighbors_ those of each vertex start
+    std::vector<std::size_t> start_;  // where in neighbors_ those of each vertex start
     std::vector<std::uint32_t> neighbors_;
     std::vector<std::uint32_t> by_place_;
 };
@@ -90,6 +91,7 @@ ContourFidelity contour_fidelity(std::span<const Vec3> points,
     ContourFidelity fidelity;
     fidelity.structures.resize(contours.structures.size());
     fidelity.vertex_of.assign(contours.points.size(), no_cell);
+    fidelity.segments_missed.assign(contours.contours.size(), 0);
     // One structure's graph at a time: there may be hundreds of structures.
     std::vector<std::uint32_t> order(contours.contours.size());
     for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -111,7 +113,9 @@ ContourFidelity contour_fidelity(std::span<const Vec3> points,
             for (std::uint32_t p = 0; p < contour.point_count; ++p) {
                 const std::uint32_t a = vertex[p], b = vertex[(p + 1) % contour.point_count];
                 ++count.segments;
-                count.segments_on_surface += a != no_cell && b != no_cell && graph.chain(a, b);
+                const bool found = a != no_cell && b != no_cell && graph.chain(a, b);
+                count.segments_on_surface += found;
+                fidelity.segments_missed[order[i]] += !found;
             }
         }
     }
@@ -173,6 +177,57 @@ bool ForcedCells::forced(std::uint32_t cell) const {
     return (shortest.a != no_cell && shortest.b != no_cell) || sharp_vertex(cell) != no_cell;
 }
 
+std::string ForcedCells::crowded_reason(std::uint32_t cell) const {
+    for (const std::uint32_t v : mesh_.cells[cell]) {
+        const auto crowded = crowded_.find(point_at_[v]);
+        if (crowded == crowded_.end()) continue;
+        const auto& [point, other] = *crowded;
+        return "contour vertex " + std::to_string(point) + " in slice " + slice_name(point) + " " +
+               fixed_text(other.distance, 4) + " mm from the contour at vertex " +
+               std::to_string(other.segment) + " in slice " + slice_name(other.segment);
+    }
+    return {};
+}
+
+void ForcedCells::find_crowded(std::span<const std::uint32_t> cells, double distance_mm) {
+    std::vector<std::uint32_t> points;
+    for (const std::uint32_t cell : cells) {
+        for (const std::uint32_t v : mesh_.cells[cell]) {
+            if (point_at_[v] != no_cell) points.push_back(point_at_[v]);
+        }
+    }
+    std::sort(points.begin(), points.end());
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    if (points.empty() || !(distance_mm > 0)) return;
+    const double piece_mm = 4 * distance_mm;
+    PointGrid grid(piece_mm, points.size());
+    for (const std::uint32_t p : points) grid.add(contours_.points[p]);
+    for (const Contour& contour : contours_.contours) {
+        for (std::uint32_t n = 0; n < contour.point_count; ++n) {
+            const std::uint32_t from = contour.first_point + n;
+            const Vec3 a = contours_.points[from],
+                       b = contours_.points[contour.first_point + (n + 1) % contour.point_count];
+            const double span = length(b - a);
+            const double pieces = std::max(1.0, std::ceil(span / piece_mm));
+            const auto look_at = [&](std::uint32_t i, double) {
+                const Vec3 p = contours_.points[points[i]];
+                // Its own place, also where several contours share it, does not crowd it.
+                const bool at_a = p == a, at_b = p == b;
+                if (at_a && at_b) return;
+                const double along = span > 0 ? std::clamp(dot(p - a, b - a) / (span * span), 0.0, 1.0) : 0.0;
+                const double distance = at_a || at_b ? span : length(p - (a + along * (b - a)));
+                if (distance > distance_mm) return;
+                Crowded& crowded = crowded_[points[i]];
+                if (crowded.segment == no_cell || distance < crowded.distance) crowded = {from, distance};
+            };
+            for (double piece = 0.5; piece < pieces; ++piece) {
+                grid.for_each_within(a + piece / pieces * (b - a), 0.5 * span / pieces + distance_mm,
+                                     look_at);
+            }
+        }
+    }
+}
+
 std::string ForcedCells::reason(std::uint32_t cell) const {
     const ShortestEdge shortest = shortest_edge(cell);
     if (shortest.a != no_cell && shortest.b != no_cell) {
@@ -183,7 +238,7 @@ std::string ForcedCells::reason(std::uint32_t cell) const {
                (one == two ? "slice " + one : "slices " + one + " and " + two);
     }
     const std::uint32_t sharp = sharp_vertex(cell);
-    if (sharp == no_cell) return {};
+    if (sharp == no_cell) return crowded_reason(cell);
     return "an angle of " + fixed_text(contour_angle(sharp), 1) + " degrees at contour vertex " +
            std::to_string(sharp) + " in slice " + slice_name(sharp);
 }

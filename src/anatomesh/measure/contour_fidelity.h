@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +23,7 @@ struct ContourFidelity {
     // Mesh vertex of every point of the contour set, on the surface of its structure; no_cell where there is
     // none.
     std::vector<std::uint32_t> vertex_of;
+    std::vector<std::uint32_t> segments_missed;  // by contour
 };
 
 // `surfaces[s]` is the surface of the contour set's structure s as triangles of `points`.
@@ -31,8 +33,9 @@ struct ContourFidelity {
 ContourFidelity contour_fidelity(std::span<const Vec3> points,
                                  std::span<const std::vector<Triangle>> surfaces, const ContourSet& contours);
 
-// What in the contours forces a badly shaped cell, as text: its shortest edge joins two contour vertices, or
-// it has a contour vertex at which the contour turns by an angle below 60 degrees. "" when neither.
+// What in the contours forces a badly shaped cell, as text: its shortest edge joins two contour vertices, it
+// has a contour vertex at which the contour turns by an angle below 60 degrees, or one that lies far nearer
+// to another vertex or segment of a contour than edges are long. "" when none of these.
 class ForcedCells {
   public:
     // Requires: mesh and contours outlive this.
@@ -40,8 +43,12 @@ class ForcedCells {
 
     std::string reason(std::uint32_t cell) const;
 
-    // Whether there is a reason.
+    // Whether one of the first two reasons holds.
     bool forced(std::uint32_t cell) const;
+
+    // Looks for the third reason at the vertices of these cells: another contour vertex or segment nearer
+    // than `distance_mm`. Complexity: O(segments + cells).
+    void find_crowded(std::span<const std::uint32_t> cells, double distance_mm);
 
   private:
     // The contour points at the ends of the cell's shortest edge, or no_cell.
@@ -52,6 +59,7 @@ class ForcedCells {
     ShortestEdge shortest_edge(std::uint32_t cell) const;
     // The first contour vertex of the cell with a small angle, or no_cell.
     std::uint32_t sharp_vertex(std::uint32_t cell) const;
+    std::string crowded_reason(std::uint32_t cell) const;
     std::string slice_name(std::uint32_t point) const;
     double contour_angle(std::uint32_t point) const;
 
@@ -59,6 +67,12 @@ class ForcedCells {
     const ContourSet& contours_;
     std::vector<std::uint32_t> point_at_;    // by mesh vertex: the first contour point there, or no_cell
     std::vector<std::uint32_t> contour_of_;  // by contour point
+    // Contour points that others crowd: the start of the segment that comes nearest, and its distance.
+    struct Crowded {
+        std::uint32_t segment = no_cell;
+        double distance = 0;
+    };
+    std::map<std::uint32_t, Crowded> crowded_;
 };
 
 }  // namespace anatomesh

@@ -11,7 +11,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double radius_edge_bound = 2.0;
+constexpr double radius_edge_bound = 2.0, listed_angle_deg = 5.0;
 
 struct Edges {
     double shortest, longest, sum;
@@ -76,18 +76,26 @@ CellShapes measure_shapes(const TetMesh& mesh, const RunContext& context) {
         report.dihedral_max_deg = std::max(report.dihedral_max_deg, largest[c]);
         report.dihedral_below_10 += smallest[c] < 10.0;
         report.dihedral_below_15 += smallest[c] < 15.0;
-        if (ratio[c] > radius_edge_bound) shapes.over_bound.push_back(static_cast<std::uint32_t>(c));
+        const bool over = ratio[c] > radius_edge_bound;
+        report.radius_edge_over_2 += over;
+        if (over || smallest[c] < listed_angle_deg)
+            shapes.over_bound.push_back(static_cast<std::uint32_t>(c));
     }
     std::sort(shapes.over_bound.begin(), shapes.over_bound.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return ratio[a] != ratio[b] ? ratio[a] > ratio[b] : a < b;
+        const bool over_a = ratio[a] > radius_edge_bound, over_b = ratio[b] > radius_edge_bound;
+        if (over_a != over_b) return over_a;
+        if (over_a && ratio[a] != ratio[b]) return ratio[a] > ratio[b];
+        if (!over_a && smallest[a] != smallest[b]) return smallest[a] < smallest[b];
+        return a < b;
     });
     const auto cells = static_cast<double>(count);
     report.radius_edge_mean = ratio_sum / cells;
-    report.radius_edge_share_over_2 = static_cast<double>(shapes.over_bound.size()) / cells;
+    report.radius_edge_share_over_2 = static_cast<double>(report.radius_edge_over_2) / cells;
     report.edge_mean_mm = edge_sum / (6 * cells);
     report.radius_edge = histogram(ratio, 0.5, 3.0, 50);
     report.min_dihedral = histogram(smallest, 0.0, 75.0, 75);
 
+    shapes.min_dihedral_deg = smallest;  // percentile() puts them into another order
     report.dihedral_min_deg = *std::min_element(smallest.begin(), smallest.end());
     report.dihedral_p01_deg = percentile(smallest, 0.01);
     report.dihedral_median_min_deg = percentile(smallest, 0.5);

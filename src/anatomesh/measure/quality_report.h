@@ -9,8 +9,9 @@ namespace anatomesh {
 
 struct CellShapes {
     QualityReport report;
-    std::vector<std::uint32_t> over_bound;  // cells with radius-edge above 2, worst first
-    std::vector<double> radius_edge;        // per cell
+    std::vector<std::uint32_t> over_bound;  // cells with radius-edge above 2, worst first; then those with an
+                                            // angle below 5 degrees, worst first
+    std::vector<double> radius_edge, min_dihedral_deg;  // per cell
 };
 
 // Percentiles are the smallest value that at least the named share of the cells does not exceed; the mean of

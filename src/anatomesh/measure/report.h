@@ -30,6 +30,7 @@ inline constexpr std::size_t max_listed_cells = 10'000;
 struct ListedCell {
     std::uint32_t cell = 0;
     double value = 0;            // its radius-edge ratio
+    double min_dihedral_deg = 0;
     std::array<double, 3> at{};  // centroid, mm
     std::string forced_by;  // "contour vertices 12 and 13 0.21 mm apart in slice k = 7", "" when not known
 };
@@ -43,7 +44,7 @@ struct Histogram {
 struct QualityReport {
     double radius_edge_mean = 0, radius_edge_p99 = 0, radius_edge_max = 0, radius_edge_share_over_2 = 0;
     double dihedral_min_deg = 0, dihedral_p01_deg = 0, dihedral_median_min_deg = 0, dihedral_max_deg = 0;
-    std::uint64_t dihedral_below_10 = 0, dihedral_below_15 = 0;
+    std::uint64_t radius_edge_over_2 = 0, dihedral_below_10 = 0, dihedral_below_15 = 0;
     double edge_min_mm = 0, edge_mean_mm = 0, edge_max_mm = 0;
     Histogram radius_edge, min_dihedral;
 };
@@ -68,8 +69,9 @@ struct StructureReport {
 // The cut of the model by a slice's plane beside what is drawn there, for one structure.
 struct SliceCutReport {
     std::string structure, slice;
-    double drawn_mm2 = 0,
-           difference_mm2 = 0;  // area of the drawn region; of its symmetric difference with the cut
+    double drawn_mm2 = 0,       // area of the drawn region; 0: not drawn on this slice
+           difference_mm2 = 0;  // of its symmetric difference with the cut
+    std::uint32_t segments_missed = 0;  // of its contours: no chains of surface edges
 };
 
 struct StageReport {
@@ -133,11 +135,15 @@ struct ModelReport {
     std::vector<std::vector<std::uint32_t>> regions;  // members by region, indices into structures; [0] empty
     QualityReport quality;
     std::vector<Clause> certificate;
-    std::vector<ListedCell> listed_cells;  // radius-edge above 2, worst first, at most max_listed_cells
+    // Radius-edge above 2, worst first, then angles below 5 degrees; at most max_listed_cells.
+    std::vector<ListedCell> listed_cells;
     std::uint64_t listed_cells_total = 0,
                   listed_cells_forced = 0;  // forced: by the input, with the reason known
     std::vector<ContourReport> contour_log;
-    std::vector<SliceCutReport> cuts;  // where contours are at hand
+    // Where contours are at hand: those of slices on which a structure is drawn, and those where it is not but
+    // the model has it.
+    std::vector<SliceCutReport> cuts;
+    std::uint64_t cuts_not_drawn = 0;  // measured on slices where a structure is not drawn
     CrossingReport crossing;
     std::vector<StageReport> stages;
     std::vector<Warning> warnings;

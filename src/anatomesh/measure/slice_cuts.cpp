@@ -58,6 +58,21 @@ class Layers {
     double tallest_ = 0;
 };
 
+// Whether a slice without a structure says that it is not there: not where most of its gaps skip slices (as
+// the field has it).
+bool every_slice_tells(const ContourSet& contours, std::uint32_t structure) {
+    if (contours.exclusive) return true;
+    std::vector<std::uint32_t> drawn;
+    for (std::uint32_t k = 0; k < contours.slices.size(); ++k) {
+        const auto all = contours.contours_of(contours.slices[k]);
+        if (std::any_of(all.begin(), all.end(), [&](const Contour& c) { return c.structure == structure; }))
+            drawn.push_back(k);
+    }
+    std::size_t skips = 0;
+    for (std::size_t i = 1; i < drawn.size(); ++i) skips += drawn[i] - drawn[i - 1] >= 2;
+    return drawn.size() < 3 || 2 * skips <= drawn.size() - 1;
+}
+
 // The boundary of one cut, as segments of the plane. Two that are equal cancel: the area between is what is
 // wanted.
 class Cut {
@@ -147,6 +162,7 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
     std::vector<std::uint8_t> drawn_here(points.size(), 0);
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         const Layers layers(points, surfaces[s], contours.slices[0].plane.normal);
+        const bool all_tell = every_slice_tells(contours, s);
         for (std::uint32_t k = 0; k < contours.slices.size(); ++k) {
             const Slice& slice = contours.slices[k];
             Cut cut(points, slice.plane, tolerance, drawn_here);
@@ -174,7 +190,7 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
                 measured.drawn += signed_area(ring);
                 for (std::size_t n = 0; n < ring.size(); ++n) cut.add(ring[n], ring[(n + 1) % ring.size()]);
             }
-            if (drawn) {
+            if (drawn || (all_tell && (parallel || slice.contour_count > 0))) {
                 const auto add = [&](const Triangle& t) { cut.add(t); };
                 if (parallel) {
                     layers.for_each_at(slice.plane, tolerance + parallel_mm, add);

@@ -13,11 +13,13 @@ namespace anatomesh {
 // One structure on one slice, mm^2.
 struct SliceCut {
     std::uint32_t structure = 0, slice = 0;  // of the contour set
-    double drawn = 0;                        // area of the drawn region
+    double drawn = 0;                        // area of the drawn region; 0: it is not drawn there
     double difference = 0;                   // area of its symmetric difference with the cut of the model
 };
 
-// For every structure and every slice on which it is drawn, in the order of structures and then of slices.
+// For every structure and every slice, in the order of structures and then of slices. A slice on which a
+// structure is not drawn says that it is not there; left out are slices without any contour where planes are
+// not parallel, and those of a structure that was drawn on every n-th slice.
 // `surfaces[s]` is the surface of the contour set's structure s as outward triangles of `points`, closed;
 // `vertex_of` the mesh vertex of every contour point, or no_cell (contour_fidelity()). The cut is of the
 // solid with its boundary: a facet in the plane belongs to it. Where planes are not parallel, what lies

@@ -420,6 +420,8 @@ class Builder {
         const DihedralStats dihedrals = improve_angles(fixed);
         BalanceOptions balance;
         balance.max_offset_mm = balance_reach * stats.size_mm;
+        balance.ends = field_->flat_ends();
+        balance.end_tolerance_mm = interface_tolerance * stats.size_mm;
         const BalanceStats balanced =
             balance_volumes(model_.mesh, model_.regions, fixed, volumes_mm3_, options_.max_radius_edge, balance,
                             context_.threads);
@@ -439,6 +441,7 @@ class Builder {
                     {"edges_collapsed", static_cast<double>(dihedrals.edges_collapsed)},
                     {"vertices_inserted", static_cast<double>(dihedrals.vertices_inserted)},
                     {"largest_volume_offset_mm", balanced.largest_offset_mm},
+                    {"flat_ends_held", balanced.ends_held ? 1.0 : 0.0},
                     {"volume_difference_before", balanced.worst_before},
                     {"volume_difference_after", balanced.worst_after}};
         return end_stage("improve", 0.85);
@@ -561,7 +564,9 @@ class Builder {
         place.file = contours_.source;
         place.slice = worst->slice;
         place.structure = worst->structure;
-        place.value = brief(100 * worst->difference_mm2 / worst->drawn_mm2) + " % of the area";
+        place.value = worst->drawn_mm2 > 0
+                          ? brief(100 * worst->difference_mm2 / worst->drawn_mm2) + " % of the area"
+                          : brief(worst->difference_mm2) + " mm2 where it is not drawn";
         context_.warn({"W-PIP-003",
                        "on " + std::to_string(count) + (count == 1 ? " slice" : " slices") +
                            " the model differs from the drawn region by more than " +

@@ -170,6 +170,40 @@ TEST(BuildModel, single_slice_island_keeps_half_a_slice_on_both_sides) {
     expect_structure(model, 0, {2, 0, pi * 25 * 16 + pi * 9 * 2, 0.05});
 }
 
+// Flat ends are flat: the facets in them have all vertices in the plane, and nothing sticks out of it.
+TEST(BuildModel, the_caps_of_prisms_and_cones_are_planes) {
+    for (const double lean : {0.0, 0.3}) {
+        Drawing drawing;
+        for (int z = 0; z < 8; ++z) drawing.add(0, 3 * z, circle({}, 8 + lean * z, 50));
+        const ContourSet set = kept(drawing.raw, false);
+        RunContext context;
+        ModelOptions options;
+        options.caps = EndCaps::flat;
+        auto made = build_model(set, options, context);
+        ASSERT_TRUE(made.ok());
+        const Model& model = made.value();
+        const double ends[] = {0, 21};
+        double area[2] = {0, 0};
+        for (const RegionFacet& facet : region_facets(model.mesh, 1)) {
+            const auto& [c, i, other] = facet;
+            std::array<Vec3, 3> p;
+            for (std::size_t k = 0; k < 3; ++k)
+                p[k] = model.mesh.points[model.mesh.cells[c][facet_vertices[i][k]]];
+            const Vec3 normal = cross(p[1] - p[0], p[2] - p[0]);
+            for (std::size_t e = 0; e < 2; ++e) {
+                const auto in_plane = [&](Vec3 q) { return std::abs(q.z - ends[e]) <= 1e-9; };
+                if (std::all_of(p.begin(), p.end(), in_plane)) area[e] += length(normal) / 2;
+            }
+        }
+        for (const Vec3& p : model.mesh.points) {
+            EXPECT_GE(p.z, ends[0] - 1e-9);
+            EXPECT_LE(p.z, ends[1] + 1e-9);
+        }
+        EXPECT_NEAR(area[0] / (pi * 64), 1, 0.005) << lean;
+        EXPECT_NEAR(area[1] / (pi * std::pow(8 + 7 * lean, 2)), 1, 0.005) << lean;
+    }
+}
+
 TEST(BuildModel, C13_contours_of_3_points) {
     Drawing drawing;
     for (int z = 0; z < 5; ++z) drawing.add(0, 2 * z, {{0, 0}, {10, 0}, {0, 10}});

@@ -155,7 +155,7 @@ std::string quality(const ModelReport& report) {
         histogram_svg(q.radius_edge, {2.0, true, 0.5, 1, "circumradius / shortest edge"}) +
         "<p class=\"note\">Mean " + grouped(q.radius_edge_mean, 3) + ", 99 % below " +
         grouped(q.radius_edge_p99, 2) + ", largest " + grouped(q.radius_edge_max, 2) +
-        "; above 2: " + grouped(report.listed_cells_total) + " (" +
+        "; above 2: " + grouped(q.radius_edge_over_2) + " (" +
         fixed_text(100 * q.radius_edge_share_over_2, 3) + " %).</p>";
     const std::string angles =
         histogram_svg(q.min_dihedral,
@@ -300,12 +300,13 @@ std::string listed_cells(const ModelReport& report) {
     for (std::size_t i = 0; i < shown; ++i) {
         const ListedCell& listed = report.listed_cells[i];
         rows += row(number_cell(std::to_string(listed.cell)) + number_cell(grouped(listed.value, 2)) +
+                    number_cell(grouped(listed.min_dihedral_deg, 2)) +
                     number_cell(grouped(listed.at[0], 2)) + number_cell(grouped(listed.at[1], 2)) +
                     number_cell(grouped(listed.at[2], 2)) +
                     text_cell(listed.forced_by.empty() ? "&ndash;" : outside_html(listed.forced_by)));
     }
-    return folded("Tetrahedra with a radius-edge ratio above 2", report.listed_cells_total,
-                  table({"#Cell", "#Ratio", "#x, mm", "#y, mm", "#z, mm", "Forced by"}, rows) +
+    return folded("Tetrahedra with a radius-edge ratio above 2 or an angle below 5 degrees", report.listed_cells_total,
+                  table({"#Cell", "#Ratio", "#Angle", "#x, mm", "#y, mm", "#z, mm", "Forced by"}, rows) +
                       more_rows(shown, report.listed_cells_total));
 }
 

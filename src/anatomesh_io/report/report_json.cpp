@@ -122,10 +122,12 @@ Json listed_cells_json(const ModelReport& report) {
     for (const ListedCell& cell : report.listed_cells) {
         cells.push_back({{"cell", cell.cell},
                          {"radius_edge", number(cell.value)},
+                         {"min_dihedral_deg", number(cell.min_dihedral_deg)},
                          {"at_mm", cell.at},
                          {"forced_by", cell.forced_by}});
     }
     return {{"radius_edge_above", 2.0},
+            {"dihedral_deg_below", 5.0},
             {"total", report.listed_cells_total},
             {"forced_by_input", report.listed_cells_forced},
             {"cells", std::move(cells)}};
@@ -152,7 +154,8 @@ Json cuts_json(const ModelReport& report) {
         cuts.push_back({{"structure", cut.structure},
                         {"slice", cut.slice},
                         {"drawn_mm2", number(cut.drawn_mm2)},
-                        {"difference_mm2", number(cut.difference_mm2)}});
+                        {"difference_mm2", number(cut.difference_mm2)},
+                        {"segments_missed", cut.segments_missed}});
     }
     return cuts;
 }

@@ -52,7 +52,7 @@ struct Sample {
         report.stages = {{"cull", 0.5, 10, 20, {{"culled_share", 0.25}}}, {"refine", 1.5, 30, 40, {}}};
         report.warnings = {{"W-CON-001", hostile, {hostile, hostile, hostile, hostile, hostile}, hostile}};
         report.contour_log = {{hostile, hostile, hostile, hostile, 5, 4, 0.1, 0.2}};
-        report.listed_cells.push_back({1, 3.5, {1, 2, 3}, hostile});
+        report.listed_cells.push_back({1, 3.5, 4.5, {1, 2, 3}, hostile});
         report.listed_cells_total = 1;
     }
     std::string page() const { return report_html(report, mesh, regions, &contours); }
