@@ -431,7 +431,7 @@ Status check_separate(const ModelVerbOptions& options) {
 }
 
 Status check_slice_thickness(const ModelVerbOptions& options, const ContourSet& kept) {
-    if (options.slice_thickness_mm == 0 || kept.slices.size() < 2) return Nothing{};
+    if (options.rules.slice_thickness_mm == 0 || kept.slices.size() < 2) return Nothing{};
     return Error{ErrorKind::usage,
                  "E-CMD-008",
                  fmt::format("--slice-thickness does not apply: there are {} slices", kept.slices.size()),
