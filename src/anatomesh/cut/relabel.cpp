@@ -226,17 +226,10 @@ class Relabeler {
     std::vector<Region> before_;
 };
 
-}  // namespace
-
-RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-                     const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-                     const ContourOwners& owners, const std::vector<Region>& sides,
-                     std::vector<Region>& regions, RegionRegistry& registry,
-                     std::vector<std::uint32_t>& unsound) {
-    RelabelStats stats;
-    Relabeler relabeler(cells, neighbors, stars, owners, sides, regions, registry);
-
-    // Only vertices of an interface, or of a contour, can be unsound.
+// Only vertices of an interface, or of a contour, can be unsound.
+std::vector<std::uint32_t> suspects(const std::vector<Cell>& cells,
+                                    const std::vector<CellNeighbors>& neighbors, const ContourOwners& owners,
+                                    const std::vector<Region>& regions) {
     std::vector<std::uint8_t> suspect;
     for (std::uint32_t c = 0; c < cells.size(); ++c) {
         for (const std::uint32_t v : cells[c]) {
@@ -248,9 +241,25 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
             for (const int k : facet_vertices[i]) suspect[cells[c][k]] = 1;
         }
     }
-    std::vector<std::uint32_t> queue;
+    std::vector<std::uint32_t> found;
     for (std::uint32_t v = 0; v < suspect.size(); ++v) {
-        if (!suspect[v] && owners.at(v).empty() && owners.pieces_at(v).empty()) continue;
+        if (suspect[v] || !owners.at(v).empty() || !owners.pieces_at(v).empty()) found.push_back(v);
+    }
+    return found;
+}
+
+}  // namespace
+
+RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
+                     const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
+                     const ContourOwners& owners, const std::vector<Region>& sides,
+                     std::vector<Region>& regions, RegionRegistry& registry,
+                     std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look) {
+    RelabelStats stats;
+    Relabeler relabeler(cells, neighbors, stars, owners, sides, regions, registry);
+
+    std::vector<std::uint32_t> queue;
+    for (const std::uint32_t v : look.empty() ? suspects(cells, neighbors, owners, regions) : look) {
         const bool unsound_here = relabeler.defect(v) > 0;
         const int lost_pieces = relabeler.lost_pieces(v);
         if (unsound_here || lost_pieces > 0) queue.push_back(v);

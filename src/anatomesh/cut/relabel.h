@@ -29,11 +29,13 @@ struct RelabelStats {
 // Does not always reach 0: what is left is for split_unsound(). `unsound` receives the vertices left, in
 // rising order. Last, nearly flat cells at an interface (six volumes below a millionth of the cube of the
 // longest edge: four vertices of two contours one above the other) go to the other side where no defect
-// rises: that moves the surface by less than a millionth of an edge.
+// rises: that moves the surface by less than a millionth of an edge. `look`: the vertices that may have a
+// defect, those of cells new since the last call among them; empty: all. The figures before are of these
+// alone.
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
                      const ContourOwners& owners, const std::vector<Region>& sides,
                      std::vector<Region>& regions, RegionRegistry& registry,
-                     std::vector<std::uint32_t>& unsound);
+                     std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look = {});
 
 }  // namespace anatomesh

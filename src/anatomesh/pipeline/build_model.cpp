@@ -37,7 +37,7 @@ constexpr int small_mesh_rounds = 60;         // tiny segments need a round for 
 constexpr std::size_t small_mesh = 20000;     // in meshes of fewer points than this
 constexpr int last_rounds = 1;                // after the last segments
 constexpr int segment_rounds = 8;
-constexpr int side_rounds = 6;  // of points beside pieces of contour segments off their structure's surface
+constexpr int side_rounds = 2;  // of points beside pieces of contour segments off their structure's surface
 constexpr int relabel_rounds = 4;  // after the first, with such points where a piece was given up
 constexpr std::size_t a_few = 8;
 constexpr std::size_t last_few = 300;  // shorter pieces are split where fewer than one in so many is missing
@@ -337,14 +337,17 @@ class Builder {
         return Nothing{};
     }
 
-    // Puts points beside the pieces that are edges off their structure's surface. Says whether there were
-    // any.
-    Result<bool> open_sides() {
+    // Puts points beside the pieces that are edges off their structure's surface, whose ends are appended to
+    // `ends`. Says whether there were any.
+    Result<bool> open_sides(std::vector<std::uint32_t>* ends = nullptr) {
         const std::vector<PieceSides> sides =
             piece_sides(mesh_->cells().cells, mesh_->regions(), mesh_->registry().table(),
                         mesh_->points().size(), pieces_, context_.threads);
         std::vector<Vec3> found;
         find_side_points(mesh_->points(), pieces_, sides, *field_, mesh_->grid(), {}, found, context_);
+        for (std::size_t n = 0; ends && n < pieces_.size(); ++n) {
+            if (sides[n].inside != sides[n].outside) ends->insert(ends->end(), {pieces_[n].a, pieces_[n].b});
+        }
         if (found.empty()) return false;
         side_points_ += found.size();
         ANATOMESH_CHECK_STATUS(grow(found));
@@ -367,20 +370,32 @@ class Builder {
         return {owner_pairs_, mesh_->points().size(), pieces};
     }
 
-    RelabelStats relabel_cells(std::vector<std::uint32_t>& unsound) {
+    // `look`: empty, or the vertices that may have a defect.
+    RelabelStats relabel_cells(std::vector<std::uint32_t>& unsound,
+                               const std::vector<std::uint32_t>& look = {}) {
         const VertexStars stars(mesh_->cells().cells, mesh_->points().size());
         return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, stars,
-                       contour_owners(), mesh_->sides(), mesh_->regions(), mesh_->registry(), unsound);
+                       contour_owners(), mesh_->sides(), mesh_->regions(), mesh_->registry(), unsound, look);
     }
 
     Status cut_cells() {
         std::vector<std::uint32_t> unsound;
         RelabelStats relabelled = relabel_cells(unsound);
         // What was given up for a manifold's sake gets room beside it.
+        CellSearch search;
         for (int round = 0; round < relabel_rounds && relabelled.lost_pieces_after > 0; ++round) {
-            ANATOMESH_TRY(const bool opened, open_sides());
+            mesh_->look_again(search);
+            search.cells.clear();
+            std::vector<std::uint32_t> look = unsound;
+            ANATOMESH_TRY(const bool opened, open_sides(&look));
             if (!opened) break;
-            const RelabelStats again = relabel_cells(unsound);
+            mesh_->look_again(search);
+            for (const std::uint32_t c : search.cells) {
+                look.insert(look.end(), mesh_->cells().cells[c].begin(), mesh_->cells().cells[c].end());
+            }
+            std::sort(look.begin(), look.end());
+            look.erase(std::unique(look.begin(), look.end()), look.end());
+            const RelabelStats again = relabel_cells(unsound, look);
             relabelled.cells_moved += again.cells_moved;
             relabelled.flat_cells_peeled += again.flat_cells_peeled;
             relabelled.unsound_after = again.unsound_after;
