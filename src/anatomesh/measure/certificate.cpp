@@ -388,7 +388,7 @@ std::string bad_cells_text(const ShapeFindings& found) {
     std::string text =
         std::to_string(found.bad) +
         " of the tetrahedra that nothing is known to force are beyond ratio 4 or angle 5 degrees, " +
-        std::to_string(found.gross) + " beyond 20 or 0.1 (";
+        std::to_string(found.gross) + " beyond 100 or 0.05 (";
     for (std::size_t n = 0; n < found.worst.size(); ++n) {
         const ListedCell& cell = found.worst[n];
         text += (n > 0 ? "; " : "") + std::string("at ") + fixed_text(cell.at[0], 1) + " " +

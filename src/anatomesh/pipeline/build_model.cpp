@@ -313,6 +313,8 @@ class Builder {
             for (const std::uint32_t n : missing) {
                 if (may_split(pieces_[n], scale)) balls.push_back(pieces_[n].ball);
             }
+            // Contours of several structures run too close beside each other: it would go on.
+            if (scale < 1 && structures_ > 1) break;
             if (scale < 1 &&
                 ((balls.size() >= last && balls.size() > a_few) || balls.size() * last_few > pieces_.size()))
                 break;
