@@ -15,7 +15,7 @@ import time
 import nibabel
 import numpy
 
-# Name, labels, options. Seeds are single clicks, boxes are drawn about the structure exactly those of the labels, LPS mm.
+# Name, labels, options. Seeds are single clicks; boxes are the bounding boxes of the labels themselves; LPS mm.
 RUNS = [
     ("right femur, threshold and growing in a box", [76],
      ["--threshold", "100:1500", "--seed", "-89,-143,118", "--within", "-59,-104,94:-152,-167,145", "--close", "9", "--fill-holes"]),
