@@ -15,9 +15,10 @@ namespace anatomesh {
 namespace {
 
 constexpr std::uint32_t cell_pixels = 8;  // of the coarse grid of upper bounds, along each axis
-constexpr double narrow_cone = 0.968;     // the cosine of its angle: 0.25
 constexpr double shared_slack = 1e-6;     // pixels by which neighbouring pieces of one edge or vertex overlap
 constexpr double end_slack = 1e-10;       // pixels by which an edge's strip passes the edge's ends
+constexpr double worth_a_cut = 0.5;       // pixels of a wedge's corner that a cut must take off
+constexpr int most_cuts = 24;             // of a wedge
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Vec2 unit_of(Vec2 v) {
@@ -36,6 +37,7 @@ class UpperBound {
     UpperBound(std::span<const Edge2> edges, const PixelGrid& grid)
         : low_(grid.low),
           step_(cell_pixels * grid.step),
+          inverse_step_{1 / step_.x, 1 / step_.y},
           nx_((grid.nx - 1) / cell_pixels + 1),
           ny_((grid.ny - 1) / cell_pixels + 1),
           samples_(std::size_t{nx_} * ny_, Vec2{infinity, 0}) {
@@ -51,14 +53,15 @@ class UpperBound {
         spread();
     }
 
-    double distance(Vec2 q) const { return length(q - samples_[row(q.y) * nx_ + column(q.x)]); }
+    Vec2 known_near(Vec2 q) const { return samples_[row(q.y) * nx_ + column(q.x)]; }
+    double distance(Vec2 q) const { return length(q - known_near(q)); }
 
   private:
     static std::size_t index(double cell, std::uint32_t count) {
         return static_cast<std::size_t>(std::clamp(cell, 0.0, count - 1.0));
     }
-    std::size_t column(double x) const { return index((x - low_.x) / step_.x, nx_); }
-    std::size_t row(double y) const { return index((y - low_.y) / step_.y, ny_); }
+    std::size_t column(double x) const { return index((x - low_.x) * inverse_step_.x, nx_); }
+    std::size_t row(double y) const { return index((y - low_.y) * inverse_step_.y, ny_); }
 
     void offer(std::size_t i, std::size_t j, Vec2 sample) {
         const Vec2 centre =
@@ -80,7 +83,7 @@ class UpperBound {
         for (std::size_t j = ny_; j-- > 0;) take_from_row(j, j + 1 < ny_ ? j + 1 : j);
     }
 
-    Vec2 low_, step_;
+    Vec2 low_, step_, inverse_step_;
     std::uint32_t nx_, ny_;
     std::vector<Vec2> samples_;
 };
@@ -143,6 +146,45 @@ class Piece {
     double first_row_, last_row_;
 };
 
+// A convex polygon, counter-clockwise, that begins as a box and is cut by half-planes. Cuts are rounded by
+// some 1e-13 of its size: whoever needs the points on a line moves the line outwards.
+class Polygon {
+  public:
+    void begin(const Box2& box) {
+        corners_[0] = box.low;
+        corners_[1] = {box.high.x, box.low.y};
+        corners_[2] = box.high;
+        corners_[3] = {box.low.x, box.high.y};
+        count_ = 4;
+    }
+
+    std::span<const Vec2> corners() const { return {corners_.data(), static_cast<std::size_t>(count_)}; }
+
+    // Keeps the points q with dot(q - at, normal) >= 0. Requires: at most most_cuts + 2 calls.
+    void cut(Vec2 at, Vec2 normal) {
+        if (count_ == 0) return;
+        int kept = 0;
+        Vec2 last = corners_[static_cast<std::size_t>(count_ - 1)];
+        double height_of_last = dot(last - at, normal);
+        for (const Vec2 corner : corners()) {
+            const double height = dot(corner - at, normal);
+            // A convex polygon crosses a line twice; rounding may not make it more.
+            if ((height < 0) != (height_of_last < 0) && kept < capacity)
+                spare_[kept++] = last + (height_of_last / (height_of_last - height)) * (corner - last);
+            if (height >= 0 && kept < capacity) spare_[kept++] = corner;
+            last = corner;
+            height_of_last = height;
+        }
+        std::copy(spare_.begin(), spare_.begin() + kept, corners_.begin());
+        count_ = kept;
+    }
+
+  private:
+    static constexpr int capacity = 4 + 2 + most_cuts + 2;
+    std::array<Vec2, capacity> corners_, spare_;
+    int count_ = 0;
+};
+
 class Raster {
   public:
     Raster(std::span<const Edge2> edges, const PixelGrid& grid)
@@ -150,7 +192,9 @@ class Raster {
           bound_(edges, grid),
           box_{grid.low, grid.low + Vec2{(grid.nx - 1) * grid.step.x, (grid.ny - 1) * grid.step.y}},
           pixel_(std::min(grid.step.x, grid.step.y)),
-          squared_(static_cast<std::size_t>(grid.nx) * grid.ny, infinity) {}
+          squared_(static_cast<std::size_t>(grid.nx) * grid.ny, infinity),
+          left_(grid.ny),
+          right_(grid.ny) {}
 
     // The strip of the points whose nearest point on the edge's line lies on the edge, in pieces some pixels
     // wide, as far out as the edge may be what is nearest.
@@ -162,8 +206,8 @@ class Raster {
         const double width = full / pieces;
         for (int piece = 0; piece < pieces; ++piece) {
             const Vec2 middle = edge.a + ((piece + 0.5) * width) * unit;
-            const double left = reach(middle, normal, width / 2, 0),
-                         right = reach(middle, -1.0 * normal, width / 2, 0);
+            const double left = reach(middle, normal, width / 2),
+                         right = reach(middle, -1.0 * normal, width / 2);
             if (left < 0 && right < 0) continue;
             Box2 box;
             for (const double along : {-width / 2, width / 2})
@@ -177,16 +221,16 @@ class Raster {
     }
 
     // The wedge of the points beyond the end of the edge that comes in and before the start of the one that
-    // goes out, in narrow cones. That it is a little too wide does no harm and leaves no gap to the strips.
-    // Directions are unit vectors.
+    // goes out, cut down to where no other boundary point is known to be nearer. That it is a little too wide
+    // does no harm and leaves no gap to the strips. Directions are unit vectors.
     void add_vertex(Vec2 vertex, Vec2 in, Vec2 out) {
-        const double turn = cross(in, out);
-        if (turn == 0 && dot(in, out) > 0) return;
-        // It opens on the side that the boundary turns away from.
-        if (turn > 0)
-            add_cones(vertex, {in.y, -in.x}, {out.y, -out.x});
-        else
-            add_cones(vertex, {-out.y, out.x}, {-in.y, in.x});
+        if (cross(in, out) == 0 && dot(in, out) > 0) return;
+        const double slack = shared_slack * pixel_;
+        wedge_.begin(grown(box_));
+        wedge_.cut(vertex - slack * in, in);
+        wedge_.cut(vertex + slack * out, -1.0 * out);
+        cut_to_nearest(wedge_, vertex);
+        fill_polygon(wedge_.corners(), vertex);
     }
 
     std::vector<double> take() && { return std::move(squared_); }
@@ -201,58 +245,53 @@ class Raster {
         return {box.low - by, box.high + by};
     }
 
-    // From `low` counter-clockwise to `high`, at most half a turn; halved until narrow.
-    void add_cones(Vec2 apex, Vec2 low, Vec2 high) {
-        if (dot(low, high) >= narrow_cone) return add_cone(apex, low, high);
-        const Vec2 middle = dot(low, high) > -0.5 ? unit_of(low + high) : Vec2{-low.y, low.x};
-        add_cones(apex, low, middle);
-        add_cones(apex, middle, high);
-    }
-    void add_cone(Vec2 apex, Vec2 low, Vec2 high) {
-        // The angle is at most 1.02 of its sine, and so is what the sides are longer than the middle.
-        const double far =
-            reach(apex, unit_of(low + high), shared_slack * pixel_, 0.51 * std::abs(cross(low, high)));
-        if (far < 0) return;
-        Box2 box;
-        box.extend(apex);
-        box.extend(apex + (1.02 * far) * low);
-        box.extend(apex + (1.02 * far) * high);
-        const double slack = shared_slack * pixel_;
-        if (low.y * high.y > 0 && low.y * low.y > low.x * low.x && high.y * high.y > high.x * high.x)
-            fill_upright_cone(apex, low.y > 0 ? high : low, low.y > 0 ? low : high, slack, grown(box));
-        else
-            fill_cone(apex, low, high, slack, grown(box));
-    }
-
-    // The cone's rows are about as wide as the cone: short, and no harm when a point beside it is met too.
-    void fill_upright_cone(Vec2 apex, Vec2 left, Vec2 right, double slack, const Box2& box) {
-        const Rows rows = rows_of(box);
-        const double per_row = grid_.step.y / grid_.step.x, apex_row = (apex.y - grid_.low.y) / grid_.step.y;
-        const double to_left = left.x / left.y * per_row, to_right = right.x / right.y * per_row;
-        const double column = (apex.x - grid_.low.x) / grid_.step.x, margin = 2 * slack / grid_.step.x;
-        for (std::uint32_t j = rows.first; j < rows.end; ++j) {
-            const double low = column - margin + to_left * (j - apex_row),
-                         high = column + margin + to_right * (j - apex_row);
-            if (!(low > -1 && high < grid_.nx)) {
-                each_column(low, high, [&](std::uint32_t first, std::uint32_t last) {
-                    fill_distance(apex, j, first, last);
-                });
-                continue;
+    // What is nearer to a boundary point known near one of the corners is cut off, until no corner loses much
+    // that way.
+    void cut_to_nearest(Polygon& wedge, Vec2 apex) const {
+        for (int cuts = 0; cuts < most_cuts; ++cuts) {
+            double deepest = worth_a_cut * pixel_;
+            Vec2 at, normal;
+            for (const Vec2 corner : wedge.corners()) {
+                const Vec2 known = bound_.known_near(corner), across = apex - known;
+                // How far behind the bisector the corner lies.
+                const double gain = squared_length(corner - apex) - squared_length(corner - known);
+                if (gain <= 0 || gain * gain <= 4 * deepest * deepest * squared_length(across)) continue;
+                const double apart = length(across);
+                deepest = 0.5 * gain / apart;
+                normal = (1 / apart) * across;
+                at = 0.5 * (apex + known) - (shared_slack * pixel_) * normal;
             }
-            const std::int32_t first = rounded_up(low);
-            const auto last = std::min(first + 1 + static_cast<std::int32_t>(high - low),
-                                       static_cast<std::int32_t>(grid_.nx));
-            fill_distance(apex, j, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last));
+            if (normal == Vec2{}) return;
+            wedge.cut(at, normal);
         }
     }
-    void fill_cone(Vec2 apex, Vec2 low, Vec2 high, double slack, const Box2& box) {
-        Piece cone(grid_, box);
-        const Vec2 from_low{-low.y, low.x}, from_high{high.y, -high.x};
-        cone.cut(apex - slack * from_low, from_low);
-        cone.cut(apex - slack * from_high, from_high);
-        cone.each_row([&](std::uint32_t j, std::uint32_t first, std::uint32_t last) {
-            fill_distance(apex, j, first, last);
-        });
+
+    // Row by row the points between the polygon's left and right sides, by their distance from `apex`.
+    void fill_polygon(std::span<const Vec2> corners, Vec2 apex) {
+        if (corners.empty()) return;
+        double lowest = infinity, highest = -infinity;
+        Vec2 from = on_grid(corners.back());
+        for (const Vec2 corner : corners) {
+            const Vec2 to = on_grid(corner);
+            lowest = std::min(lowest, to.y);
+            highest = std::max(highest, to.y);
+            std::vector<double>& side = to.y < from.y ? left_ : right_;
+            const Vec2 low = to.y < from.y ? to : from, high = to.y < from.y ? from : to;
+            from = to;
+            if (low.y == high.y) continue;
+            const double slope = (high.x - low.x) / (high.y - low.y);
+            const auto [first, end] = rows_between(low.y, high.y);
+            for (std::uint32_t j = first; j < end; ++j) side[j] = low.x + slope * (j - low.y);
+        }
+        const auto [first, end] = rows_between(lowest, highest);
+        for (std::uint32_t j = first; j < end; ++j) {
+            each_column(
+                left_[j] - shared_slack, right_[j] + shared_slack,
+                [&](std::uint32_t begin, std::uint32_t last) { fill_distance(apex, j, begin, last); });
+        }
+    }
+    Vec2 on_grid(Vec2 q) const {
+        return {(q.x - grid_.low.x) / grid_.step.x, (q.y - grid_.low.y) / grid_.step.y};
     }
     void fill_distance(Vec2 apex, std::uint32_t j, std::uint32_t first, std::uint32_t last) {
         double* row = squared_.data() + static_cast<std::size_t>(j) * grid_.nx;
@@ -315,8 +354,10 @@ class Raster {
     }
 
     Rows rows_of(const Box2& box) const {
-        const double low = (box.low.y - grid_.low.y) / grid_.step.y,
-                     high = (box.high.y - grid_.low.y) / grid_.step.y;
+        return rows_between((box.low.y - grid_.low.y) / grid_.step.y,
+                            (box.high.y - grid_.low.y) / grid_.step.y);
+    }
+    Rows rows_between(double low, double high) const {
         if (!(high >= 0) || !(low <= grid_.ny - 1.0)) return {};
         return {static_cast<std::uint32_t>(std::ceil(std::max(low, 0.0))),
                 static_cast<std::uint32_t>(std::min(high, grid_.ny - 1.0)) + 1};
@@ -336,13 +377,13 @@ class Raster {
     }
 
     // How far from the boundary point `from` along a direction square to the boundary there it, or a boundary
-    // point beside it whose parallel ray is at most `beside` away, or whose ray opens by at most the angle
-    // `opening`, may be the nearest one of points of the grid; negative when for none. Once another point of
-    // the boundary is nearer it stays so along the ray, which is what ends the search.
-    double reach(Vec2 from, Vec2 along, double beside, double opening) const {
+    // point beside it whose parallel ray is at most `beside` away, may be the nearest one of points of the
+    // grid; negative when for none. Once another point of the boundary is nearer it stays so along the ray,
+    // which is what ends the search.
+    double reach(Vec2 from, Vec2 along, double beside) const {
         const Vec2 size{std::max(from.x - box_.low.x, box_.high.x - from.x),
                         std::max(from.y - box_.low.y, box_.high.y - from.y)};
-        const double margin = beside + opening * length(size) + shared_slack * pixel_;
+        const double margin = beside + shared_slack * pixel_;
         double enter = 0, leave = length(size) + margin;
         for (const auto& [at, speed, low, high] : {std::tuple{from.x, along.x, box_.low.x, box_.high.x},
                                                    {from.y, along.y, box_.low.y, box_.high.y}}) {
@@ -356,7 +397,7 @@ class Raster {
         }
         if (enter > leave) return -1;
         const auto is_beyond = [&](double far) {
-            return bound_.distance(from + far * along) + beside + opening * far + shared_slack * pixel_ < far;
+            return bound_.distance(from + far * along) + beside + shared_slack * pixel_ < far;
         };
         // Outwards in growing steps, then back to within an eighth.
         double near = enter, far = std::min(enter + cell_pixels * pixel_, leave);
@@ -377,6 +418,8 @@ class Raster {
     Box2 box_;
     double pixel_;
     std::vector<double> squared_;
+    Polygon wedge_;
+    std::vector<double> left_, right_;  // per row, of the wedge
 };
 
 // Finds an edge that goes out of a point.

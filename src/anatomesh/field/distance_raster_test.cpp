@@ -73,6 +73,23 @@ TEST(DistanceRaster, equals_brute_force_for_edges_nearly_along_the_rows) {
     }
 }
 
+// Spikes, blunt corners, edges far longer and far shorter than a pixel, on grids beside, across and within
+// them, with pixels of any shape.
+TEST(DistanceRaster, equals_brute_force_for_wedges_of_any_angle) {
+    std::mt19937 random(77);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int trial = 0; trial < 300; ++trial) {
+        const double size = std::pow(10.0, 2 + 2 * unit(random)), thin = std::pow(10.0, 3 * unit(random) - 3);
+        Ring ring;
+        for (int i = 0; i < 3 + trial % 3; ++i)
+            ring.push_back({size * unit(random), (trial % 2 ? thin : 1) * size * unit(random)});
+        if (trial % 4 == 0) ring.push_back(ring.back() + Vec2{1e-7 * unit(random), 1e-7 * unit(random)});
+        const Vec2 step{std::pow(4.0, unit(random)), std::pow(4.0, unit(random))};
+        expect_exact(edges_of({ring}), {{30 * unit(random), 30 * unit(random)}, step, 37, 23});
+        if (HasFatalFailure()) FAIL() << "trial " << trial;
+    }
+}
+
 TEST(DistanceRaster, zero_on_grid_points_that_are_vertices) {
     const std::vector<double> distance =
         distance_raster(edges_of({{{0, 0}, {4, 1}, {3, 5}, {-1, 3}}}), {{-2, -2}, {1, 1}, 8, 9});
