@@ -121,7 +121,8 @@ Result<OpenedInput> open_dicom(const InputOptions& options, RunContext& context)
                   choose_dicom(folder, options.series, context, choose_options(options)));
     OpenedInput opened;
     const auto& of_study = choice.images.empty() ? choice.objects : choice.images;
-    ANATOMESH_TRY(opened.dicom_source, dicom_source(folder, of_study, options.keep_patient_ids));
+    ANATOMESH_TRY(opened.dicom_source,
+                  dicom_source(folder, of_study, options.keep_patient_ids, choice.objects));
     const DicomObject& object = folder.objects[choice.objects[0]];
     if (choice.kind == DicomKind::image) {
         ReadSeriesOptions reading;

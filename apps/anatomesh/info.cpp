@@ -15,6 +15,7 @@
 #include "input_options.h"
 #include "plural.h"
 #include "read_input.h"
+#include "session.h"
 #include "verbs.h"
 
 namespace anatomesh {
@@ -172,7 +173,7 @@ std::string text_of(const Json& answer) {
     text += fmt::format("  {}:\n", counted(what["structures"].size(), "structure"));
     for (const Json& each : what["structures"]) {
         text += fmt::format("  {:>6}  {:<32} ", each["number"].get<std::int32_t>(),
-                            each["name"].get<std::string>());
+                            on_one_line(each["name"].get<std::string>()));
         text += is_image
                     ? fmt::format("{}, {:.1f} mm3\n", counted(each["voxels"].get<std::uint64_t>(), "voxel"),
                                   each["volume_mm3"].get<double>())

@@ -35,6 +35,7 @@
 #include "progress_bar.h"
 #include "read_input.h"
 #include "reconcile_step.h"
+#include "report_names.h"
 #include "summary.h"
 #include "verbs.h"
 
@@ -232,6 +233,8 @@ Status stage_outputs(Model& model, ModelFile& file, const ContourSet& kept, cons
         ANATOMESH_CHECK_STATUS(files.add(options.contours, format_contours(kept, format, context)));
     }
     model.report.warnings = context.warnings;  // with those of the formats
+    if (!options.input.keep_patient_ids)
+        hide_dicom_names(model.report, {options.input.input, options.element.grey}, options.input.series);
     ANATOMESH_CHECK_STATUS(files.add(options.report, report_json(model.report)));
     if (!options.html.empty()) {
         const std::string page = report_html(model.report, model.mesh, model.regions, &kept);

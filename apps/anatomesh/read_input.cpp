@@ -19,6 +19,7 @@
 #include "anatomesh_io/image/tracked_frames.h"
 #include "dicom_input.h"
 #include "mesh_input.h"
+#include "report_names.h"
 
 namespace anatomesh {
 
@@ -398,7 +399,8 @@ std::vector<std::pair<std::string, std::string>> used_options(const InputOptions
     if (!options.assume_orientation.empty())
         used.emplace_back("assume_orientation", options.assume_orientation);
     if (options.volume) used.emplace_back("volume", std::to_string(*options.volume));
-    if (!options.series.empty()) used.emplace_back("series", options.series);
+    if (!options.series.empty())
+        used.emplace_back("series", options.keep_patient_ids ? options.series : shown_series(options.series));
     const std::pair<const char*, bool> flags[] = {
         {"allow_gaps", options.allow_gaps},
         {"ignore_frame_of_reference", options.ignore_frame_of_reference},

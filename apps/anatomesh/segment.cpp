@@ -83,15 +83,36 @@ LabelMap sorted_by_number(LabelMap labels) {
     return labels;
 }
 
-// One label map of all; where two structures meet the voxel is that of the first.
-LabelMap joined(std::vector<TaskResult>& results) {
+// One label map of all; where two structures meet the voxel is that of the first, and the other has the
+// fewer.
+Result<LabelMap> joined(std::vector<TaskResult>& results, const std::vector<SegmentTask>& tasks,
+                        const std::string& source, RunContext& context) {
     LabelMap all = std::move(results[0].segmentation.labels);
     for (std::size_t r = 1; r < results.size(); ++r) {
         const LabelMap& one = results[r].segmentation.labels;
         all.structures.push_back(one.structures[0]);
         const auto label = static_cast<std::uint16_t>(all.structures.size());
-        for (std::size_t n = 0; n < all.voxels.size(); ++n)
-            if (all.voxels[n] == 0 && one.voxels[n] != 0) all.voxels[n] = label;
+        std::uint64_t taken = 0;
+        for (std::size_t n = 0; n < all.voxels.size(); ++n) {
+            if (one.voxels[n] == 0) continue;
+            if (all.voxels[n] == 0)
+                all.voxels[n] = label;
+            else
+                ++taken;
+        }
+        if (taken == 0) continue;
+        const std::string found = fmt::format("{} of {} voxels", taken, results[r].voxels);
+        if (taken == results[r].voxels)
+            return Error{ErrorKind::geometry,
+                         "E-SGM-014",
+                         "nothing is left of the structure: all of it belongs to structures before it",
+                         {source, "", tasks[r].name, "", found},
+                         "put it before them in the recipe, or give it another threshold, seed or part"};
+        context.warn({"W-SGM-004",
+                      "a part of the structure belongs to structures before it",
+                      {source, "", tasks[r].name, "", found},
+                      "left to those that come first in the recipe"});
+        results[r].voxels -= taken;
     }
     constexpr std::array<std::array<std::uint8_t, 3>, 6> colors{
         {{230, 200, 120}, {200, 80, 60}, {90, 150, 210}, {120, 180, 90}, {190, 120, 200}, {220, 150, 70}}};
@@ -141,6 +162,26 @@ Result<std::vector<SegmentTask>> tasks_of(const SegmentVerbOptions& options) {
     return std::vector{task};
 }
 
+// Of several, errors and warnings name the structure.
+Result<std::vector<TaskResult>> run_tasks(const std::vector<SegmentTask>& tasks, const LoadedImage& image,
+                                          RunContext& context) {
+    std::vector<TaskResult> results;
+    for (const SegmentTask& task : tasks) {
+        const std::size_t before = context.warnings.size();
+        Result<TaskResult> result = run_task(task, image, context);
+        const std::string name = tasks.size() > 1 ? task.name : "";
+        for (std::size_t w = before; w < context.warnings.size(); ++w)
+            if (context.warnings[w].place.structure.empty()) context.warnings[w].place.structure = name;
+        if (!result.ok()) {
+            Error error = result.error();
+            if (error.place.structure.empty()) error.place.structure = name;
+            return error;
+        }
+        results.push_back(std::move(result).value());
+    }
+    return results;
+}
+
 Status run_segment(SegmentVerbOptions options, Session& session) {
     RunContext& context = session.context;
     options.input.limits = session.limits;
@@ -152,11 +193,8 @@ Status run_segment(SegmentVerbOptions options, Session& session) {
     ANATOMESH_TRY(const std::vector<SegmentTask> tasks, tasks_of(options));
     std::vector<InputReport> inputs;
     ANATOMESH_TRY(const LoadedImage image, open_grey(options, inputs, context));
-    std::vector<TaskResult> results;
-    for (const SegmentTask& task : tasks) {
-        ANATOMESH_TRY(TaskResult result, run_task(task, image, context));
-        results.push_back(std::move(result));
-    }
+    ANATOMESH_TRY(std::vector<TaskResult> results, run_tasks(tasks, image, context));
+    ANATOMESH_TRY(const LabelMap labels, joined(results, tasks, image.image.source, context));
     const auto& step = image.image.geometry.step;
     const double voxel_mm3 = image.poses.empty() ? std::abs(dot(step[0], cross(step[1], step[2]))) : 0;
     nlohmann::ordered_json answer;
@@ -166,7 +204,7 @@ Status run_segment(SegmentVerbOptions options, Session& session) {
     std::string text;
     for (std::size_t r = 0; r < results.size(); ++r) {
         nlohmann::ordered_json one = json_of(results[r], voxel_mm3);
-        text += fmt::format("{}: {} by {}, {}", options.output, tasks[r].name, results[r].method,
+        text += fmt::format("{}: {} by {}, {}", options.output, on_one_line(tasks[r].name), results[r].method,
                             counted(results[r].voxels, voxel_mm3 > 0 ? "voxel" : "pixel"));
         text += voxel_mm3 > 0
                     ? fmt::format(", {:.6g} ml\n", static_cast<double>(results[r].voxels) * voxel_mm3 / 1000)
@@ -179,7 +217,6 @@ Status run_segment(SegmentVerbOptions options, Session& session) {
         named.update(one);
         answer["structures"].push_back(std::move(named));
     }
-    const LabelMap labels = joined(results);
     ANATOMESH_TRY(const std::string bytes, file_of(labels, results, image, options.output, context));
     if (context.cancelled()) return cancelled_error();
     AtomicFileSet files;

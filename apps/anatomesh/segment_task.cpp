@@ -302,6 +302,8 @@ class RecipeReader {
         const Json recipe = Json::parse(text, nullptr, false);
         if (!recipe.is_object() || !recipe.contains("format") || recipe["format"] != "anatomesh-recipe")
             return failure("it is no JSON object with \"format\": \"anatomesh-recipe\"", "");
+        if (recipe.contains("version") && recipe["version"] != 1)
+            return failure("its \"version\" is not 1", "");
         if (!recipe.contains("structures") || !recipe["structures"].is_array() ||
             recipe["structures"].empty())
             return failure("\"structures\" is missing or empty", "");
@@ -309,7 +311,8 @@ class RecipeReader {
         for (const Json& each : recipe["structures"]) {
             ANATOMESH_TRY(SegmentTask task, task_of(each, static_cast<std::uint32_t>(tasks.size()) + 1));
             for (const SegmentTask& other : tasks)
-                if (other.number == task.number) return failure("two structures have one number", task.name);
+                if (other.number == task.number || other.name == task.name)
+                    return failure("two structures have one number or one name", task.name);
             tasks.push_back(std::move(task));
         }
         return tasks;

@@ -63,7 +63,7 @@ Status print_answer(Session& session, std::string_view text) {
 }
 
 void print_line(const std::string& line) {
-    write_all(STDERR_FILENO, printable(line) + "\n");
+    write_all(STDERR_FILENO, on_one_line(line) + "\n");
 }
 
 void print_error(const Session& session, const Error& error) {
@@ -99,6 +99,12 @@ std::string printable(std::string_view text) {
         if (second_set) ++i;
         out += (c < 0x20 && c != '\n') || c == 0x7F || second_set ? '?' : text[i];
     }
+    return out;
+}
+
+std::string on_one_line(std::string_view text) {
+    std::string out = printable(text);
+    std::replace(out.begin(), out.end(), '\n', '?');
     return out;
 }
 

@@ -44,4 +44,7 @@ void print_warnings(const Session& session);
 // Same text with control characters replaced by '?'. Newlines are kept.
 std::string printable(std::string_view text);
 
+// The same without newlines: for names from files, which must not look like lines of ours.
+std::string on_one_line(std::string_view text);
+
 }  // namespace anatomesh

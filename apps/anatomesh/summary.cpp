@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "plural.h"
+#include "session.h"
 
 namespace anatomesh {
 
@@ -24,7 +25,7 @@ const char* state_text(ClauseState state) {
 
 std::string structure_line(const StructureReport& structure) {
     return fmt::format("  {:>6}  {:<28} {:>9} {}, {:.1f} mm3, {}, genus {}\n", structure.number,
-                       structure.name, structure.tetrahedra,
+                       on_one_line(structure.name), structure.tetrahedra,
                        structure.tetrahedra == 1 ? "tetrahedron" : "tetrahedra", structure.volume_mesh_mm3,
                        counted(structure.components, "shell"), structure.genus);
 }

@@ -82,6 +82,17 @@ class Archive(harness.TestCase):
         self.assertIn("E-NET-017", self.run_program("query", "--from", orthanc.url, expect=6).err)
         self.assertIn("--user", self.run_program("send", "surface.dcm", "--to", orthanc.url, expect=6).err)
 
+    def test_a_model_as_text_is_kept_as_it_is(self):
+        orthanc = Orthanc(self)
+        study, contours = write_study(self.folder / "study")
+        self.run_program("model", contours, "-o", "model.vtu", "--size", "6", "--keep-patient-ids", "--dicom-obj", "obj.dcm", "--quiet")
+        wanted = content_of(self.folder / "obj.dcm")
+        series = pydicom.dcmread(self.folder / "obj.dcm").SeriesInstanceUID
+        self.run_program("send", "obj.dcm", "--to", orthanc.peer)
+        for number, (peer, login) in enumerate(((orthanc.peer, ()), (orthanc.url, orthanc.web_login))):
+            self.run_program("fetch", "--from", peer, *login, "--study", peers.STUDY, "--series", series, "-o", f"back{number}")
+            self.assertEqual(content_of(next((self.folder / f"back{number}").glob("*/*/*.dcm"))), wanted)
+
     def test_by_move(self):
         port = peers.free_port()
         orthanc = Orthanc(self, port)

@@ -29,7 +29,7 @@ def ball(count=20, size=32, spacing=2.0, radius=22.0):
     return values, heights, axis
 
 
-def write_series(folder, names=None, series="1.2.826.0.1.3680043.8.498.1", **changes):
+def write_series(folder, names=None, series="1.2.826.0.1.3680043.8.498.1", shift=(0, 0, 0), **changes):
     values, heights, axis = ball()
     paths = []
     for k in range(len(heights)):
@@ -47,7 +47,7 @@ def write_series(folder, names=None, series="1.2.826.0.1.3680043.8.498.1", **cha
         data.add_new((0x0009, 0x0010), "LO", "ZZPRIVATE")
         data.add_new((0x0009, 0x1001), "LO", "ZZPRIVATEVALUE")
         data.InstanceNumber, data.SliceThickness = k + 1, 5
-        data.ImagePositionPatient = [axis[0], axis[0], heights[k]]
+        data.ImagePositionPatient = [axis[0] + shift[0], axis[0] + shift[1], heights[k] + shift[2]]
         data.ImageOrientationPatient, data.PixelSpacing = [1, 0, 0, 0, 1, 0], [2, 2]
         data.Rows = data.Columns = len(axis)
         data.SamplesPerPixel, data.PhotometricInterpretation = 1, "MONOCHROME2"
@@ -164,6 +164,24 @@ class Folders(harness.TestCase):
         contours.save_as(str(self.study / "rs"), write_like_original=True)
         self.run_program("contours", "study", "-o", "x.json")
 
+    def test_G31_a_patient_far_from_the_origin(self):
+        """The model is that of the centred twin, moved: by amounts that are exact in floating point."""
+        def model(shift):
+            shutil.rmtree(self.study)
+            self.study.mkdir()
+            write_series(self.study, shift=shift)
+            # Half way between the two values there are: points in the middle between pixels.
+            self.run_program("model", "study", "--threshold", "-350", "--size", "6", "-o", "m.mesh")
+            words = (self.folder / "m.mesh").read_text().split()
+            at, cells = words.index("Vertices") + 1, words.index("Tetrahedra") + 1
+            points = numpy.array(words[at + 1:at + 1 + 4 * int(words[at])], float).reshape(-1, 4)[:, :3]
+            return points, words[cells:cells + 1 + 5 * int(words[cells])]
+        points, cells = model((0, 0, 0))
+        for shift in ((2 ** 14, -2 ** 14, 2 ** 14), (-2 ** 20, 2 ** 17, 2 ** 20), (2 ** 23, 2 ** 23, -2 ** 23)):
+            moved, same = model(shift)
+            self.assertEqual(same, cells, shift)
+            self.assertLess(abs(moved - points - shift).max(), 4 * numpy.spacing(float(max(map(abs, shift)))))
+
     def test_RS20_one_contour_in_total(self):
         write_series(self.study)
         self.run_program("contours", "study", "--threshold", "0", "--keep-patient-ids", "-o", "rs.dcm")
@@ -238,6 +256,85 @@ class ModelObjects(harness.TestCase):
         self.assertEqual(found["structures"][0]["voxels"], int(read.sum()))
 
 
+# What the modules of Encapsulated OBJ and STL (PS3.3, A.85) demand: with a value (type 1), or at least there (type 2).
+WITH_VALUE = ["StudyInstanceUID", "Modality", "SeriesInstanceUID", "SeriesNumber", "FrameOfReferenceUID", "Manufacturer",
+              "ManufacturerModelName", "DeviceSerialNumber", "SoftwareVersions", "InstanceNumber", "BurnedInAnnotation",
+              "EncapsulatedDocument", "MIMETypeOfEncapsulatedDocument", "MeasurementUnitsCodeSequence", "SOPClassUID",
+              "SOPInstanceUID", "SourceInstanceSequence"]
+THERE = ["PatientName", "PatientID", "PatientBirthDate", "PatientSex", "StudyDate", "StudyTime", "ReferringPhysicianName",
+         "StudyID", "AccessionNumber", "PositionReferenceIndicator", "ContentDate", "ContentTime", "AcquisitionDateTime",
+         "DocumentTitle", "ConceptNameCodeSequence"]
+
+
+class EncapsulatedObj(harness.TestCase):
+    """No checker in Debian 12 knows Encapsulated OBJ: it is held against the standard's tables and against DCMTK's stl2dcm."""
+
+    def setUp(self):
+        super().setUp()
+        study = self.folder / "study"
+        study.mkdir()
+        write_series(study)
+        self.run_program("contours", "study", "--threshold", "0", "--keep-patient-ids", "-o", "rs.dcm")
+        shutil.copy(self.folder / "rs.dcm", study / "rs")
+        self.run_program("model", "study", "--size", "6", "-o", "m.vtu", "--keep-patient-ids", "--dicom-surface", "stl.dcm",
+                         "--dicom-obj", "obj.dcm", "--surface", "m.stl")
+
+    def read(self, name):
+        return pydicom.dcmread(self.folder / name)
+
+    def test_what_the_standard_demands_is_there(self):
+        for made in (self.read("obj.dcm"), self.read("stl.dcm")):
+            for keyword in WITH_VALUE:
+                self.assertTrue(keyword in made and made[keyword].value not in (None, "", b"", []), keyword)
+            for keyword in THERE:
+                self.assertIn(keyword, made)
+            self.assertEqual(made.Modality, "M3D")
+            self.assertEqual(len(made.EncapsulatedDocument) % 2, 0)
+            unit = made.MeasurementUnitsCodeSequence[0]
+            self.assertEqual((unit.CodeValue, unit.CodingSchemeDesignator), ("mm", "UCUM"))
+
+    def test_it_says_what_it_was_made_from(self):
+        contours, made = self.read("rs.dcm"), self.read("obj.dcm")
+        images = {f"1.2.826.0.1.3680043.8.498.1.{k + 1}" for k in range(20)}
+        self.assertEqual({item.ReferencedSOPInstanceUID for item in made.SourceInstanceSequence},
+                         images | {contours.SOPInstanceUID})
+        series = {item.SeriesInstanceUID: {each.ReferencedSOPInstanceUID for each in item.ReferencedInstanceSequence}
+                  for item in made.ReferencedSeriesSequence}
+        self.assertEqual(series, {"1.2.826.0.1.3680043.8.498.1": images, contours.SeriesInstanceUID: {contours.SOPInstanceUID}})
+
+    def test_beside_what_dcmtk_makes_of_the_same_surface(self):
+        if not shutil.which("stl2dcm"):
+            self.skipTest("no stl2dcm (dcmtk)")
+        done = subprocess.run(["stl2dcm", "--study-from", "study/slice000", "+mu", "UCUM", "mm", "mm", "-an", "+t", "model surface",
+                               "m.stl", "peer.dcm"], cwd=self.folder, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        peer, ours, text = self.read("peer.dcm"), self.read("stl.dcm"), self.read("obj.dcm")
+        kinds = [{element.keyword: element.VR for element in each} for each in (peer, ours, text)]
+        # Both ways: what the peer alone says is optional (SOP Common), what we alone say is references and the model's state.
+        self.assertEqual(set(kinds[0]) - set(kinds[1]), {"InstanceCreationDate", "InstanceCreationTime"})
+        self.assertEqual(set(kinds[1]) - set(kinds[0]), {"SeriesDescription", "ModelModification", "ModelMirroring",
+                                                         "SourceInstanceSequence", "ReferencedSeriesSequence"})
+        for keyword in set(kinds[0]) & set(kinds[1]):
+            self.assertEqual(kinds[0][keyword], kinds[1][keyword], keyword)
+        for keyword in ("SOPClassUID", "Modality", "StudyInstanceUID", "FrameOfReferenceUID", "PatientName", "PatientID",
+                        "MIMETypeOfEncapsulatedDocument", "DocumentTitle", "BurnedInAnnotation", "EncapsulatedDocument",
+                        "EncapsulatedDocumentLength", "MeasurementUnitsCodeSequence"):
+            self.assertEqual(peer[keyword].value, ours[keyword].value, keyword)
+        # And the text differs from the binary in what it is, and in nothing else.
+        self.assertEqual(kinds[2], kinds[1])
+        differ = {keyword for keyword in kinds[1] if text[keyword].value != ours[keyword].value}
+        self.assertEqual(differ, {"SOPClassUID", "SOPInstanceUID", "SeriesInstanceUID", "EncapsulatedDocument",
+                                  "EncapsulatedDocumentLength", "MIMETypeOfEncapsulatedDocument"})
+
+    def test_dcmtk_reads_every_element_of_it(self):
+        if not shutil.which("dcmconv"):
+            self.skipTest("no dcmconv (dcmtk)")
+        for words in (["dcmdump", "+E", "obj.dcm"], ["dcm2xml", "obj.dcm", "obj.xml"], ["dcmconv", "+ti", "obj.dcm", "implicit.dcm"]):
+            done = subprocess.run(words, cwd=self.folder, capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""), words)
+        self.assertEqual(self.read("implicit.dcm").to_json(), self.read("obj.dcm").to_json())
+
+
 class Privacy(harness.TestCase):
     def test_O05_nothing_planted_gets_out(self):
         study = self.folder / "study"
@@ -269,6 +366,29 @@ class Privacy(harness.TestCase):
             self.assertIsNone(found, found and text[max(0, found.start() - 60):found.end() + 60])
         report = json.loads((self.folder / "m.report.json").read_text())
         self.assertEqual(len(report["inputs"][0]["sha256"]), 64)
+
+    def test_O05_folders_called_after_the_patient(self):
+        """What is written says neither how the folder is called nor the series' UID, also where the command line has them."""
+        study = self.folder / "ZZPLANTED Doe^John"
+        study.mkdir()
+        paths = write_series(study)
+        os.remove(paths[9])
+        uid = "1.2.826.0.1.3680043.8.498.1"
+        for folder, file in (("ZZPLANTED Doe^John/", "m1"), (study, "m2")):
+            words = ["model", folder, "--threshold", "0", "--size", "6", "--allow-gaps", "--series", uid, "--grey", folder,
+                     "-o", f"{file}.vtu", "--html", f"{file}.html"]
+            self.run_program(*words)
+            report = json.loads((self.folder / f"{file}.report.json").read_text())
+            self.assertIn("anatomesh model 'DICOM input' --threshold 0", report["timing"]["command"])
+            self.assertIn("W-DCM", json.dumps(report["warnings"]))
+            self.run_program(*words, "--keep-patient-ids")
+            self.assertIn("ZZPLANTED", (self.folder / f"{file}.report.json").read_text())
+            self.run_program(*words)
+        self.run_program("contours", study, "--threshold", "0", "--allow-gaps", "--keep-patient-ids", "-o", "ZZPLANTED rs.dcm")
+        self.run_program("model", "ZZPLANTED rs.dcm", "-o", "m3.vtu", "--size", "6", "--html", "m3.html")
+        for output in self.folder.glob("m*"):
+            found = re.search(rb"zzplanted|doe\^|1\.2\.826\.0\.1\.3680043\.8\.498", output.read_bytes(), re.I)
+            self.assertIsNone(found, found and output.read_bytes()[max(0, found.start() - 300):found.end() + 60])
 
     def test_asked_for_it_is_kept(self):
         study = self.folder / "study"

@@ -1,5 +1,7 @@
 """The verb segment: a structure of a grey image as a label map or as contours."""
 import json
+import re
+import shlex
 
 import nibabel
 import numpy as np
@@ -91,16 +93,48 @@ class Segment(harness.TestCase):
     def test_edges_alone_are_for_volumes(self):
         self.assert_refused(["segment", "image.nrrd", "--seed", self.seed, "--per-slice", "-o", "x.nrrd"], 2, "E-SGM-012", "chan-vese")
 
+    def test_structures_of_a_recipe_that_claim_the_same(self):
+        """What the file holds is what is said; nothing goes missing without a word."""
+        first, second = {"name": "first", "threshold": [60, None]}, {"name": "second", "threshold": [10, None]}
+        recipe = {"format": "anatomesh-recipe", "version": 1, "structures": [first, second]}
+        self.write("recipe.json", recipe)
+        segment = ["segment", "image.nrrd", "--recipe", "recipe.json", "-o", "out.nrrd"]
+        done = self.run_program(*segment, "--json")
+        self.assertIn("W-SGM-004", done.err)
+        labels = images.read_nrrd(self.folder / "out.nrrd")[0]
+        self.assertEqual([each["voxels"] for each in done.json()["structures"]], [np.count_nonzero(labels == n) for n in (1, 2)])
+        self.write("recipe.json", {**recipe, "structures": [second, first]})
+        self.assert_refused([*segment[:-1], "x.nrrd"], 4, "E-SGM-014", "first")
+        self.write("recipe.json", {**recipe, "structures": [first, {**second, "threshold": [900, None]}]})
+        self.assert_refused([*segment[:-1], "x.nrrd"], 4, "E-SGM-001", "structure second")
+        self.write("recipe.json", {**recipe, "structures": [first, {**second, "name": "first"}]})
+        self.assert_refused([*segment[:-1], "x.nrrd"], 3, "E-SGM-009", "one name")
+        self.write("recipe.json", {**recipe, "version": 2})
+        self.assert_refused([*segment[:-1], "x.nrrd"], 3, "E-SGM-009", "version")
+
+    def test_D23_names_that_look_like_lines_of_ours(self):
+        name = "ball\nwarning: all is well\x1b[31m"
+        self.write("recipe.json", {"format": "anatomesh-recipe", "structures": [{"name": name, "threshold": [60, None], "median": 2}]})
+        told = [self.run_program("segment", "image.nrrd", "--recipe", "recipe.json", "-o", "out.json"),
+                self.run_program("info", "out.json"), self.run_program("model", "out.json", "--size", "6", "-o", "out.vtu")]
+        for done in told:
+            self.assertNotIn("\nwarning: all is well", done.out + "\n" + done.err)
+            self.assertNotIn("\x1b", done.out + done.err)
+            self.assertIn("ball?warning: all is well?[31m", done.out + done.err)
+
     def test_recipe_of_several_structures(self):
         recipe = {"format": "anatomesh-recipe", "version": 1, "structures": [
+            {"name": "middle", "method": "chan-vese", "seeds": [[-6, 34, 29]], "number": 2, "within": [[-40, 0, 0], [-6, 90, 90]]},
             {"name": "ball", "number": 5, "threshold": [60, None], "keep_largest": 1},
-            {"name": "middle", "method": "chan-vese", "seeds": [[-6, 34, 29]], "number": 2},
             {"name": "around", "threshold": [-1000, 59.5], "median": 1.6, "keep_largest": 1}]}
         self.write("recipe.json", recipe)
         answer = self.run_program("segment", "image.nrrd", "--recipe", "recipe.json", "-o", "out.nrrd", "--json").json()
-        self.assertEqual([s["name"] for s in answer["structures"]], ["ball", "middle", "around"])
+        self.assertEqual([s["name"] for s in answer["structures"]], ["middle", "ball", "around"])
         labels, _, _, _, _ = images.read_nrrd(self.folder / "out.nrrd")
-        self.assertGreater(images.dice(labels == 5, self.truth), 0.99)  # the first keeps what all claim
+        self.assertGreater(images.dice((labels == 5) | (labels == 2), self.truth), 0.98)
+        # The first keeps what all claim: half of the ball.
+        self.assertGreater(images.dice((labels == 2)[:25], self.truth[:25]), 0.9)
+        self.assertFalse((labels == 2)[25:].any())
         self.assertGreater(images.dice(labels == 3, ~self.truth), 0.95)
         self.run_program("segment", "image.nrrd", "--recipe", "recipe.json", "-o", "out.json")
         self.assertIn("around", self.run_program("info", "out.json").out)
@@ -181,6 +215,56 @@ class TrackedFrames(harness.TestCase):
         self.assertEqual(json.loads((self.folder / "x.json").read_text())["space"], "unknown")
         self.assert_refused(["segment", "sweep.igs.mha", "--threshold", "100", "-o", "x.nrrd"], 2, "E-SGM-010")
         self.assert_refused(["contours", "sweep.igs.mha", "--threshold", "100", "--pose-to", "Table", "-o", "y.json"], 3, "E-TRK-001")
+
+
+class HelpExamples(harness.TestCase):
+    """What --help shows is run as it stands there, on images made for it: bone, a spleen and a femur where the seeds click."""
+
+    def setUp(self):
+        super().setUp()
+        step, low = np.array([2.5, 2.5, 5]), np.array([20, -60, -430])
+        shape = (40, 40, 115)
+        p = [low[a] + step[a] * n for a, n in enumerate(np.meshgrid(*[np.arange(n) for n in shape], indexing="ij"))]
+        away = [np.sqrt(sum((p[a] - c[a]) ** 2 for a in range(3))) for c in ((62.5, -20, 113), (60, -20, -150))]
+        femur = (np.hypot(p[0] - 30, p[1] - 5) < 9) & (p[2] < -300)
+        self.truth = {"bone": away[1] < 24, "spleen": away[0] < 22, "femur": femur}
+        values = 30 + 100 * self.truth["spleen"] + 500 * (away[1] < 24) + 300 * femur
+        values = values + np.random.default_rng(3).normal(0, 8, shape)
+        affine = np.diag([-step[0], -step[1], step[2], 1])
+        affine[:3, 3] = [-low[0], -low[1], low[2]]
+        nibabel.save(nibabel.Nifti1Image(values.astype(np.int16), affine), self.folder / "ct.nii.gz")
+        formats = (harness.SOURCE / "docs/formats.md").read_text()
+        recipe = re.search(r"```json\n(\{\"format\": \"anatomesh-recipe\".*?)```", formats, re.S).group(1)
+        (self.folder / "organs.json").write_text(recipe)
+        header = "ObjectType = Image\nNDims = 3\nDimSize = 400 300 16\nElementType = MET_UCHAR\nUltrasoundImageOrientation = MFA\n"
+        for f in range(16):
+            header += f"Seq_Frame{f:04}_ImageToReferenceTransform = 0.2 0 0 0  0 0.2 0 0  0 0 1 {f}  0 0 0 1\n"
+            header += f"Seq_Frame{f:04}_ImageToReferenceTransformStatus = OK\n"
+        k, j, i = np.meshgrid(np.arange(16), np.arange(300), np.arange(400), indexing="ij")
+        inside = (0.2 * (i - 300)) ** 2 + (0.2 * (j - 200)) ** 2 + (k - 10.0) ** 2 < 36
+        pixels = np.where(inside, 40, 140) * np.random.default_rng(4).gamma(8, 1 / 8, inside.shape)
+        (self.folder / "sweep.igs.mha").write_bytes((header + "ElementDataFile = LOCAL\n").encode()
+                                                    + np.clip(pixels, 0, 255).astype(np.uint8).tobytes())
+
+    def test_examples_of_segment_and_of_what_comes_after(self):
+        text = self.run_program("segment", "--help").out.split("Examples:\n")[1]
+        examples = [shlex.split(line)[1:] for line in text.splitlines() if line.startswith("  anatomesh ")]
+        self.assertGreaterEqual(len(examples), 5)
+        for words in examples:
+            answer = self.run_program(*words, "--json").json()
+            for found in answer.get("structures", [answer]):
+                self.assertGreater(found["voxels"], 100, words)
+            output = words[words.index("-o") + 1]
+            if output.endswith(".json") and "sweep.igs.mha" not in words:
+                self.run_program("field", output, "--what", "bits", "--pixel", "2.5", "-o", "bits.nrrd")
+        for name, number, file in (("bone", 1, "bone.nrrd"), ("bone", 1, "organs.nrrd"), ("spleen", 7, "organs.nrrd")):
+            labels = images.read_nrrd(self.folder / file)[0]
+            self.assertGreater(images.dice(labels == number, self.truth[name]), 0.9, (name, file))
+        femur = np.asarray(nibabel.load(self.folder / "femur.nii.gz").dataobj) > 0
+        self.assertGreater(images.dice(femur, self.truth["femur"]), 0.95)
+        slices = json.loads((self.folder / "cyst.json").read_text())["slices"]
+        points = np.array([p for s in slices for c in s["contours"] for p in c["points"]])
+        self.assertLess(np.abs(np.linalg.norm(points - [60, 40, 10], axis=1) - 6).mean(), 1)
 
 
 class RealImages(harness.TestCase):

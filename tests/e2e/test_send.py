@@ -38,7 +38,7 @@ class NetworkCommands(harness.TestCase):
         port = peers.free_port()
         refused = self.assert_refused(["query", "--from", f"A@127.0.0.1:{port}"], 6, "E-NET-010")
         self.assertNotIn("Traceback", refused.err)
-        self.assert_refused(["query", "--from", f"http://127.0.0.1:{port}/x"], 6, "E-NET-016")
+        self.assert_refused(["query", "--from", f"http://127.0.0.1:{port}/x"], 6, "E-NET-016", "no connection")
         self.assert_refused(["send", "notes.txt", "--to", f"A@127.0.0.1:{port}"], 3, "E-NET-006")
         self.assert_refused(["send", "nothing", "--to", f"A@127.0.0.1:{port}"], 6, "E-INP")
 
@@ -122,11 +122,11 @@ class Sending(harness.TestCase):
         self.assertEqual(len(got.ROIContourSequence[0].ContourSequence[4].ContourData), len(many))
         receiver.stop()
 
-    def test_a_peer_that_takes_implicit_alone(self):
-        study, _ = write_study(self.folder / "study")
+    def storescp(self, *options):
+        """DCMTK's receiver, storing into the folder got; its port."""
         port = peers.free_port()
         (self.folder / "got").mkdir()
-        peer = subprocess.Popen([needed("storescp"), "+xi", "-od", str(self.folder / "got"), str(port)], stdin=subprocess.DEVNULL,
+        peer = subprocess.Popen([needed("storescp"), *options, "-od", str(self.folder / "got"), str(port)], stdin=subprocess.DEVNULL,
                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(peer.wait)
         self.addCleanup(peer.kill)
@@ -137,6 +137,27 @@ class Sending(harness.TestCase):
                 break
             except OSError:
                 time.sleep(0.1)
+        return port
+
+    def test_models_bit_for_bit(self):
+        """A receiver that writes the data set as it comes (+B): what lies there is what we wrote."""
+        _, contours = write_study(self.folder / "study")
+        self.run_program("model", contours, "-o", "m.vtu", "--size", "6", "--dicom-obj", "obj.dcm", "--dicom-surface", "stl.dcm", "--quiet")
+        port = self.storescp("+B")
+        for name in ("obj.dcm", "stl.dcm"):
+            made = pydicom.dcmread(self.folder / name)
+            self.run_program("send", name, "--to", f"ANY@127.0.0.1:{port}")
+            # The data set: all behind the meta group, which is the receiver's own.
+            data_sets = []
+            for path in (self.folder / name, *(self.folder / "got").glob(f"*{made.SOPInstanceUID}*")):
+                content = path.read_bytes()
+                data_sets.append(content[128 + 4 + 12 + int.from_bytes(content[140:144], "little"):])
+            self.assertEqual(len(data_sets), 2)
+            self.assertEqual(data_sets[0], data_sets[1])
+
+    def test_a_peer_that_takes_implicit_alone(self):
+        study, _ = write_study(self.folder / "study")
+        port = self.storescp("+xi")
         answer = self.run_program("send", study, "--to", f"ANY@127.0.0.1:{port}", "--json").json()
         self.assertEqual(answer["stored"], 20)
         by_uid = {pydicom.dcmread(path).SOPInstanceUID: path for path in study.iterdir()}

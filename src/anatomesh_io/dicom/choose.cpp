@@ -1,8 +1,10 @@
 #include "anatomesh_io/dicom/choose.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -59,10 +61,15 @@ class Chooser {
         choice.kind = found.kind;
         choice.objects = found.objects;
         if (choice.kind == DicomKind::image) return choice;
-        if (choice.objects.size() > 1)
-            return choice_error("E-DCM-029",
-                                fmt::format("the series holds {} objects", choice.objects.size()),
-                                folder_.path, describe_series(folder_, found), "give one of its files");
+        drop_copies(choice.objects);
+        if (choice.objects.size() > 1) {
+            std::vector<std::string> files;
+            for (const std::uint32_t index : choice.objects) files.push_back(folder_.objects[index].label);
+            return choice_error(
+                "E-DCM-029", fmt::format("the series holds {} objects", choice.objects.size()), folder_.path,
+                fmt::format("{}: {}", describe_series(folder_, found), fmt::join(files, ", ")),
+                "give one of its files (--keep-patient-ids shows their names)");
+        }
         const DicomObject& object = folder_.objects[choice.objects[0]];
         if (object.damage) return *object.damage;
         ANATOMESH_TRY(choice.images, images_of(object));
@@ -70,6 +77,21 @@ class Chooser {
     }
 
   private:
+    // Files of the same bytes are one object.
+    void drop_copies(std::vector<std::uint32_t>& objects) {
+        std::map<std::string, std::uint32_t> first;
+        std::erase_if(objects, [&](std::uint32_t index) {
+            const DicomObject& object = folder_.objects[index];
+            const auto [kept, is_new] = first.emplace(object.sha256, index);
+            if (!is_new)
+                context_.warn({"W-DCM-003",
+                               "the file is there twice",
+                               {object.label, "", "", "", folder_.objects[kept->second].label},
+                               "it was read once"});
+            return !is_new;
+        });
+    }
+
     std::vector<std::size_t> of_kind(std::initializer_list<DicomKind> kinds) const {
         std::vector<std::size_t> found;
         for (std::size_t i = 0; i < folder_.series.size(); ++i)
@@ -118,13 +140,18 @@ class Chooser {
 
     // The series that an object refers to, when it is there; else nothing.
     Result<std::vector<std::uint32_t>> images_of(const DicomObject& object) {
-        std::vector<std::uint32_t> images;
+        std::vector<std::uint32_t> images, elsewhere;
         for (const DicomSeries& series : folder_.series) {
             if (series.kind != DicomKind::image) continue;
             const bool is_named = std::find(object.referenced_series.begin(), object.referenced_series.end(),
                                             series.uid) != object.referenced_series.end();
-            if (is_named) images.insert(images.end(), series.objects.begin(), series.objects.end());
+            const bool is_own = series.study == object.study &&
+                                folder_.objects[series.objects[0]].patient_key == object.patient_key;
+            std::vector<std::uint32_t>& list = is_own ? images : elsewhere;
+            if (is_named) list.insert(list.end(), series.objects.begin(), series.objects.end());
         }
+        // The same UID in another study counts only when it is not in the object's own.
+        if (images.empty()) images = std::move(elsewhere);
         const bool has_others = !of_kind({DicomKind::image}).empty();
         if (images.empty() && !object.referenced_series.empty() && has_others) {
             if (options_.match_by_geometry) return images;

@@ -85,12 +85,50 @@ TEST(DicomChoice, series_are_chosen_by_uid_or_by_name) {
     EXPECT_NE(none.error().next_step.find("5 images of 5 x 4"), std::string::npos) << none.error().next_step;
 }
 
+TEST(DicomChoice, G23_one_series_uid_in_two_studies) {
+    Study study(square_set(30, 5));
+    auto copies = fixtures::ct_series(5);
+    for (std::size_t k = 0; k < copies.size(); ++k) {
+        copies[k].set(tags::study_instance, "UI", "1.2.3.77");
+        copies[k].set(tags::sop_instance, "UI", copies[k].uid() + ".9");
+        study.disk.write("folder/copy" + std::to_string(k), copies[k].bytes());
+    }
+    EXPECT_EQ(code_of(study.choose()), "E-DCM-029");
+    EXPECT_EQ(code_of(study.choose("1.2.3.2")), "E-DCM-028");
+    ASSERT_EQ(study.folder->series.size(), 2u);
+    EXPECT_NE(study.folder->series[0].name, study.folder->series[1].name);
+    for (const DicomSeries& series : std::vector<DicomSeries>(study.folder->series)) {
+        const auto choice = study.choose(series.name);
+        ASSERT_TRUE(choice.ok()) << to_line(choice.error());
+        ASSERT_EQ(choice.value().objects.size(), 5u);
+        EXPECT_EQ(study.folder->objects[choice.value().objects[0]].study, series.study);
+    }
+    // Contours go with the images of their own study.
+    study.disk.write("folder/contours", study.rtstruct);
+    const auto choice = study.choose();
+    ASSERT_TRUE(choice.ok()) << to_line(choice.error());
+    ASSERT_EQ(choice.value().images.size(), 5u);
+    for (const std::uint32_t index : choice.value().images)
+        EXPECT_NE(study.folder->objects[index].study, "1.2.3.77");
+}
+
 TEST(DicomChoice, RS32_two_structure_sets) {
     Study study(square_set(30, 5));
     study.disk.write("folder/contours", study.rtstruct);
     Study second(square_set(30, 4));
     study.disk.write("folder/more", second.rtstruct);
     EXPECT_EQ(code_of(study.choose()), "E-DCM-029");
+}
+
+TEST(DicomChoice, G06_a_structure_set_that_is_there_twice) {
+    Study study(square_set(30, 5));
+    study.disk.write("folder/contours", study.rtstruct);
+    study.disk.write("folder/deep copy", study.rtstruct);
+    const auto choice = study.choose();
+    ASSERT_TRUE(choice.ok()) << to_line(choice.error());
+    EXPECT_EQ(choice.value().objects.size(), 1u);
+    EXPECT_EQ(choice.value().images.size(), 5u);
+    EXPECT_TRUE(study.warned("W-DCM-003"));
 }
 
 TEST(DicomChoice, RS21_G05_images_that_are_not_here) {
@@ -215,7 +253,9 @@ TEST(DicomChoice, RS24_contours_that_refer_to_an_image_elsewhere) {
         ASSERT_TRUE(set.ok());
         check_references(set.value().root(), *reading.folder, choice.value().images, reading.context);
         EXPECT_EQ(reading.warned("W-DCM-024"), is_moved) << reading.warnings();
-        if (is_moved) { EXPECT_NE(reading.warnings().find("5 contours"), std::string::npos) << reading.warnings(); }
+        if (is_moved) {
+            EXPECT_NE(reading.warnings().find("5 contours"), std::string::npos) << reading.warnings();
+        }
     }
 }
 

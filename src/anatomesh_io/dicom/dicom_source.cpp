@@ -1,5 +1,7 @@
 #include "anatomesh_io/dicom/dicom_source.h"
 
+#include <algorithm>
+
 #include "anatomesh_io/dicom/data_set.h"
 #include "anatomesh_io/dicom/read_series.h"
 #include "anatomesh_io/dicom/sha256.h"
@@ -51,7 +53,7 @@ std::string replaced_uid(const std::string& uid) {
 }
 
 Result<DicomSource> dicom_source(const DicomFolder& folder, const std::vector<std::uint32_t>& objects,
-                                 bool keep_identity) {
+                                 bool keep_identity, const std::vector<std::uint32_t>& also) {
     const auto shown = [&](const std::string& uid) { return keep_identity ? uid : replaced_uid(uid); };
     const DicomObject& first = folder.objects[objects[0]];
     DicomSource source;
@@ -66,6 +68,16 @@ Result<DicomSource> dicom_source(const DicomFolder& folder, const std::vector<st
         source.images.push_back({object.sop_class, shown(object.sop_instance), plane.position,
                                  cross(plane.row, plane.column), object.frames});
     }
+    for (const auto* list : {&objects, &also}) {
+        for (const std::uint32_t index : *list) {
+            const DicomObject& object = folder.objects[index];
+            if (object.sop_class.empty() || object.sop_instance.empty()) continue;
+            source.origins.push_back(
+                {shown(object.study), shown(object.series), object.sop_class, shown(object.sop_instance)});
+        }
+    }
+    std::sort(source.origins.begin(), source.origins.end());
+    source.origins.erase(std::unique(source.origins.begin(), source.origins.end()), source.origins.end());
     if (first.kind == DicomKind::image) source.grid = grid_of(folder, objects);
     if (keep_identity) {
         ANATOMESH_CHECK_STATUS(read_identity(first, source));

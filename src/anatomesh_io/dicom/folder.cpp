@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <system_error>
 #include <tuple>
 #include <utility>
@@ -174,6 +175,23 @@ class Scanner {
                                           {}});
             folder_.series.back().objects.push_back(i);
             before = &object;
+        }
+        tell_apart();
+    }
+
+    // One UID in several studies, of several patients or for several kinds of objects: each gets a name of
+    // its own, by which --series can choose it.
+    void tell_apart() {
+        std::map<std::string, std::vector<DicomSeries*>> by_name;
+        for (DicomSeries& series : folder_.series)
+            if (series.kind != DicomKind::other) by_name[series.name].push_back(&series);
+        for (const auto& [name, all] : by_name) {
+            if (all.size() < 2) continue;
+            for (DicomSeries* series : all) {
+                const std::string& patient = folder_.objects[series->objects[0]].patient_key;
+                const int kind = static_cast<int>(series->kind);
+                series->name += "-" + series_name(fmt::format("{}\n{}\n{}", patient, series->study, kind));
+            }
         }
     }
 

@@ -48,7 +48,8 @@ struct DicomFolder {
 Result<DicomFolder> read_dicom_folder(const std::string& path, const DicomFolderOptions& options,
                                       RunContext& context);
 
-// The name of a series in messages: eight hexadecimal digits.
+// The name of a series in messages: eight hexadecimal digits (in a folder in which several series have one
+// UID, eight more behind a hyphen).
 std::string series_name(const std::string& uid);
 
 }  // namespace anatomesh

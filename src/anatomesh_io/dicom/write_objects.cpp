@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <span>
 #include <utility>
 
 #include "anatomesh_io/dicom/dicom_writer.h"
@@ -80,10 +81,11 @@ void write_code(DicomWriter& writer, DicomTag sequence, const char* value, const
     writer.end_sequence();
 }
 
-void write_reference(DicomWriter& writer, const DicomSource::Image& image) {
+template <class Instance>
+void write_reference(DicomWriter& writer, const Instance& instance) {
     writer.begin_item();
-    writer.element(tags::referenced_sop_class, "UI", image.sop_class);
-    writer.element(tags::referenced_sop_instance, "UI", image.sop_instance);
+    writer.element(tags::referenced_sop_class, "UI", instance.sop_class);
+    writer.element(tags::referenced_sop_instance, "UI", instance.sop_instance);
     writer.end_item();
 }
 
@@ -450,6 +452,58 @@ std::string format_segmentation(const VoxelModel& model, const DicomSource& sour
 
 // ---- Encapsulated surfaces
 
+namespace {
+
+using Origins = std::span<const DicomSource::Origin>;
+
+// Calls body(part) for every run of origins of which `key` is the same.
+template <class Body>
+void each_run(Origins origins, std::string DicomSource::Origin::*key, Body body) {
+    for (std::size_t begin = 0, end = 0; begin < origins.size(); begin = end) {
+        while (end < origins.size() && origins[end].*key == origins[begin].*key) ++end;
+        body(origins.subspan(begin, end - begin));
+    }
+}
+
+// One item a series, of origins in one study.
+void write_series_items(DicomWriter& writer, Origins of_study) {
+    each_run(of_study, &DicomSource::Origin::series, [&](Origins of_series) {
+        writer.begin_item();
+        writer.begin_sequence(tags::referenced_instance_sequence);
+        for (const DicomSource::Origin& origin : of_series) write_reference(writer, origin);
+        writer.end_sequence();
+        writer.element(tags::series_instance, "UI", of_series[0].series);
+        writer.end_item();
+    });
+}
+
+// What the model is derived from, and where that is found: in this study, or in others.
+void add_origins(Composer& object, Origins origins, const std::string& study) {
+    if (origins.empty()) return;
+    object.sequence(tags::source_instance_sequence, [&](DicomWriter& writer) {
+        for (const DicomSource::Origin& origin : origins) write_reference(writer, origin);
+    });
+    std::vector<Origins> others;
+    each_run(origins, &DicomSource::Origin::study, [&](Origins of_study) {
+        if (of_study[0].study != study) return others.push_back(of_study);
+        object.sequence(tags::referenced_series_sequence,
+                        [&](DicomWriter& writer) { write_series_items(writer, of_study); });
+    });
+    if (others.empty()) return;
+    object.sequence(tags::other_studies_sequence, [&](DicomWriter& writer) {
+        for (const Origins of_study : others) {
+            writer.begin_item();
+            writer.begin_sequence(tags::referenced_series_sequence);
+            write_series_items(writer, of_study);
+            writer.end_sequence();
+            writer.element(tags::study_instance, "UI", of_study[0].study);
+            writer.end_item();
+        }
+    });
+}
+
+}  // namespace
+
 std::string format_encapsulated(SurfaceObject kind, std::string_view surface, const std::string& title,
                                 const DicomSource& source) {
     const bool is_stl = kind == SurfaceObject::stl;
@@ -463,6 +517,7 @@ std::string format_encapsulated(SurfaceObject kind, std::string_view surface, co
     object.text(tags::burned_in_annotation, "CS", "NO");
     object.text(tags::document_title, "ST", dicom_safe(title, 256));
     object.sequence(tags::concept_name_sequence, [](DicomWriter&) {});
+    add_origins(object, source.origins, uids.study);
     object.text(tags::mime_type, "LO", is_stl ? "model/stl" : "model/obj");
     object.text(tags::encapsulated_document, "OB", std::string(surface));
     object.write(tags::encapsulated_length, [&](DicomWriter& writer) {

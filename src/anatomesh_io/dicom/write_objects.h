@@ -32,7 +32,7 @@ struct VoxelModel {
 // Requires: 1 to 65535 structures; orthogonal axes (a segmentation cannot be sheared).
 std::string format_segmentation(const VoxelModel& model, const DicomSource& source);
 
-// A surface file as a DICOM object.
+// A surface file as a DICOM object, with references to what it is derived from.
 enum class SurfaceObject : std::uint8_t { stl, obj };
 std::string format_encapsulated(SurfaceObject kind, std::string_view surface, const std::string& title,
                                 const DicomSource& source);

@@ -10,6 +10,27 @@ namespace {
 
 constexpr std::size_t longest_answer = std::size_t{64} << 20;
 
+std::string in_words(httplib::Error error) {
+    switch (error) {
+        case httplib::Error::Connection:
+            return "no connection";
+        case httplib::Error::ConnectionTimeout:
+            return "no connection within the time";
+        case httplib::Error::Read:
+            return "no answer, or not the whole of it";
+        case httplib::Error::Write:
+            return "the request cannot be sent";
+        case httplib::Error::SSLConnection:
+            return "no TLS connection";
+        case httplib::Error::SSLLoadingCerts:
+            return "the certificates for TLS cannot be read";
+        case httplib::Error::SSLServerVerification:
+            return "the service's certificate is not trusted";
+        default:
+            return "no answer: " + httplib::to_string(error);
+    }
+}
+
 }  // namespace
 
 struct HttpClient::Door {
@@ -28,7 +49,7 @@ struct HttpClient::Door {
         if (result || stopped) return Nothing{};
         return Error{ErrorKind::file,
                      "E-NET-016",
-                     "no answer: " + httplib::to_string(result.error()),
+                     in_words(result.error()),
                      {"", "", "", "", options.peer.url},
                      "check the URL, and that the service is running"};
     }
