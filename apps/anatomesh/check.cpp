@@ -12,10 +12,12 @@
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh_io/report/report_json.h"
 #include "answer.h"
+#include "command_words.h"
 #include "mesh_input.h"
 #include "option_values.h"
 #include "plural.h"
 #include "read_input.h"
+#include "report_names.h"
 #include "summary.h"
 #include "verbs.h"
 
@@ -77,7 +79,8 @@ Result<ModelFile> model_to_check(const CheckOptions& options, Session& session) 
                  "name a model: .vtu, .msh, .mesh or .inp"};
 }
 
-// Quadratic elements that may be folded: warned of, for the contract is about the elements with straight edges.
+// Quadratic elements that may be folded: warned of, for the contract is about the elements with straight
+// edges.
 void look_at_jacobians(const std::string& path, const ModelFile& model, RunContext& context) {
     std::uint64_t bad = 0, first = 0;
     for (std::size_t c = 0; c < model.mid_nodes.cells.size(); ++c) {
@@ -118,10 +121,11 @@ Status run_check(CheckOptions options, Session& session) {
     measure_model(input, session.context, report);
     look_at_jacobians(options.model, model, session.context);
     report.version = ANATOMESH_VERSION;
-    report.command = session.command;
+    report.command = quoted_command(session.words);
     report.space = model.description.space;
     report.unit = model.description.unit;
     report.warnings = session.context.warnings;
+    if (!options.contours.keep_patient_ids) hide_dicom_names(report, session.words, options.contours.series);
 
     const std::string text = options.model + "\n" + report_summary(report) + certificate_text(report);
     ANATOMESH_CHECK_STATUS(print_answer(session, session.json ? report_json(report) : printable(text)));

@@ -68,6 +68,17 @@ Status check_option(const CLI::App& verb, const std::vector<std::string>& words,
     return Nothing{};
 }
 
+std::string quoted(const std::string& word) {
+    const auto plain = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               std::string_view("-_./:=,+%@").find(c) != std::string_view::npos;
+    };
+    if (!word.empty() && std::all_of(word.begin(), word.end(), plain)) return word;
+    std::string out = "'";
+    for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
+}
+
 }  // namespace
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates) {
@@ -108,20 +119,9 @@ Status check_words(const CLI::App& app, const std::vector<std::string>& words) {
     return Nothing{};
 }
 
-std::string quoted_word(const std::string& word) {
-    const auto plain = [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-               std::string_view("-_./:=,+%@").find(c) != std::string_view::npos;
-    };
-    if (!word.empty() && std::all_of(word.begin(), word.end(), plain)) return word;
-    std::string out = "'";
-    for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return out + "'";
-}
-
-std::string quoted_command(int argc, const char* const* argv) {
+std::string quoted_command(const std::vector<std::string>& words) {
     std::string line = "anatomesh";
-    for (int i = 1; i < argc; ++i) line += " " + quoted_word(argv[i]);
+    for (const std::string& word : words) line += " " + quoted(word);
     return line;
 }
 

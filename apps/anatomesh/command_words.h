@@ -17,8 +17,7 @@ Status check_words(const CLI::App& app, const std::vector<std::string>& words);
 // is near enough to be meant (a third of the letters).
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);
 
-// One word, and the whole command, as a shell would need them typed.
-std::string quoted_word(const std::string& word);
-std::string quoted_command(int argc, const char* const* argv);
+// The command as a shell would need it typed; `words` are those behind the program's name.
+std::string quoted_command(const std::vector<std::string>& words);
 
 }  // namespace anatomesh

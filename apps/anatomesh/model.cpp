@@ -23,6 +23,7 @@
 #include "anatomesh_io/mesh/mesh_file.h"
 #include "anatomesh_io/report/report_html.h"
 #include "anatomesh_io/report/report_json.h"
+#include "command_words.h"
 #include "dicom_input.h"
 #include "dicom_outputs.h"
 #include "element_options.h"
@@ -156,7 +157,7 @@ ModelFile dump_file(const TetMesh& mesh, const std::string& stage) {
 void complete_report(ModelReport& report, const InputContours& contours, const ModelVerbOptions& options,
                      const Session& session) {
     report.version = ANATOMESH_VERSION;
-    report.command = session.command;
+    report.command = quoted_command(session.words);
     report.inputs.insert(report.inputs.begin(), contours.files.begin(), contours.files.end());
     report.contour_log = contours.log;
     report.hole_rule = contours.hole_rule;
@@ -233,8 +234,7 @@ Status stage_outputs(Model& model, ModelFile& file, const ContourSet& kept, cons
         ANATOMESH_CHECK_STATUS(files.add(options.contours, format_contours(kept, format, context)));
     }
     model.report.warnings = context.warnings;  // with those of the formats
-    if (!options.input.keep_patient_ids)
-        hide_dicom_names(model.report, {options.input.input, options.element.grey}, options.input.series);
+    if (!options.input.keep_patient_ids) hide_dicom_names(model.report, session.words, options.input.series);
     ANATOMESH_CHECK_STATUS(files.add(options.report, report_json(model.report)));
     if (!options.html.empty()) {
         const std::string page = report_html(model.report, model.mesh, model.regions, &kept);

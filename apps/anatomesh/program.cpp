@@ -205,7 +205,7 @@ int run_program(int argc, const char* const* argv) {
     Error error{
         ErrorKind::internal, "E-CMD-011", "", {}, "please report this with the command and the input"};
     try {
-        session.command = quoted_command(argc, argv);
+        session.words.assign(argv + std::min(argc, 1), argv + argc);
         return run(argc, argv, session);
     } catch (const std::bad_alloc&) {
         error = {ErrorKind::limit, "E-CMD-010", "out of memory", {}, "a larger --size or --every needs less"};

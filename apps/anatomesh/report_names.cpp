@@ -1,5 +1,8 @@
 #include "report_names.h"
 
+#include <filesystem>
+#include <system_error>
+
 #include "anatomesh_io/dicom/folder.h"
 #include "command_words.h"
 
@@ -9,19 +12,15 @@ namespace {
 
 const std::string shown = "DICOM input";
 
-// A whole word of the command line, or the value behind an option's equals sign.
-void replace_word(std::string& command, const std::string& word, const std::string& by) {
-    for (std::size_t at = command.find(word); at != std::string::npos; at = command.find(word, at + 1)) {
-        const std::size_t end = at + word.size();
-        const bool is_whole = at > 0 && (command[at - 1] == ' ' || command[at - 1] == '=') &&
-                              (end == command.size() || command[end] == ' ');
-        if (is_whole) command.replace(at, word.size(), by);
-    }
-}
-
 std::string without_slashes(std::string path) {
     while (path.size() > 1 && path.back() == '/') path.pop_back();
     return path;
+}
+
+// Where the value begins in a word, which may be "--option=value".
+std::size_t value_of(const std::string& word) {
+    const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
+    return equals == std::string::npos ? 0 : equals + 1;
 }
 
 // The input itself, or something in it: "FOLDER file 17", "FOLDER/name".
@@ -36,19 +35,32 @@ std::string shown_series(const std::string& series) {
     return series.find('.') == std::string::npos ? series : series_name(series);
 }
 
-void hide_dicom_names(ModelReport& report, const std::vector<std::string>& typed, const std::string& series) {
+void hide_dicom_names(ModelReport& report, std::vector<std::string> words, const std::string& series) {
+    bool any = false;
     for (InputReport& input : report.inputs) {
         if (!input.format.starts_with("DICOM")) continue;
+        any = true;
         const std::string path = without_slashes(input.file);
-        for (const std::string& word : typed)
-            if (without_slashes(word) == path)
-                replace_word(report.command, quoted_word(word), quoted_word(shown));
+        for (std::string& word : words) {
+            const std::size_t value = value_of(word);
+            if (without_slashes(word.substr(value)) == path) word.replace(value, std::string::npos, shown);
+        }
         for (Warning& warning : report.warnings)
             if (is_of(warning.place.file, path)) warning.place.file.replace(0, path.size(), shown);
         input.file = shown;
     }
-    if (shown_series(series) != series)
-        replace_word(report.command, quoted_word(series), shown_series(series));
+    if (!any) return;
+    for (std::string& word : words) {
+        const std::size_t value = value_of(word);
+        std::error_code error;
+        const std::filesystem::path path(word.substr(value));
+        if (path == series)
+            word.replace(value, std::string::npos, shown_series(series));
+        else if (path.has_filename() && path.has_parent_path() &&
+                 std::filesystem::is_directory(path.parent_path(), error))
+            word.replace(value, std::string::npos, path.filename().string());
+    }
+    report.command = quoted_command(words);
 }
 
 }  // namespace anatomesh

@@ -8,10 +8,10 @@
 
 namespace anatomesh {
 
-// Calls DICOM inputs "DICOM input" in the report: in its list of inputs, its warnings and the command line,
-// there also as `typed`, the words of the command line that name inputs. `series`, a UID if it is one,
-// becomes the name that info shows.
-void hide_dicom_names(ModelReport& report, const std::vector<std::string>& typed, const std::string& series);
+// Where there are DICOM inputs, calls them "DICOM input" in the report: in its list of inputs, its warnings
+// and the command line, of which `words` are those behind the program's name. There other files are named
+// without their folders, and `series` by shown_series.
+void hide_dicom_names(ModelReport& report, std::vector<std::string> words, const std::string& series);
 
 // How `--series` is written down: a UID as the name that info shows.
 std::string shown_series(const std::string& series);

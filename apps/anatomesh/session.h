@@ -7,6 +7,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
@@ -17,11 +18,11 @@ namespace anatomesh {
 struct Session {
     RunContext context;
     Limits limits;
-    std::string command;         // the command line, quoted as a shell needs it
-    bool json = false;           // the answer as one JSON object
-    bool quiet = false;          // no progress, no warnings, no summary; errors are always said
-    bool output_closed = false;  // standard output was closed when the program began
-    bool answered = false;       // an answer was printed
+    std::vector<std::string> words;  // the command line without the program's name
+    bool json = false;               // the answer as one JSON object
+    bool quiet = false;              // no progress, no warnings, no summary; errors are always said
+    bool output_closed = false;      // standard output was closed when the program began
+    bool answered = false;           // an answer was printed
 };
 
 // The exit code that an error stands for.

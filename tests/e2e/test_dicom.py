@@ -373,20 +373,21 @@ class Privacy(harness.TestCase):
         study.mkdir()
         paths = write_series(study)
         os.remove(paths[9])
-        uid = "1.2.826.0.1.3680043.8.498.1"
+        uid, out = "1.2.826.0.1.3680043.8.498.1", self.folder / "ZZPLANTED out"
+        out.mkdir()
         for folder, file in (("ZZPLANTED Doe^John/", "m1"), (study, "m2")):
             words = ["model", folder, "--threshold", "0", "--size", "6", "--allow-gaps", "--series", uid, "--grey", folder,
-                     "-o", f"{file}.vtu", "--html", f"{file}.html"]
+                     "-o", f"ZZPLANTED out/{file}.vtu", f"--html={self.folder}/ZZPLANTED out/{file}.html"]
             self.run_program(*words)
-            report = json.loads((self.folder / f"{file}.report.json").read_text())
+            report = json.loads((out / f"{file}.report.json").read_text())
             self.assertIn("anatomesh model 'DICOM input' --threshold 0", report["timing"]["command"])
             self.assertIn("W-DCM", json.dumps(report["warnings"]))
             self.run_program(*words, "--keep-patient-ids")
-            self.assertIn("ZZPLANTED", (self.folder / f"{file}.report.json").read_text())
+            self.assertIn("ZZPLANTED", (out / f"{file}.report.json").read_text())
             self.run_program(*words)
         self.run_program("contours", study, "--threshold", "0", "--allow-gaps", "--keep-patient-ids", "-o", "ZZPLANTED rs.dcm")
         self.run_program("model", "ZZPLANTED rs.dcm", "-o", "m3.vtu", "--size", "6", "--html", "m3.html")
-        for output in self.folder.glob("m*"):
+        for output in [*self.folder.glob("m*"), *out.iterdir()]:
             found = re.search(rb"zzplanted|doe\^|1\.2\.826\.0\.1\.3680043\.8\.498", output.read_bytes(), re.I)
             self.assertIsNone(found, found and output.read_bytes()[max(0, found.start() - 300):found.end() + 60])
 

@@ -1,6 +1,7 @@
 """The receiver against good and bad senders: titles, habits, limits, kills, quota, names; models of complete studies."""
 import os
 import random
+import re
 import shutil
 import socket
 import struct
@@ -416,6 +417,9 @@ class Watching(harness.TestCase):
         names = sorted(path.name for path in (models / "1").iterdir())
         self.assertEqual(names, ["instances.sha256", "model.html", "model.report.json", "model.stl", "model.vtu", "surface.dcm"])
         self.run_program("check", models / "1/model.vtu")
+        # O05: what lies in them may leave the folder, which is called after the study.
+        for path in (models / "1").iterdir():
+            self.assertIsNone(re.search(rb"zzplanted|1\.2\.826\.0\.1\.3680043\.8\.498", path.read_bytes(), re.I), path.name)
         before = (models / "1/model.vtu").read_bytes()
         # One more slice, later: another version, and the first one stays.
         late = pydicom.dcmread(slices[0])
