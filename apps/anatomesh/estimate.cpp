@@ -18,6 +18,11 @@ constexpr double tetrahedra_per_area = 30;
 // Of a solid filled evenly with lattice points, six cells a point.
 constexpr double tetrahedra_per_volume = 12;
 constexpr double bytes_per_tetrahedron = 700;  // of the whole run
+// The default edge length is at most this many slice spacings.
+constexpr double default_spacings = 2;
+// Vertices so many spacings apart are far coarser than the slices.
+constexpr double far_coarser = 4;
+constexpr double nobody_asked_for = 1e7;  // tetrahedra: minutes, and some 7 GB
 
 double length_of(std::span<const Vec3> ring) {
     double sum = 0;
@@ -77,6 +82,28 @@ Status check_size(const ContourSet& contours, double size_mm, const Limits& limi
                              size_mm, cells, more_than),
                  {contours.source, "", "", "", fmt::format("--size {}", size_mm)},
                  fmt::format("give a larger --size, or raise the limit with --limit {}=N", limit)};
+}
+
+Status check_default_size(const ContourSet& contours) {
+    const double spacing = median_spacing(contours);
+    double total = 0;
+    for (const Contour& contour : contours.contours) total += length_of(contours.points_of(contour));
+    const double between_vertices =
+        total / static_cast<double>(std::max<std::size_t>(1, contours.points.size()));
+    if (!(spacing > 0) || between_vertices < far_coarser * spacing) return Nothing{};
+    const double size = default_spacings * spacing, cells = estimated_tetrahedra(contours, size);
+    if (!(cells > nobody_asked_for)) return Nothing{};
+    const double enough = size * std::sqrt(cells / nobody_asked_for);
+    return Error{
+        ErrorKind::limit,
+        "E-CMD-014",
+        fmt::format(
+            "the slices, {:.3g} mm apart, call for an edge length of {:.3g} mm: that would make about "
+            "{:.2g} tetrahedra",
+            spacing, size, cells),
+        {contours.source, "", "", "", fmt::format("{:.3g} mm between vertices", between_vertices)},
+        fmt::format("state the edge length with --size, such as {:.2g}; or check the distance of the slices",
+                    enough)};
 }
 
 }  // namespace anatomesh

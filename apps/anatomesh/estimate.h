@@ -18,4 +18,9 @@ double estimated_tetrahedra(const ContourSet& contours, double size_mm);
 // Error: limit E-CMD-014, more tetrahedra or memory than the limits allow.
 Status check_size(const ContourSet& contours, double size_mm, const Limits& limits);
 
+// Where slices lie far closer than the contours' vertices the default edge length follows the slices, and a
+// flat thing would need a huge model that nobody asked for. Error: limit E-CMD-014, above ten million
+// tetrahedra.
+Status check_default_size(const ContourSet& contours);
+
 }  // namespace anatomesh

@@ -375,6 +375,8 @@ Status make_model(const ContourSet& kept, const InputContours& contours, const C
     building.max_tetrahedra = session.limits.tetrahedra;
     if (options.size_mm > 0) {
         ANATOMESH_CHECK_STATUS(check_size(kept, options.size_mm, session.limits));
+    } else {
+        ANATOMESH_CHECK_STATUS(check_default_size(kept));
     }
     ANATOMESH_TRY(Model model, build_model(kept, building, context, observer));
     for (std::size_t i = 0; i < dumps.size(); ++i) {

@@ -333,6 +333,35 @@ class Options(harness.TestCase):
         self.assert_refused(["model", "ball.json", "-o", "a.vtu", "--size", "1", "--limit", "memory-bytes=1000000"], 5,
                             "E-CMD-014")
 
+    def test_a_flat_disc_of_close_slices_asks_for_a_size(self):
+        disc = shapes.Shape({1: "disc"}, 0.01)
+        for k in range(5):
+            disc.add_slice(0.01 * k, [(1, shapes.circle(10, 24))])
+        self.write("disc.json", disc.document())
+        start = time.time()
+        result = self.assert_refused(["model", "disc.json", "-o", "a.vtu"], 5, "E-CMD-014", "--size")
+        self.assertLess(time.time() - start, 5)
+        self.assertIn("0.01 mm apart", result.err)
+
+    def test_a_narrow_gap_that_a_coarse_mesh_bridges_is_warned_of(self):
+        def slab(low, high):
+            return [(0, low), (20, low), (20, high), (0, high)]
+
+        plates = shapes.Shape({1: "plates"}, 3)
+        for z in range(0, 15, 3):
+            plates.add_slice(z, [(1, slab(0, 3)), (1, slab(3.02, 6))])
+        self.write("plates.json", plates.document())
+        self.run_program("model", "plates.json", "-o", "a.vtu", "--size", "3", "--quiet")
+        report = json.loads((self.folder / "a.report.json").read_text())
+        if (report["structures"][0]["components"], report["structures"][0]["genus"]) != (2, 0):
+            self.assertIn("W-PIP-004", [w["code"] for w in report["warnings"]])
+
+    def test_a_size_larger_than_the_object_makes_a_model_and_warns(self):
+        for size in ("60", "1000"):
+            self.run_program("model", "ball.json", "-o", "a.vtu", "--size", size, "--quiet")
+            codes = [w["code"] for w in json.loads((self.folder / "a.report.json").read_text())["warnings"]]
+            self.assertIn("W-PIP-002", codes)
+
     def test_the_estimate_is_near_the_truth(self):
         self.write("egg.json", shapes.ellipsoid((30, 20, 15)).document())
         for size in ("1.5", "3"):

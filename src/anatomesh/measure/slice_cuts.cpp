@@ -73,6 +73,15 @@ bool every_slice_tells(const ContourSet& contours, std::uint32_t structure) {
     return drawn.size() < 3 || 2 * skips <= drawn.size() - 1;
 }
 
+// Kept contours may lie a little off their slice's plane, and with them the vertices on their segments.
+double farthest_off_plane(const ContourSet& contours, const Slice& slice) {
+    double farthest = 0;
+    for (const Contour& contour : contours.contours_of(slice)) {
+        for (const Vec3& p : contours.points_of(contour)) farthest = std::max(farthest, std::abs(slice.plane.signed_distance(p)));
+    }
+    return farthest;
+}
+
 // The boundary of one cut, as segments of the plane. Two that are equal cancel: the area between is what is
 // wanted.
 class Cut {
@@ -165,7 +174,8 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
         const bool all_tell = every_slice_tells(contours, s);
         for (std::uint32_t k = 0; k < contours.slices.size(); ++k) {
             const Slice& slice = contours.slices[k];
-            Cut cut(points, slice.plane, tolerance, drawn_here);
+            const double off_plane = farthest_off_plane(contours, slice) + tolerance;
+            Cut cut(points, slice.plane, off_plane, drawn_here);
             SliceCut measured{s, k, 0, 0};
             Box2 extent;
             bool drawn = false;
@@ -193,7 +203,7 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
             if (drawn || (all_tell && (parallel || slice.contour_count > 0))) {
                 const auto add = [&](const Triangle& t) { cut.add(t); };
                 if (parallel) {
-                    layers.for_each_at(slice.plane, tolerance + parallel_mm, add);
+                    layers.for_each_at(slice.plane, off_plane + parallel_mm, add);
                     constexpr double far = 1e12;
                     extent = {{-far, -far}, {far, far}};
                 } else {

@@ -15,6 +15,7 @@
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
+#include "anatomesh/pipeline/surface_tears.h"
 #include "anatomesh/refine/missing_segments.h"
 #include "anatomesh/refine/refine.h"
 #include "anatomesh/sample/sample_points.h"
@@ -27,8 +28,12 @@ constexpr double interface_tolerance = 0.02;  // points this near an interface c
 constexpr double balance_reach = 0.25;        // no vertex moves further than this for the volume's sake, in sizes
 constexpr double surface_deviation = 0.06;    // of the middle of an interface facet from the interface, in sizes
 constexpr double widest_cut = 0.01;           // more of a drawn region's area amiss on its slice is warned of
-constexpr int max_attempts = 3;               // with a default size; each one finer
+constexpr int max_attempts = 4;               // with a default size; each one finer
 constexpr double finer = 0.7;
+constexpr double too_thin = 0.8;             // a mean thickness below so many sizes is warned of
+constexpr double tears_below = 2;            // a structure this many sizes thick in the mean has no walls that tear
+constexpr double hardly_thicker = 1.3;           // than the size: a structure that a finer one may keep whole,
+constexpr std::size_t build_again_below = 800000;  // where the model has fewer tetrahedra than this
 constexpr int crossing_rounds = 3;
 constexpr int deviation_rounds = 5;
 constexpr int refinement_rounds = 12;
@@ -65,6 +70,14 @@ class Builder {
           structures_(static_cast<std::uint32_t>(contours.structures.size())) {}
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
+
+    // Whether a structure that is hardly thicker than the size was torn.
+    bool tore_a_thin_structure() const {
+        const std::vector<double> thickness = mean_thickness(contours_);
+        return std::any_of(tears_.begin(), tears_.end(), [&](const SurfaceTear& tear) {
+            return thickness[tear.structure] < hardly_thicker * size_mm();
+        });
+    }
 
     Result<Model> run() {
         ANATOMESH_CHECK_STATUS(make_field());
@@ -124,11 +137,8 @@ class Builder {
     void warn_of_thin_structures(double size_mm) {
         const std::vector<double> thickness = mean_thickness(contours_);
         for (std::size_t s = 0; s < thickness.size(); ++s) {
-            if (!(thickness[s] > 0) || thickness[s] >= 0.8 * size_mm) continue;
-            const Structure& structure = contours_.structures[s];
-            Place place;
-            place.file = contours_.source;
-            place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+            if (!(thickness[s] > 0) || thickness[s] >= too_thin * size_mm) continue;
+            Place place = place_of(static_cast<std::uint32_t>(s));
             place.value = brief(thickness[s]) + " mm";
             context_.warn({"W-PIP-002",
                            "the structure is thinner in the mean than the edge length of " + brief(size_mm) +
@@ -553,6 +563,7 @@ class Builder {
         measure_model(input, context_, report());
         ANATOMESH_CHECK_STATUS(end_stage("certificate", 1.0));
         warn_of_cuts();
+        warn_of_tears();
         for (const Clause& clause : report().certificate) {
             if (clause.state != ClauseState::broken) continue;
             // Quality and volume are out of reach for this input; a wrong surface would be a fault of ours.
@@ -560,9 +571,20 @@ class Builder {
             return Error{out_of_reach ? ErrorKind::geometry : ErrorKind::internal, "E-PIP-002",
                          "clause " + std::to_string(clause.number) + " of the contract is broken: " + clause.statement +
                              " (" + clause.evidence + ")",
-                         {}, "try another --size; nothing was written"};
+                         {}, advice_on_size() + "; nothing was written"};
         }
         return Nothing{};
+    }
+
+    std::string advice_on_size() const {
+        const std::vector<double> thickness = mean_thickness(contours_);
+        double thinnest = sample_->stats.size_mm;
+        for (const double t : thickness) {
+            if (t > 0) thinnest = std::min(thinnest, t);
+        }
+        if (!(thinnest < too_thin * sample_->stats.size_mm)) return "try another --size";
+        return "what is drawn is only " + brief(thinnest) + " mm thick in the mean: give --size " + brief(thinnest) +
+               " or leave --size out";
     }
 
     // The contours hold, and yet the model may leave them between their vertices and segments.
@@ -589,6 +611,56 @@ class Builder {
                            " the model differs from the drawn region by more than " +
                            brief(100 * widest_cut) + " % of its area; the worst is named",
                        place, "kept; a smaller --size follows small or thin parts more closely"});
+    }
+
+    // Clauses 1 to 6 hold for a plate with holes as well.
+    void warn_of_tears() {
+        const std::vector<std::uint32_t> neighbors =
+            cell_neighbors(model_.mesh.cells, model_.mesh.points.size(), context_.threads);
+        std::vector<std::vector<Triangle>> surfaces(structures_);
+        for (std::uint32_t s = 0; s < structures_; ++s) {
+            // Without a handle no wall is torn, and without a second shell no gap is filled.
+            if (report().structures[s].genus <= 0 && report().structures[s].components <= 1) continue;
+            surfaces[s] = structure_surface(model_.mesh, neighbors, model_.regions, s);
+        }
+        tears_ = surface_tears(model_.mesh.points, surfaces, source_, model_.contour_vertices);
+        // Where parts branch or vanish the field itself may join them, near the ends of the run; a thick wall does not tear.
+        const std::vector<double> thickness = mean_thickness(contours_);
+        std::erase_if(tears_, [&](const SurfaceTear& t) {
+            return !t.whole && (t.euler > t.expected || thickness[t.structure] >= tears_below * sample_->stats.size_mm);
+        });
+        for (auto tear = tears_.begin(); tear != tears_.end();) {
+            // All of one structure, the worst named.
+            const auto amiss = [](const SurfaceTear& t) { return std::abs(t.euler - t.expected); };
+            const auto worse = [&](const SurfaceTear& x, const SurfaceTear& y) { return amiss(x) < amiss(y); };
+            const auto end =
+                std::find_if(tear, tears_.end(), [&](const SurfaceTear& t) { return t.structure != tear->structure; });
+            std::int64_t count = 0;
+            for (auto t = tear; t != end; ++t) count += (amiss(*t) + 1) / 2;
+            const SurfaceTear& worst = *std::max_element(tear, end, worse);
+            Place place = place_of(worst.structure);
+            place.slice = source_.slices[worst.low_slice].name;
+            place.value = std::to_string(count) + (count == 1 ? " place" : " places");
+            const std::string where = worst.low_slice == worst.high_slice
+                                          ? "at the end beyond this slice"
+                                          : "between this slice and " + source_.slices[worst.high_slice].name;
+            context_.warn({"W-PIP-004",
+                           "the surface is joined otherwise than the contours show, by holes in a thin wall or bridges over "
+                           "a narrow gap; most " +
+                               where,
+                           place,
+                           "kept; --size " + brief(finer * sample_->stats.size_mm) +
+                               " may resolve it: look at the components and the genus"});
+            tear = end;
+        }
+    }
+
+    Place place_of(std::uint32_t structure) const {
+        const Structure& named = contours_.structures[structure];
+        Place place;
+        place.file = contours_.source;
+        place.structure = named.name.empty() ? std::to_string(named.number) : named.name;
+        return place;
     }
 
     ModelReport& report() { return model_.report; }
@@ -647,6 +719,7 @@ class Builder {
     std::size_t side_points_ = 0;                  // put beside pieces off their structure's surface
     std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling
     Model model_;
+    std::vector<SurfaceTear> tears_;
     std::vector<std::pair<std::string, double>> figures_;  // of the stage under way
     Clock::time_point stage_start_ = Clock::now();
 };
@@ -661,11 +734,14 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
         Builder builder(contours, tried, context, observer);
         Result<Model> model = builder.run();
         const bool too_coarse = !model.ok() && (model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001");
-        if (!too_coarse || options.size_mm > 0 || attempt == max_attempts) return model;
+        const bool torn = model.ok() && model.value().mesh.cells.size() < build_again_below && builder.tore_a_thin_structure();
+        if (!(too_coarse || torn) || options.size_mm > 0 || attempt == max_attempts) return model;
         // A default size that is too coarse for the smallest parts: once more, finer.
         tried.size_mm = finer * builder.size_mm();
         context.warnings.resize(warnings_before);
-        context.warn({"W-PIP-001", "the default edge length was too coarse for the smallest parts: " + model.error().message,
+        context.warn({"W-PIP-001",
+                      "the default edge length was too coarse for the smallest parts: " +
+                          (torn ? "a thin wall had holes" : model.error().message),
                       {}, "built again with " + brief(tried.size_mm) + " mm"});
     }
 }

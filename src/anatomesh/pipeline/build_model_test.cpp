@@ -342,5 +342,23 @@ TEST(BuildModel, C35_thin_tube_round_a_rod) {
     }
 }
 
+// Points stay where they are when nearly equal planes become one slice; so do those put on their segments.
+TEST(BuildModel, RS11_contours_a_little_off_their_plane_are_not_taken_for_missed_ones) {
+    Drawing drawing;
+    for (double z = 0; z <= 12; z += 3) {
+        drawing.add(0, z, rectangle({0, 0}, {20, 12}));
+        drawing.add(0, z == 6 ? 6.001 : z, rectangle({30, 0}, {50, 12}));
+    }
+    const ContourSet set = kept(drawing.raw);
+    ASSERT_EQ(set.slices.size(), 5u);
+    RunContext context;
+    const auto model = build_model(set, {}, context);
+    ASSERT_TRUE(model.ok());
+    for (const SliceCutReport& cut : model.value().report.cuts) {
+        EXPECT_LT(cut.difference_mm2, 0.001 * cut.drawn_mm2) << cut.slice;
+    }
+    for (const Warning& warning : context.warnings) EXPECT_NE(warning.code, "W-PIP-003") << warning.message;
+}
+
 }  // namespace
 }  // namespace anatomesh

@@ -4,11 +4,15 @@
 #include <dcmtk/dcmdata/dcistrmb.h>
 #include <dcmtk/dcmdata/dctk.h>
 
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "anatomesh/geom/box.h"
 #include "anatomesh_io/contour/dcmtk_set_up.h"
 #include "anatomesh_io/contour/dicom_layout.h"
 #include "anatomesh_io/contour/dicom_text.h"
@@ -58,6 +62,10 @@ Status for_each_item(DcmItem& parent, const DcmTagKey& tag, Visit visit) {
     return Nothing{};
 }
 
+constexpr double same_height_mm = 1e-6;
+constexpr std::size_t fewest_slices = 3;
+constexpr double closest_slices_mm = 0.5, smallest_patient_mm = 60;
+
 class RtStructReader {
   public:
     explicit RtStructReader(RawBuilder& builder) : builder_(builder) {}
@@ -75,11 +83,51 @@ class RtStructReader {
         builder_.frame = FileFrame::lps;
         ANATOMESH_CHECK_STATUS(for_each_item(data_set_, DCM_StructureSetROISequence,
                                              [&](DcmItem& item) { return read_declaration(item); }));
-        return for_each_item(data_set_, DCM_ROIContourSequence,
-                             [&](DcmItem& item) { return read_roi(item); });
+        ANATOMESH_CHECK_STATUS(
+            for_each_item(data_set_, DCM_ROIContourSequence, [&](DcmItem& item) { return read_roi(item); }));
+        warn_of_unit();
+        return Nothing{};
     }
 
   private:
+    // Patients are drawn on slices of half a millimetre and more; what is small and on closer ones is in
+    // centimetres.
+    void warn_of_unit() {
+        auto& heights = *std::max_element(heights_.begin(), heights_.end(),
+                                          [](const auto& a, const auto& b) { return a.size() < b.size(); });
+        std::sort(heights.begin(), heights.end());
+        std::vector<double> gaps;
+        for (std::size_t n = 1; n < heights.size(); ++n) {
+            if (heights[n] - heights[n - 1] > same_height_mm) gaps.push_back(heights[n] - heights[n - 1]);
+        }
+        if (gaps.size() + 1 < fewest_slices) return;
+        std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2),
+                         gaps.end());
+        const double spacing = gaps[gaps.size() / 2], span = box_.diagonal();
+        if (spacing >= closest_slices_mm || span > smallest_patient_mm) return;
+        builder_.context().warn(
+            {"W-RTS-006",
+             "the contours lie on slices " + rounded(spacing) + " mm apart and span " + rounded(span) +
+                 " mm in all: are they in centimetres?",
+             {builder_.file(), {}, {}, {}, rounded(spacing) + " mm apart"},
+             "taken as millimetres, as DICOM has it; if they are not, multiply them by 10"});
+    }
+    static std::string rounded(double value) {
+        std::array<char, 32> text{};
+        const auto end =
+            std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 3);
+        return {text.data(), end.ptr};
+    }
+    // A contour in a plane of two axes lies at a height of the third.
+    void note_place(const Box3& contour) {
+        const Vec3 extent = contour.high - contour.low;
+        if (extent.x < same_height_mm) heights_[0].push_back(contour.low.x);
+        if (extent.y < same_height_mm) heights_[1].push_back(contour.low.y);
+        if (extent.z < same_height_mm) heights_[2].push_back(contour.low.z);
+        box_.extend(contour.low);
+        box_.extend(contour.high);
+    }
+
     Status parse(std::string_view file) {
         ANATOMESH_TRY(DicomLayout layout, check_dicom_layout(file, builder_.file(), is_sequence_tag));
         warn_of_guess(layout, builder_.file(), builder_.context());
@@ -167,6 +215,7 @@ class RtStructReader {
     }
 
     Status read_points(std::string_view data, std::uint64_t count) {
+        Box3 box;
         for (std::uint64_t i = 0; i < count; ++i) {
             double xyz[3];
             for (double& value : xyz) {
@@ -182,7 +231,9 @@ class RtStructReader {
                 data.remove_prefix(std::min(end + 1, data.size()));
             }
             ANATOMESH_CHECK_STATUS(builder_.add_point({xyz[0], xyz[1], xyz[2]}));
+            box.extend({xyz[0], xyz[1], xyz[2]});
         }
+        if (count > 2) note_place(box);
         return Nothing{};
     }
 
@@ -270,6 +321,8 @@ class RtStructReader {
     RawBuilder& builder_;
     DcmDataset data_set_;
     std::map<std::uint32_t, std::uint64_t> contours_of_;  // contours read so far, by structure
+    std::array<std::vector<double>, 3> heights_;          // of the contours normal to each axis
+    Box3 box_;
 };
 
 }  // namespace

@@ -108,6 +108,25 @@ testing::AssertionResult refused(const std::vector<TestRoi>& rois, const char* c
     return fails(read(bytes_of_rois(rois), context), code, text);
 }
 
+// A square of this side on each of nine slices.
+std::string squares(double side, double spacing) {
+    TestRoi roi;
+    roi.contours.clear();
+    for (int k = 0; k < 9; ++k) {
+        const std::string a = std::to_string(side), z = "\\" + std::to_string(k * spacing);
+        roi.contours.push_back({.data = "0\\0" + z + "\\" + a + "\\0" + z + "\\" + a + "\\" + a + z});
+    }
+    return bytes_of_rois({roi});
+}
+
+TEST(RtStruct, RS30_contours_in_centimetres_are_asked_about) {
+    read_whole(squares(200, 3));
+    read_whole(squares(20, 0.3), {"W-RTS-006"});
+    read_whole(squares(0.5, 0.1), {"W-RTS-006"});
+    read_whole(squares(3, 0.6));    // a small organ
+    read_whole(squares(120, 0.4));  // a detailed one
+}
+
 TEST(RtStruct, reads_the_same_in_every_encoding) {
     const std::vector<TestRoi> rois = {
         {.number = 5, .name = "liver", .contours = {{}, {.data = R"( 1.5 \-2e1\+3\4\5\6)"}}},

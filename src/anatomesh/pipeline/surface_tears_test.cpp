@@ -1,0 +1,229 @@
+// Solids of unit cubes, and what their contours say of them.
+#include "anatomesh/pipeline/surface_tears.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/sample/drawing_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+using Cube = std::array<int, 3>;  // its low corner
+
+// The surface of a set of cubes, of which no two meet in an edge or corner alone.
+class CubeSolid {
+  public:
+    void add(Cube low, Cube high) {
+        for_each(low, high, [&](const Cube& cube) { cubes_.insert(cube); });
+    }
+    void remove(Cube low, Cube high) {
+        for_each(low, high, [&](const Cube& cube) { cubes_.erase(cube); });
+    }
+
+    std::vector<SurfaceTear> tears(const Drawing& drawing) {
+        const ContourSet set = kept(drawing.raw);
+        std::vector<Triangle> triangles;
+        for (const Cube& cube : cubes_) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                for (const int side : {0, 1}) {
+                    Cube beyond = cube;
+                    beyond[axis] += side ? 1 : -1;
+                    if (!cubes_.count(beyond)) add_face(cube, axis, side, triangles);
+                }
+            }
+        }
+        std::vector<std::uint32_t> vertex_of;
+        for (const Vec3& p : set.points) {
+            const auto at =
+                vertices_.find(Cube{static_cast<int>(p.x), static_cast<int>(p.y), static_cast<int>(p.z)});
+            EXPECT_NE(at, vertices_.end());
+            vertex_of.push_back(at == vertices_.end() ? no_cell : at->second);
+        }
+        const std::vector<std::vector<Triangle>> surfaces{triangles};
+        return surface_tears(points_, surfaces, set, vertex_of);
+    }
+
+  private:
+    template <class Visit>
+    static void for_each(Cube low, Cube high, Visit&& visit) {
+        for (int k = low[2]; k < high[2]; ++k) {
+            for (int j = low[1]; j < high[1]; ++j) {
+                for (int i = low[0]; i < high[0]; ++i) visit(Cube{i, j, k});
+            }
+        }
+    }
+    std::uint32_t vertex(Cube at) {
+        const auto [place, fresh] = vertices_.try_emplace(at, static_cast<std::uint32_t>(points_.size()));
+        if (fresh)
+            points_.push_back(
+                {static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])});
+        return place->second;
+    }
+    void add_face(Cube cube, std::size_t axis, int side, std::vector<Triangle>& triangles) {
+        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+        cube[axis] += side;
+        std::array<std::uint32_t, 4> corner{};
+        corner[0] = vertex(cube);
+        ++cube[u];
+        corner[1] = vertex(cube);
+        ++cube[v];
+        corner[2] = vertex(cube);
+        --cube[u];
+        corner[3] = vertex(cube);
+        if (side == 0) std::swap(corner[1], corner[3]);
+        triangles.push_back({corner[0], corner[1], corner[2]});
+        triangles.push_back({corner[0], corner[2], corner[3]});
+    }
+
+    std::set<Cube> cubes_;
+    std::map<Cube, std::uint32_t> vertices_;
+    std::vector<Vec3> points_;
+};
+
+// 20 x 2 mm, from z = 0 to 20, with slices at 2, 6, 10, 14 and 18.
+struct Plate {
+    CubeSolid solid;
+    Drawing drawing;
+    Plate() {
+        solid.add({0, 0, 0}, {20, 2, 20});
+        for (int z = 2; z < 20; z += 4) drawing.add(0, z, rectangle({0, 0}, {20, 2}));
+    }
+    std::vector<SurfaceTear> tears() { return solid.tears(drawing); }
+};
+
+std::int64_t handles(const std::vector<SurfaceTear>& tears) {
+    std::int64_t twice = 0;
+    for (const SurfaceTear& tear : tears) twice += tear.expected - tear.euler;
+    return twice / 2;
+}
+
+TEST(SurfaceTears, a_whole_plate_has_none) {
+    EXPECT_TRUE(Plate().tears().empty());
+}
+
+TEST(SurfaceTears, C35_a_hole_through_a_plate_is_found_wherever_it_lies) {
+    for (int low = 1; low < 17; ++low) {
+        for (const int height : {1, 2, 3}) {
+            Plate plate;
+            plate.solid.remove({8, 0, low}, {10, 2, low + height});
+            const auto tears = plate.tears();
+            ASSERT_EQ(tears.size(), 1u) << low << ' ' << height;
+            EXPECT_EQ(handles(tears), 1) << low << ' ' << height;
+            EXPECT_TRUE(tears[0].whole);
+        }
+    }
+}
+
+TEST(SurfaceTears, the_slices_about_a_hole_are_named_and_holes_counted) {
+    Plate plate;
+    plate.solid.remove({3, 0, 7}, {5, 2, 8});
+    plate.solid.remove({13, 0, 7}, {15, 2, 8});
+    const auto tears = plate.tears();
+    ASSERT_EQ(tears.size(), 1u);
+    EXPECT_EQ(handles(tears), 2);
+    EXPECT_EQ(tears[0].low_slice, 1u);
+    EXPECT_EQ(tears[0].high_slice, 2u);
+}
+
+TEST(SurfaceTears, dents_bumps_and_notches_are_no_tears) {
+    Plate plate;
+    for (int z = 1; z < 18; z += 3) {
+        plate.solid.remove({2 * (z % 7) + 2, 0, z}, {2 * (z % 7) + 3, 1, z + 2});  // a dent in one side
+        plate.solid.add({2 * (z % 7) + 5, 2, z}, {2 * (z % 7) + 6, 3, z + 2});     // a bump on the other
+    }
+    plate.solid.remove({9, 0, 19}, {11, 2, 20});  // a notch in the rim
+    plate.solid.add({4, 0, 20}, {6, 1, 22});      // a tip on it
+    EXPECT_TRUE(plate.tears().empty());
+}
+
+TEST(SurfaceTears, the_wall_of_a_tube) {
+    for (const bool torn : {false, true}) {
+        CubeSolid solid;
+        Drawing drawing;
+        solid.add({0, 0, 0}, {9, 9, 20});
+        solid.remove({2, 2, 0}, {7, 7, 20});
+        for (int z = 2; z < 20; z += 4) {
+            drawing.add(0, z, rectangle({0, 0}, {9, 9}));
+            drawing.add(0, z, rectangle({2, 2}, {7, 7}));
+        }
+        if (torn) solid.remove({4, 0, 9}, {5, 2, 11});
+        EXPECT_EQ(handles(solid.tears(drawing)), torn);
+    }
+}
+
+TEST(SurfaceTears, a_bridge_over_a_gap) {
+    for (const int bridges : {0, 1, 2}) {
+        CubeSolid solid;
+        Drawing drawing;
+        solid.add({0, 0, 0}, {20, 2, 20});
+        solid.add({0, 3, 0}, {20, 5, 20});
+        for (int z = 2; z < 20; z += 4) {
+            drawing.add(0, z, rectangle({0, 0}, {20, 2}));
+            drawing.add(0, z, rectangle({0, 3}, {20, 5}));
+        }
+        for (int n = 0; n < bridges; ++n) solid.add({5 + 6 * n, 2, 7}, {7 + 6 * n, 3, 9});
+        EXPECT_EQ(handles(solid.tears(drawing)), bridges);
+    }
+}
+
+TEST(SurfaceTears, a_gap_that_is_filled_but_for_cavities) {
+    CubeSolid solid;
+    Drawing drawing;
+    solid.add({0, 0, 0}, {20, 5, 20});
+    for (int z = 2; z < 20; z += 4) {
+        drawing.add(0, z, rectangle({0, 0}, {20, 2}));
+        drawing.add(0, z, rectangle({0, 3}, {20, 5}));
+        for (const int x : {0, 18})
+            solid.remove({x, 2, z - 1}, {x + 2, 3, z + 1});  // corners are on the surface
+        solid.remove({4, 2, z - 1}, {16, 3, z + 1});         // a cavity
+    }
+    EXPECT_FALSE(solid.tears(drawing).empty());
+}
+
+// The lower half of the plate goes on as two: its run ends there.
+TEST(SurfaceTears, a_hole_in_a_run_that_ends_where_the_part_branches) {
+    for (const bool torn : {false, true}) {
+        CubeSolid solid;
+        Drawing drawing;
+        solid.add({0, 0, 0}, {20, 2, 20});
+        solid.remove({9, 0, 12}, {11, 2, 20});
+        for (int z = 2; z < 20; z += 4) {
+            if (z < 12) {
+                drawing.add(0, z, rectangle({0, 0}, {20, 2}));
+            } else {
+                drawing.add(0, z, rectangle({0, 0}, {9, 2}));
+                drawing.add(0, z, rectangle({11, 0}, {20, 2}));
+            }
+        }
+        if (torn) solid.remove({4, 0, 7}, {6, 2, 8});
+        const auto tears = solid.tears(drawing);
+        EXPECT_EQ(handles(tears), torn);
+        for (const SurfaceTear& tear : tears) EXPECT_FALSE(tear.whole);
+    }
+}
+
+// One contour, two, and one again: a handle that is drawn.
+TEST(SurfaceTears, C16_branches_are_not_judged) {
+    CubeSolid solid;
+    Drawing drawing;
+    solid.add({0, 0, 0}, {20, 4, 20});
+    solid.remove({8, 0, 8}, {12, 4, 12});
+    for (int z = 2; z < 20; z += 4) {
+        if (z != 10) {
+            drawing.add(0, z, rectangle({0, 0}, {20, 4}));
+        } else {
+            drawing.add(0, z, rectangle({0, 0}, {8, 4}));
+            drawing.add(0, z, rectangle({12, 0}, {20, 4}));
+        }
+    }
+    EXPECT_TRUE(solid.tears(drawing).empty());
+}
+
+}  // namespace
+}  // namespace anatomesh
