@@ -378,7 +378,8 @@ Status make_model(const ContourSet& kept, const InputContours& contours, const C
     } else {
         ANATOMESH_CHECK_STATUS(check_default_size(kept));
     }
-    ANATOMESH_TRY(Model model, build_model(kept, building, context, observer));
+    ANATOMESH_TRY(Model model,
+                  build_model(kept, building, context, dumps.empty() ? StageObserver{} : observer));
     for (std::size_t i = 0; i < dumps.size(); ++i) {
         ANATOMESH_TRY(const std::string bytes, format_model(options.dumps[i].path, dumps[i], context));
         ANATOMESH_CHECK_STATUS(files.add(options.dumps[i].path, bytes));

@@ -592,7 +592,7 @@ bool DelaunayKernel::insert(std::span<const Vec3> points, int threads, std::vect
     }
     update_bounds();
     if (cells_.empty()) {
-        cells_.reserve(7 * points.size() + points.size() / 2);
+        cells_.reserve(10 * points.size());  // with what refinement adds
         if (!start(first)) {
             *this = DelaunayKernel();
             return false;

@@ -256,7 +256,8 @@ class ParallelField final : public FieldQueries<ParallelField> {
         const Track& track = tracks_[structure];
         return {track.blend(maps_, clamp_, q, z, reach), track.beyond_end(z)};
     }
-    StructureVolume pair_volume(std::uint32_t structure, const Track::Pair& pair, double points) const;
+    StructureVolume pair_volume(std::uint32_t structure, const Track::Pair& pair, double points,
+                                std::size_t layer) const;
     double inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
     bool is_alone(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
     Status build_maps(const ContourSet& set, RunContext& context);
@@ -529,8 +530,8 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
     return static_cast<double>(inside) / sections - by_slices;
 }
 
-StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Track::Pair& pair,
-                                           double points) const {
+StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Track::Pair& pair, double points,
+                                           std::size_t layer) const {
     const double gap = pair.above_low - pair.below_high;
     if (tracks_[structure].beyond_end(0.5 * (pair.below_high + pair.above_low)) > 0) return {};
     double area = 0, thickness = 0;
@@ -548,7 +549,7 @@ StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Track:
     if (box.empty() || (!partition_ && is_prism)) return volume;
     box = box.grown(pair.motion->max_move() + (partition_ ? 0.25 * clamp_ : 0));
     const double correction =
-        lattice_integral(box, points, [&](Vec2 q) { return inside_share(structure, pair, q); });
+        lattice_integral(box, points, layer, [&](Vec2 q) { return inside_share(structure, pair, q); });
     volume.by_field += gap * correction;
     return volume;
 }
@@ -569,7 +570,7 @@ Result<std::vector<StructureVolume>> ParallelField::volumes(std::uint32_t count,
                          std::max(4000.0, options.points_in_slabs / static_cast<double>(jobs.size() + 1)));
     parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
-            jobs[j].volume = pair_volume(jobs[j].structure, jobs[j].pair, points);
+            jobs[j].volume = pair_volume(jobs[j].structure, jobs[j].pair, points, j);
         }
     });
     if (context.cancelled()) return cancelled_error();

@@ -22,6 +22,7 @@ constexpr double return_tolerance = 0.5;  // a match that leads back this far fr
 constexpr double rest = 0.1;              // length of unmoved boundary that every average contains
 constexpr double lattice_step = 0.5;
 constexpr std::array<double, 3> averaging{4.4, 2.8, 1.8};  // radius of the neighbourhood, round by round
+constexpr std::uint32_t most_columns = 12;  // of a lattice within a radius, which is four steps at most
 constexpr double least_cosine = 0.3;                       // pieces that face further apart are never matched
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
@@ -123,7 +124,7 @@ class PieceIndex {
         // Never many more bins than pieces, however large the region.
         const Vec2 size = box_.high - box_.low;
         const double most = 4.0 * static_cast<double>(pieces_.size()) + 64;
-        bin_ = std::max({gap, std::sqrt(size.x * size.y / most), std::max(size.x, size.y) / most});
+        bin_ = std::max({0.5 * gap, std::sqrt(size.x * size.y / most), std::max(size.x, size.y) / most});
         nx_ = static_cast<std::int64_t>(size.x / bin_) + 1;
         ny_ = static_cast<std::int64_t>(size.y / bin_) + 1;
         begin_.assign(static_cast<std::size_t>(nx_ * ny_) + 1, 0);
@@ -149,23 +150,30 @@ class PieceIndex {
         Match best;
         const double most = search_reach * gap_, turn = 2 * turn_cost * turn_cost * gap_ * gap_;
         double best_cost = most * most;
-        // Bins are looked at in rings round the target's own, until the next ring is too far away.
+        const auto compare = [&](const Listed& piece) {
+            const double cosine = dot(piece.facing, facing);
+            if (cosine < least_cosine) return;
+            const double s = std::clamp(dot(target - piece.a, piece.edge) * piece.inverse, 0.0, 1.0);
+            const Vec2 point = piece.a + s * piece.edge;
+            const double cost = squared_length(point - target) + turn * (1 - cosine);
+            if (cost < best_cost && squared_length(point - from) < most * most) {
+                best_cost = cost;
+                best = {piece.number, point};
+            }
+        };
+        // The target's bin and those round it, then ring by ring until the next is too far away.
         const std::int64_t ci = column(target.x, box_.low.x), cj = column(target.y, box_.low.y);
+        for (std::int64_t j = cj - 1; j <= cj + 1; ++j) each_in_row(j, ci - 1, ci + 1, compare);
         const auto last = static_cast<std::int64_t>((most + 0.5 * piece_length * gap_) / bin_) + 1;
-        for (std::int64_t ring = 0; ring <= last; ++ring) {
+        for (std::int64_t ring = 2; ring <= last; ++ring) {
             const double nearest_possible = static_cast<double>(ring - 1) * bin_ - 0.5 * piece_length * gap_;
             if (nearest_possible > 0 && nearest_possible * nearest_possible > best_cost) break;
-            each_in_ring(ci, cj, ring, [&](const Listed& piece) {
-                const double cosine = dot(piece.facing, facing);
-                if (cosine < least_cosine) return;
-                const double s = std::clamp(dot(target - piece.a, piece.edge) * piece.inverse, 0.0, 1.0);
-                const Vec2 point = piece.a + s * piece.edge;
-                const double cost = squared_length(point - target) + turn * (1 - cosine);
-                if (cost < best_cost && squared_length(point - from) < most * most) {
-                    best_cost = cost;
-                    best = {piece.number, point};
-                }
-            });
+            each_in_row(cj - ring, ci - ring, ci + ring, compare);
+            for (std::int64_t j = cj - ring + 1; j < cj + ring; ++j) {
+                each_in_row(j, ci - ring, ci - ring, compare);
+                each_in_row(j, ci + ring, ci + ring, compare);
+            }
+            each_in_row(cj + ring, ci - ring, ci + ring, compare);
         }
         return best;
     }
@@ -179,16 +187,15 @@ class PieceIndex {
         const std::int64_t j = std::clamp<std::int64_t>(column(q.y, box_.low.y), 0, ny_ - 1);
         return static_cast<std::size_t>(j * nx_ + i);
     }
+    // The pieces in the bins from `first` to `last` of row j, which lie together.
     template <class Body>
-    void each_in_ring(std::int64_t ci, std::int64_t cj, std::int64_t ring, Body body) const {
-        for (std::int64_t j = std::max<std::int64_t>(cj - ring, 0); j <= std::min(cj + ring, ny_ - 1); ++j) {
-            const bool whole_row = j == cj - ring || j == cj + ring;
-            const std::int64_t step = whole_row || ring == 0 ? 1 : 2 * ring;
-            for (std::int64_t i = ci - ring; i <= ci + ring; i += step) {
-                if (i < 0 || i >= nx_) continue;
-                const auto bin = static_cast<std::size_t>(j * nx_ + i);
-                for (std::uint32_t l = begin_[bin]; l < begin_[bin + 1]; ++l) body(listed_[l]);
-            }
+    void each_in_row(std::int64_t j, std::int64_t first, std::int64_t last, const Body& body) const {
+        if (j < 0 || j >= ny_ || first >= nx_ || last < 0) return;
+        const auto row = static_cast<std::size_t>(j * nx_);
+        const std::uint32_t end = begin_[row + static_cast<std::size_t>(std::min(last, nx_ - 1)) + 1];
+        for (std::uint32_t l = begin_[row + static_cast<std::size_t>(std::max<std::int64_t>(first, 0))];
+             l < end; ++l) {
+            body(listed_[l]);
         }
     }
 
@@ -238,13 +245,20 @@ class Average {
                             j0 = index(middle.y - radius_, lattice_.low.y, lattice_.ny),
                             j1 = index(middle.y + radius_, lattice_.low.y, lattice_.ny);
         const double inverse = 1 / (radius_ * radius_);
+        std::array<double, most_columns> across;  // squared distances of the columns
+        assert(i1 - i0 < most_columns);
+        for (std::uint32_t i = i0; i <= i1; ++i) {
+            const double x = lattice_.node(i, j0).x - middle.x;
+            across[i - i0] = x * x;
+        }
         for (std::uint32_t j = j0; j <= j1; ++j) {
-            for (std::uint32_t i = i0; i <= i1; ++i) {
-                const double share = 1 - squared_length(lattice_.node(i, j) - middle) * inverse;
-                if (share <= 0) continue;
-                Sum& sum = sums_[static_cast<std::size_t>(j) * lattice_.nx + i];
-                sum.move = sum.move + (weight * share * share) * move;
-                sum.weight += weight * share * share;
+            const double y = lattice_.node(i0, j).y - middle.y;
+            Sum* const row = &sums_[static_cast<std::size_t>(j) * lattice_.nx + i0];
+            for (std::uint32_t i = 0; i <= i1 - i0; ++i) {
+                const double share = std::max(0.0, 1 - (across[i] + y * y) * inverse);
+                const double part = weight * share * share;
+                row[i].move = row[i].move + part * move;
+                row[i].weight += part;
             }
         }
     }

@@ -25,15 +25,11 @@ Result<std::vector<StructureVolume>> StructureField::volumes(std::uint32_t count
         std::vector<std::uint32_t> inside;
         for (std::size_t k = begin; k < end && !context.cancelled(); ++k) {
             const double z = all.low.z + (static_cast<double>(k) + 0.5) * height;
-            // The fraction of k times two irrational numbers: layers do not stand above each other.
-            const double turn = static_cast<double>(k);
-            const Vec2 shift{step * (turn * 0.7548776662466927 - std::floor(turn * 0.7548776662466927)),
-                             step * (turn * 0.5698402909980532 - std::floor(turn * 0.5698402909980532))};
             const Box2 layer{{all.low.x, all.low.y}, {all.high.x, all.high.y}};
             std::uint64_t points = 0;
-            lattice_integral(layer, points_per_layer, [&](Vec2 q) {
+            lattice_integral(layer, points_per_layer, k, [&](Vec2 q) {
                 ++points;
-                members({q.x + shift.x, q.y + shift.y, z}, inside);
+                members({q.x, q.y, z}, inside);
                 for (const std::uint32_t s : inside) {
                     if (s < count) ++counts[k][s];
                 }

@@ -13,9 +13,9 @@ namespace anatomesh {
 struct VolumeOptions {
     // Points of the sampling lattice over the box of a structure between two neighbouring slices, at most.
     // [100, 1e8]
-    std::uint32_t points_per_slab = 15000;
+    std::uint32_t points_per_slab = 60000;
     // Points in all slabs of all structures: fewer a slab where there are many of them, but 4000. [1e4, 4e9]
-    std::uint32_t points_in_slabs = 8000000;
+    std::uint32_t points_in_slabs = 400000;
     // Points over the field's box for planes that are not parallel. [1000, 1e9]
     std::uint32_t points_in_all = 1000000;
 };
@@ -23,9 +23,9 @@ struct VolumeOptions {
 // The volume of every structure by the integral of the field's cross-sections.
 // Parallel slices: slice integration of the drawn areas, which are exact, plus the integral of the difference
 // between it and the field, which is not zero only where the two contours differ; along the normal by
-// seven values (where structures of an exclusive set meet: 12 sections), in the plane on a lattice that no straight
-// wall runs along. Planes in any position: a lattice in space. Error: some 0.01 % for organs; it falls with
-// points^-3/4. Guarantees: the same at any thread count. Errors: cancelled.
+// seven values (where structures of an exclusive set meet: 12 sections), in the plane on a lattice that no
+// straight wall runs along. Planes in any position: a lattice in space. Error: some 0.01 % for organs, 0.02 %
+// for a skull; it falls with points^-3/4. Guarantees: the same at any thread count. Errors: cancelled.
 inline Result<std::vector<StructureVolume>> field_volumes(const StructureField& field,
                                                           std::uint32_t structures,
                                                           const VolumeOptions& options, RunContext& context) {
@@ -33,10 +33,15 @@ inline Result<std::vector<StructureVolume>> field_volumes(const StructureField& 
 }
 
 // Integral of f over a box by the points of a square lattice turned by the golden angle, whose rows no
-// straight line of small slope follows. Requires: f vanishes outside the box.
+// straight line of small slope follows. The lattices of different layers are shifted against each other: what
+// one layer's makes too large that of the next like it does not. Requires: f vanishes outside the box.
 template <class F>
-double lattice_integral(const Box2& box, double points, F&& f) {
+double lattice_integral(const Box2& box, double points, std::size_t layer, F&& f) {
     const Vec2 size = box.high - box.low, centre = 0.5 * (box.low + box.high);
+    // The layer's multiple of two irrational numbers, less the whole part.
+    const double turn = static_cast<double>(layer);
+    const Vec2 shift{turn * 0.7548776662466927 - std::floor(turn * 0.7548776662466927),
+                     turn * 0.5698402909980532 - std::floor(turn * 0.5698402909980532)};
     const double step = std::sqrt(size.x * size.y / points);
     if (!(step > 0)) return 0;
     // tan of the angle is the golden ratio less one: the slope hardest to approximate by fractions.
@@ -46,7 +51,8 @@ double lattice_integral(const Box2& box, double points, F&& f) {
     double sum = 0;
     for (std::int64_t j = -reach; j <= reach; ++j) {
         for (std::int64_t i = -reach; i <= reach; ++i) {
-            const Vec2 q = centre + (static_cast<double>(i) + 0.5) * u + (static_cast<double>(j) + 0.5) * v;
+            const Vec2 q =
+                centre + (static_cast<double>(i) + shift.x) * u + (static_cast<double>(j) + shift.y) * v;
             if (box.contains(q)) sum += f(q);
         }
     }

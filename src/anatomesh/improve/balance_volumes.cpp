@@ -77,16 +77,16 @@ class PlaneFit {
 
 class Balancer {
   public:
-    Balancer(TetMesh& mesh, const RegionTable& regions, const std::vector<std::uint8_t>& fixed,
-             std::span<const double> targets, double max_radius_edge, const BalanceOptions& options,
-             int threads)
+    Balancer(TetMesh& mesh, std::span<const std::uint32_t> neighbors, const RegionTable& regions,
+             const std::vector<std::uint8_t>& fixed, std::span<const double> targets, double max_radius_edge,
+             const BalanceOptions& options)
         : mesh_(mesh),
           regions_(regions),
           targets_(targets),
           options_(options),
           mover_(mesh, max_radius_edge, std::sin(options.min_dihedral_degrees * std::numbers::pi / 180)),
           moved_(mesh.points.size()) {
-        collect(fixed, threads);
+        collect(neighbors, fixed);
         find_ends();
         put_onto_ends(max_radius_edge);
     }
@@ -199,9 +199,9 @@ class Balancer {
     }
 
     // Facets between regions, by vertex; the vertices of such facets that are not fixed are free.
-    void collect(const std::vector<std::uint8_t>& fixed, int threads) {
+    void collect(std::span<const std::uint32_t> neighbors, const std::vector<std::uint8_t>& fixed) {
         std::map<std::pair<Region, Region>, std::uint32_t> numbers;
-        for (const auto& [c, i, other] : region_facets(mesh_, threads)) {
+        for (const auto& [c, i, other] : region_facets(mesh_, neighbors)) {
             const Region inner = mesh_.regions[c],
                          outer = other == no_cell ? Region{0} : mesh_.regions[other];
             const auto [place, added] =
@@ -351,11 +351,12 @@ class Balancer {
 
 }  // namespace
 
-BalanceStats balance_volumes(TetMesh& mesh, const RegionTable& regions,
-                             const std::vector<std::uint8_t>& fixed, std::span<const double> target_mm3,
-                             double max_radius_edge, const BalanceOptions& options, int threads) {
+BalanceStats balance_volumes(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
+                             const RegionTable& regions, const std::vector<std::uint8_t>& fixed,
+                             std::span<const double> target_mm3, double max_radius_edge,
+                             const BalanceOptions& options) {
     assert(fixed.size() == mesh.points.size());
-    return Balancer(mesh, regions, fixed, target_mm3, max_radius_edge, options, threads).run();
+    return Balancer(mesh, neighbors, regions, fixed, target_mm3, max_radius_edge, options).run();
 }
 
 }  // namespace anatomesh

@@ -4,18 +4,16 @@
 #include <cassert>
 #include <utility>
 
-#include "anatomesh/mesh/topology.h"
-
 namespace anatomesh {
 
-EditMesh::EditMesh(TetMesh mesh, int threads)
+EditMesh::EditMesh(TetMesh mesh, std::span<const std::uint32_t> neighbors)
     : points_(std::move(mesh.points)),
       cells_(std::move(mesh.cells)),
       regions_(std::move(mesh.regions)),
       neighbors_(cells_.size()),
       cell_of_(points_.size(), no_cell),
       mark_(cells_.size(), 0) {
-    const std::vector<std::uint32_t> neighbors = cell_neighbors(cells_, points_.size(), threads);
+    assert(neighbors.size() == 4 * cells_.size());
     for (std::uint32_t c = 0; c < cells_.size(); ++c) {
         for (int i = 0; i < 4; ++i) {
             neighbors_[c][i] = neighbors[4 * c + i];
@@ -24,12 +22,22 @@ EditMesh::EditMesh(TetMesh mesh, int threads)
     }
 }
 
-TetMesh EditMesh::take() && {
-    std::size_t kept = 0;
+TetMesh EditMesh::take(std::vector<std::uint32_t>& neighbors) && {
+    // Cells are marked with their new numbers.
+    std::uint32_t kept = 0;
     for (std::size_t c = 0; c < cells_.size(); ++c) {
-        if (cells_[c][0] == no_cell) continue;
-        cells_[kept] = cells_[c];
-        regions_[kept++] = regions_[c];
+        mark_[c] = cells_[c][0] == no_cell ? no_cell : kept++;
+    }
+    neighbors.resize(4 * std::size_t{kept});
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+        const std::uint32_t now = mark_[c];
+        if (now == no_cell) continue;
+        cells_[now] = cells_[c];
+        regions_[now] = regions_[c];
+        for (std::size_t i = 0; i < 4; ++i) {
+            const std::uint32_t across = neighbors_[c][i];
+            neighbors[4 * std::size_t{now} + i] = across == no_cell ? no_cell : mark_[across];
+        }
     }
     cells_.resize(kept);
     regions_.resize(kept);

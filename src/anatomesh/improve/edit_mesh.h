@@ -27,11 +27,12 @@ struct EdgeRing {
 // Memory: 40 bytes a cell beside the mesh. Not thread-safe: it keeps scratch space.
 class EditMesh {
   public:
-    // Requires: cells positive, no facet in more than two. Complexity: O(cells).
-    explicit EditMesh(TetMesh mesh, int threads = 1);
+    // Requires: cells positive, `neighbors` theirs as cell_neighbors() gives them. Complexity: O(cells).
+    EditMesh(TetMesh mesh, std::span<const std::uint32_t> neighbors);
 
-    // The mesh without the removed cells, in the order of their numbers. Points stay, used or not.
-    TetMesh take() &&;
+    // The mesh without the removed cells, in the order of their numbers, and its `neighbors`. Points stay,
+    // used or not.
+    TetMesh take(std::vector<std::uint32_t>& neighbors) &&;
 
     std::size_t cell_count() const { return cells_.size(); }  // removed ones included
     std::size_t point_count() const { return points_.size(); }

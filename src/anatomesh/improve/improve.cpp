@@ -36,7 +36,9 @@ class Improver {
         stats_.above_bound_before = bad_of(all_cells(), context.threads).size();
         for (int round = 0; round < 3; ++round) {
             off = chosen_of(off, context.threads, [&](std::uint32_t v) {
-                return InterfaceProbe(field_, structures_).distance(mesh_.points[v]) > options_.tolerance_mm;
+                return InterfaceProbe(field_, structures_)
+                           .look(mesh_.points[v], options_.tolerance_mm)
+                           .distance > options_.tolerance_mm;
             });
             for (const std::uint32_t v : off) pull_onto_interface(v);
         }

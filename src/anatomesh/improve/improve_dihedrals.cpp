@@ -153,15 +153,15 @@ class Climber {
 
 }  // namespace
 
-DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint8_t>& fixed,
-                                std::span<const VertexPair> fixed_edges, const StructureField& field,
-                                std::uint32_t structures, const DihedralOptions& options,
-                                RunContext& context) {
+DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint32_t>& neighbors,
+                                std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
+                                const StructureField& field, std::uint32_t structures,
+                                const DihedralOptions& options, RunContext& context) {
     assert(fixed.size() == mesh.points.size());
     assert(std::is_sorted(fixed_edges.begin(), fixed_edges.end()));
-    Workbench bench(std::move(mesh), fixed, fixed_edges, field, structures, options, context.threads);
+    Workbench bench(std::move(mesh), neighbors, fixed, fixed_edges, field, structures, options);
     Climber(bench).run(context);
-    mesh = std::move(bench.mesh).take();
+    mesh = std::move(bench.mesh).take(neighbors);
     return bench.stats;
 }
 

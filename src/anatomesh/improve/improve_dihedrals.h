@@ -49,19 +49,19 @@ struct DihedralStats {
 // junctions of three or more regions do not change. No ratio above the bound arises but in the place of one
 // as large. Cells outside serve as room; they stay positive, and none gets nearly flat but in the place of
 // one as flat. Same result every time. `fixed` grows with the points. Cells keep no order. Points no longer
-// used stay in the list. Requires: the mesh holds the cells outside too, and every vertex on its hull is
-// fixed. Complexity: linear in the cells, and in the operations tried for the bad ones. Follows: Klingner and
-// Shewchuk, Proc. 16th International Meshing Roundtable, 2007; Freitag and Ollivier-Gooch, Int. J. Numer.
-// Methods Eng. 40, 1997.
-DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint8_t>& fixed,
-                                std::span<const VertexPair> fixed_edges, const StructureField& field,
-                                std::uint32_t structures, const DihedralOptions& options,
-                                RunContext& context);
+// used stay in the list. `neighbors` are those of the mesh before and after, as cell_neighbors() gives them.
+// Requires: the mesh holds the cells outside too, and every vertex on its hull is fixed. Complexity: linear
+// in the cells, and in the operations tried for the bad ones. Follows: Klingner and Shewchuk, Proc. 16th
+// International Meshing Roundtable, 2007; Freitag and Ollivier-Gooch, Int. J. Numer. Methods Eng. 40, 1997.
+DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint32_t>& neighbors,
+                                std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
+                                const StructureField& field, std::uint32_t structures,
+                                const DihedralOptions& options, RunContext& context);
 
 // The mesh edges on interfaces that lie along the segments, as fixed_edges wants them: for each segment whose
 // ends are joined by a chain of interface edges along the straight line, the edges of the chain. Requires: as
-// region_facets(). Complexity: linear in the cells and the segments. Same result at any number of threads.
-std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const VertexPair> segments,
-                                    int threads = 1);
+// region_facets(). Complexity: linear in the cells and the segments.
+std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
+                                    std::span<const VertexPair> segments);
 
 }  // namespace anatomesh

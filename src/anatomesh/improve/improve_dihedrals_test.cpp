@@ -1,6 +1,7 @@
 #include "anatomesh/improve/improve_dihedrals.h"
 
 #include "anatomesh/improve/labelled_meshes_for_test.h"
+#include "anatomesh/mesh/topology.h"
 
 namespace anatomesh {
 namespace {
@@ -13,12 +14,18 @@ struct Improved {
     DihedralStats stats;
 };
 
+std::vector<std::uint32_t> neighbors_of(const TetMesh& mesh) {
+    return cell_neighbors(mesh.cells, mesh.points.size());
+}
+
 Improved improved(const LabelledCase& c, std::span<const VertexPair> edges = {},
                   DihedralOptions options = {}) {
     Improved result{c.mesh, c.fixed, {}};
     RunContext context;
-    result.stats =
-        improve_dihedrals(result.mesh, result.fixed, edges, c.field, c.structures, options, context);
+    std::vector<std::uint32_t> neighbors = neighbors_of(c.mesh);
+    result.stats = improve_dihedrals(result.mesh, neighbors, result.fixed, edges, c.field, c.structures,
+                                     options, context);
+    EXPECT_EQ(neighbors, neighbors_of(result.mesh));
     return result;
 }
 
@@ -140,11 +147,11 @@ TEST(ImproveDihedrals, keeps_fixed_edges_on_the_surface) {
     }
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    EXPECT_EQ(edges_along(c.mesh, edges), edges);
+    EXPECT_EQ(edges_along(c.mesh, neighbors_of(c.mesh), edges), edges);
     const Improved kept = improved(c, edges);
     EXPECT_GT(kept.stats.edges_removed, 0u);
     EXPECT_EQ(kept.stats.surface_edges_flipped, 0u);
-    EXPECT_EQ(edges_along(kept.mesh, edges), edges);
+    EXPECT_EQ(edges_along(kept.mesh, neighbors_of(kept.mesh), edges), edges);
     DihedralOptions loose;
     loose.max_deviation_mm = 10;
     const Improved flipped = improved(c, {}, loose);
@@ -156,13 +163,14 @@ TEST(EdgesAlong, finds_the_chain_of_a_segment_and_nothing_for_one_that_is_missin
     std::vector<Triangle> surface = structure_surface(c.mesh, c.regions, 0);
     const auto [a, b, d] = surface[0];
     const VertexPair edge{std::min(a, b), std::max(a, b)};
-    EXPECT_EQ(edges_along(c.mesh, std::vector<VertexPair>{{b, a}, {a, b}}), std::vector<VertexPair>{edge});
+    EXPECT_EQ(edges_along(c.mesh, neighbors_of(c.mesh), std::vector<VertexPair>{{b, a}, {a, b}}),
+              std::vector<VertexPair>{edge});
     std::uint32_t far = a;
     for (const Triangle& f : surface) {
         if (length(c.mesh.points[f[0]] - c.mesh.points[a]) > length(c.mesh.points[far] - c.mesh.points[a]))
             far = f[0];
     }
-    EXPECT_TRUE(edges_along(c.mesh, std::vector<VertexPair>{{a, far}}).empty());
+    EXPECT_TRUE(edges_along(c.mesh, neighbors_of(c.mesh), std::vector<VertexPair>{{a, far}}).empty());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/improve/balance_volumes.h"
 #include "anatomesh/improve/vertex_mover.h"
+#include "anatomesh/mesh/topology.h"
 
 namespace anatomesh {
 namespace {
@@ -122,6 +123,10 @@ TEST(VertexMover, refuses_to_invert_a_cell) {
     expect_positive(mesh);
 }
 
+std::vector<std::uint32_t> neighbors_of(const TetMesh& mesh) {
+    return cell_neighbors(mesh.cells, mesh.points.size());
+}
+
 TEST(BalanceVolumes, meets_the_targets_and_moves_no_fixed_vertex) {
     for (const Solid& solid : solids()) {
         SCOPED_TRACE(solid.name);
@@ -131,7 +136,7 @@ TEST(BalanceVolumes, meets_the_targets_and_moves_no_fixed_vertex) {
         TetMesh mesh = before;
         const std::vector<std::uint8_t> fixed = some_fixed(mesh);
         const BalanceStats stats =
-            balance_volumes(mesh, culled.registry.table(), fixed, solid.volumes, 2, {});
+            balance_volumes(mesh, neighbors_of(mesh), culled.registry.table(), fixed, solid.volumes, 2, {});
         expect_positive(mesh);
         EXPECT_EQ(mesh.cells, before.cells);
         EXPECT_EQ(mesh.regions, before.regions);
@@ -159,8 +164,9 @@ TEST(BalanceVolumes, does_nothing_when_the_volumes_are_right) {
     const CulledMesh culled = culled_mesh(field, 1, 1);
     TetMesh mesh = culled.mesh();
     const std::vector<double> volumes = volumes_of(mesh, culled.registry.table(), 1);
-    const BalanceStats stats = balance_volumes(
-        mesh, culled.registry.table(), std::vector<std::uint8_t>(mesh.points.size(), 0), volumes, 2, {});
+    const BalanceStats stats =
+        balance_volumes(mesh, neighbors_of(mesh), culled.registry.table(),
+                        std::vector<std::uint8_t>(mesh.points.size(), 0), volumes, 2, {});
     EXPECT_EQ(stats.moves, 0u);
     EXPECT_EQ(mesh.points, culled.points());
 }
@@ -172,8 +178,9 @@ TEST(BalanceVolumes, a_target_out_of_reach_stops_at_the_largest_offset) {
     BalanceOptions options;
     options.max_offset_mm = 0.05;
     const double target[] = {1000};
-    const BalanceStats stats = balance_volumes(
-        mesh, culled.registry.table(), std::vector<std::uint8_t>(mesh.points.size(), 0), target, 2, options);
+    const BalanceStats stats =
+        balance_volumes(mesh, neighbors_of(mesh), culled.registry.table(),
+                        std::vector<std::uint8_t>(mesh.points.size(), 0), target, 2, options);
     EXPECT_LE(stats.largest_offset_mm, 0.05 * (1 + 1e-12));
     EXPECT_LE(stats.worst_after, stats.worst_before);
     expect_positive(mesh);

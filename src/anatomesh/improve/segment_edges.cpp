@@ -12,8 +12,9 @@ constexpr double off_line = 1e-6;  // of a chain's vertices from the segment, in
 // The ends of the edges of all interfaces that start at a vertex; an edge comes once for each facet at it.
 class InterfaceEdges {
   public:
-    InterfaceEdges(const TetMesh& mesh, int threads) : start_(mesh.points.size() + 1, 0) {
-        const std::vector<RegionFacet> facets = region_facets(mesh, threads);
+    InterfaceEdges(const TetMesh& mesh, std::span<const std::uint32_t> neighbors)
+        : start_(mesh.points.size() + 1, 0) {
+        const std::vector<RegionFacet> facets = region_facets(mesh, neighbors);
         const auto vertex = [&](const RegionFacet& facet, std::size_t k) {
             return mesh.cells[facet.cell][static_cast<std::size_t>(facet_vertices[facet.index][k])];
         };
@@ -40,8 +41,9 @@ class InterfaceEdges {
 
 }  // namespace
 
-std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const VertexPair> segments, int threads) {
-    const InterfaceEdges edges(mesh, threads);
+std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
+                                    std::span<const VertexPair> segments) {
+    const InterfaceEdges edges(mesh, neighbors);
     std::vector<VertexPair> found, chain;
     for (const auto& [a, b] : segments) {
         const Vec3 start = mesh.points[a], way = mesh.points[b] - start;

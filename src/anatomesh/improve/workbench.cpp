@@ -8,10 +8,10 @@
 
 namespace anatomesh {
 
-Workbench::Workbench(TetMesh mesh_in, std::vector<std::uint8_t>& fixed,
-                     std::span<const VertexPair> fixed_edges, const StructureField& field,
-                     std::uint32_t structures, const DihedralOptions& options_in, int threads)
-    : mesh(std::move(mesh_in), threads),
+Workbench::Workbench(TetMesh mesh_in, std::span<const std::uint32_t> neighbors,
+                     std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
+                     const StructureField& field, std::uint32_t structures, const DihedralOptions& options_in)
+    : mesh(std::move(mesh_in), neighbors),
       probe(field, structures),
       options(options_in),
       fixed_(fixed),

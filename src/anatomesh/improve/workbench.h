@@ -22,8 +22,9 @@ struct Bar {
 // The operations (operations.h) propose cavities; the workbench knows whether they gain and puts them in.
 class Workbench {
   public:
-    Workbench(TetMesh mesh, std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
-              const StructureField& field, std::uint32_t structures, const DihedralOptions& options, int threads);
+    Workbench(TetMesh mesh, std::span<const std::uint32_t> neighbors, std::vector<std::uint8_t>& fixed,
+              std::span<const VertexPair> fixed_edges, const StructureField& field, std::uint32_t structures,
+              const DihedralOptions& options);
 
     EditMesh mesh;
     InterfaceProbe probe;

@@ -76,36 +76,14 @@ std::vector<std::uint32_t> cell_neighbors(std::span<const Cell> cells, std::size
     return neighbors;
 }
 
-std::vector<RegionFacet> region_facets(const TetMesh& mesh, int threads) {
+std::vector<RegionFacet> region_facets(const TetMesh& mesh, std::span<const std::uint32_t> neighbors) {
+    assert(neighbors.size() == 4 * mesh.cells.size());
     const bool ends = std::find(mesh.regions.begin(), mesh.regions.end(), Region{0}) == mesh.regions.end();
-    constexpr std::uint32_t none = 0xFFFFFFFFu, several = 0xFFFFFFFEu;
-    std::vector<std::uint32_t> region_of(mesh.points.size(), none);
-    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-        for (const std::uint32_t v : mesh.cells[c]) {
-            if (region_of[v] == none) region_of[v] = mesh.regions[c];
-            if (region_of[v] != mesh.regions[c]) region_of[v] = several;
-        }
-    }
-    std::vector<std::uint32_t> numbers;
-    std::vector<Cell> cells;
-    for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
-        const Cell& cell = mesh.cells[c];
-        const auto shared =
-            std::count_if(cell.begin(), cell.end(), [&](std::uint32_t v) { return region_of[v] == several; });
-        if (!ends && shared < 3) continue;
-        numbers.push_back(c);
-        cells.push_back(cell);
-    }
-    const std::vector<std::uint32_t> neighbors = cell_neighbors(cells, mesh.points.size(), threads);
     std::vector<RegionFacet> facets;
     for (std::uint32_t facet = 0; facet < neighbors.size(); ++facet) {
-        const std::uint32_t c = numbers[facet / 4];
-        if (neighbors[facet] == no_cell) {
-            if (ends) facets.push_back({c, facet % 4, no_cell});
-            continue;
-        }
-        const std::uint32_t other = numbers[neighbors[facet]];
-        if (mesh.regions[c] > mesh.regions[other]) facets.push_back({c, facet % 4, other});
+        const std::uint32_t c = facet / 4, other = neighbors[facet];
+        if (other == no_cell ? ends : mesh.regions[c] > mesh.regions[other])
+            facets.push_back({c, facet % 4, other});
     }
     return facets;
 }

@@ -22,10 +22,9 @@ struct RegionFacet {
     std::uint32_t other;        // the cell beyond; no_cell outside a mesh that has no cells outside
 };
 
-// All of them, by cell and index. Requires: as cell_neighbors(); the mesh has no cells outside, or has them round every
-// interface. Complexity: linear in the cells; where there are cells outside, in those with three vertices that belong to
-// several regions.
-std::vector<RegionFacet> region_facets(const TetMesh& mesh, int threads = 1);
+// All of them, by cell and index. `neighbors`: as cell_neighbors() gives them. Requires: the mesh has no
+// cells outside, or has them round every interface. Complexity: linear in the cells.
+std::vector<RegionFacet> region_facets(const TetMesh& mesh, std::span<const std::uint32_t> neighbors);
 
 // Counts of a triangle set. It is a closed, oriented 2-manifold when the last four counts are all 0.
 struct SurfaceTopology {

@@ -419,6 +419,7 @@ class Builder {
         mesh.cells = mesh_->cells().cells;
         mesh.regions = mesh_->regions();
         ANATOMESH_TRY(const SplitStats split, split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
+        find_neighbors(unsound.empty());
         model_.regions = mesh_->registry().table();
         figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
@@ -430,6 +431,18 @@ class Builder {
                     {"vertices_split", static_cast<double>(split.vertices_split)},
                     {"vertices_joined", static_cast<double>(split.vertices_joined)}};
         return end_stage("cut", 0.75);
+    }
+
+    // Those of the Delaunay mesh, where no cell was split.
+    void find_neighbors(bool as_before) {
+        if (!as_before) {
+            neighbors_ = cell_neighbors(model_.mesh.cells, model_.mesh.points.size(), context_.threads);
+            return;
+        }
+        neighbors_.clear();
+        neighbors_.reserve(4 * mesh_->cells().neighbors.size());
+        for (const CellNeighbors& cell : mesh_->cells().neighbors)
+            neighbors_.insert(neighbors_.end(), cell.begin(), cell.end());
     }
 
     Status improve_cells() {
@@ -449,9 +462,8 @@ class Builder {
         balance.max_offset_mm = balance_reach * stats.size_mm;
         balance.ends = field_->flat_ends();
         balance.end_tolerance_mm = interface_tolerance * stats.size_mm;
-        const BalanceStats balanced =
-            balance_volumes(model_.mesh, model_.regions, fixed, volumes_mm3_, options_.max_radius_edge, balance,
-                            context_.threads);
+        const BalanceStats balanced = balance_volumes(model_.mesh, neighbors_, model_.regions, fixed,
+                                                      volumes_mm3_, options_.max_radius_edge, balance);
         figures_ = {{"vertices_onto_interface", static_cast<double>(improved.vertices_onto_interface)},
                     {"vertices_smoothed", static_cast<double>(improved.vertices_smoothed)},
                     {"above_bound_before", static_cast<double>(improved.above_bound_before)},
@@ -487,7 +499,9 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
-        return improve_dihedrals(model_.mesh, fixed, edges_along(model_.mesh, segments, context_.threads), *field_, structures_, options, context_);
+        return improve_dihedrals(model_.mesh, neighbors_, fixed,
+                                 edges_along(model_.mesh, neighbors_, segments), *field_, structures_,
+                                 options, context_);
     }
 
     // Keeps the cells of a region, and the points that they use, in their order.
@@ -717,6 +731,7 @@ class Builder {
     MissingPieces missing_;                        // of them
     CellSearch segment_search_;                    // the cells that missing_ has not seen
     std::size_t side_points_ = 0;                  // put beside pieces off their structure's surface
+    std::vector<std::uint32_t> neighbors_;  // of the cells of model_, from the cut to the end of improvement
     std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling
     Model model_;
     std::vector<SurfaceTear> tears_;

@@ -184,7 +184,8 @@ TEST(BuildModel, the_caps_of_prisms_and_cones_are_planes) {
         const Model& model = made.value();
         const double ends[] = {0, 21};
         double area[2] = {0, 0};
-        for (const RegionFacet& facet : region_facets(model.mesh, 1)) {
+        for (const RegionFacet& facet :
+             region_facets(model.mesh, cell_neighbors(model.mesh.cells, model.mesh.points.size()))) {
             const auto& [c, i, other] = facet;
             std::array<Vec3, 3> p;
             for (std::size_t k = 0; k < 3; ++k)

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/mesh/topology.h"
 
 namespace anatomesh {
 
@@ -26,7 +27,9 @@ std::vector<VertexPair> segments_of(const Model& model, const ContourSet& contou
 Result<MidNodes> quadratic_model(Model& model, const ContourSet& contours, const QuadraticOptions& options,
                                  RunContext& context) {
     const auto start = std::chrono::steady_clock::now();
-    const std::vector<VertexPair> segment_edges = edges_along(model.mesh, segments_of(model, contours));
+    const std::vector<VertexPair> segment_edges =
+        edges_along(model.mesh, cell_neighbors(model.mesh.cells, model.mesh.points.size(), context.threads),
+                    segments_of(model, contours));
     ANATOMESH_TRY(QuadraticResult result,
                   quadratic_elements(model.mesh, model.regions, {*model.field, model.field_origin},
                                      segment_edges, options, context));

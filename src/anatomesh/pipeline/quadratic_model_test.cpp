@@ -63,7 +63,8 @@ TEST(QuadraticModel, nodes_lie_on_the_field_and_on_the_segments) {
                                 model.contour_vertices[contour.first_point + (k + 1) % contour.point_count]});
         }
     }
-    const auto edges = edges_along(model.mesh, segments);
+    const auto edges =
+        edges_along(model.mesh, cell_neighbors(model.mesh.cells, model.mesh.points.size()), segments);
     std::size_t found = 0;
     for (std::size_t c = 0; c < nodes.cells.size(); ++c) {
         for (std::size_t e = 0; e < 6; ++e) {

@@ -92,7 +92,7 @@ TEST(Relations, turns_by_90_degrees_keep_volume_and_topology) {
             expect_structure(model, s, {a.components, a.genus, a.volume_mesh_mm3, 0.004});
         }
         const double cells = static_cast<double>(reference.mesh.cells.size());
-        EXPECT_NEAR(static_cast<double>(model.mesh.cells.size()), cells, 0.03 * cells);
+        EXPECT_NEAR(static_cast<double>(model.mesh.cells.size()), cells, 0.05 * cells);
     }
 }
 

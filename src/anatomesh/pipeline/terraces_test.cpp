@@ -122,10 +122,12 @@ Smoothness direct(int n) {
     return smoothness(points, triangles, [](Vec3) { return true; });
 }
 
-TEST(Terraces, a_leaning_ellipsoid_of_slices_is_about_as_smooth_as_one_meshed_directly) {
+// How much larger the angles between neighbouring facets are than on the same ellipsoid meshed directly at
+// the same mean edge length, when its slices are at -40.5 + shift, 3 mm apart.
+double roughness(double shift) {
     Drawing drawing;
     double low = 1e9, high = -1e9;
-    for (double z = -40.5; z < 41; z += 3) {
+    for (double z = -40.5 + shift; z < 41; z += 3) {
         const Polygon polygon = section(z, 2.5);
         if (polygon.empty()) continue;
         drawing.add(0, z, polygon);
@@ -133,15 +135,26 @@ TEST(Terraces, a_leaning_ellipsoid_of_slices_is_about_as_smooth_as_one_meshed_di
         high = std::max(high, z);
     }
     const Model model = certified_model(drawing);
-    ASSERT_FALSE(model.mesh.cells.empty());
+    EXPECT_FALSE(model.mesh.cells.empty());
     // Between the first and the last slice: what lies beyond is the caps' business.
     const Smoothness sliced = smoothness(model.mesh.points, structure_surface(model.mesh, model.regions, 0),
                                          [&](Vec3 p) { return p.z > low + 0.01 && p.z < high - 0.01; });
     Smoothness reference = direct(12);
     const int n = static_cast<int>(std::round(12 * reference.edge / sliced.edge));
     reference = direct(n);
-    const double ratio = sliced.angle / (reference.angle * sliced.edge / reference.edge);
-    EXPECT_LT(ratio, 1.25) << "angle " << sliced.angle << ", edge " << sliced.edge;
+    return sliced.angle / (reference.angle * sliced.edge / reference.edge);
+}
+
+// One position of the slices says little: from one to the next the ratio changes by a twentieth.
+TEST(Terraces, a_leaning_ellipsoid_of_slices_is_about_as_smooth_as_one_meshed_directly) {
+    constexpr int positions = 6;
+    double total = 0;
+    for (int n = 0; n < positions; ++n) {
+        const double ratio = roughness(0.5 * n);
+        EXPECT_LT(ratio, 1.45) << n;
+        total += ratio;
+    }
+    EXPECT_LT(total / positions, 1.34);
 }
 
 }  // namespace

@@ -274,7 +274,7 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
             const Cell& cell = mesh.cells[owner];
             const Vec3 a = points[cell[f[0]]], b = points[cell[f[1]]], c = points[cell[f[2]]];
             const Vec3 middle = (1.0 / 3.0) * (a + b + c);
-            if (probe.distance(middle) <= options.max_deviation_mm) continue;
+            if (probe.look(middle, options.max_deviation_mm).distance <= options.max_deviation_mm) continue;
             Candidate& candidate = candidates[n];
             candidate.deviates = true;
             candidate.longest = std::sqrt(std::max({squared_length(b - a), squared_length(c - b), squared_length(a - c)}));

@@ -56,6 +56,11 @@ int coarsest_level(std::uint32_t i, std::uint32_t j, std::uint32_t k) {
     return a == b && b == c ? least : least - 1;
 }
 
+// Half of the lattice, spread evenly: the diamond lattice. Enough outside, whose cells only serve as room.
+bool in_diamond(std::uint32_t i, std::uint32_t j, std::uint32_t k) {
+    return ((i ^ j ^ k) & 2) == 0;
+}
+
 enum class Site : std::uint8_t { outside, inside, near };
 
 struct Sites {
@@ -100,17 +105,13 @@ class SiteReader {
         const std::uint32_t parity = k & 1;
         return sites_.at[sites_.layer_start[k] + std::size_t(j / 2) * lattice_.row_size(parity) + std::size_t(i / 2)];
     }
-    // Whether one of the 14 nearest lattice points is inside or near an interface.
+    // Whether one of the 8 nearest lattice points is inside or near an interface.
     bool borders(std::int64_t i, std::int64_t j, std::int64_t k) const {
         for (const int d : {-1, 1}) {
             for (const int e : {-1, 1}) {
                 for (const int f : {-1, 1}) {
                     if (at(i + d, j + e, k + f) != Site::outside) return true;
                 }
-            }
-            if (at(i + 2 * d, j, k) != Site::outside || at(i, j + 2 * d, k) != Site::outside ||
-                at(i, j, k + 2 * d) != Site::outside) {
-                return true;
             }
         }
         return false;
@@ -318,7 +319,7 @@ void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const Str
             const WallGauge gauge(field, thin_wall * size);
             std::vector<std::uint32_t> changed;
             for (std::size_t n = first; n < last; ++n) {
-                if (probe.distance(sites[n]) >= surface_band * local) continue;
+                if (probe.look(sites[n], surface_band * local).distance >= surface_band * local) continue;
                 moved[n] = probe.project(sites[n], 2.0 * surface_band * local, position_tolerance * local);
                 if (!moved[n]) continue;
                 if (surface.any_within(*moved[n], surface_spacing * local) ||
@@ -349,7 +350,9 @@ void add_lattice_points(const Lattice& lattice, const Sites& sites, double size,
         for (std::uint32_t j = parity; j < lattice.size[1]; j += 2) {
             for (std::uint32_t i = parity; i < lattice.size[0]; i += 2) {
                 const Site site = reader.at(i, j, k);
-                if (site == Site::near || (site == Site::outside && !reader.borders(i, j, k))) continue;
+                if (site == Site::near ||
+                    (site == Site::outside && !(in_diamond(i, j, k) && reader.borders(i, j, k))))
+                    continue;
                 if (site == Site::inside) {
                     // Deep inside only the points of a coarser lattice are kept.
                     const double wanted = 1.0 + growth * std::max(0, depths.at(i, j, k) - 2);
