@@ -629,13 +629,11 @@ class Builder {
 
     // Clauses 1 to 6 hold for a plate with holes as well.
     void warn_of_tears() {
-        const std::vector<std::uint32_t> neighbors =
-            cell_neighbors(model_.mesh.cells, model_.mesh.points.size(), context_.threads);
         std::vector<std::vector<Triangle>> surfaces(structures_);
         for (std::uint32_t s = 0; s < structures_; ++s) {
             // Without a handle no wall is torn, and without a second shell no gap is filled.
             if (report().structures[s].genus <= 0 && report().structures[s].components <= 1) continue;
-            surfaces[s] = structure_surface(model_.mesh, neighbors, model_.regions, s);
+            surfaces[s] = structure_surface(model_.mesh, neighbors_, model_.regions, s);
         }
         tears_ = surface_tears(model_.mesh.points, surfaces, source_, model_.contour_vertices);
         // Where parts branch or vanish the field itself may join them, near the ends of the run; a thick wall does not tear.
@@ -731,7 +729,7 @@ class Builder {
     MissingPieces missing_;                        // of them
     CellSearch segment_search_;                    // the cells that missing_ has not seen
     std::size_t side_points_ = 0;                  // put beside pieces off their structure's surface
-    std::vector<std::uint32_t> neighbors_;  // of the cells of model_, from the cut to the end of improvement
+    std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on
     std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling
     Model model_;
     std::vector<SurfaceTear> tears_;
