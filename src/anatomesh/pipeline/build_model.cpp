@@ -630,17 +630,18 @@ class Builder {
     // Clauses 1 to 6 hold for a plate with holes as well.
     void warn_of_tears() {
         std::vector<std::vector<Triangle>> surfaces(structures_);
+        std::vector<std::uint8_t>
+            thick;  // walls do not tear: only what goes on from end to end is sure to be amiss
+        for (const double t : mean_thickness(contours_))
+            thick.push_back(t >= tears_below * sample_->stats.size_mm);
         for (std::uint32_t s = 0; s < structures_; ++s) {
             // Without a handle no wall is torn, and without a second shell no gap is filled.
             if (report().structures[s].genus <= 0 && report().structures[s].components <= 1) continue;
             surfaces[s] = structure_surface(model_.mesh, neighbors_, model_.regions, s);
         }
-        tears_ = surface_tears(model_.mesh.points, surfaces, source_, model_.contour_vertices);
-        // Where parts branch or vanish the field itself may join them, near the ends of the run; a thick wall does not tear.
-        const std::vector<double> thickness = mean_thickness(contours_);
-        std::erase_if(tears_, [&](const SurfaceTear& t) {
-            return !t.whole && (t.euler > t.expected || thickness[t.structure] >= tears_below * sample_->stats.size_mm);
-        });
+        tears_ = surface_tears(model_.mesh.points, surfaces, source_, model_.contour_vertices, thick);
+        // Where parts branch or vanish the field itself may join them, near the ends of the run.
+        std::erase_if(tears_, [&](const SurfaceTear& t) { return !t.whole && t.euler > t.expected; });
         for (auto tear = tears_.begin(); tear != tears_.end();) {
             // All of one structure, the worst named.
             const auto amiss = [](const SurfaceTear& t) { return std::abs(t.euler - t.expected); };

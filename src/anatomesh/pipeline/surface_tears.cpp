@@ -209,10 +209,11 @@ class TearSearch {
         }
     }
 
-    std::vector<SurfaceTear> find() {
+    std::vector<SurfaceTear> find(bool whole_only) {
         if (drawn_.front()) look({-beyond_all, levels_.front(), 0, 0});
         for (std::uint32_t k = 0; k < last_; ++k) {
             if (joined_[k]) look({levels_[k], levels_[k + 1], k, k + 1});
+            if (whole_only && !any_run_reaches(k + 1)) return {};
         }
         if (drawn_.back()) look({levels_.back(), beyond_all, last_, last_});
         for (std::uint32_t n = 0; n < sums_.size(); ++n) {
@@ -233,6 +234,7 @@ class TearSearch {
         for (std::uint32_t n = 0; n < contours_.contours.size(); ++n) {
             const Sum& sum = sums_[n];
             if (chains_.root(n) != n || std::abs(sum.euler - sum.expected) < 2) continue;
+            if (whole_only && !sum.whole) continue;
             tears.push_back({structure_, sum.low_slice, sum.high_slice, sum.euler, sum.expected, sum.whole});
         }
         return tears;
@@ -241,6 +243,25 @@ class TearSearch {
   private:
     static constexpr std::uint8_t from_below = 1,
                                   from_above = 2;  // where a chain comes to a contour or curve
+
+    // Whether a run from below the first slice comes up to a slice, and has ended nowhere.
+    bool any_run_reaches(std::uint32_t slice) {
+        std::vector<std::uint8_t> ended(sides_.size(), 0);
+        const auto each_contour = [&](auto body) {
+            for (std::uint32_t c = 0; c < contours_.contours.size(); ++c) {
+                const Contour& contour = contours_.contours[c];
+                if (contour.structure == structure_ && contour.slice <= slice) body(c, contour.slice);
+            }
+        };
+        each_contour([&](std::uint32_t c, std::uint32_t at) {
+            const std::uint8_t needed = at < slice ? from_below | from_above : from_below;
+            if ((sides_[c] & needed) != needed) ended[chains_.root(c)] = 1;
+        });
+        bool reaches = false;
+        each_contour(
+            [&](std::uint32_t c, std::uint32_t at) { reaches |= at == slice && !ended[chains_.root(c)]; });
+        return reaches;
+    }
 
     // The slices are those of the window where the Euler number is farthest from what is expected.
     struct Sum {
@@ -389,8 +410,10 @@ class TearSearch {
 
 std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
                                        std::span<const std::vector<Triangle>> surfaces,
-                                       const ContourSet& contours, std::span<const std::uint32_t> vertex_of) {
+                                       const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
+                                       std::span<const std::uint8_t> whole_only) {
     assert(surfaces.size() == contours.structures.size() && vertex_of.size() == contours.points.size());
+    assert(whole_only.size() == surfaces.size());
     std::vector<SurfaceTear> tears;
     if (contours.slices.empty() || !all_parallel(contours, parallel_mm)) return tears;
     const Vec3 normal = contours.slices.front().plane.normal;
@@ -416,7 +439,8 @@ std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
         };
         mark(true);
         const LayeredSurface surface(heights, surfaces[s], contour_of);
-        const std::vector<SurfaceTear> found = TearSearch(contours, s, tolerance, surface).find();
+        const std::vector<SurfaceTear> found =
+            TearSearch(contours, s, tolerance, surface).find(whole_only[s] != 0);
         tears.insert(tears.end(), found.begin(), found.end());
         mark(false);
     }

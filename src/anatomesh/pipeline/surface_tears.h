@@ -26,10 +26,12 @@ struct SurfaceTear {
 // gap that is filled may leave cavities, which add two. Where parts branch, vanish or slip past each other
 // nothing is said; nor for slices that are not parallel, or further apart than 1.5 median gaps. `surfaces[s]`
 // is the closed surface of the contour set's structure s as triangles of `points`; `vertex_of` the mesh
-// vertex of every contour point, or no_cell. By structure, then by slice. Complexity: O(t log t) for t
-// triangles; the contours are compared only where a surface is no annulus.
+// vertex of every contour point, or no_cell. Of a structure with whole_only[s] != 0 those runs alone are
+// asked for that are whole: the search ends where none is left. By structure, then by slice. Complexity: O(t
+// log t) for t triangles; the contours are compared only where a surface is no annulus.
 std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
                                        std::span<const std::vector<Triangle>> surfaces,
-                                       const ContourSet& contours, std::span<const std::uint32_t> vertex_of);
+                                       const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
+                                       std::span<const std::uint8_t> whole_only);
 
 }  // namespace anatomesh

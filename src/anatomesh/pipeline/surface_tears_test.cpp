@@ -46,10 +46,25 @@ class CubeSolid {
             vertex_of.push_back(at == vertices_.end() ? no_cell : at->second);
         }
         const std::vector<std::vector<Triangle>> surfaces{triangles};
-        return surface_tears(points_, surfaces, set, vertex_of);
+        const std::uint8_t all[] = {0}, whole_only[] = {1};
+        std::vector<SurfaceTear> tears = surface_tears(points_, surfaces, set, vertex_of, all);
+        expect_whole_ones(surface_tears(points_, surfaces, set, vertex_of, whole_only), tears);
+        return tears;
     }
 
   private:
+    // A search for whole runs alone finds those of `all` that are whole.
+    static void expect_whole_ones(const std::vector<SurfaceTear>& found, std::vector<SurfaceTear> all) {
+        std::erase_if(all, [](const SurfaceTear& tear) { return !tear.whole; });
+        ASSERT_EQ(found.size(), all.size());
+        for (std::size_t n = 0; n < all.size(); ++n) {
+            EXPECT_TRUE(found[n].whole);
+            EXPECT_EQ(found[n].low_slice, all[n].low_slice);
+            EXPECT_EQ(found[n].euler, all[n].euler);
+            EXPECT_EQ(found[n].expected, all[n].expected);
+        }
+    }
+
     template <class Visit>
     static void for_each(Cube low, Cube high, Visit&& visit) {
         for (int k = low[2]; k < high[2]; ++k) {
