@@ -343,18 +343,39 @@ class Options(harness.TestCase):
         self.assertLess(time.time() - start, 5)
         self.assertIn("0.01 mm apart", result.err)
 
-    def test_a_narrow_gap_that_a_coarse_mesh_bridges_is_warned_of(self):
+    def two_plates(self, gap):
         def slab(low, high):
             return [(0, low), (20, low), (20, high), (0, high)]
 
         plates = shapes.Shape({1: "plates"}, 3)
         for z in range(0, 15, 3):
-            plates.add_slice(z, [(1, slab(0, 3)), (1, slab(3.02, 6))])
+            plates.add_slice(z, [(1, slab(0, 3)), (1, slab(3 + gap, 6))])
         self.write("plates.json", plates.document())
-        self.run_program("model", "plates.json", "-o", "a.vtu", "--size", "3", "--quiet")
-        report = json.loads((self.folder / "a.report.json").read_text())
-        if (report["structures"][0]["components"], report["structures"][0]["genus"]) != (2, 0):
-            self.assertIn("W-PIP-004", [w["code"] for w in report["warnings"]])
+
+    def model_of(self, name, *options):
+        self.run_program("model", name, "-o", "a.vtu", "--quiet", *options)
+        return json.loads((self.folder / "a.report.json").read_text())
+
+    def test_a_narrow_gap_that_a_coarse_mesh_bridges_is_warned_of(self):
+        """By bridges and cavities, or altogether: one solid without a handle."""
+        for gap in (0.02, 0.03):
+            self.two_plates(gap)
+            report = self.model_of("plates.json", "--size", "3")
+            if (report["structures"][0]["components"], report["structures"][0]["genus"]) != (2, 0):
+                self.assertIn("W-PIP-004", [w["code"] for w in report["warnings"]], gap)
+        self.two_plates(1)
+        report = self.model_of("plates.json", "--size", "1")
+        self.assertEqual((report["structures"][0]["components"], report["structures"][0]["genus"]), (2, 0))
+        self.assertNotIn("W-PIP-004", [w["code"] for w in report["warnings"]])
+
+    def test_tubes_and_hollow_parts_are_not_taken_for_torn(self):
+        rings = shapes.Shape({1: "rings"}, 3)
+        for z in range(0, 30, 3):
+            rings.add_slice(z, [(1, shapes.circle(r, 4 * r)) for r in (20, 16, 12, 8, 4)])
+        self.write("rings.json", rings.document())
+        report = self.model_of("rings.json")
+        self.assertEqual((report["structures"][0]["components"], report["structures"][0]["genus"]), (3, 2))
+        self.assertEqual(report["warnings"], [])
 
     def test_a_size_larger_than_the_object_makes_a_model_and_warns(self):
         for size in ("60", "1000"):

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/contour/area_change.h"
 #include "anatomesh/contour/chains.h"
 
 namespace anatomesh {
@@ -117,6 +118,7 @@ class SliceNetwork {
 struct ThinSlice {
     std::vector<Contour> contours;  // first_point counts in `points`
     std::vector<Vec3> points;
+    std::vector<AreaChange> changes;
     double max_distance = 0;
 };
 
@@ -136,6 +138,9 @@ ThinSlice simplify_slice(const ContourSet& set, const Slice& slice, const Simpli
             if (thin.kept[slice_network.vertex_of(n++)]) result.points.push_back(point);
         }
         kept.point_count = static_cast<std::uint32_t>(result.points.size()) - kept.first_point;
+        result.changes.push_back(area_change(contour.structure, set.points_of(contour),
+                                             std::span(result.points).subspan(kept.first_point),
+                                             slice.plane.normal));
         const auto begin = result.points.begin() + kept.first_point;
         std::rotate(begin, std::min_element(begin, result.points.end(), lexicographic_less),
                     result.points.end());
@@ -166,6 +171,7 @@ Result<SimplifyResult> simplify_contours(const ContourSet& set, const SimplifyOp
     SimplifyResult result{set, {}};
     ContourSet& kept = result.kept;
     kept.points.clear();
+    std::vector<AreaChange> changes;
     for (std::size_t s = 0; s < slices.size(); ++s) {
         std::uint32_t next = set.slices[s].first_contour;
         for (const Contour& contour : slices[s].contours) {
@@ -174,8 +180,10 @@ Result<SimplifyResult> simplify_contours(const ContourSet& set, const SimplifyOp
             const auto first = slices[s].points.begin() + contour.first_point;
             kept.points.insert(kept.points.end(), first, first + contour.point_count);
         }
+        changes.insert(changes.end(), slices[s].changes.begin(), slices[s].changes.end());
         result.stats.max_distance_mm = std::max(result.stats.max_distance_mm, slices[s].max_distance);
     }
+    warn_of_area_changes(changes, set.structures, set.source, context);
     result.stats.points_in = set.points.size();
     result.stats.points_kept = kept.points.size();
     return result;

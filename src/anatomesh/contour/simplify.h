@@ -27,7 +27,8 @@ struct SimplifyResult {
 // that two contours share stays shared, vertex for vertex; no contour falls below three vertices; the order
 // of a kept contour set. Where a simplification would break one of these, the chain keeps more vertices
 // there. Equal output for any order of the contours and any number of threads. Complexity: O(n log n)
-// expected. Parallel over slices. Errors: none of its own. Follows: see thin_chains() in contour/chains.h.
+// expected. Parallel over slices. Errors: none of its own. Warnings: W-CON-024 where the area of a
+// structure changes by more than 5 %. Follows: see thin_chains() in contour/chains.h.
 Result<SimplifyResult> simplify_contours(const ContourSet& set, const SimplifyOptions& options,
                                          RunContext& context);
 

@@ -229,6 +229,25 @@ TEST(Simplify, asked_for_spacing_is_kept_where_the_bound_allows) {
     }
 }
 
+TEST(Simplify, a_structure_that_loses_area_is_named_and_holes_count_as_holes) {
+    // The first structure is a wall of 6 mm, the second a disc so large that the bound means little to it.
+    ContourSet set = one_slice({{0, star({0, 0}, 20, 0, 1, 200)},
+                                {0, star({0, 0}, 14, 0, 1, 200, true)},
+                                {1, star({300, 0}, 200, 0, 1, 2000)}});
+    set.structures[0].name = "wall";
+    for (const double epsilon : {0.0, 0.1, 4.0}) {
+        RunContext context;
+        ASSERT_TRUE(simplify_contours(set, {epsilon, 0}, context).ok());
+        if (epsilon < 1) {
+            EXPECT_TRUE(context.warnings.empty());
+            continue;
+        }
+        ASSERT_EQ(context.warnings.size(), 1u);
+        EXPECT_EQ(context.warnings[0].code, "W-CON-024");
+        EXPECT_EQ(context.warnings[0].place.structure, "wall");
+    }
+}
+
 TEST(Simplify, triangles_stay) {
     const ContourSet set =
         one_slice({{0, {{0, 0}, {0.01, 0}, {0, 0.01}}}, {0, {{5, 5}, {6, 5}, {5, 5.001}}}});

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/contour/area_change.h"
 #include "anatomesh/contour/chains.h"
 #include "anatomesh/contour/small_pieces.h"
 #include "anatomesh/contour/trace_slice.h"
@@ -76,6 +77,7 @@ struct SliceContours {
     std::uint32_t k = 0;
     std::vector<Outline> outlines;
     std::vector<Vec3> points;
+    std::vector<AreaChange> changes;
     std::uint64_t points_traced = 0, points_kept = 0;
     double max_distance = 0;
     SmallPieces small;
@@ -158,16 +160,21 @@ SliceContours trace_slice(const LabelMap& labels, const GreyImage* grey, const S
 
     const bool mirrored = dot(cross(axes.step[0], axes.step[1]), axes.normal) < 0;
     std::vector<std::uint32_t> ring_points;
+    std::vector<Vec3> whole_ring;
     for (const Ring& ring : traced.rings) {
         ring_points.clear();
         append_ring_points(traced, ring, ring_points);
         if (mirrored) std::reverse(ring_points.begin(), ring_points.end());
         const auto first = static_cast<std::uint32_t>(slice.points.size());
+        whole_ring.clear();
         for (const std::uint32_t index : ring_points) {
+            whole_ring.push_back(placed[index]);
             if (thin.kept[index]) slice.points.push_back(placed[index]);
         }
         const auto count = static_cast<std::uint32_t>(slice.points.size()) - first;
         slice.outlines.push_back({ring.label - 1u, first, count});
+        slice.changes.push_back(area_change(ring.label - 1u, whole_ring,
+                                            std::span(slice.points).subspan(first), slice.plane.normal));
     }
     put_in_order(slice);
     return slice;
@@ -314,14 +321,26 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     stats.slice_axis = axes.axis[2];
     if (set.contours.empty()) {
         const bool too_small = stats.islands_left_out > 0;
-        return Error{
-            ErrorKind::geometry,
-            "E-TRC-001",
-            too_small ? "every piece is below the minimum area" : "nothing to trace: no voxel is labelled",
-            {labels.source, "", list_of(labels.structures), "", ""},
-            too_small ? "lower the minimum area" : "check the labels or the threshold"};
+        const bool elsewhere = !too_small && std::any_of(labels.voxels.begin(), labels.voxels.end(),
+                                                         [](std::uint16_t label) { return label != 0; });
+        return Error{ErrorKind::geometry,
+                     "E-TRC-001",
+                     too_small ? "every piece is below the minimum area"
+                     : elsewhere
+                         ? "nothing to trace: no voxel is labelled in the " + std::to_string(slices.size()) +
+                               " of " + std::to_string(axes.size[2]) + " slices that are kept"
+                         : "nothing to trace: no voxel is labelled",
+                     {labels.source, "", list_of(labels.structures), "", ""},
+                     too_small   ? "lower the minimum area"
+                     : elsewhere ? "choose a smaller --every or another --offset"
+                                 : "check the labels or the threshold"};
     }
     warn_about_pieces(stats, labels.source, context);
+    std::vector<AreaChange> changes;
+    for (const SliceContours& slice : slices) {
+        changes.insert(changes.end(), slice.changes.begin(), slice.changes.end());
+    }
+    warn_of_area_changes(changes, set.structures, set.source, context);
     warn_about_structures(labels, slices, set, context);
     return result;
 }

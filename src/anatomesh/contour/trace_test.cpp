@@ -218,6 +218,46 @@ TEST(Trace, L14_all_zeros_names_the_structure) {
     EXPECT_EQ(traced.error().place.structure, "s1, s2");
 }
 
+TEST(Trace, slices_kept_where_nothing_is_labelled_are_told_from_an_empty_image) {
+    LabelMap map = label_map({6, 6, 5});
+    for (std::uint32_t j = 1; j < 5; ++j) {
+        for (std::uint32_t i = 1; i < 5; ++i) map.voxels[map.geometry.index(i, j, 2)] = 1;
+    }
+    TraceOptions options;
+    options.every = 4;
+    RunContext context;
+    const auto traced = trace_contours(map, nullptr, 0, options, context);
+    ASSERT_FALSE(traced.ok());
+    EXPECT_EQ(traced.error().code, "E-TRC-001");
+    EXPECT_EQ(traced.error().message,
+              "nothing to trace: no voxel is labelled in the 2 of 5 slices that are kept");
+    EXPECT_EQ(traced.error().next_step, "choose a smaller --every or another --offset");
+    options.offset = 2;
+    EXPECT_TRUE(trace_contours(map, nullptr, 0, options, context).ok());
+}
+
+TEST(Trace, contours_that_a_wide_bound_makes_smaller_are_warned_of) {
+    ImageGeometry geometry;
+    geometry.size = {48, 48, 3};
+    // A ring, so that the hole counts as one, turned and mirrored.
+    geometry.step = {Vec3{0.6, 0.8, 0}, Vec3{0.8, -0.6, 0}, Vec3{0, 0, 3}};
+    const Vec3 centre = geometry.position(23.5, 23.5, 1);
+    const auto [grey, map] = sampled(geometry, [&](Vec3 p) {
+        const double r = std::hypot(p.x - centre.x, p.y - centre.y);
+        return std::abs(p.z - centre.z) < 1 ? std::min(18 - r, r - 6) : -1.0;
+    });
+    for (const double epsilon : {-1.0, 0.0, 0.5, 5.0}) {
+        TraceOptions options;
+        options.epsilon_mm = epsilon;
+        RunContext context;
+        const auto traced = trace_contours(map, &grey, 0, options, context);
+        ASSERT_TRUE(traced.ok());
+        std::vector<std::string> codes;
+        for (const Warning& warning : context.warnings) codes.push_back(warning.code);
+        EXPECT_EQ(codes, epsilon < 5 ? std::vector<std::string>{} : std::vector<std::string>{"W-CON-024"});
+    }
+}
+
 TEST(Trace, an_empty_structure_among_others_is_named) {
     RunContext context;
     const auto traced =

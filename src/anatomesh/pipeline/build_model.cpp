@@ -507,16 +507,22 @@ class Builder {
     // Keeps the cells of a region, and the points that they use, in their order.
     void drop_outside() {
         TetMesh& mesh = model_.mesh;
-        std::vector<std::uint32_t> vertex(mesh.points.size(), no_cell);
-        std::size_t kept = 0;
+        std::vector<std::uint32_t> vertex(mesh.points.size(), no_cell), number(mesh.cells.size(), no_cell);
+        std::uint32_t kept = 0;
         for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
             if (mesh.regions[c] == 0) continue;
             for (const std::uint32_t v : mesh.cells[c]) vertex[v] = 0;
+            for (std::size_t i = 0; i < 4; ++i) neighbors_[4 * std::size_t{kept} + i] = neighbors_[4 * c + i];
             mesh.cells[kept] = mesh.cells[c];
-            mesh.regions[kept++] = mesh.regions[c];
+            mesh.regions[kept] = mesh.regions[c];
+            number[c] = kept++;
         }
         mesh.cells.resize(kept);
         mesh.regions.resize(kept);
+        neighbors_.resize(4 * std::size_t{kept});
+        for (std::uint32_t& n : neighbors_) {
+            if (n != no_cell) n = number[n];
+        }
         std::uint32_t used = 0;
         for (std::size_t v = 0; v < vertex.size(); ++v) {
             if (vertex[v] == no_cell) continue;
@@ -634,9 +640,16 @@ class Builder {
             thick;  // walls do not tear: only what goes on from end to end is sure to be amiss
         for (const double t : mean_thickness(contours_))
             thick.push_back(t >= tears_below * sample_->stats.size_mm);
+        // Whether a slice shows several contours of a structure: they follow one another.
+        std::vector<std::uint8_t> several(structures_, 0);
+        for (std::size_t c = 1; c < source_.contours.size(); ++c) {
+            const Contour &before = source_.contours[c - 1], &here = source_.contours[c];
+            if (before.slice == here.slice && before.structure == here.structure) several[here.structure] = 1;
+        }
         for (std::uint32_t s = 0; s < structures_; ++s) {
-            // Without a handle no wall is torn, and without a second shell no gap is filled.
-            if (report().structures[s].genus <= 0 && report().structures[s].components <= 1) continue;
+            // Without a handle no wall is torn, and where no slice shows two contours no gap is filled.
+            const bool one_shell = report().structures[s].genus <= 0 && report().structures[s].components <= 1;
+            if (one_shell && !several[s]) continue;
             surfaces[s] = structure_surface(model_.mesh, neighbors_, model_.regions, s);
         }
         tears_ = surface_tears(model_.mesh.points, surfaces, source_, model_.contour_vertices, thick);
