@@ -11,6 +11,7 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/area_change.h"
 #include "anatomesh/contour/chains.h"
+#include "anatomesh/contour/message_text.h"
 #include "anatomesh/contour/small_pieces.h"
 #include "anatomesh/contour/trace_slice.h"
 
@@ -208,6 +209,9 @@ void assemble(const std::vector<SliceContours>& slices, const SliceAxes& axes, C
     }
 }
 
+// Of the area labelled in the kept slices: thin parts may be torn.
+constexpr double much_left_out = 0.05;
+
 void sum_up(const std::vector<SliceContours>& slices, double pixel_area, TraceStats& stats) {
     for (const SliceContours& slice : slices) {
         stats.points_traced += slice.points_traced;
@@ -339,6 +343,15 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     std::vector<AreaChange> changes;
     for (const SliceContours& slice : slices) {
         changes.insert(changes.end(), slice.changes.begin(), slice.changes.end());
+    }
+    double area = 0;
+    for (const AreaChange& change : changes) area += change.area_mm2;
+    if (stats.area_left_out_mm2 > much_left_out * (area + stats.area_left_out_mm2)) {
+        context.warn({"W-TRC-005",
+                      "islands below the minimum area are more than 5 % of what is labelled",
+                      {labels.source, "", "", "",
+                       brief(100 * stats.area_left_out_mm2 / (area + stats.area_left_out_mm2)) + " %"},
+                      "left out; --min-area 0 keeps them"});
     }
     warn_of_area_changes(changes, set.structures, set.source, context);
     warn_about_structures(labels, slices, set, context);
