@@ -64,7 +64,7 @@ Status for_each_item(DcmItem& parent, const DcmTagKey& tag, Visit visit) {
 
 constexpr double same_height_mm = 1e-6;
 constexpr std::size_t fewest_slices = 3;
-constexpr double closest_slices_mm = 0.5, smallest_patient_mm = 60;
+constexpr double closest_slices_mm = 0.45, smallest_patient_mm = 60;
 
 class RtStructReader {
   public:
@@ -90,8 +90,8 @@ class RtStructReader {
     }
 
   private:
-    // Patients are drawn on slices of half a millimetre and more; what is small and on closer ones is in
-    // centimetres.
+    // Patients are drawn on slices of about half a millimetre and more; what is small and on closer ones is
+    // in centimetres.
     void warn_of_unit() {
         auto& heights = *std::max_element(heights_.begin(), heights_.end(),
                                           [](const auto& a, const auto& b) { return a.size() < b.size(); });

@@ -123,8 +123,9 @@ TEST(RtStruct, RS30_contours_in_centimetres_are_asked_about) {
     read_whole(squares(200, 3));
     read_whole(squares(20, 0.3), {"W-RTS-006"});
     read_whole(squares(0.5, 0.1), {"W-RTS-006"});
-    read_whole(squares(3, 0.6));    // a small organ
-    read_whole(squares(120, 0.4));  // a detailed one
+    read_whole(squares(20, 0.488));  // a small one beside thin slices
+    read_whole(squares(3, 0.6));     // a small organ
+    read_whole(squares(120, 0.4));   // a detailed one
 }
 
 TEST(RtStruct, reads_the_same_in_every_encoding) {
