@@ -487,7 +487,7 @@ Result<OpenedInput> open_input(const InputOptions& options, RunContext& context)
 Result<InputContours> contours_of(OpenedInput input, const InputOptions& options, RunContext& context) {
     if (options.offset >= options.every.value_or(1) && options.offset > 0) {
         return usage_error("E-CMD-008", "--offset must be less than --every", options.input,
-                           "give --every too, or a smaller --offset");
+                           options.every ? "give a smaller --offset" : "give --every too");
     }
     auto source = std::move(input.dicom_source);
     const auto read = input.image          ? contours_of_image

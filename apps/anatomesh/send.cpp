@@ -72,7 +72,7 @@ Work declare_send(CLI::App& verb) {
     add_texts(verb, "INPUT", options->inputs, "PATH", "DICOM files, and folders of them")
         ->required()
         ->allow_extra_args(true)
-        ->expected(1, 1 << 20);
+        ->expected(-1);  // one or more
     add_network_options(verb, "--to", options->network);
     return [options](Session& session) { return run_send(*options, session); };
 }
