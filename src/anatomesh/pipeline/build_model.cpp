@@ -64,9 +64,16 @@ ContourSet relative_to(Vec3 origin, ContourSet set) {
 // contours' box: far from (0, 0, 0) coordinates are coarse, and a model must not depend on where the patient lay.
 class Builder {
   public:
-    Builder(const ContourSet& contours, const ModelOptions& options, RunContext& context, const StageObserver& observer)
-        : source_(contours), origin_(contours.points.empty() ? Vec3{} : contours.box().low),
-          contours_(relative_to(origin_, contours)), options_(options), context_(context), observer_(observer),
+    // `size_given`: by the user; else it is the default, or one tried after it.
+    Builder(const ContourSet& contours, const ModelOptions& options, bool size_given, RunContext& context,
+            const StageObserver& observer)
+        : source_(contours),
+          origin_(contours.points.empty() ? Vec3{} : contours.box().low),
+          contours_(relative_to(origin_, contours)),
+          options_(options),
+          size_given_(size_given),
+          context_(context),
+          observer_(observer),
           structures_(static_cast<std::uint32_t>(contours.structures.size())) {}
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
@@ -523,6 +530,7 @@ class Builder {
         for (std::uint32_t& n : neighbors_) {
             if (n != no_cell) n = number[n];
         }
+        assert(neighbors_ == cell_neighbors(mesh.cells, mesh.points.size()));
         std::uint32_t used = 0;
         for (std::size_t v = 0; v < vertex.size(); ++v) {
             if (vertex[v] == no_cell) continue;
@@ -602,6 +610,11 @@ class Builder {
         for (const double t : thickness) {
             if (t > 0) thinnest = std::min(thinnest, t);
         }
+        if (!size_given_) {
+            return "edge lengths down to " + brief(sample_->stats.size_mm) +
+                   " mm were tried: leave out what is thin or jagged (--structure, --min-area), or give a "
+                   "smaller --size";
+        }
         if (!(thinnest < too_thin * sample_->stats.size_mm)) return "try another --size";
         return "what is drawn is only " + brief(thinnest) + " mm thick in the mean: give --size " + brief(thinnest) +
                " or leave --size out";
@@ -636,8 +649,8 @@ class Builder {
     // Clauses 1 to 6 hold for a plate with holes as well.
     void warn_of_tears() {
         std::vector<std::vector<Triangle>> surfaces(structures_);
-        std::vector<std::uint8_t>
-            thick;  // walls do not tear: only what goes on from end to end is sure to be amiss
+        // Where walls do not tear only what goes on from end to end is sure to be amiss.
+        std::vector<std::uint8_t> thick;
         for (const double t : mean_thickness(contours_))
             thick.push_back(t >= tears_below * sample_->stats.size_mm);
         // Whether a slice shows several contours of a structure: they follow one another.
@@ -730,6 +743,7 @@ class Builder {
     const Vec3 origin_;
     const ContourSet contours_;  // relative to it
     const ModelOptions& options_;
+    const bool size_given_;
     RunContext& context_;
     const StageObserver& observer_;
     std::uint32_t structures_;
@@ -758,7 +772,7 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
     ModelOptions tried = options;
     const std::size_t warnings_before = context.warnings.size();
     for (int attempt = 1;; ++attempt) {
-        Builder builder(contours, tried, context, observer);
+        Builder builder(contours, tried, options.size_mm > 0, context, observer);
         Result<Model> model = builder.run();
         const bool too_coarse = !model.ok() && (model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001");
         const bool torn = model.ok() && model.value().mesh.cells.size() < build_again_below && builder.tore_a_thin_structure();

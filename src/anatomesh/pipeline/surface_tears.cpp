@@ -5,8 +5,8 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
+#include "anatomesh/mesh/buckets.h"
 #include "anatomesh/mesh/tet_mesh.h"
 #include "anatomesh/pipeline/drawn_parts.h"
 
@@ -33,22 +33,6 @@ struct Piece {
     std::vector<std::uint32_t> contours;  // whose vertices its triangles have; ascending
     std::vector<std::uint32_t> low_curves,
         high_curves;  // closed ones at the window's levels: the lowest triangle of each
-};
-
-class UnionFind {
-  public:
-    explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-    std::uint32_t root(std::uint32_t n) {
-        while (parent_[n] != n) n = parent_[n] = parent_[parent_[n]];
-        return n;
-    }
-    void join(std::uint32_t a, std::uint32_t b) {
-        a = root(a), b = root(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-  private:
-    std::vector<std::uint32_t> parent_;
 };
 
 // The surface of one structure, its triangles by their lowest height.
@@ -97,7 +81,7 @@ class LayeredSurface {
         std::sort(edges.begin(), edges.end(), [](const EdgeUse& x, const EdgeUse& y) {
             return std::array{x.a, x.b, x.triangle} < std::array{y.a, y.b, y.triangle};
         });
-        UnionFind joined(here.size());
+        DisjointSets joined(here.size());
         const auto repeats = [&](std::size_t e) {
             return e > 0 && edges[e].a == edges[e - 1].a && edges[e].b == edges[e - 1].b;
         };
@@ -151,7 +135,7 @@ class LayeredSurface {
         const auto crosses = [&](std::uint32_t a, std::uint32_t b) {
             return (heights_[a] > level) != (heights_[b] > level);
         };
-        UnionFind joined(here.size());
+        DisjointSets joined(here.size());
         for (std::size_t e = 1; e < edges.size(); ++e) {
             const bool shared = edges[e].a == edges[e - 1].a && edges[e].b == edges[e - 1].b;
             if (shared && crosses(edges[e].a, edges[e].b))
@@ -299,7 +283,7 @@ class TearSearch {
         }
         const Parts drawn = parts_of(window);
         std::vector<std::uint32_t> part_of(contours_.contours.size(), no_cell);
-        UnionFind groups(drawn.parts.size());
+        DisjointSets groups(drawn.parts.size());
         for (std::uint32_t n = 0; n < drawn.parts.size(); ++n) {
             for (const std::uint32_t c : drawn.parts[n].contours) part_of[c] = n;
         }
@@ -401,7 +385,7 @@ class TearSearch {
     std::vector<double> levels_;                // just above each slice
     std::vector<std::uint8_t> drawn_, joined_;  // per slice; per gap
     // Nodes are the contours, then the curves by a triangle that stands for each.
-    UnionFind chains_;
+    DisjointSets chains_;
     std::vector<std::uint8_t> sides_;
     std::vector<Sum> sums_;
 };
