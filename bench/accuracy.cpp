@@ -3,7 +3,7 @@
 // shape-based interpolation (Raya and Udupa, IEEE Trans. Med. Imaging 9, 1990; here of exact signed
 // distances). For every left-out slice and structure drawn on both kept slices round it: Dice, and the mean
 // distance between the boundary pixels, both ways; 10 mm for each pixel where one of the two is empty. Prints
-// rows of a Markdown table.
+// rows of a Markdown table. --cut and --leave-out are for planes in any position (any_planes.h).
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -21,6 +22,7 @@
 #include "anatomesh/field/structure_field.h"
 #include "anatomesh/input_options.h"
 #include "anatomesh/read_input.h"
+#include "any_planes.h"
 
 namespace anatomesh {
 
@@ -263,10 +265,16 @@ Status run(const InputOptions& options, double pixel, RunContext& context) {
             compare(kept, *field, s, z, found == regions.end() ? nullptr : &*found, pixel, scores);
         }
     }
-    fmt::print("| {} | {} | {:.2f} | {} | {} | {} | {} |\n", options.input, options.every.value_or(1),
+    fmt::print("| {} | {} | {:.2f} | {} | {} | {} | {} |\n",
+               std::filesystem::path(options.input).filename().string(), options.every.value_or(1),
                field->slice_spacing(), scores.ours.sections(), scores.nearest.text(),
                scores.shape_based.text(), scores.ours.text());
     return Nothing{};
+}
+
+int report(const Status& done) {
+    if (!done.ok()) fmt::print(stderr, "{}\n", to_line(done.error()));
+    return done.ok() ? 0 : 1;
 }
 
 }  // namespace
@@ -280,9 +288,24 @@ int main(int argc, char** argv) {
     bool header = false;
     app.add_option("--pixel", pixel, "Pixels to compare on, mm; 0: those of the image, else 1");
     app.add_flag("--header", header, "Print the head of the table first");
+    CutOptions cut;
+    app.add_option("--cut", cut.kind,
+                   "Cut the input by planes and compare with it: fan, axis, stacks or freehand")
+        ->check(CLI::IsMember({"fan", "axis", "stacks", "freehand"}));
+    app.add_option("--planes", cut.planes, "With --cut: how many")->check(CLI::Range(3u, 10000u));
+    app.add_option("--points", cut.spacing_mm, "With --cut: distance of the points on a contour, mm");
+    std::uint32_t leave_out = 0;
+    app.add_option(
+           "--leave-out", leave_out,
+           "Leave out every N-th plane, of planes in any position, and compare with what is drawn on it")
+        ->check(CLI::Range(2u, 1000u));
+    ReconcileStepOptions reconcile;
+    add_reconcile_options(app, reconcile);
     add_reading_options(app, options);
     add_selection_options(app, options);
     CLI11_PARSE(app, argc, argv);
+    if (!cut.kind.empty()) return report(cut_planes(options, cut, header));
+    if (leave_out > 0) return report(leave_out_planes(options, reconcile, leave_out, header));
     if (options.every.value_or(1) < 2) {
         fmt::print(stderr, "--every must be 2 or more\n");
         return 2;
@@ -294,7 +317,5 @@ int main(int argc, char** argv) {
             "mm |\n|---|---|---|---|---|---|---|---|---|---|\n");
     }
     RunContext context;
-    const Status done = run(options, pixel, context);
-    if (!done.ok()) fmt::print(stderr, "{}\n", to_line(done.error()));
-    return done.ok() ? 0 : 1;
+    return report(run(options, pixel, context));
 }
