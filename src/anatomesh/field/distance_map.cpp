@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "anatomesh/geom/predicates.h"
@@ -16,9 +17,14 @@ namespace {
 // Entries of cells_ below first_list: no edge within the limit of any point of the cell.
 constexpr std::uint32_t far_outside = 0, far_inside = 1, first_list = 2;
 
-// The head of a list: how many edges, and whether the boundary crosses the cell or leaves it on one side.
-constexpr std::uint32_t crossed = 0, all_outside = 1, all_inside = 2, side_bits = 2;
-constexpr std::uint32_t side_mask = (1u << side_bits) - 1, head_size = 2;
+// The head of a list: how many entries, of which level, and whether the boundary crosses the cell or leaves
+// it on one side.
+constexpr std::uint32_t crossed = 0, all_outside = 1, all_inside = 2, side_bits = 2, level_bits = 2;
+constexpr std::uint32_t side_mask = (1u << side_bits) - 1, level_mask = ((1u << level_bits) - 1) << side_bits;
+constexpr std::uint32_t count_shift = side_bits + level_bits, head_size = 2;
+
+constexpr std::uint32_t longest_list = 64;  // longer ones become lists of strips of the next level
+constexpr std::uint32_t strip_size = 16, strip_levels = 3;
 
 bool less(Vec2 a, Vec2 b) {
     return a.x != b.x ? a.x < b.x : a.y < b.y;
@@ -49,6 +55,7 @@ DistanceMap::DistanceMap(std::vector<Edge2> edges, double limit, double cell)
     classify_corners();
     choose_grid(cell);
     list_candidates();
+    shorten_lists();
 }
 
 // An end with one edge in and one out is convex, reflex or straight; every other end (contours that share a
@@ -214,17 +221,76 @@ void DistanceMap::list_candidates() {
     }
     for (std::size_t c = 0; c < cell_count; ++c) {
         if (cells[c].count == 0) continue;
-        const double lower = std::min(limit_, std::sqrt(cells[c].squared) - half_diagonal) * (1 - 1e-6) - tie_;
-        candidates_[cells_[c]] = (cells[c].count << side_bits) | side[c];
+        const double lower =
+            std::min(limit_, std::sqrt(cells[c].squared) - half_diagonal) * (1 - 1e-6) - tie_;
+        candidates_[cells_[c]] = (cells[c].count << count_shift) | side[c];
         candidates_[cells_[c] + 1] = std::bit_cast<std::uint32_t>(static_cast<float>(std::max(lower, 0.0)));
     }
+}
+
+// Of the edges or strips from `first` up to `last`, given by the edges' numbers.
+DistanceMap::Strip DistanceMap::make_strip(std::size_t first, std::size_t last) const {
+    // Along the contour or against it, as the edges are numbered.
+    const bool against = last - first > 1 && edges_[first].a == edges_[first + 1].b;
+    Strip strip{
+        {against ? edges_[first].b : edges_[first].a, against ? edges_[last - 1].a : edges_[last - 1].b}, 0};
+    const double squared = squared_length(strip.chord.end - strip.chord.start);
+    if (squared > 0) {
+        strip.chord.squared = squared;
+        strip.chord.inverse = 1 / squared;
+    }
+    for (std::size_t e = first; e < last; ++e) {
+        for (const Vec2 p : {edges_[e].a, edges_[e].b}) {
+            strip.reach = std::max(strip.reach, length(p - nearest_point(strip.chord, p)));
+        }
+    }
+    strip.reach = padded(strip.reach);
+    return strip;
+}
+
+void DistanceMap::make_strips() {
+    std::size_t edges_each = strip_size;
+    for (std::uint32_t level = 1; level <= strip_levels; ++level, edges_each *= strip_size) {
+        strips_.emplace_back();
+        for (std::size_t first = 0; first < edges_.size(); first += edges_each)
+            strips_.back().push_back(make_strip(first, std::min(first + edges_each, edges_.size())));
+    }
+}
+
+// Replaces the edges of long lists by their strips. Lists rise, so those of one strip stand together.
+void DistanceMap::shorten_lists() {
+    const auto is_long = [&](std::uint32_t entry) {
+        return entry >= first_list && candidates_[entry] >> count_shift > longest_list;
+    };
+    if (std::none_of(cells_.begin(), cells_.end(), is_long)) return;
+    make_strips();
+    std::size_t size = first_list;
+    for (std::uint32_t& cell : cells_) {
+        if (cell < first_list) continue;
+        const auto head = candidates_.begin() + cell, first = head + head_size;
+        auto last = first + (*head >> count_shift);
+        const std::uint32_t side = *head & side_mask;
+        std::uint32_t level = 0;
+        for (; last - first > longest_list && level < strip_levels; ++level) {
+            std::transform(first, last, first, [](std::uint32_t entry) { return entry / strip_size; });
+            last = std::unique(first, last);
+        }
+        *head = static_cast<std::uint32_t>(last - first) << count_shift | level << side_bits | side;
+        cell = static_cast<std::uint32_t>(size);
+        size = static_cast<std::size_t>(
+            std::copy(head, last, candidates_.begin() + static_cast<std::ptrdiff_t>(size)) -
+            candidates_.begin());
+    }
+    candidates_.resize(size);
+    candidates_.shrink_to_fit();
 }
 
 // The entry of the cell that holds q; far_outside beyond the box.
 std::uint32_t DistanceMap::place(Vec2 q) const {
     const double x = (q.x - box_.low.x) * inverse_cell_, y = (q.y - box_.low.y) * inverse_cell_;
     if (!(x >= 0 && y >= 0 && x < nx_ && y < ny_)) return far_outside;
-    return cells_[static_cast<std::size_t>(static_cast<std::uint32_t>(y)) * nx_ + static_cast<std::uint32_t>(x)];
+    return cells_[static_cast<std::size_t>(static_cast<std::uint32_t>(y)) * nx_ +
+                  static_cast<std::uint32_t>(x)];
 }
 
 DistanceMap::Bound DistanceMap::bound(std::uint32_t entry) const {
@@ -234,35 +300,106 @@ DistanceMap::Bound DistanceMap::bound(std::uint32_t entry) const {
     return {whole == all_inside ? -1 : 1, std::bit_cast<float>(candidates_[entry + 1])};
 }
 
+DistanceMap::List DistanceMap::list_at(std::uint32_t entry) const {
+    const std::uint32_t head = candidates_[entry];
+    return {{&candidates_[entry + head_size], head >> count_shift}, (head & level_mask) >> side_bits};
+}
+
+// Calls body(edge, squared distance), in the edges' order, for those of the listed edges or strips that can
+// be within `bound`, which body may lower, and for some others. Returns how many edges and strips it looked
+// at.
+template <class At, class Body>
+std::size_t DistanceMap::each_near(Vec2 q, std::uint32_t level, std::size_t count, At at, double& bound,
+                                   const Body& body) const {
+    if (level == 0) {
+        for (std::size_t i = 0; i < count; ++i) body(at(i), foot(lines_[at(i)], q).squared_distance);
+        return count;
+    }
+    const std::vector<Strip>& strips = strips_[level - 1];
+    // The ends of chords are on the boundary themselves.
+    double squared = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < count; ++i) {
+        const Line& chord = strips[at(i)].chord;
+        squared = std::min({squared, squared_length(q - chord.start), squared_length(q - chord.end)});
+    }
+    bound = std::min(bound, padded(std::sqrt(squared)));
+    std::size_t steps = count;
+    const std::size_t all = level == 1 ? lines_.size() : strips_[level - 2].size();
+    for (std::size_t i = 0; i < count; ++i) {
+        const Strip& strip = strips[at(i)];
+        const double reach = bound + strip.reach;
+        if (foot(strip.chord, q).squared_distance > reach * reach) continue;
+        const std::size_t first = std::size_t{strip_size} * at(i);
+        steps +=
+            each_near(q, level - 1, std::min<std::size_t>(strip_size, all - first), Run{first}, bound, body);
+    }
+    return steps;
+}
+
+DistanceMap::Nearest DistanceMap::nearest_by_strips(Vec2 q, const List& list, double bound) const {
+    Nearest nearest{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), 0};
+    const auto look = [&](std::uint32_t edge, double squared) {
+        if (squared >= nearest.squared) {
+            nearest.second = std::min(nearest.second, squared);
+            return;
+        }
+        nearest = {squared, nearest.squared, edge};
+        bound = std::min(bound, padded(std::sqrt(squared)));
+    };
+    nearest.steps = each_near(q, list.level, list.entries.size(), list, bound, look);
+    return nearest;
+}
+
 double DistanceMap::value(Vec2 q, std::uint32_t entry) const {
     if (entry < first_list) return entry == far_inside ? -limit_ : limit_;
 
     const std::uint32_t whole = candidates_[entry] & side_mask;
-    const std::span<const std::uint32_t> candidates(&candidates_[entry + head_size], candidates_[entry] >> side_bits);
+    const List list = list_at(entry);
     if (whole != crossed) {
         double squared = limit_ * limit_;
-        for (const std::uint32_t edge : candidates) squared = std::min(squared, foot(lines_[edge], q).squared_distance);
+        if (list.level > 0) {
+            squared = std::min(squared, nearest_by_strips(q, list, padded(limit_)).squared);
+        } else {
+            for (const std::uint32_t edge : list.entries)
+                squared = std::min(squared, foot(lines_[edge], q).squared_distance);
+        }
         return whole == all_inside ? -std::sqrt(squared) : std::sqrt(squared);
     }
-    double best = std::numeric_limits<double>::infinity(), second = best;
-    std::uint32_t nearest = 0;
-    for (const std::uint32_t edge : candidates) {
-        const double squared = foot(lines_[edge], q).squared_distance;
-        const bool nearer = squared < best;
-        second = std::min(second, nearer ? best : squared);
-        nearest = nearer ? edge : nearest;
-        best = nearer ? squared : best;
+    Nearest nearest{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), 0};
+    if (list.level > 0) {
+        nearest = nearest_by_strips(q, list, nearest.squared);
+    } else {
+        for (const std::uint32_t edge : list.entries) {
+            const double squared = foot(lines_[edge], q).squared_distance;
+            const bool nearer = squared < nearest.squared;
+            nearest.second = std::min(nearest.second, nearer ? nearest.squared : squared);
+            nearest.edge = nearer ? edge : nearest.edge;
+            nearest.squared = nearer ? squared : nearest.squared;
+        }
     }
-    const int end = foot(lines_[nearest], q).end;
-    if (q == (end < 0 ? lines_[nearest].start : lines_[nearest].end)) return 0;
-    const double distance = std::sqrt(best);
+    const Line& line = lines_[nearest.edge];
+    const int end = foot(line, q).end;
+    if (q == (end < 0 ? line.start : line.end)) return 0;
+    const double distance = std::sqrt(nearest.squared);
     const double tied = distance * (1 + 1e-12) + tie_;
-    const int sign = distance <= tie_        ? side_by_parity(q)
-                     : second <= tied * tied ? side_of_nearest(q, candidates, tied * tied)
-                                             : side(nearest, end, q);
+    const int sign = distance <= tie_                ? side_by_parity(q)
+                     : nearest.second <= tied * tied ? side_of_nearest(q, list, tied)
+                                                     : side(nearest.edge, end, q);
     if (sign == 0) return 0;
     // A point off the boundary never gets 0, even where its distance underflows.
     return sign * std::clamp(distance, std::numeric_limits<double>::min(), limit_);
+}
+
+std::size_t DistanceMap::steps(Vec2 q) const {
+    const std::uint32_t entry = place(q);
+    if (entry < first_list) return 0;
+    const List list = list_at(entry);
+    const bool is_crossed = (candidates_[entry] & side_mask) == crossed;
+    return list.level == 0
+               ? list.entries.size()
+               : nearest_by_strips(q, list,
+                                   is_crossed ? std::numeric_limits<double>::infinity() : padded(limit_))
+                     .steps;
 }
 
 // On which side of the boundary q lies as its nearest edge says: -1 inside, 1 outside, 0 on it.
@@ -277,34 +414,59 @@ int DistanceMap::side(std::uint32_t edge, int end, Vec2 q) const {
 }
 
 // Several edges are nearest within rounding: their word counts if it is the same.
-int DistanceMap::side_of_nearest(Vec2 q, std::span<const std::uint32_t> candidates, double squared) const {
+int DistanceMap::side_of_nearest(Vec2 q, const List& list, double tied) const {
     int common = 2;
-    for (const std::uint32_t edge : candidates) {
-        const Foot f = foot(lines_[edge], q);
-        if (f.squared_distance > squared) continue;
-        const int sign = side(edge, f.end, q);
-        if (common != 2 && sign != common) return side_by_parity(q);
+    bool agree = true;
+    double bound = tied;
+    each_near(q, list.level, list.entries.size(), list, bound, [&](std::uint32_t edge, double squared) {
+        if (squared > tied * tied || !agree) return;
+        const int sign = side(edge, foot(lines_[edge], q).end, q);
+        agree = common == 2 || sign == common;
         common = sign;
-    }
-    return common;
+    });
+    return agree ? common : side_by_parity(q);
 }
 
 // Exact: counts the edges that the ray from q towards +x crosses.
 int DistanceMap::side_by_parity(Vec2 q) const {
-    bool inside = false;
-    for (const Edge2& edge : edges_) {
-        const Vec2 lower = edge.a.y <= edge.b.y ? edge.a : edge.b,
-                   upper = edge.a.y <= edge.b.y ? edge.b : edge.a;
-        if (q.y < lower.y || q.y > upper.y) continue;
-        const int turn = orient2d(lower, upper, q);
-        if (turn == 0 && q.x >= std::min(lower.x, upper.x) && q.x <= std::max(lower.x, upper.x)) return 0;
-        if (q.y < upper.y && turn > 0) inside = !inside;
+    bool inside = false, on_edge = false;
+    each_beside(q, [&](std::size_t first, std::size_t last) {
+        for (std::size_t e = first; e < last && !on_edge; ++e) {
+            const Edge2& edge = edges_[e];
+            const Vec2 lower = edge.a.y <= edge.b.y ? edge.a : edge.b,
+                       upper = edge.a.y <= edge.b.y ? edge.b : edge.a;
+            if (q.y < lower.y || q.y > upper.y) continue;
+            const int turn = orient2d(lower, upper, q);
+            on_edge = turn == 0 && q.x >= std::min(lower.x, upper.x) && q.x <= std::max(lower.x, upper.x);
+            if (q.y < upper.y && turn > 0) inside = !inside;
+        }
+    });
+    return on_edge ? 0 : inside ? -1 : 1;
+}
+
+// Calls body(first edge, last) for runs of edges that hold all those that the ray from q towards +x meets.
+template <class Body>
+void DistanceMap::each_beside(Vec2 q, const Body& body) const {
+    const auto is_beside = [q](const Strip& strip) {
+        const auto& [start, end] = std::pair(strip.chord.start, strip.chord.end);
+        return q.y >= std::min(start.y, end.y) - strip.reach &&
+               q.y <= std::max(start.y, end.y) + strip.reach && q.x <= std::max(start.x, end.x) + strip.reach;
+    };
+    if (strips_.empty()) return body(0, edges_.size());
+    const std::vector<Strip>&large = strips_[1], &small = strips_[0];
+    for (std::size_t n = 0; n < large.size(); ++n) {
+        if (!is_beside(large[n])) continue;
+        for (std::size_t k = strip_size * n; k < std::min(strip_size * (n + 1), small.size()); ++k) {
+            if (is_beside(small[k])) body(strip_size * k, std::min(strip_size * (k + 1), edges_.size()));
+        }
     }
-    return inside ? -1 : 1;
 }
 
 std::size_t DistanceMap::bytes() const {
-    return edges_.size() * (sizeof(Edge2) + sizeof(Line) + 2) + 4 * (cells_.size() + candidates_.size());
+    return edges_.size() * (sizeof(Edge2) + sizeof(Line) + 2) + 4 * (cells_.size() + candidates_.size()) +
+           sizeof(Strip) *
+               std::accumulate(strips_.begin(), strips_.end(), std::size_t{0},
+                               [](std::size_t sum, const auto& level) { return sum + level.size(); });
 }
 
 }  // namespace anatomesh

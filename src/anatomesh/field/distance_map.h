@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,13 +19,16 @@ namespace anatomesh {
 // A grid of cells covers the region's box and a margin of `limit`. Each cell within reach of the boundary
 // lists every edge that can be the nearest one to any of its points: if d is the distance of the nearest edge
 // from the cell's centre and r the cell's half diagonal, those within d + 2 r of the centre. A query looks at
-// these alone. In cells that the boundary does not cross the sign is that of the centre, found by scanline;
-// in the others it is found from the nearest edge or vertex by exact orientation.
+// these alone. Lists of more than 64 edges become lists of strips: 16 edges that follow one another, or 16
+// such strips, each with the segment from its first vertex to its last and how far it strays from that; a
+// query opens those that can hold the nearest edge (strip trees: Ballard, Commun. ACM 24, 1981). In cells
+// that the boundary does not cross the sign is that of the centre, found by scanline; in the others it is
+// found from the nearest edge or vertex by exact orientation.
 //
 // Guarantees: the value is 0 at every vertex; its sign is that of the even-odd region in exact arithmetic on
 // the coordinates as given; its size is the Euclidean distance within a few roundings. Complexity:
 // construction O(n log n) in the edges and linear in the cells, whose number is linear in n; a query O(1) for
-// contours with bounded curvature.
+// contours with bounded curvature and edges about as long as the cells, O(log n) for finer ones.
 class DistanceMap {
   public:
     // Requires: the edges bound a region, closed and without crossings, region on the left; limit > 0.
@@ -56,6 +60,8 @@ class DistanceMap {
     double cell() const { return cell_; }
     std::span<const Edge2> edges() const { return edges_; }
     std::size_t bytes() const;
+    // How many edges and strips value(q) looks at.
+    std::size_t steps(Vec2 q) const;
 
   private:
     // What the region looks like at an end of an edge: which side is near when the end is the nearest
@@ -65,6 +71,24 @@ class DistanceMap {
     struct Line {  // an edge made ready for distances
         Vec2 start, end;
         double squared = 0, inverse = 0;  // of the length
+    };
+    struct Strip {  // edges that follow one another, all within `reach` of the chord
+        Line chord;
+        double reach;
+    };
+    struct List {  // edges on level 0, strips above
+        std::span<const std::uint32_t> entries;
+        std::uint32_t level;
+        std::uint32_t operator()(std::size_t i) const { return entries[i]; }
+    };
+    struct Run {  // the edges or strips of one strip
+        std::size_t first;
+        std::uint32_t operator()(std::size_t i) const { return static_cast<std::uint32_t>(first + i); }
+    };
+    struct Nearest {
+        double squared, second;  // the least distance, and the next
+        std::uint32_t edge;
+        std::size_t steps = 0;  // edges and strips looked at
     };
     struct Foot {
         double squared_distance;
@@ -79,6 +103,15 @@ class DistanceMap {
     template <class Body>
     void each_cell_near_an_edge(Body body) const;
     void list_candidates();
+    void make_strips();
+    Strip make_strip(std::size_t first, std::size_t last) const;
+    void shorten_lists();
+    List list_at(std::uint32_t entry) const;
+    double padded(double distance) const { return distance * (1 + 1e-12) + 2 * tie_; }
+    template <class At, class Body>
+    std::size_t each_near(Vec2 q, std::uint32_t level, std::size_t count, At at, double& bound,
+                          const Body& body) const;
+    Nearest nearest_by_strips(Vec2 q, const List& list, double bound) const;
     bool is_never_nearest(const Line& line, Vec2 centre, Vec2 best_foot) const;
     Vec2 nearest_point(const Line& line, Vec2 q) const;
     // In the line's own frame, without a branch: across it, and along it beyond the nearer end. Exactly 0
@@ -92,7 +125,9 @@ class DistanceMap {
     }
     int side(std::uint32_t edge, int end, Vec2 q) const;
     int side_by_parity(Vec2 q) const;
-    int side_of_nearest(Vec2 q, std::span<const std::uint32_t> candidates, double squared) const;
+    template <class Body>
+    void each_beside(Vec2 q, const Body& body) const;
+    int side_of_nearest(Vec2 q, const List& list, double tied) const;
 
     std::vector<Edge2> edges_;
     std::vector<Line> lines_;
@@ -101,8 +136,10 @@ class DistanceMap {
     double limit_ = 0, cell_ = 0, inverse_cell_ = 0, area_ = 0, tie_ = 0;
     std::uint32_t nx_ = 0, ny_ = 0;
     std::vector<std::uint32_t> cells_;  // far_outside, far_inside, or where in candidates_ the list starts
-    // Per list: how many and the side, a lower bound of the distance (a float's bits), then the edges.
+    // Per list: how many, their level and the side, a lower bound of the distance (a float's bits), then the
+    // edges or strips, rising.
     std::vector<std::uint32_t> candidates_;
+    std::vector<std::vector<Strip>> strips_;  // by level, from 1 on; none where no list is long
 };
 
 }  // namespace anatomesh

@@ -137,6 +137,75 @@ TEST(DistanceMap, C14_C35_fine_points_beside_long_edges_and_thin_sheets) {
     EXPECT_LT(map.bytes(), 4u << 20);
 }
 
+// A circle of n edges with a ripple, in both directions, and beside it a hole.
+std::vector<Edge2> fine_rings(int n, bool against) {
+    Ring outer, inner;
+    for (int i = 0; i < n; ++i) {
+        const double turn = 2 * 3.14159265358979 * i / n, radius = 10 + 0.3 * std::sin(40 * turn);
+        outer.push_back({radius * std::cos(turn), radius * std::sin(turn)});
+        inner.push_back({3 + 2 * std::cos(turn), 2 * std::sin(turn)});
+    }
+    std::vector<Edge2> edges = edges_of({outer, reversed(inner)});
+    if (against) std::reverse(edges.begin(), edges.end());
+    return edges;
+}
+
+TEST(DistanceMap, equals_brute_force_on_contours_much_finer_than_its_cells) {
+    std::mt19937 random(12);
+    for (const double limit : {0.5, 3.0, 20.0}) {
+        for (const bool against : {false, true}) {
+            std::vector<Edge2> edges = fine_rings(3000, against);
+            expect_equals_brute_force(edges, DistanceMap(edges, limit), random, 1500);
+            // In any order of the edges, and broken into crumbs.
+            std::shuffle(edges.begin(), edges.end(), random);
+            expect_equals_brute_force(edges, DistanceMap(edges, limit), random, 300);
+        }
+    }
+    std::vector<Ring> crumbs;
+    for (int i = 0; i < 40; ++i) {
+        for (int j = 0; j < 40; ++j) crumbs.push_back(star({0.1 * i, 0.1 * j}, 0.01, 0.045, 5, random));
+    }
+    const std::vector<Edge2> edges = edges_of(crumbs);
+    expect_equals_brute_force(edges, DistanceMap(edges, 3.0), random, 1500);
+}
+
+// Every value is that of a map whose cells are so small that no list is long, to the last bit.
+TEST(DistanceMap, strips_change_no_bit) {
+    std::mt19937 random(13);
+    std::uniform_real_distribution<double> at(-13, 13);
+    for (const bool against : {false, true}) {
+        const std::vector<Edge2> edges = fine_rings(4000, against);
+        const DistanceMap map(edges, 1.0), fine(edges, 1.0, 0.02);
+        ASSERT_LT(fine.cell(), 0.1);
+        for (int i = 0; i < 40000; ++i) {
+            const Vec2 q{at(random), at(random)};
+            ASSERT_EQ(map.value(q), fine.value(q));
+        }
+        for (const Edge2& edge : edges) ASSERT_EQ(map.value(edge.a), 0.0);
+    }
+}
+
+TEST(DistanceMap, what_a_query_looks_at_hardly_grows_with_the_density_of_the_contour) {
+    for (const double limit : {1.5, 15.0}) {
+        double before = 0;
+        for (const int n : {500, 4000, 32000}) {
+            const std::vector<Edge2> edges = fine_rings(n, false);
+            const DistanceMap map(edges, limit);
+            std::mt19937 random(14);
+            std::uniform_real_distribution<double> at(-11, 11);
+            double steps = 0;
+            for (int i = 0; i < 4000; ++i)
+                steps += static_cast<double>(map.steps({at(random), at(random)})) / 4000;
+            EXPECT_LT(steps, 150) << n << " limit " << limit;
+            if (n == 32000) {
+                EXPECT_LT(steps, 1.7 * before) << " limit " << limit;
+            }
+            EXPECT_LT(map.bytes(), 150 * edges.size() + 100000) << n << " limit " << limit;
+            before = steps;
+        }
+    }
+}
+
 TEST(DistanceMap, moves_with_the_region) {
     std::mt19937 random(9);
     const Ring shape = star({0, 0}, 4, 9, 70, random);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/cull/cull.h"
@@ -13,13 +14,19 @@ namespace anatomesh {
 
 namespace {
 
+constexpr double spread = 0.7;       // of the points of one round, in circumradii
+constexpr double far = 8;            // circumradii of so many shortest edges
+constexpr std::size_t batch = 2048;  // cells that choose their points without knowing of each other
+
 struct BadCell {
-    std::uint32_t cell;
-    double ratio;
-    bool flat;
-    double radius = 0;
-    std::optional<Vec3> point;
+    std::uint32_t cell = 0;
+    double ratio = 0;
+    bool flat = false;
+    double shortest = 0, radius = 0;
+    Vec3 center;                // where a point takes it away
+    std::optional<Vec3> point;  // to insert
     bool on_surface = false;
+    bool waits = false;                          // for another round
     std::uint32_t ball = SegmentGuard::no_ball;  // of a piece to split instead
 };
 
@@ -32,7 +39,8 @@ double flatness_of(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
 
 Vec3 triangle_circumcenter(Vec3 a, Vec3 b, Vec3 c) {
     const Vec3 u = b - a, v = c - a, n = cross(u, v);
-    return a + (1.0 / (2.0 * squared_length(n))) * (squared_length(v) * cross(n, u) + squared_length(u) * cross(v, n));
+    return a + (1.0 / (2.0 * squared_length(n))) *
+                   (squared_length(v) * cross(n, u) + squared_length(u) * cross(v, n));
 }
 
 Vec3 largest_facet_center(const std::array<Vec3, 4>& p) {
@@ -50,32 +58,37 @@ Vec3 largest_facet_center(const std::array<Vec3, 4>& p) {
 
 double shortest_edge(const std::vector<Vec3>& points, const Cell& cell) {
     double squared = squared_length(points[cell[0]] - points[cell[1]]);
-    for (const auto& [i, j] : cell_edges) squared = std::min(squared, squared_length(points[cell[i]] - points[cell[j]]));
+    for (const auto& [i, j] : cell_edges)
+        squared = std::min(squared, squared_length(points[cell[i]] - points[cell[j]]));
     return std::sqrt(squared);
 }
 
-// Where to put a point that takes the cell away.
-void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfaceProbe& probe, const PointGrid& all_points,
-                  const SegmentGuard& guard, const RefineOptions& options, BadCell& bad) {
+void aim(const std::vector<Vec3>& points, const Cell& cell, const RefineOptions& options, BadCell& bad) {
     const Vec3 a = points[cell[0]], b = points[cell[1]], c = points[cell[2]], d = points[cell[3]];
-    const double shortest = shortest_edge(points, cell);
-    const Vec3 center = bad.flat ? largest_facet_center({a, b, c, d}) : circumcenter(a, b, c, d);
-    const Vec3 centroid = 0.25 * (a + b + c + d);
-    bad.radius = std::min(length(center - a), options.max_reach_mm);
-    const double tolerance = 1e-3 * shortest;
-    // The interface between the cell and its circumcentre, or close to that.
-    std::optional<Vec3> on_surface = probe.first_crossing(centroid, center, 0.5 * shortest, tolerance);
-    if (!on_surface && probe.distance(center) < options.surface_pull * bad.radius) {
-        on_surface = probe.project(center, options.surface_pull * bad.radius, tolerance);
+    bad.shortest = shortest_edge(points, cell);
+    bad.center = bad.flat ? largest_facet_center({a, b, c, d}) : circumcenter(a, b, c, d);
+    bad.radius = std::min(length(bad.center - a), options.max_reach_mm);
+}
+
+// The point to insert: where the cell aims, or on an interface before or near that.
+void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfaceProbe& probe,
+                  const PointGrid& all_points, const SegmentGuard& guard, const RefineOptions& options,
+                  BadCell& bad) {
+    const Vec3 centroid = 0.25 * (points[cell[0]] + points[cell[1]] + points[cell[2]] + points[cell[3]]);
+    const double tolerance = 1e-3 * bad.shortest;
+    std::optional<Vec3> on_surface =
+        probe.first_crossing(centroid, bad.center, 0.5 * bad.shortest, tolerance);
+    if (!on_surface && probe.distance(bad.center) < options.surface_pull * bad.radius) {
+        on_surface = probe.project(bad.center, options.surface_pull * bad.radius, tolerance);
     }
     bad.on_surface = on_surface.has_value();
-    if (!on_surface) on_surface = center;
+    if (!on_surface) on_surface = bad.center;
     // Rounding and the points of earlier rounds can bring even a circumcentre close to a vertex.
-    if (all_points.any_within(*on_surface, options.min_spacing * shortest)) return;
+    if (all_points.any_within(*on_surface, options.min_spacing * bad.shortest)) return;
     const std::uint32_t ball = guard.ball_at(*on_surface, options.protected_share);
     if (ball == SegmentGuard::no_ball) {
         bad.point = on_surface;
-    } else if (guard.ball_radius(ball) > 0.5 * shortest) {
+    } else if (guard.ball_radius(ball) > 0.5 * bad.shortest) {
         bad.ball = ball;
     }
 }
@@ -91,7 +104,8 @@ struct InterfaceFacet {
 std::vector<InterfaceFacet> interface_facets(const DelaunaySnapshot& mesh, const std::vector<Region>& regions,
                                              const std::vector<std::uint32_t>& look, int threads) {
     std::vector<InterfaceFacet> facets = parallel_collect<InterfaceFacet>(
-        look.size(), 16384, threads, [&](std::size_t first, std::size_t last, std::vector<InterfaceFacet>& out) {
+        look.size(), 16384, threads,
+        [&](std::size_t first, std::size_t last, std::vector<InterfaceFacet>& out) {
             for (std::size_t k = first; k < last; ++k) {
                 const std::uint32_t c = look[k];
                 for (std::uint32_t i = 0; i < 4; ++i) {
@@ -101,7 +115,8 @@ std::vector<InterfaceFacet> interface_facets(const DelaunaySnapshot& mesh, const
                         out.push_back({c, i});
                     } else {
                         const auto& back = mesh.neighbors[n];
-                        out.push_back({n, static_cast<std::uint32_t>(std::find(back.begin(), back.end(), c) - back.begin())});
+                        out.push_back({n, static_cast<std::uint32_t>(std::find(back.begin(), back.end(), c) -
+                                                                     back.begin())});
                     }
                 }
             }
@@ -115,9 +130,10 @@ std::vector<InterfaceFacet> interface_facets(const DelaunaySnapshot& mesh, const
 
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<Region>& regions, const std::vector<Region>& sides,
-                                   const StructureField& field, std::uint32_t structures, const PointGrid& all_points,
-                                   const SegmentGuard& guard, const RefineOptions& options,
-                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found, RunContext& context) {
+                                   const StructureField& field, std::uint32_t structures,
+                                   const PointGrid& all_points, const SegmentGuard& guard,
+                                   const RefineOptions& options, std::vector<std::uint32_t>& look,
+                                   std::vector<Vec3>& found, RunContext& context) {
     RefineStats stats;
     // Pieces of a fixed size keep the mean the same at any thread count.
     struct Inside {
@@ -127,13 +143,15 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
     constexpr std::size_t grain = 8192;
     std::vector<Inside> inside(look.size() / grain + 1);
     std::vector<BadCell> bad = parallel_collect<BadCell>(
-        look.size(), grain, context.threads, [&](std::size_t first, std::size_t last, std::vector<BadCell>& out) {
+        look.size(), grain, context.threads,
+        [&](std::size_t first, std::size_t last, std::vector<BadCell>& out) {
             Inside& here = inside[first / grain];
             for (std::size_t n = first; n < last; ++n) {
                 const std::uint32_t c = look[n];
                 const Cell& cell = mesh.cells[c];
                 const bool is_inside = regions[c] != 0;
-                if (!is_inside && std::none_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return sides[v] == on_interface; })) {
+                if (!is_inside && std::none_of(cell.begin(), cell.end(),
+                                               [&](std::uint32_t v) { return sides[v] == on_interface; })) {
                     continue;
                 }
                 const Vec3 p = points[cell[0]], q = points[cell[1]], r = points[cell[2]], s = points[cell[3]];
@@ -145,7 +163,10 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
                     here.ratios += ratio;
                 }
                 if (flat || ratio > options.max_radius_edge) {
-                    out.push_back({c, flat ? 0 : ratio, flat, 0, std::nullopt, false, SegmentGuard::no_ball});
+                    out.emplace_back();
+                    out.back().cell = c;
+                    out.back().ratio = flat ? 0 : ratio;
+                    out.back().flat = flat;
                 }
             }
         });
@@ -162,27 +183,41 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
     look.clear();
     for (const BadCell& cell : bad) look.push_back(cell.cell);
 
-    parallel_for(bad.size(), 256, context.threads, [&](std::size_t first, std::size_t last) {
-        InterfaceProbe probe(field, structures);
-        for (std::size_t n = first; n < last; ++n) {
-            choose_point(points, mesh.cells[bad[n].cell], probe, all_points, guard, options, bad[n]);
-        }
+    parallel_for(bad.size(), 4096, context.threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t n = first; n < last; ++n) aim(points, mesh.cells[bad[n].cell], options, bad[n]);
     });
     // Worst first; one point for each neighbourhood a round.
-    std::stable_sort(bad.begin(), bad.end(), [](const BadCell& a, const BadCell& b) { return a.ratio > b.ratio; });
+    std::stable_sort(bad.begin(), bad.end(),
+                     [](const BadCell& a, const BadCell& b) { return a.ratio > b.ratio; });
     double reach = 0;
     for (const BadCell& cell : bad) reach += cell.radius;
-    PointGrid chosen(bad.empty() ? 1.0 : std::max(1e-300, reach / static_cast<double>(bad.size())), bad.size());
-    for (const BadCell& cell : bad) {
-        if (cell.ball != SegmentGuard::no_ball) stats.balls.push_back(cell.ball);
-        if (!cell.point) {
-            ++stats.refused;
-            continue;
+    PointGrid chosen(bad.empty() ? 1.0 : std::max(1e-300, reach / static_cast<double>(bad.size())),
+                     bad.size());
+    const auto is_taken = [&](Vec3 p, const BadCell& cell) {
+        return chosen.any_within(p, spread * cell.radius);
+    };
+    // The way to a far place is long to search: not where a point is chosen already.
+    const auto can_wait = [&](const BadCell& cell) {
+        return cell.radius > far * cell.shortest && is_taken(cell.center, cell);
+    };
+    for (std::size_t begin = 0; begin < bad.size(); begin += batch) {
+        const std::span<BadCell> now(bad.data() + begin, std::min(batch, bad.size() - begin));
+        parallel_for(now.size(), 128, context.threads, [&](std::size_t first, std::size_t last) {
+            InterfaceProbe probe(field, structures);
+            for (std::size_t n = first; n < last; ++n) {
+                now[n].waits = can_wait(now[n]);
+                if (now[n].waits) continue;
+                choose_point(points, mesh.cells[now[n].cell], probe, all_points, guard, options, now[n]);
+            }
+        });
+        for (const BadCell& cell : now) {
+            if (cell.ball != SegmentGuard::no_ball) stats.balls.push_back(cell.ball);
+            stats.refused += !cell.point && !cell.waits;
+            if (!cell.point || is_taken(*cell.point, cell)) continue;
+            chosen.add(*cell.point);
+            found.push_back(*cell.point);
+            ++(cell.on_surface ? stats.surface_points : stats.circumcenters);
         }
-        if (chosen.any_within(*cell.point, 0.7 * cell.radius)) continue;
-        chosen.add(*cell.point);
-        found.push_back(*cell.point);
-        ++(cell.on_surface ? stats.surface_points : stats.circumcenters);
     }
     std::sort(stats.balls.begin(), stats.balls.end());
     stats.balls.erase(std::unique(stats.balls.begin(), stats.balls.end()), stats.balls.end());
@@ -193,17 +228,20 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
                                    const std::vector<Region>& sides, const StructureField& field,
                                    std::uint32_t structures, const PointGrid& all_points,
                                    const SegmentGuard& guard, const CrossingOptions& options,
-                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found, RunContext& context) {
+                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
+                                   RunContext& context) {
     CrossingStats stats;
     using Edge = std::array<std::uint32_t, 2>;
     const auto crosses = [&](std::uint32_t a, std::uint32_t b) {
         return sides[a] != sides[b] && sides[a] != on_interface && sides[b] != on_interface;
     };
     look = parallel_collect<std::uint32_t>(
-        look.size(), 16384, context.threads, [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& out) {
+        look.size(), 16384, context.threads,
+        [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& out) {
             for (std::size_t n = first; n < last; ++n) {
                 const Cell& cell = mesh.cells[look[n]];
-                if (std::any_of(cell_edges.begin(), cell_edges.end(), [&](auto& e) { return crosses(cell[e[0]], cell[e[1]]); })) {
+                if (std::any_of(cell_edges.begin(), cell_edges.end(),
+                                [&](auto& e) { return crosses(cell[e[0]], cell[e[1]]); })) {
                     out.push_back(look[n]);
                 }
             }
@@ -211,7 +249,8 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
     std::vector<Edge> edges;
     for (const std::uint32_t c : look) {
         for (const auto& [i, j] : cell_edges) {
-            const std::uint32_t a = std::min(mesh.cells[c][i], mesh.cells[c][j]), b = std::max(mesh.cells[c][i], mesh.cells[c][j]);
+            const std::uint32_t a = std::min(mesh.cells[c][i], mesh.cells[c][j]),
+                                b = std::max(mesh.cells[c][i], mesh.cells[c][j]);
             if (crosses(a, b)) edges.push_back({a, b});
         }
     }
@@ -255,9 +294,10 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
 
 DeviationStats find_deviation_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                      const std::vector<Region>& regions, const StructureField& field,
-                                     std::uint32_t structures, const PointGrid& all_points, const SegmentGuard& guard,
-                                     const DeviationOptions& options, std::vector<std::uint32_t>& look,
-                                     std::vector<Vec3>& found, RunContext& context) {
+                                     std::uint32_t structures, const PointGrid& all_points,
+                                     const SegmentGuard& guard, const DeviationOptions& options,
+                                     std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
+                                     RunContext& context) {
     DeviationStats stats;
     const std::vector<InterfaceFacet> facets = interface_facets(mesh, regions, look, context.threads);
     struct Candidate {
@@ -277,7 +317,8 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
             if (probe.look(middle, options.max_deviation_mm).distance <= options.max_deviation_mm) continue;
             Candidate& candidate = candidates[n];
             candidate.deviates = true;
-            candidate.longest = std::sqrt(std::max({squared_length(b - a), squared_length(c - b), squared_length(a - c)}));
+            candidate.longest =
+                std::sqrt(std::max({squared_length(b - a), squared_length(c - b), squared_length(a - c)}));
             const double tolerance = 0.02 * options.max_deviation_mm;
             const auto keep_if_free = [&](const std::optional<Vec3>& p, double share) {
                 if (!p || all_points.any_within(*p, options.min_spacing * candidate.longest)) return;
@@ -287,7 +328,8 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
             // The vertices opposite the facet in its two cells.
             const std::uint32_t beyond = mesh.neighbors[owner][index];
             const auto& back = mesh.neighbors[beyond];
-            const auto across = static_cast<std::size_t>(std::find(back.begin(), back.end(), owner) - back.begin());
+            const auto across =
+                static_cast<std::size_t>(std::find(back.begin(), back.end(), owner) - back.begin());
             for (const std::uint32_t apex : {cell[index], mesh.cells[beyond][across]}) {
                 if (candidate.point) break;
                 keep_if_free(probe.first_crossing(middle, points[apex], 0.25 * candidate.longest, tolerance),
@@ -298,7 +340,8 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
     double total = 0;
     look.clear();
     for (std::size_t n = 0; n < facets.size(); ++n) {
-        if (candidates[n].deviates && (look.empty() || look.back() != facets[n].cell)) look.push_back(facets[n].cell);
+        if (candidates[n].deviates && (look.empty() || look.back() != facets[n].cell))
+            look.push_back(facets[n].cell);
     }
     for (const Candidate& candidate : candidates) {
         stats.deviating += candidate.deviates;

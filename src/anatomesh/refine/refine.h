@@ -40,6 +40,7 @@ struct RefineStats {
 // A nearly flat cell, whose own circumcentre rounding spoils, takes that of its largest facet.
 // Contour points are never moved, and no point goes into the protected share of the diametral
 // ball of a piece of a contour segment: that piece is to be split instead, if it is longer than the cell's shortest edge. Points found in one round keep out of each other's empty spheres.
+// Cells with a circumradius of many shortest edges wait for another round where a point was chosen that is in the way.
 // Terminates when repeated: a circumcentre is farther from every point than twice the shortest edge of its cell,
 // and points on interfaces keep min_spacing; so spacing never falls below a share of the contours' own.
 // Complexity: linear in the cells looked at. Same result at any thread count.
