@@ -9,32 +9,51 @@
 
 namespace anatomesh {
 
-// The least sine of the six dihedral angles; negative for an inverted cell, 0 for a flat one. Bounds the
-// smallest angle from below and the largest from above. (Freitag and Ollivier-Gooch, Int. J. Numer. Methods
-// Eng. 40, 1997.)
-inline double least_sine(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+// What edges and facets of a cell say about it.
+struct CellMeasures {
+    double volume6 = 0;          // six volumes
+    double squared_sine = 0;     // (least sine of the dihedral angles / six volumes)^2
+    double squared_ratio = 0;    // (circumradius / shortest edge)^2, the same figure as radius_edge_ratio()
+    double squared_longest = 0;  // edge
+
+    // The least sine of the six dihedral angles; negative for an inverted cell, 0 for a flat one. Bounds the
+    // smallest angle from below and the largest from above. (Freitag and Ollivier-Gooch, Int. J. Numer.
+    // Methods Eng. 40, 1997.)
+    double least_sine() const { return volume6 * std::sqrt(squared_sine); }
+};
+
+// Without `sine` or `ratio` that figure stays 0.
+template <bool sine = true, bool ratio = true>
+CellMeasures measure_cell(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
     const Vec3 ab = b - a, ac = c - a, ad = d - a, bc = c - b, bd = d - b, cd = d - c;
-    const Vec3 nd = cross(ab, ac);
-    const double volume6 = dot(nd, ad);
-    const double fa = squared_length(cross(bc, bd)), fb = squared_length(cross(ac, ad)),
-                 fc = squared_length(cross(ab, ad)), fd = squared_length(nd);
-    // |n_k| |n_l| sin = 6 volume |edge|, n_k and n_l the normals of the facets at the edge.
-    const double least = std::min({squared_length(ab) / (fc * fd), squared_length(ac) / (fb * fd),
-                                   squared_length(ad) / (fb * fc), squared_length(bc) / (fa * fd),
-                                   squared_length(bd) / (fa * fc), squared_length(cd) / (fa * fb)});
-    return volume6 * std::sqrt(least);
+    const Vec3 nb = cross(ac, ad), nc = cross(ad, ab), nd = cross(ab, ac);
+    const double ab2 = squared_length(ab), ac2 = squared_length(ac), ad2 = squared_length(ad),
+                 bc2 = squared_length(bc), bd2 = squared_length(bd), cd2 = squared_length(cd);
+    CellMeasures measures;
+    measures.volume6 = dot(nd, ad);
+    measures.squared_longest = std::max({ab2, ac2, ad2, bc2, bd2, cd2});
+    if constexpr (sine) {
+        // |n_k| |n_l| sin = 6 volume |edge|, n_k and n_l the normals of the facets at the edge.
+        const double fa = squared_length(cross(bc, bd)), fb = squared_length(nb), fc = squared_length(nc),
+                     fd = squared_length(nd);
+        const double least = std::min(
+            {ab2 * fa * fb, ac2 * fa * fc, ad2 * fa * fd, bc2 * fb * fc, bd2 * fb * fd, cd2 * fc * fd});
+        measures.squared_sine = least / (fa * fb * fc * fd);
+    }
+    if constexpr (ratio) {
+        const Vec3 offset = ad2 * nd + ac2 * nc + ab2 * nb;
+        const double shortest = std::min({ab2, ac2, ad2, bc2, bd2, cd2});
+        measures.squared_ratio =
+            squared_length(offset) / (4 * measures.volume6 * measures.volume6 * shortest);
+    }
+    return measures;
 }
 
-// Circumradius / shortest edge, squared; the same figure as radius_edge_ratio().
+inline double least_sine(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+    return measure_cell<true, false>(a, b, c, d).least_sine();
+}
 inline double squared_radius_edge(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
-    const Vec3 ab = b - a, ac = c - a, ad = d - a;
-    const double b2 = squared_length(ab), c2 = squared_length(ac), d2 = squared_length(ad);
-    const Vec3 normal = cross(ab, ac);
-    const double volume6 = dot(normal, ad);
-    const Vec3 offset = d2 * normal + c2 * cross(ad, ab) + b2 * cross(ac, ad);
-    const double shortest =
-        std::min({b2, c2, d2, squared_length(c - b), squared_length(d - b), squared_length(d - c)});
-    return squared_length(offset) / (4 * volume6 * volume6 * shortest);
+    return measure_cell<false, true>(a, b, c, d).squared_ratio;
 }
 
 }  // namespace anatomesh

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/improve/flip_surface_edges.h"
 #include "anatomesh/improve/operations.h"
 
 namespace anatomesh {
@@ -42,6 +43,7 @@ class Climber {
         bench_.stats.bad_before = queue_.size();
         bench_.stats.worst_before_degrees = worst_degrees();
         climb(context);
+        flip_edges();
         // What is left may have more room.
         bench_.options.max_deviation_mm *= bench_.options.last_deviation;
         climb(context);
@@ -59,6 +61,20 @@ class Climber {
             const std::uint64_t gained = drain();
             collect(std::move(left_), context.threads);
             if (gained * 50 < queue_.size() || gained == 0) break;
+        }
+    }
+
+    // Those of surfaces, for smaller angles between facets; cells that are bad now are queued.
+    void flip_edges() {
+        std::vector<std::uint32_t> changed;
+        FlipOptions options;
+        options.good_sine = target_;
+        options.least_gain_degrees = bench_.options.flip_gain_degrees;
+        flip_surface_edges(bench_, options, changed);
+        sort_distinct(changed);
+        for (const std::uint32_t c : changed) {
+            if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) continue;
+            if (const double sine = bench_.sine(c); sine < target_) queue_.push({sine, c});
         }
     }
 

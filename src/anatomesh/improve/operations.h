@@ -15,6 +15,10 @@ namespace anatomesh {
 // diagonal.
 bool remove_edge(Workbench& bench, std::uint32_t cell, int e);
 
+// Flips edge `e` of a cell, on the surface between two regions, whatever it does to the least sine as long as
+// that stays above `good_sine` or does not fall.
+bool flip_edge(Workbench& bench, std::uint32_t cell, int e, double good_sine);
+
 // Takes away a facet between two cells of one region: three cells round the edge that joins their apices.
 bool remove_facet(Workbench& bench, std::uint32_t cell, int facet);
 

@@ -41,6 +41,16 @@ class RingTriangulation {
         return true;
     }
 
+    // Whether no triangle at the side between the first and the last vertex will do, whatever the rest.
+    bool fails_at_base(int first, int count, Region region, double needed) {
+        first_ = first;
+        region_ = region;
+        for (int k = 1; k + 1 < count; ++k) {
+            if (triangle_value(0, k, count - 1, needed) >= needed) return false;
+        }
+        return true;
+    }
+
   private:
     std::uint32_t vertex(int n) const {
         return bench_.ring.ring[static_cast<std::size_t>(first_ + n) % bench_.ring.ring.size()];
@@ -118,11 +128,12 @@ bool may_flip(Workbench& bench, std::uint32_t c, std::uint32_t d) {
         !(dot(new_2, mean) > 0.5 * length(new_2) * length(mean))) {
         return false;
     }
-    const double before = std::max(bench.facet_distance(pa, pb, pc), bench.facet_distance(pa, pb, pd));
-    return bench.near_interface(a, c, d, before) && bench.near_interface(b, c, d, before);
+    const double now = std::max(bench.facet_distance(pa, pd, pc), bench.facet_distance(pd, pb, pc));
+    if (now <= bench.options.max_deviation_mm) return true;
+    return now <= bench.facet_distance(pa, pb, pc) || now <= bench.facet_distance(pa, pb, pd);
 }
 
-bool remove_surface_edge(Workbench& bench, const RingFacets& facets, const Bar& bar) {
+bool remove_surface_edge(Workbench& bench, const RingFacets& facets, const Bar& bar, double needed) {
     const auto size = static_cast<int>(bench.ring.ring.size());
     const int from = facets.at[0], to = facets.at[1];
     const std::uint32_t c = bench.ring.ring[static_cast<std::size_t>(from)],
@@ -130,14 +141,15 @@ bool remove_surface_edge(Workbench& bench, const RingFacets& facets, const Bar& 
     const Region between = bench.mesh.region(bench.ring.cells[static_cast<std::size_t>(from)]);
     const Region beyond = bench.mesh.region(bench.ring.cells[static_cast<std::size_t>(to)]);
     const int arc = to - from;
-    const double needed = bench.needed_sine(bar);
     RingTriangulation triangulation(bench, bar);
     // An arc of one cell has the diagonal as an edge already: then it must not be an edge of an interface.
     if (arc == 1 || arc == size - 1) {
         const std::uint32_t lone = bench.ring.cells[static_cast<std::size_t>(arc == 1 ? from : to)];
         if (bench.mesh.edge_on_interface(lone, edge_between(bench.mesh.cell(lone), c, d))) return false;
         if (!triangulation.append(0, size, arc == 1 ? beyond : between, needed)) return false;
-    } else if (!triangulation.append(from, arc + 1, between, needed) ||
+    } else if (triangulation.fails_at_base(from, arc + 1, between, needed) ||
+               triangulation.fails_at_base(to, size - arc + 1, beyond, needed) ||
+               !triangulation.append(from, arc + 1, between, needed) ||
                !triangulation.append(to, size - arc + 1, beyond, needed)) {
         return false;
     }
@@ -156,7 +168,7 @@ bool remove_edge(Workbench& bench, std::uint32_t cell, int e) {
     bench.cells.clear();
     bench.regions.clear();
     if (facets.count == 2) {
-        if (!remove_surface_edge(bench, facets, bar)) return false;
+        if (!remove_surface_edge(bench, facets, bar, bench.needed_sine(bar))) return false;
         ++bench.stats.surface_edges_flipped;
         return true;
     }
@@ -164,6 +176,20 @@ bool remove_edge(Workbench& bench, std::uint32_t cell, int e) {
         return false;
     if (!bench.commit(bench.ring.cells, bench.cells, bench.regions)) return false;
     ++bench.stats.edges_removed;
+    return true;
+}
+
+bool flip_edge(Workbench& bench, std::uint32_t cell, int e, double good_sine) {
+    bench.mesh.ring(cell, e, bench.ring);
+    const auto size = static_cast<int>(bench.ring.ring.size());
+    if (!bench.ring.closed || size < 3 || size > most_ring) return false;
+    const RingFacets facets = interface_facets(bench);
+    if (facets.count != 2) return false;
+    const Bar bar = bench.bar_of(bench.ring.cells);
+    bench.cells.clear();
+    bench.regions.clear();
+    if (!remove_surface_edge(bench, facets, bar, std::min(bar.sine, good_sine))) return false;
+    ++bench.stats.surface_edges_smoothed;
     return true;
 }
 

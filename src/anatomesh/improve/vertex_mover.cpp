@@ -5,7 +5,6 @@
 
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/improve/cell_shape.h"
-#include "anatomesh/mesh/quality.h"
 
 namespace anatomesh {
 
@@ -29,23 +28,27 @@ bool VertexMover::try_move(std::uint32_t v, Vec3 p, bool must_fall) {
     mesh_.points[v] = p;
     const Shape now = shape(v);
     const double bound = max_radius_edge_ * max_radius_edge_;
-    bool accepted = !must_fall && now.squared_ratio <= bound && now.flattest >= nearly_flat && now.sine >= good_sine_;
+    bool accepted =
+        !must_fall && now.squared_ratio <= bound && now.flattest >= nearly_flat && now.sine >= good_sine_;
     if (!accepted) {
         mesh_.points[v] = from;
         const Shape before = shape(v);
         mesh_.points[v] = p;
         accepted = (must_fall ? now.squared_ratio < before.squared_ratio
                               : now.squared_ratio <= std::max(before.squared_ratio, bound)) &&
-                   now.flattest >= std::min(before.flattest, nearly_flat) && now.sine >= std::min(before.sine, good_sine_);
+                   now.flattest >= std::min(before.flattest, nearly_flat) &&
+                   now.sine >= std::min(before.sine, good_sine_);
     }
-    if (accepted && positive(v)) return true;
+    // Far from flat the sign of a volume is beyond doubt.
+    if (accepted && (now.flattest >= nearly_flat || positive(v))) return true;
     mesh_.points[v] = from;
     return false;
 }
 
 double VertexMover::squared_ratio(std::uint32_t cell) const {
     const Cell& c = mesh_.cells[cell];
-    return squared_radius_edge(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]], mesh_.points[c[3]]);
+    return squared_radius_edge(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]],
+                               mesh_.points[c[3]]);
 }
 
 double VertexMover::worst_ratio(std::uint32_t v) const {
@@ -72,15 +75,13 @@ VertexMover::Shape VertexMover::shape(std::uint32_t v) const {
         const Cell& c = mesh_.cells[cell];
         const Vec3 p0 = mesh_.points[c[0]], p1 = mesh_.points[c[1]], p2 = mesh_.points[c[2]],
                    p3 = mesh_.points[c[3]];
-        double longest = 0;
-        for (const auto& [i, j] : cell_edges) {
-            longest = std::max(longest, squared_length(mesh_.points[c[i]] - mesh_.points[c[j]]));
-        }
+        const CellMeasures m =
+            good_sine_ > 0 ? measure_cell(p0, p1, p2, p3) : measure_cell<false, true>(p0, p1, p2, p3);
         worst.flattest =
-            std::min(worst.flattest, 6 * signed_volume(p0, p1, p2, p3) / (longest * std::sqrt(longest)));
+            std::min(worst.flattest, m.volume6 / (m.squared_longest * std::sqrt(m.squared_longest)));
         if (mesh_.regions[cell] == 0) continue;
-        worst.squared_ratio = std::max(worst.squared_ratio, squared_radius_edge(p0, p1, p2, p3));
-        if (good_sine_ > 0) worst.sine = std::min(worst.sine, least_sine(p0, p1, p2, p3));
+        worst.squared_ratio = std::max(worst.squared_ratio, m.squared_ratio);
+        if (good_sine_ > 0) worst.sine = std::min(worst.sine, m.least_sine());
     }
     return worst;
 }

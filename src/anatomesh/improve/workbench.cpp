@@ -35,19 +35,20 @@ Bar Workbench::bar_of(std::span<const std::uint32_t> cells_in) const {
             bar.outside_sine = std::min(bar.outside_sine, sine(c));
             continue;
         }
-        bar.sine = std::min(bar.sine, sine(c));
-        bar.squared_ratio = std::max(
-            bar.squared_ratio,
-            squared_radius_edge(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3])));
+        const CellMeasures m =
+            measure_cell(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3]));
+        bar.sine = std::min(bar.sine, m.least_sine());
+        bar.squared_ratio = std::max(bar.squared_ratio, m.squared_ratio);
     }
     return bar;
 }
 
 double Workbench::value(const Cell& c, Region region, const Bar& bar) const {
-    const Vec3 p0 = mesh.point(c[0]), p1 = mesh.point(c[1]), p2 = mesh.point(c[2]), p3 = mesh.point(c[3]);
-    const double sine = least_sine(p0, p1, p2, p3);
+    const CellMeasures m =
+        measure_cell(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3]));
+    const double sine = m.least_sine();
     if (region == 0) return sine > 0 && sine >= needed_outside_sine(bar) ? 1 : -1;
-    if (!(sine > 0) || squared_radius_edge(p0, p1, p2, p3) > allowed_squared_ratio(bar)) return -1;
+    if (!(sine > 0) || m.squared_ratio > allowed_squared_ratio(bar)) return -1;
     return sine;
 }
 
@@ -73,7 +74,8 @@ bool Workbench::near_interface(std::uint32_t a, std::uint32_t b, std::uint32_t c
            std::max(before, options.max_deviation_mm);
 }
 
-bool surface_facets_at(const Workbench& bench, std::uint32_t vertex, std::vector<std::array<std::uint32_t, 2>>& facets) {
+bool surface_facets_at(const Workbench& bench, std::uint32_t vertex,
+                       std::vector<std::array<std::uint32_t, 2>>& facets) {
     const Region side = bench.mesh.region(bench.star[0]);
     Region other = side;
     for (const std::uint32_t c : bench.star) {

@@ -482,6 +482,7 @@ class Builder {
                     {"edges_removed", static_cast<double>(dihedrals.edges_removed)},
                     {"facets_removed", static_cast<double>(dihedrals.facets_removed)},
                     {"surface_edges_flipped", static_cast<double>(dihedrals.surface_edges_flipped)},
+                    {"surface_edges_smoothed", static_cast<double>(dihedrals.surface_edges_smoothed)},
                     {"cells_peeled", static_cast<double>(dihedrals.cells_peeled)},
                     {"ears_dropped", static_cast<double>(dihedrals.ears_dropped)},
                     {"edges_collapsed", static_cast<double>(dihedrals.edges_collapsed)},
