@@ -31,20 +31,26 @@ struct FieldPatch {
     bool open_below = false, open_above = false;
 };
 
+struct Key {
+    double square;  // of the distance from the point
+    std::uint32_t patch;
+};
+using Keys = std::array<Key, most_near>;
+
 // A patch as a point sees it.
 struct Seen {
-    std::uint32_t patch = 0;
-    double distance = 0;  // from the point
-    double height = 0;    // of the point above the plane
-    double lateral = 0;   // how far the point's projection lies beside the grown patch
-    double weight = 0;    // infinite on the patch itself
-    Vec3 offset;          // to the nearest point of the grown patch
-    Vec2 at;              // the point's projection
+    std::uint32_t patch;
+    double distance;  // from the point
+    double height;    // of the point above the plane
+    double lateral;   // how far the point's projection lies beside the grown patch
+    double weight;    // infinite on the patch itself
+    Vec3 offset;      // to the nearest point of the grown patch
+    Vec2 at;          // the point's projection
 };
 
 // The patches that count at a point, nearest first.
 struct Sight {
-    std::array<Seen, most_near> near;
+    std::array<Seen, most_near> near;  // the first `count`
     std::uint32_t count = 0;
     double outside = 0;  // weight of "outside"
     double beyond_end = never;
@@ -91,8 +97,9 @@ class GeneralField final : public FieldQueries<GeneralField> {
         return {std::clamp(q.x, patch.box.low.x - margin_, patch.box.high.x + margin_) - q.x,
                 std::clamp(q.y, patch.box.low.y - margin_, patch.box.high.y + margin_) - q.y};
     }
-    void find_near(Vec3 p, Sight& sight) const;
-    void weigh(Sight& sight) const;
+    std::uint32_t find_near(Vec3 p, Keys& keys) const;
+    Seen see(Vec3 p, const Key& key) const;
+    double share_of(const Seen& near, const Sight& sight) const;
     void end(Sight& sight) const;
     double distance(std::uint32_t structure, const Seen& near) const;
     double blend(std::uint32_t structure, const Sight& sight) const;
@@ -115,8 +122,8 @@ class GeneralField final : public FieldQueries<GeneralField> {
 };
 
 // The nearest patches within the radius, sorted by distance.
-void GeneralField::find_near(Vec3 p, Sight& sight) const {
-    if (!box_.contains(p)) return;
+std::uint32_t GeneralField::find_near(Vec3 p, Keys& keys) const {
+    if (!box_.contains(p)) return 0;
     const Vec3 at = inverse_cell_ * (p - box_.low);
     const auto index = [](double v, std::uint32_t n) {
         return std::min(static_cast<std::uint32_t>(v), n - 1);
@@ -124,64 +131,49 @@ void GeneralField::find_near(Vec3 p, Sight& sight) const {
     const std::size_t cell =
         (static_cast<std::size_t>(index(at.z, cells_[2])) * cells_[1] + index(at.y, cells_[1])) * cells_[0] +
         index(at.x, cells_[0]);
-    struct Key {
-        double square;
-        std::uint32_t patch;
-    };
-    std::array<Key, most_near> keys;
-    const double square_radius = radius_ * radius_;
+    std::uint32_t count = 0;
+    double farthest = radius_ * radius_;
     for (std::uint32_t i = cell_begin_[cell]; i < cell_begin_[cell + 1]; ++i) {
         const PlanePatch& patch = patches_[cell_patches_[i]].patch;
         const double height = patch.plane.signed_distance(p);
         const double across = std::clamp(height, patch.low, patch.high) - height;
-        if (across * across >= square_radius) continue;
+        if (across * across >= farthest) continue;
         const Vec2 way = way_to_box(patch, patch.plane.to_plane(p));
         const double square = squared_length(way) + across * across;
-        if (square >= square_radius) continue;
-        if (sight.count == most_near && square >= keys[most_near - 1].square) continue;
-        std::uint32_t place = sight.count == most_near ? most_near - 1 : sight.count++;
+        if (square >= farthest) continue;
+        std::uint32_t place = count == most_near ? most_near - 1 : count++;
         for (; place > 0 && keys[place - 1].square > square; --place) keys[place] = keys[place - 1];
         keys[place] = {square, cell_patches_[i]};
+        if (count == most_near) farthest = keys[most_near - 1].square;
     }
-    for (std::uint32_t n = 0; n < sight.count; ++n) {
-        const PlanePatch& patch = patches_[keys[n].patch].patch;
-        const double height = patch.plane.signed_distance(p);
-        const double across = std::clamp(height, patch.low, patch.high) - height;
-        const Vec2 foot = patch.plane.to_plane(p), way = way_to_box(patch, foot);
-        sight.near[n] = {keys[n].patch,
-                         std::sqrt(keys[n].square),
-                         height,
-                         length(way),
-                         0,
-                         way.x * patch.plane.u + way.y * patch.plane.v + across * patch.plane.normal,
-                         foot};
-    }
+    return count;
 }
 
-// Weights that fall as 1 / distance, which between two parallel patches is linear interpolation. A patch
-// counts less the further the way to it leads through a nearer one.
-void GeneralField::weigh(Sight& sight) const {
-    std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < sight.count; ++i) {
-        Seen& near = sight.near[i];
-        double share = 1;
-        for (std::uint32_t j = 0; j < kept && share > least_share; ++j) {
-            const Seen& nearer = sight.near[j];
-            const double shown = 1 - nearer.lateral / margin_;
-            if (shown <= 0) continue;
-            const double square = nearer.height * nearer.height + nearer.lateral * nearer.lateral;
-            const double along = dot(patches_[nearer.patch].patch.plane.normal, near.offset);
-            // 1 where the way keeps to this side of the nearer patch, 0 where it ends on the patch or behind
-            // it.
-            const double side = square > 0 ? std::clamp(1 + along * nearer.height / square, 0.0, 1.0) : 1.0;
-            share *= 1 - shown * (1 - side);
-        }
-        share = (share - least_share) / (1 - least_share);
-        if (share <= 0) continue;
-        near.weight = share * (radius_ - near.distance) / (radius_ * near.distance);
-        sight.near[kept++] = near;
+Seen GeneralField::see(Vec3 p, const Key& key) const {
+    const PlanePatch& patch = patches_[key.patch].patch;
+    const double height = patch.plane.signed_distance(p);
+    const double across = std::clamp(height, patch.low, patch.high) - height;
+    const Vec2 foot = patch.plane.to_plane(p), way = way_to_box(patch, foot);
+    return {key.patch, std::sqrt(key.square),
+            height,    length(way),
+            0,         way.x * patch.plane.u + way.y * patch.plane.v + across * patch.plane.normal,
+            foot};
+}
+
+// How much of a patch the nearer ones in sight leave: the less the further the way to it leads through them.
+double GeneralField::share_of(const Seen& near, const Sight& sight) const {
+    double share = 1;
+    for (std::uint32_t j = 0; j < sight.count && share > least_share; ++j) {
+        const Seen& nearer = sight.near[j];
+        const double shown = 1 - nearer.lateral / margin_;
+        if (shown <= 0) continue;
+        const double square = nearer.height * nearer.height + nearer.lateral * nearer.lateral;
+        const double along = dot(patches_[nearer.patch].patch.plane.normal, near.offset);
+        // 1 where the way keeps to this side of the nearer patch, 0 where it ends on the patch or behind it.
+        const double side = square > 0 ? std::clamp(1 + along * nearer.height / square, 0.0, 1.0) : 1.0;
+        share *= 1 - shown * (1 - side);
     }
-    sight.count = kept;
+    return (share - least_share) / (1 - least_share);
 }
 
 // What lies beyond the end of the sweep. All patches on one side of the point: "outside" joins in like a
@@ -225,17 +217,24 @@ void GeneralField::end(Sight& sight) const {
     sight.outside += fourth * fourth * 2 / spacing_;
 }
 
+// Weights fall as 1 / distance, which between two parallel patches is linear interpolation. On a patch it
+// alone counts, or those that cross there.
 Sight GeneralField::look(Vec3 p) const {
     Sight sight;
-    find_near(p, sight);
-    // On a patch it alone counts, or those that cross there.
-    std::uint32_t on = 0;
-    while (on < sight.count && sight.near[on].distance == 0) ++on;
-    if (on > 0) {
-        sight.count = on;
-        for (std::uint32_t i = 0; i < on; ++i) sight.near[i].weight = std::numeric_limits<double>::infinity();
-    } else {
-        weigh(sight);
+    Keys keys;
+    const std::uint32_t found = find_near(p, keys);
+    const bool on_patch = found > 0 && keys[0].square == 0;
+    for (std::uint32_t n = 0; n < found && (!on_patch || keys[n].square == 0); ++n) {
+        Seen& near = sight.near[sight.count];
+        near = see(p, keys[n]);
+        if (on_patch) {
+            near.weight = std::numeric_limits<double>::infinity();
+        } else {
+            const double share = share_of(near, sight);
+            if (share <= 0) continue;
+            near.weight = share * (radius_ - near.distance) / (radius_ * near.distance);
+        }
+        ++sight.count;
     }
     end(sight);
     return sight;
@@ -347,7 +346,7 @@ void GeneralField::find_open_sides() {
 
 // Blocks of cells keep the patches near them, their cells choose from these.
 void GeneralField::build_grid(int threads) {
-    constexpr double most_cells = 1 << 18;
+    constexpr double most_cells = 1 << 20;
     constexpr std::uint32_t block = 8;
     const Vec3 size = box_.high - box_.low;
     const double cell = std::max(0.5 * radius_, std::cbrt(size.x * size.y * size.z / most_cells));
@@ -414,7 +413,9 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
                                                                  RunContext& context) {
     std::vector<PlanePatch> patches = plane_patches(set);
     const PlaneSpacings spacings = plane_spacings(set, patches);
-    const double clamp = options.clamp_mm > 0 ? options.clamp_mm : 1.5 * spacings.median;
+    // Where planes lie close, distances still reach as far as the vertices are apart: cells are no smaller.
+    const double reach = std::max(1.5 * spacings.median, mean_vertex_spacing(set));
+    const double clamp = options.clamp_mm > 0 ? options.clamp_mm : reach;
     const double margin = options.plane_margin_mm > 0 ? options.plane_margin_mm : spacings.median;
     std::vector<bool> used(set.structures.size(), false);
     for (const Contour& contour : set.contours) used[contour.structure] = true;

@@ -96,6 +96,16 @@ PlaneSpacings plane_spacings(const ContourSet& set, const std::vector<PlanePatch
     return spacings;
 }
 
+double mean_vertex_spacing(const ContourSet& set) {
+    double total = 0;
+    for (const Contour& contour : set.contours) {
+        const auto points = set.points_of(contour);
+        for (std::size_t n = 0; n < points.size(); ++n)
+            total += length(points[(n + 1) % points.size()] - points[n]);
+    }
+    return total / static_cast<double>(std::max<std::size_t>(1, set.points.size()));
+}
+
 std::vector<std::pair<std::uint32_t, std::uint32_t>> crossing_pairs(const std::vector<PlanePatch>& patches,
                                                                     double margin) {
     std::vector<std::array<Vec3, 4>> rims(patches.size());

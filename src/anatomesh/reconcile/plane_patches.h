@@ -42,6 +42,9 @@ struct PlaneSpacings {
 // factor.
 PlaneSpacings plane_spacings(const ContourSet& set, const std::vector<PlanePatch>& patches);
 
+// The mean distance of neighbouring vertices along the contours; 0 without contours.
+double mean_vertex_spacing(const ContourSet& set);
+
 // Pairs (a, b), a < b, of planes that are not parallel and whose patches, grown by the margin, meet their
 // common line. In rising order. Sweep along an axis over the patches' boxes: O(n log n + pairs whose boxes
 // overlap).

@@ -8,7 +8,9 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/message_text.h"
+#include "anatomesh/field/parallel_field.h"
 #include "anatomesh/geom/point_grid.h"
+#include "anatomesh/reconcile/plane_patches.h"
 #include "anatomesh/sample/interface_probe.h"
 #include "anatomesh/sample/thin_walls.h"
 
@@ -21,6 +23,7 @@ constexpr double protected_spacing = 0.5;   // of a free point from a contour po
 constexpr double surface_band = 0.45;       // lattice points this near an interface are moved onto it, in sizes
 constexpr double lattice_shift = 0.04;      // of a lattice point from its place, at most, in half steps
 constexpr double size_per_spacing = 1.05;   // of the default size: thin walls get finer points of their own
+constexpr double dense_planes = 1.5;        // vertex spacings in spacings of crossing planes from where the former count
 constexpr double contact_clearance = 0.2;   // of a contact of two contours from the ends of its segments, in sizes
 constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
 constexpr double position_tolerance = 2e-3; // surface points lie on the interface to within this, in sizes
@@ -399,22 +402,20 @@ std::vector<double> mean_thickness(const ContourSet& contours) {
 }
 
 double default_size(const ContourSet& contours, const StructureField& field) {
-    double total = 0;
     std::vector<double> perimeter(contours.structures.size(), 0);
-    for (const Contour& contour : contours.contours) {
-        const auto points = contours.points_of(contour);
-        for (std::size_t n = 0; n < points.size(); ++n) {
-            perimeter[contour.structure] += length(points[(n + 1) % points.size()] - points[n]);
-        }
-    }
+    for (const Contour& contour : contours.contours) perimeter[contour.structure] += contour_length(contours, contour);
     const std::vector<double> thickness = mean_thickness(contours);
-    double thick = 0;
+    double total = 0, thick = 0;
     for (std::size_t s = 0; s < perimeter.size(); ++s) {
         total += perimeter[s];
         thick += perimeter[s] * thickness[s];
     }
-    const double vertex_spacing = total / static_cast<double>(std::max<std::size_t>(1, contours.points.size()));
-    const double spacing = field.slice_spacing();
+    const double vertex_spacing = mean_vertex_spacing(contours);
+    double spacing = field.slice_spacing();
+    if (!is_parallel(contours) && vertex_spacing > dense_planes * spacing) {
+        const double denser = vertex_spacing / (dense_planes * spacing);
+        spacing *= std::min(denser * denser, dense_planes * dense_planes * denser);
+    }
     const double size = std::clamp(size_per_spacing * std::sqrt(vertex_spacing * spacing), 0.7 * spacing, 2 * spacing);
     return thick > 0 ? std::min(size, thick / total) : size;
 }
@@ -445,7 +446,9 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
     for (int a = 0; a < 3; ++a) lattice.size[a] = 2 * static_cast<std::uint32_t>(extent[a] / size) + 1;
 
     const std::uint32_t structures = static_cast<std::uint32_t>(contours.structures.size());
-    const Sites sites = classify(lattice, field, structures, surface_band * size, context.threads);
+    // Distances end at the clamp: what is as far off may be anywhere.
+    const double band = std::min(surface_band * size, 0.9 * field.clamp());
+    const Sites sites = classify(lattice, field, structures, band, context.threads);
     if (context.cancelled()) return cancelled_error();
 
     std::vector<LatticePoint> near;

@@ -168,6 +168,40 @@ TEST(SamplePoints, the_default_size_is_about_the_side_of_a_square_a_contour_vert
     EXPECT_NEAR(default_size(dense.set, *dense.field), 1.4, 1e-12);
 }
 
+TEST(SamplePoints, planes_that_cross_close_to_each_other_do_not_make_the_size_small) {
+    // Planes turned a little against each other, vertices 2 mm apart.
+    const auto with_planes = [](int count) {
+        Drawing drawing;
+        for (int k = 0; k < count; ++k) {
+            const double at = -6 + 12.0 * k / (count - 1), turn = 0.02 * (k % 3 - 1);
+            const Vec3 u{1, 0, turn}, v{0, 1, -turn}, origin{0, 0, at};
+            RawContour contour;
+            contour.first_point = static_cast<std::uint32_t>(drawing.raw.points.size());
+            for (const Vec2 p : divided(rectangle({-10, -10}, {10, 10}), 2)) drawing.raw.points.push_back(origin + p.x * u + p.y * v);
+            contour.point_count = static_cast<std::uint32_t>(drawing.raw.points.size()) - contour.first_point;
+            drawing.raw.contours.push_back(contour);
+        }
+        drawing.raw.structures.push_back({1, "block", {}});
+        return case_of(kept(drawing.raw));
+    };
+    double size = 0;
+    for (const int count : {7, 13, 25, 49}) {
+        const Case given = with_planes(count);
+        size = default_size(given.set, *given.field);
+        EXPECT_GT(size, 0.7 * 2) << count;
+        EXPECT_LT(size, 1.35 * 2) << count;
+    }
+    EXPECT_GT(size, 1.2 * 2);
+}
+
+TEST(SamplePoints, a_size_beyond_the_reach_of_the_fields_distances_fills_the_inside) {
+    Drawing drawing;
+    drawing.add_ball(0, {}, 8, 0.2, 1);
+    const Case given = case_of(kept(drawing.raw));
+    ASSERT_LT(given.field->clamp(), 0.45);
+    EXPECT_GT(sample_of(given, 1, 1, 0).stats.lattice_points, 1.5 * 4.19 * 6.5 * 6.5 * 6.5);
+}
+
 TEST(SamplePoints, M09_a_size_that_needs_too_many_points_is_refused_at_once) {
     const Case given = case_of(ball_with_a_long_bar());
     RunContext context;
