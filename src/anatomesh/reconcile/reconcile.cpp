@@ -61,7 +61,9 @@ class Reconciler {
             note_movements();
             std::vector<MovedPoint> moved(drawn_.size());
             for (std::size_t k = 0; k < moved.size(); ++k) moved[k] = {set_.points[k], drawn_[k]};
-            const SharedPoints shared = insert_shared_points(set_, comparisons_, normal_reach_mm);
+            std::vector<bool> is_moved(drawn_.size());
+            for (std::size_t k = 0; k < is_moved.size(); ++k) is_moved[k] = set_.points[k] != drawn_[k];
+            const SharedPoints shared = insert_shared_points(set_, comparisons_, normal_reach_mm, is_moved);
             stats_.shared_points = shared.points;
             stats_.folds = flatten_folds(set_, std::move(moved), {4 * options_.max_disagreement_mm});
             compare();

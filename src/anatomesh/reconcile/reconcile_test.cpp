@@ -106,6 +106,29 @@ TEST(Reconcile, C25_slices_drawn_apart_agree_exactly_afterwards_within_the_bound
     }
 }
 
+TEST(Reconcile, C25_moved_vertices_leave_room_for_common_points) {
+    std::mt19937 random(4);
+    const ContourSet set = drawn_ball(30, three_stacks(24, 6, 0.05), {1.0, 0.7, 400}, random);
+    const ContourSet kept = reconciled(set).kept;
+    std::vector<Vec3> sorted = kept.points;
+    std::sort(sorted.begin(), sorted.end(), lexicographic_less);
+    const auto is_common = [&](Vec3 p) {
+        const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), p, lexicographic_less);
+        return last - first > 1;
+    };
+    std::size_t common = 0, crowded = 0;
+    for (const Contour& contour : kept.contours) {
+        const auto points = kept.points_of(contour);
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            const Vec3 p = points[n], q = points[(n + 1) % points.size()];
+            common += is_common(p);
+            crowded += is_common(p) != is_common(q) && length(q - p) < 0.03;
+        }
+    }
+    EXPECT_GT(common, 400u);
+    EXPECT_EQ(crowded, 0u);
+}
+
 TEST(Reconcile, C25_the_movement_is_shared_between_two_slices_that_cross) {
     std::mt19937 random(1);
     // Circles of radius 20 and 22 at right angles: each has to give way by a millimetre.

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double snap_mm = 0.05;  // across the contour
 constexpr double same_point_mm = 1e-6;
+constexpr double merge_mm = 0.03;  // of a moved vertex with a shared point beside it
 constexpr double least_weight = 1e-6;
 
 // A place with a line that it has to stay on.
@@ -166,8 +167,10 @@ struct Insertion {
 
 class Inserter {
   public:
-    Inserter(ContourSet& set, std::span<const LineComparison> comparisons, double reach)
+    Inserter(ContourSet& set, std::span<const LineComparison> comparisons, double reach,
+             const std::vector<bool>& moved)
         : set_(set),
+          moved_(moved),
           ends_(place_ends(set, make_contour_graph(set), comparisons)),
           groups_(group_ends(set, ends_, comparisons, reach)),
           usable_(groups_.target.size(), true),
@@ -224,27 +227,54 @@ class Inserter {
                    list.end());
     }
 
+    // A point of a contour that gets shared points.
+    struct Link {
+        Vec3 at;
+        bool is_shared = false;
+        bool is_moved = false;  // and not shared
+    };
+
     // The contour with the points that `use` accepts; a point equal to its neighbour is there once.
     template <class Use>
     std::vector<Vec3> with_points(std::uint32_t c, Use&& use) const {
         const Contour& contour = set_.contours[c];
-        std::vector<Vec3> points;
-        const auto add = [&](Vec3 p) {
-            if (points.empty() || points.back() != p) points.push_back(p);
+        std::vector<Link> links;
+        const auto add = [&](Link link) {
+            if (links.empty() || links.back().at != link.at) {
+                links.push_back(link);
+            } else if (link.is_shared) {
+                links.back() = link;
+            }
         };
         auto next = insertions_[c].begin();
         for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
-            Vec3 at = set_.points[k];
+            Link link{set_.points[k], false, moved_[k]};
             while (next != insertions_[c].end() && next->after == k && next->replaces) {
-                if (use(next->group)) at = next->at;
+                if (use(next->group)) link = {next->at, true, false};
                 ++next;
             }
-            add(at);
+            add(link);
             for (; next != insertions_[c].end() && next->after == k; ++next) {
-                if (use(next->group)) add(next->at);
+                if (use(next->group)) add({next->at, true, false});
             }
         }
-        while (points.size() > 1 && points.back() == points.front()) points.pop_back();
+        while (links.size() > 1 && links.back().at == links.front().at) links.pop_back();
+        return merged(links);
+    }
+
+    // Without the moved vertices beside shared points.
+    static std::vector<Vec3> merged(const std::vector<Link>& links) {
+        std::vector<Vec3> points;
+        const std::size_t count = links.size();
+        for (std::size_t n = 0; n < count; ++n) {
+            const auto gives_way_to = [&](const Link& other) {
+                return other.is_shared && length(other.at - links[n].at) < merge_mm;
+            };
+            if (links[n].is_moved &&
+                (gives_way_to(links[(n + 1) % count]) || gives_way_to(links[(n + count - 1) % count])))
+                continue;
+            points.push_back(links[n].at);
+        }
         return points;
     }
 
@@ -300,6 +330,7 @@ class Inserter {
     }
 
     ContourSet& set_;
+    const std::vector<bool>& moved_;
     const EndPlaces ends_;
     const EndGroups groups_;
     std::vector<bool> usable_;
@@ -323,8 +354,8 @@ EndGroups group_ends(const ContourSet& set, const EndPlaces& ends,
 }
 
 SharedPoints insert_shared_points(ContourSet& set, std::span<const LineComparison> comparisons,
-                                  double normal_reach_mm) {
-    return Inserter(set, comparisons, normal_reach_mm).run();
+                                  double normal_reach_mm, const std::vector<bool>& moved) {
+    return Inserter(set, comparisons, normal_reach_mm, moved).run();
 }
 
 }  // namespace anatomesh

@@ -37,9 +37,11 @@ struct SharedPoints {
 
 // Puts the groups' points into all contours that have a place of the group: a place on a vertex moves it
 // there, one inside a segment splits that. Only groups whose places are within 0.05 mm of the point across
-// their contours; and none that would make a slice unsound. The set's points and contours are laid out anew,
-// in the same order.
+// their contours; and none that would make a slice unsound. A vertex that lies within 0.03 mm of the point
+// that comes beside it gives way to it, where `moved` (of every point of the set) says that it is no longer
+// as drawn: an edge so short forces cells a hundredth of the others' size. The set's points and contours are
+// laid out anew, in the same order.
 SharedPoints insert_shared_points(ContourSet& set, std::span<const LineComparison> comparisons,
-                                  double normal_reach_mm);
+                                  double normal_reach_mm, const std::vector<bool>& moved);
 
 }  // namespace anatomesh
