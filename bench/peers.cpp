@@ -266,6 +266,10 @@ int run(int argc, char** argv) {
                   "Bound on the distance from the surface");
     length_option("--surface-error", options.mesh3.surface_error_mm, "How exactly points lie on the surface");
     cgal->add_flag("--perturb-exude", options.mesh3.perturb_and_exude, "Take out slivers");
+    add_number(*cgal, "--sliver-angle", options.mesh3.sliver_angle_deg, 0, 60, "DEG",
+               "Smallest dihedral angle aimed at; 0: as large as it gets");
+    add_number(*cgal, "--sliver-time", options.mesh3.sliver_time_limit, 0, 1e6, "S",
+               "Time for each of the two steps; 0: no limit");
     add_count(*cgal, "--threads", options.threads, 1, 1024, "For the parallel variant");
     add_text(*cgal, "--surface", options.surface, "FILE", "Also write the surface as .poly");
     add_text(*measuring, "--model", options.model, "MODEL", "The mesh")->required();

@@ -13,9 +13,7 @@ void parallel_for(std::size_t count, std::size_t grain, int threads,
                   const std::function<void(std::size_t, std::size_t)>& body) {
     assert(grain > 0 && threads > 0);
     const std::size_t pieces = (count + grain - 1) / grain;
-    const auto run = [&](std::size_t piece) {
-        body(piece * grain, std::min(count, (piece + 1) * grain));
-    };
+    const auto run = [&](std::size_t piece) { body(piece * grain, std::min(count, (piece + 1) * grain)); };
     if (threads == 1 || pieces <= 1) {
         for (std::size_t piece = 0; piece < pieces; ++piece) run(piece);
         return;
@@ -23,6 +21,12 @@ void parallel_for(std::size_t count, std::size_t grain, int threads,
     // Asked for more than the machine has, TBB would print a warning.
     tbb::task_arena arena(std::min(threads, tbb::info::default_concurrency()));
     arena.execute([&] { tbb::parallel_for(std::size_t{0}, pieces, run, tbb::simple_partitioner()); });
+}
+
+void parallel_tasks(int threads, std::initializer_list<std::function<void()>> tasks) {
+    parallel_for(tasks.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) tasks.begin()[n]();
+    });
 }
 
 }  // namespace anatomesh

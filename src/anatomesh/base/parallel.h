@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <initializer_list>
 #include <vector>
 
 namespace anatomesh {
@@ -13,6 +14,9 @@ namespace anatomesh {
 // Follows: oneTBB parallel_for with a fixed partition.
 void parallel_for(std::size_t count, std::size_t grain, int threads,
                   const std::function<void(std::size_t begin, std::size_t end)>& body);
+
+// Runs the tasks, at most `threads` at a time. Requires: none writes what another one reads or writes.
+void parallel_tasks(int threads, std::initializer_list<std::function<void()>> tasks);
 
 // Calls body(begin, end, out) as parallel_for does, with an empty `out` for each piece, and returns what the
 // pieces put there, one after the other: the same for any number of threads.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <mutex>
@@ -81,6 +82,19 @@ TEST(ParallelFor, never_more_at_a_time_than_asked_for) {
             --now;
         });
         EXPECT_LE(most, threads);
+    }
+}
+
+TEST(ParallelTasks, each_runs_once_also_with_loops_inside) {
+    for (const int threads : {1, 2, 3}) {
+        std::array<std::atomic<int>, 3> runs{};
+        const auto loop = [&](std::size_t task) {
+            parallel_for(1000, 7, threads, [&, task](std::size_t begin, std::size_t end) {
+                runs[task] += static_cast<int>(end - begin);
+            });
+        };
+        parallel_tasks(threads, {[&] { loop(0); }, [&] { loop(1); }, [&] { loop(2); }});
+        for (const std::atomic<int>& count : runs) EXPECT_EQ(count, 1000);
     }
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <tuple>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/cull/cull.h"
 #include "anatomesh/mesh/quality.h"
 
@@ -226,26 +227,51 @@ class Relabeler {
     std::vector<Region> before_;
 };
 
-// Only vertices of an interface, or of a contour, can be unsound.
-std::vector<std::uint32_t> suspects(const std::vector<Cell>& cells,
-                                    const std::vector<CellNeighbors>& neighbors, const ContourOwners& owners,
-                                    const std::vector<Region>& regions) {
-    std::vector<std::uint8_t> suspect;
-    for (std::uint32_t c = 0; c < cells.size(); ++c) {
-        for (const std::uint32_t v : cells[c]) {
-            if (v >= suspect.size()) suspect.resize(v + 1, 0);
-        }
-        for (int i = 0; i < 4; ++i) {
-            const std::uint32_t n = neighbors[c][i];
-            if (n == no_cell || regions[n] == regions[c]) continue;
-            for (const int k : facet_vertices[i]) suspect[cells[c][k]] = 1;
-        }
-    }
-    std::vector<std::uint32_t> found;
-    for (std::uint32_t v = 0; v < suspect.size(); ++v) {
-        if (suspect[v] || !owners.at(v).empty() || !owners.pieces_at(v).empty()) found.push_back(v);
-    }
-    return found;
+// A vertex with a defect.
+struct Suspect {
+    std::uint32_t vertex;
+    int lost_pieces;
+    bool unsound, lost;
+};
+
+// Those of `look`, or of all vertices where it is empty; in their order.
+std::vector<Suspect> find_suspects(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
+                                   const VertexStars& stars, const ContourOwners& owners,
+                                   const std::vector<Region>& regions, const RegionTable& table,
+                                   std::size_t point_count, const std::vector<std::uint32_t>& look, int threads) {
+    const std::size_t count = look.empty() ? point_count : look.size();
+    // Only vertices of an interface, or of a contour, can have one.
+    const auto can_be = [&](std::uint32_t v) {
+        const auto star = stars.at(v);
+        return std::any_of(star.begin(), star.end(), [&](std::uint32_t c) { return regions[c] != regions[star[0]]; }) ||
+               !owners.at(v).empty() || !owners.pieces_at(v).empty();
+    };
+    // Few pieces: an analyzer has scratch space for all cells.
+    const std::size_t grain = std::max<std::size_t>(4096, count / 8 + 1);
+    return parallel_collect<Suspect>(
+        count, grain, threads, [&](std::size_t first, std::size_t last, std::vector<Suspect>& found) {
+            StarAnalyzer analyzer(cells, neighbors, stars, regions, table, owners);
+            std::vector<std::uint32_t> lost;
+            for (std::size_t n = first; n < last; ++n) {
+                const std::uint32_t v = look.empty() ? static_cast<std::uint32_t>(n) : look[n];
+                if (look.empty() && !can_be(v)) continue;
+                Suspect suspect{v, analyzer.lost_piece_count(v), analyzer.defect(v) > 0, false};
+                if (!suspect.unsound && suspect.lost_pieces == 0) continue;
+                analyzer.lost_structures(v, lost);
+                suspect.lost = suspect.unsound && !lost.empty();
+                found.push_back(suspect);
+            }
+        });
+}
+
+std::vector<std::uint32_t> nearly_flat_cells(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
+                                             int threads) {
+    return parallel_collect<std::uint32_t>(
+        cells.size(), 16384, threads, [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
+            for (std::size_t c = first; c < last; ++c) {
+                if (nearly_flat(points, cells[c])) found.push_back(static_cast<std::uint32_t>(c));
+            }
+        });
 }
 
 }  // namespace
@@ -254,21 +280,19 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
                      const ContourOwners& owners, const std::vector<Region>& sides,
                      std::vector<Region>& regions, RegionRegistry& registry,
-                     std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look) {
+                     std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look, int threads) {
     RelabelStats stats;
-    Relabeler relabeler(cells, neighbors, stars, owners, sides, regions, registry);
-
     std::vector<std::uint32_t> queue;
-    for (const std::uint32_t v : look.empty() ? suspects(cells, neighbors, owners, regions) : look) {
-        const bool unsound_here = relabeler.defect(v) > 0;
-        const int lost_pieces = relabeler.lost_pieces(v);
-        if (unsound_here || lost_pieces > 0) queue.push_back(v);
-        stats.unsound_before += unsound_here;
-        stats.lost_before += unsound_here && relabeler.lost(v);
-        stats.lost_pieces_before += static_cast<std::uint64_t>(lost_pieces);
+    for (const Suspect& suspect : find_suspects(cells, neighbors, stars, owners, regions, registry.table(),
+                                                points.size(), look, threads)) {
+        queue.push_back(suspect.vertex);
+        stats.unsound_before += suspect.unsound;
+        stats.lost_before += suspect.lost;
+        stats.lost_pieces_before += static_cast<std::uint64_t>(suspect.lost_pieces);
     }
     stats.lost_pieces_before /= 2;
 
+    Relabeler relabeler(cells, neighbors, stars, owners, sides, regions, registry);
     while (!queue.empty()) {
         std::vector<std::uint32_t> next;
         bool moved = false;
@@ -287,9 +311,7 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
         }
         if (!moved) break;
     }
-    for (std::uint32_t c = 0; c < cells.size(); ++c) {
-        if (nearly_flat(points, cells[c]) && relabeler.peel(c)) ++stats.flat_cells_peeled;
-    }
+    for (const std::uint32_t c : nearly_flat_cells(points, cells, threads)) stats.flat_cells_peeled += relabeler.peel(c);
     unsound.clear();
     for (const std::uint32_t v : queue) {
         if (relabeler.defect(v) > 0) unsound.push_back(v);

@@ -25,7 +25,7 @@ struct RelabelStats {
 // order, round by round, until nothing falls. Among moves of one effect that with the fewest vertices left on
 // a side where the field does not have them: `sides` holds the region of every vertex off the interfaces
 // (find_sides() of cull/cull.h; empty: not looked at). A piece of a contour segment is not brought back at
-// the price of such a vertex: that would be a spike. Guarantees: the sum never rises; same result every time.
+// the price of such a vertex: that would be a spike. Guarantees: the sum never rises; same result every time, at any number of threads.
 // Does not always reach 0: what is left is for split_unsound(). `unsound` receives the vertices left, in
 // rising order. Last, nearly flat cells at an interface (six volumes below a millionth of the cube of the
 // longest edge: four vertices of two contours one above the other) go to the other side where no defect
@@ -36,6 +36,6 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
                      const ContourOwners& owners, const std::vector<Region>& sides,
                      std::vector<Region>& regions, RegionRegistry& registry,
-                     std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look = {});
+                     std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look = {}, int threads = 1);
 
 }  // namespace anatomesh

@@ -2,19 +2,42 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
+
+#include "anatomesh/base/parallel.h"
 
 namespace anatomesh {
 
-VertexStars::VertexStars(std::span<const Cell> cells, std::size_t point_count) : start_(point_count + 1, 0) {
-    for (const Cell& cell : cells) {
-        for (const std::uint32_t v : cell) ++start_[v + 1];
+namespace {
+
+constexpr int most_runs = 16;  // of cells that are sorted at once
+
+}  // namespace
+
+// Every thread has a run of the cells: what it counts tells where its own cells go in each star.
+VertexStars::VertexStars(std::span<const Cell> cells, std::size_t point_count, int threads) : start_(point_count + 1, 0) {
+    const std::size_t runs = static_cast<std::size_t>(std::clamp(threads, 1, most_runs)),
+                      grain = std::max<std::size_t>(1, (cells.size() + runs - 1) / runs);
+    std::vector<std::vector<std::uint32_t>> next(runs, std::vector<std::uint32_t>(point_count, 0));
+    parallel_for(cells.size(), grain, threads, [&](std::size_t first, std::size_t last) {
+        std::vector<std::uint32_t>& count = next[first / grain];
+        for (std::size_t c = first; c < last; ++c) {
+            for (const std::uint32_t v : cells[c]) ++count[v];
+        }
+    });
+    std::uint32_t sum = 0;
+    for (std::size_t v = 0; v < point_count; ++v) {
+        start_[v] = sum;
+        for (std::vector<std::uint32_t>& run : next) sum += std::exchange(run[v], sum);
     }
-    for (std::size_t v = 0; v < point_count; ++v) start_[v + 1] += start_[v];
+    start_[point_count] = sum;
     cells_.resize(4 * cells.size());
-    std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
-    for (std::uint32_t c = 0; c < cells.size(); ++c) {
-        for (const std::uint32_t v : cells[c]) cells_[next[v]++] = c;
-    }
+    parallel_for(cells.size(), grain, threads, [&](std::size_t first, std::size_t last) {
+        std::vector<std::uint32_t>& place = next[first / grain];
+        for (std::size_t c = first; c < last; ++c) {
+            for (const std::uint32_t v : cells[c]) cells_[place[v]++] = static_cast<std::uint32_t>(c);
+        }
+    });
 }
 
 ContourOwners::ContourOwners(std::vector<std::array<std::uint32_t, 2>> vertices, std::size_t point_count,

@@ -12,10 +12,11 @@ namespace anatomesh {
 
 using CellNeighbors = std::array<std::uint32_t, 4>;
 
-// The cells at every vertex, cells in rising order. Complexity: O(cells).
+// The cells at every vertex, cells in rising order. Complexity: O(cells) time; memory beside the stars: one number
+// for every point and thread.
 class VertexStars {
   public:
-    VertexStars(std::span<const Cell> cells, std::size_t point_count);
+    VertexStars(std::span<const Cell> cells, std::size_t point_count, int threads = 1);
     std::span<const std::uint32_t> at(std::uint32_t vertex) const {
         return {cells_.data() + start_[vertex], start_[vertex + 1] - start_[vertex]};
     }

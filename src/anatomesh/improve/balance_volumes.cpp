@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <map>
@@ -79,12 +80,13 @@ class Balancer {
   public:
     Balancer(TetMesh& mesh, std::span<const std::uint32_t> neighbors, const RegionTable& regions,
              const std::vector<std::uint8_t>& fixed, std::span<const double> targets, double max_radius_edge,
-             const BalanceOptions& options)
+             const BalanceOptions& options, int threads)
         : mesh_(mesh),
           regions_(regions),
           targets_(targets),
           options_(options),
-          mover_(mesh, max_radius_edge, std::sin(options.min_dihedral_degrees * std::numbers::pi / 180)),
+          threads_(threads),
+          mover_(mesh, max_radius_edge, std::sin(options.min_dihedral_degrees * std::numbers::pi / 180), threads),
           moved_(mesh.points.size()) {
         collect(neighbors, fixed);
         find_ends();
@@ -314,8 +316,8 @@ class Balancer {
     }
 
     std::uint64_t move_all() {
-        std::uint64_t moves = 0;
-        for (const std::uint32_t v : free_) {
+        std::atomic<std::uint64_t> moves = 0;
+        mover_.for_each_apart(free_, threads_, [&](std::uint32_t v) {
             PlaneFit fit;
             for (std::uint32_t n = start_[v]; n < start_[v + 1]; ++n) {
                 const Vec3 vector = third_of_area(facets_[n]);
@@ -327,10 +329,10 @@ class Balancer {
             const double offset = length(total);
             if (offset > options_.max_offset_mm) total = (options_.max_offset_mm / offset) * total;
             const Vec3 from = mesh_.points[v], to = onto_end(v, from + (total - moved_[v]));
-            if (to == from || !mover_.try_move(v, to)) continue;
+            if (to == from || !mover_.try_move(v, to)) return;
             moved_[v] = moved_[v] + (to - from);
-            ++moves;
-        }
+            moves.fetch_add(1, std::memory_order_relaxed);
+        });
         return moves;
     }
 
@@ -338,6 +340,7 @@ class Balancer {
     const RegionTable& regions_;
     std::span<const double> targets_;
     BalanceOptions options_;
+    int threads_;
     VertexMover mover_;
     std::vector<std::uint32_t> start_;
     std::vector<Facet> all_, facets_;  // by vertex the second
@@ -354,9 +357,9 @@ class Balancer {
 BalanceStats balance_volumes(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
                              const RegionTable& regions, const std::vector<std::uint8_t>& fixed,
                              std::span<const double> target_mm3, double max_radius_edge,
-                             const BalanceOptions& options) {
+                             const BalanceOptions& options, int threads) {
     assert(fixed.size() == mesh.points.size());
-    return Balancer(mesh, neighbors, regions, fixed, target_mm3, max_radius_edge, options).run();
+    return Balancer(mesh, neighbors, regions, fixed, target_mm3, max_radius_edge, options, threads).run();
 }
 
 }  // namespace anatomesh

@@ -39,10 +39,11 @@ struct BalanceStats {
 // radius-edge ratio of the cells inside round a vertex never rises above both `max_radius_edge` and what it
 // was; nor does the least sine of their dihedral angles fall below both that of the smallest angle allowed
 // and what it was. A structure without free vertices keeps its volume. Requires: targets of all structures,
-// in mm^3; a mesh and its neighbors as region_facets() wants them. Complexity: linear in the facets, a round.
+// in mm^3; a mesh and its neighbors as region_facets() wants them. Complexity: linear in the facets, a round. Same result at any number of
+// threads.
 BalanceStats balance_volumes(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
                              const RegionTable& regions, const std::vector<std::uint8_t>& fixed,
                              std::span<const double> target_mm3, double max_radius_edge,
-                             const BalanceOptions& options);
+                             const BalanceOptions& options, int threads = 1);
 
 }  // namespace anatomesh

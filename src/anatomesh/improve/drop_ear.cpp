@@ -35,6 +35,10 @@ Ear ear_of(const Workbench& bench, std::uint32_t cell) {
 
 }  // namespace
 
+bool is_ear(const Workbench& bench, std::uint32_t cell) {
+    return ear_of(bench, cell).tip >= 0;
+}
+
 bool drop_ear(Workbench& bench, std::uint32_t cell, double least_sine_inside) {
     const Ear ear = ear_of(bench, cell);
     if (ear.tip < 0) return false;

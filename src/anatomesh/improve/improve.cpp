@@ -1,9 +1,11 @@
 #include "anatomesh/improve/improve.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <iterator>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
@@ -17,15 +19,15 @@ namespace {
 class Improver {
   public:
     Improver(TetMesh& mesh, const std::vector<std::uint8_t>& fixed, const StructureField& field,
-             std::uint32_t structures, const ImproveOptions& options)
+             std::uint32_t structures, const ImproveOptions& options, int threads)
         : mesh_(mesh),
           fixed_(fixed),
           field_(field),
           structures_(structures),
           options_(options),
-          mover_(mesh, options.max_radius_edge),
+          mover_(mesh, options.max_radius_edge, 0, threads),
           probe_(field, structures) {
-        find_interface_vertices();
+        find_interface_vertices(threads);
     }
 
     ImproveStats run(RunContext& context) {
@@ -40,7 +42,7 @@ class Improver {
                            .look(mesh_.points[v], options_.tolerance_mm)
                            .distance > options_.tolerance_mm;
             });
-            for (const std::uint32_t v : off) pull_onto_interface(v);
+            pull_onto_interface(off, context.threads);
         }
         std::vector<std::uint32_t> bad = bad_of(all_cells(), context.threads);
         for (int round = 0; round < options_.rounds && !context.cancelled(); ++round) {
@@ -51,15 +53,16 @@ class Improver {
     }
 
   private:
-    void find_interface_vertices() {
+    void find_interface_vertices(int threads) {
         on_interface_.assign(mesh_.points.size(), 0);
-        std::vector<Region> first(mesh_.points.size(), 0xFFFF);
-        for (std::size_t c = 0; c < mesh_.cells.size(); ++c) {
-            for (const std::uint32_t v : mesh_.cells[c]) {
-                if (first[v] == 0xFFFF) first[v] = mesh_.regions[c];
-                if (first[v] != mesh_.regions[c]) on_interface_[v] = 1;
+        parallel_for(mesh_.points.size(), 4096, threads, [&](std::size_t first, std::size_t last) {
+            for (std::size_t v = first; v < last; ++v) {
+                const auto star = mover_.star(static_cast<std::uint32_t>(v));
+                on_interface_[v] = std::any_of(star.begin(), star.end(), [&](std::uint32_t c) {
+                    return mesh_.regions[c] != mesh_.regions[star[0]];
+                });
             }
-        }
+        });
     }
 
     std::vector<std::uint32_t> all_cells() const {
@@ -85,17 +88,31 @@ class Improver {
             });
     }
 
-    void pull_onto_interface(std::uint32_t v) {
-        const Vec3 from = mesh_.points[v];
-        const double reach = 2.0 * mover_.shortest_edge(v);
-        const auto target = probe_.project(from, reach, 0.1 * options_.tolerance_mm);
-        if (!target) return;
-        for (const double share : {1.0, 0.5, 0.25}) {
-            if (mover_.try_move(v, from + share * (*target - from))) {
-                ++stats_.vertices_onto_interface;
-                return;
+    // `off` rises. Where to is found for all before one moves.
+    void pull_onto_interface(const std::vector<std::uint32_t>& off, int threads) {
+        std::vector<std::optional<Vec3>> targets(off.size());
+        parallel_for(off.size(), 256, threads, [&](std::size_t first, std::size_t last) {
+            InterfaceProbe probe(field_, structures_);
+            for (std::size_t n = first; n < last; ++n) {
+                targets[n] = probe.project(mesh_.points[off[n]], 2.0 * mover_.shortest_edge(off[n]),
+                                           0.1 * options_.tolerance_mm);
             }
+        });
+        std::atomic<std::uint64_t> pulled = 0;
+        mover_.for_each_apart(off, threads, [&](std::uint32_t v) {
+            const auto n = std::lower_bound(off.begin(), off.end(), v) - off.begin();
+            const auto& target = targets[static_cast<std::size_t>(n)];
+            if (target && pull(v, *target)) pulled.fetch_add(1, std::memory_order_relaxed);
+        });
+        stats_.vertices_onto_interface += pulled;
+    }
+
+    bool pull(std::uint32_t v, Vec3 target) {
+        const Vec3 from = mesh_.points[v];
+        for (const double share : {1.0, 0.5, 0.25}) {
+            if (mover_.try_move(v, from + share * (target - from))) return true;
         }
+        return false;
     }
 
     // Moves vertices of the bad cells; they become those bad afterwards. Says whether one got better.
@@ -158,7 +175,7 @@ class Improver {
 ImproveStats improve(TetMesh& mesh, const std::vector<std::uint8_t>& fixed, const StructureField& field,
                      std::uint32_t structures, const ImproveOptions& options, RunContext& context) {
     assert(fixed.size() == mesh.points.size());
-    return Improver(mesh, fixed, field, structures, options).run(context);
+    return Improver(mesh, fixed, field, structures, options, context.threads).run(context);
 }
 
 }  // namespace anatomesh

@@ -38,7 +38,7 @@ class Climber {
     void run(RunContext& context) {
         std::vector<std::uint32_t> all(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
-        drop_ears(all);
+        drop_ears(context.threads);
         collect(all, context.threads);
         bench_.stats.bad_before = queue_.size();
         bench_.stats.worst_before_degrees = worst_degrees();
@@ -49,7 +49,7 @@ class Climber {
         climb(context);
         all.resize(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
-        drop_ears(all);
+        drop_ears(context.threads);
         collect(std::move(all), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
@@ -78,8 +78,16 @@ class Climber {
         }
     }
 
-    // Among the cells given; then among those beside what was dropped, as long as there is something.
-    void drop_ears(std::vector<std::uint32_t> cells) {
+    // Among all cells; then among those beside what was dropped, as long as there is something.
+    void drop_ears(int threads) {
+        std::vector<std::uint32_t> cells = parallel_collect<std::uint32_t>(
+            bench_.mesh.cell_count(), 16384, threads,
+            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& ears) {
+                for (std::size_t c = first; c < last; ++c) {
+                    const auto cell = static_cast<std::uint32_t>(c);
+                    if (bench_.mesh.alive(cell) && is_ear(bench_, cell)) ears.push_back(cell);
+                }
+            });
         while (!cells.empty()) {
             std::vector<std::uint32_t> next;
             for (const std::uint32_t c : cells) {
@@ -93,7 +101,7 @@ class Climber {
     }
 
     static void sort_distinct(std::vector<std::uint32_t>& cells) {
-        std::sort(cells.begin(), cells.end());
+        if (!std::is_sorted(cells.begin(), cells.end())) std::sort(cells.begin(), cells.end());
         cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
     }
 

@@ -1,6 +1,8 @@
 #include "anatomesh/improve/improve.h"
 
+#include <atomic>
 #include <numbers>
+#include <numeric>
 
 #include "anatomesh/cull/culled_mesh_for_test.h"
 #include "anatomesh/geom/predicates.h"
@@ -109,6 +111,31 @@ TEST(Improve, brings_vertices_of_the_surface_back_onto_the_interface) {
     std::size_t off = 0;
     for (const std::uint32_t v : surface) off += std::abs(length(mesh.points[v]) - 5) > 0.06;
     EXPECT_LT(off * 20, surface.size());
+}
+
+TEST(VertexMover, moves_at_one_time_only_vertices_that_share_no_cell) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    TetMesh mesh = culled_mesh(field, 1, 1).mesh();
+    std::vector<std::uint32_t> all(mesh.points.size());
+    std::iota(all.begin(), all.end(), 0u);
+    std::vector<std::uint32_t> last;
+    for (const int threads : {1, 3}) {
+        const VertexMover mover(mesh, 2, 0, threads);
+        std::vector<std::atomic<int>> busy(mesh.cells.size());
+        std::vector<std::atomic<int>> count(mesh.points.size());
+        mover.for_each_apart(all, threads, [&](std::uint32_t v) {
+            for (const std::uint32_t c : mover.star(v)) EXPECT_EQ(busy[c]++, 0);
+            ++count[v];
+            for (const std::uint32_t c : mover.star(v)) --busy[c];
+        });
+        for (const std::atomic<int>& n : count) EXPECT_EQ(n, 1);
+        std::vector<std::uint32_t> stars;
+        for (const std::uint32_t v : all) stars.insert(stars.end(), mover.star(v).begin(), mover.star(v).end());
+        if (threads > 1) {
+            EXPECT_EQ(stars, last);
+        }
+        last = stars;
+    }
 }
 
 TEST(VertexMover, refuses_to_invert_a_cell) {

@@ -34,6 +34,8 @@ bool peel_cell(Workbench& bench, std::uint32_t cell);
 // the field's interface: the surface loses a spike, or a pit. A cell that comes inside must have at least
 // this sine.
 bool drop_ear(Workbench& bench, std::uint32_t cell, double least_sine_inside);
+// Whether it has such facets. Thread-safe while nothing changes.
+bool is_ear(const Workbench& bench, std::uint32_t cell);
 
 // Moves vertex `from` onto `to`, the other end of edge `e` of a cell, and drops the cells at the edge.
 bool collapse_edge(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second);

@@ -1,8 +1,10 @@
 #include "anatomesh/improve/vertex_mover.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/improve/cell_shape.h"
 
@@ -43,6 +45,32 @@ bool VertexMover::try_move(std::uint32_t v, Vec3 p, bool must_fall) {
     if (accepted && (now.flattest >= nearly_flat || positive(v))) return true;
     mesh_.points[v] = from;
     return false;
+}
+
+// Groups of vertices that share no cell, each vertex in the first group that it may be in. The last group is for those
+// that find all others taken: one after the other.
+void VertexMover::for_each_apart(std::span<const std::uint32_t> vertices, int threads,
+                                 const std::function<void(std::uint32_t)>& move) const {
+    constexpr int most_groups = 64;
+    std::vector<std::vector<std::uint32_t>> groups(most_groups);
+    std::vector<std::uint8_t> group_of(mesh_.points.size(), most_groups);
+    for (const std::uint32_t v : vertices) {
+        std::uint64_t taken = 0;
+        for (const std::uint32_t c : stars_.at(v)) {
+            for (const std::uint32_t u : mesh_.cells[c]) {
+                if (group_of[u] < most_groups - 1) taken |= std::uint64_t{1} << group_of[u];
+            }
+        }
+        const int group = std::min(std::countr_one(taken), most_groups - 1);
+        group_of[v] = static_cast<std::uint8_t>(group);
+        groups[static_cast<std::size_t>(group)].push_back(v);
+    }
+    for (int g = 0; g < most_groups; ++g) {
+        const std::vector<std::uint32_t>& group = groups[static_cast<std::size_t>(g)];
+        parallel_for(group.size(), 128, g + 1 < most_groups ? threads : 1, [&](std::size_t first, std::size_t last) {
+            for (std::size_t n = first; n < last; ++n) move(group[n]);
+        });
+    }
 }
 
 double VertexMover::squared_ratio(std::uint32_t cell) const {

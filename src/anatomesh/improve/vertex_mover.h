@@ -2,22 +2,25 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 
 #include "anatomesh/cut/star.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
 namespace anatomesh {
 
-// Connectivity and regions of the mesh must not change while a mover looks at it.
+// Connectivity and regions of the mesh must not change while a mover looks at it. Vertices that share no cell may be
+// moved at the same time.
 class VertexMover {
   public:
     // `good_sine`: a least sine of dihedral angles that cells inside may fall to; below it they may not get
-    // worse.
-    VertexMover(TetMesh& mesh, double max_radius_edge, double good_sine = 0)
+    // worse. `threads`: for making it.
+    VertexMover(TetMesh& mesh, double max_radius_edge, double good_sine = 0, int threads = 1)
         : mesh_(mesh),
           max_radius_edge_(max_radius_edge),
           good_sine_(good_sine),
-          stars_(mesh.cells, mesh.points.size()) {}
+          stars_(mesh.cells, mesh.points.size(), threads) {}
 
     // Moves v to p and says true if every cell at v stays positive (exactly) and the worst radius-edge ratio
     // of the cells inside at v stays below the bound or falls, and no cell at v becomes nearly flat (six
@@ -27,6 +30,11 @@ class VertexMover {
 
     // As try_move, but only if the worst ratio falls.
     bool try_better(std::uint32_t v, Vec3 p);
+
+    // Calls move(v) for each of the vertices, which are distinct; at the same time for some that share no cell.
+    // The order does not depend on `threads`. Complexity: linear in the cells at the vertices.
+    void for_each_apart(std::span<const std::uint32_t> vertices, int threads,
+                        const std::function<void(std::uint32_t)>& move) const;
 
     double squared_ratio(std::uint32_t cell) const;  // circumradius / shortest edge
     double worst_ratio(std::uint32_t v) const;       // of the cells inside at v

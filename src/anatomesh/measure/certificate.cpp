@@ -480,6 +480,15 @@ Clause clause_volume(const CertificateInput& input, const ModelReport& report) {
     return clause;
 }
 
+// Nothing can be measured on a mesh with an index beyond its points, or a point that is not finite.
+bool can_be_measured(const TetMesh& mesh) {
+    return std::all_of(mesh.points.begin(), mesh.points.end(),
+                       [](Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }) &&
+           std::all_of(mesh.cells.begin(), mesh.cells.end(), [&](const Cell& cell) {
+               return *std::max_element(cell.begin(), cell.end()) < mesh.points.size();
+           });
+}
+
 }  // namespace
 
 void measure_model(const CertificateInput& input, const RunContext& context, ModelReport& report) {
@@ -487,26 +496,33 @@ void measure_model(const CertificateInput& input, const RunContext& context, Mod
     assert(mesh.regions.size() == mesh.cells.size());
     assert(input.field_volumes_mm3.empty() || input.field_volumes_mm3.size() == input.structures.size());
 
-    std::vector<std::uint32_t> neighbors;
-    const MeshCheck check = check_mesh(mesh, context.threads, &neighbors);
+    MeshCheck check;
+    ContourFindings findings;
+    CellShapes shapes;
+    const bool measurable = can_be_measured(mesh);
+    const auto measure_surfaces = [&] {
+        std::vector<std::uint32_t> neighbors;
+        check = check_mesh(mesh, context.threads, &neighbors);
+        if (!measurable) return;
+        Surfaces surfaces;
+        for (std::uint32_t s = 0; s < input.structures.size(); ++s) {
+            surfaces.push_back(structure_surface(mesh, neighbors, input.regions, s));
+        }
+        report.surface_triangles = count_interface_facets(mesh, neighbors);
+        measure_structures(input, surfaces, neighbors, report);
+        if (input.contours) findings = measure_contours(input, surfaces, report);
+    };
+    parallel_tasks(context.threads, {measure_surfaces, [&] {
+                                         if (measurable) shapes = measure_shapes(mesh, context);
+                                     }});
     report.vertices = mesh.points.size();
     report.tetrahedra = mesh.cells.size();
     report.certificate.clear();
-    if (check.count(MeshFault::index_out_of_range) > 0 || check.count(MeshFault::point_not_finite) > 0) {
-        // Nothing can be measured on such a mesh.
+    if (!measurable) {
         report.certificate.push_back(clause_validity(check, report));
         report.certificate.back().state = ClauseState::broken;
         return;
     }
-    Surfaces surfaces;
-    for (std::uint32_t s = 0; s < input.structures.size(); ++s) {
-        surfaces.push_back(structure_surface(mesh, neighbors, input.regions, s));
-    }
-    report.surface_triangles = count_interface_facets(mesh, neighbors);
-    measure_structures(input, surfaces, neighbors, report);
-    ContourFindings findings;
-    if (input.contours) findings = measure_contours(input, surfaces, report);
-    const CellShapes shapes = measure_shapes(mesh, context);
     report.quality = shapes.report;
     const ShapeFindings shape = list_cells(input, shapes, findings, context.threads, report);
 

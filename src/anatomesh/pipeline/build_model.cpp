@@ -392,9 +392,9 @@ class Builder {
     // `look`: empty, or the vertices that may have a defect.
     RelabelStats relabel_cells(std::vector<std::uint32_t>& unsound,
                                const std::vector<std::uint32_t>& look = {}) {
-        const VertexStars stars(mesh_->cells().cells, mesh_->points().size());
+        const VertexStars stars(mesh_->cells().cells, mesh_->points().size(), context_.threads);
         return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, stars,
-                       contour_owners(), mesh_->sides(), mesh_->regions(), mesh_->registry(), unsound, look);
+                       contour_owners(), mesh_->sides(), mesh_->regions(), mesh_->registry(), unsound, look, context_.threads);
     }
 
     Status cut_cells() {
@@ -470,7 +470,7 @@ class Builder {
         balance.ends = field_->flat_ends();
         balance.end_tolerance_mm = interface_tolerance * stats.size_mm;
         const BalanceStats balanced = balance_volumes(model_.mesh, neighbors_, model_.regions, fixed,
-                                                      volumes_mm3_, options_.max_radius_edge, balance);
+                                                      volumes_mm3_, options_.max_radius_edge, balance, context_.threads);
         figures_ = {{"vertices_onto_interface", static_cast<double>(improved.vertices_onto_interface)},
                     {"vertices_smoothed", static_cast<double>(improved.vertices_smoothed)},
                     {"above_bound_before", static_cast<double>(improved.above_bound_before)},
