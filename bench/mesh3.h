@@ -17,7 +17,7 @@ struct Mesh3Options {
     double facet_angle_deg = 25;
     double radius_edge = 2;
     bool perturb_and_exude = false;  // the two steps that take slivers out
-    double sliver_angle_deg = 10;    // the smallest dihedral angle that they aim at
+    double sliver_angle_deg = 0;     // the smallest dihedral angle that they aim at; 0: as large as it gets
     double sliver_time_limit = 20;   // s, for each of them
 };
 
