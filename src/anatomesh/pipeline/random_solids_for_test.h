@@ -251,18 +251,25 @@ struct Case {
     RawContours drawn;
 };
 
-inline Case random_case(std::uint32_t number) {
+// The same drawings twice: the first half with few planes, the other with half as many again.
+inline constexpr std::uint32_t coarse_cases = 500, all_cases = 2 * coarse_cases;
+
+inline Case random_case(std::uint32_t case_number) {
+    const std::uint32_t number = case_number % coarse_cases;
+    const bool fine = case_number >= coarse_cases;
     Random random(1000 + number);
     Case made;
     made.planes = static_cast<Planes>(number % plane_sets);
     made.arrangement = static_cast<Arrangement>(number / plane_sets % arrangements);
     made.radius = random.between(20, 40);
-    made.spacing = 2 * made.radius / random.between(13, 20);
+    // Planes that all cross each other make the most work.
+    const bool crossing = made.planes == Planes::rotational || made.planes == Planes::crossing_stacks;
+    made.spacing = 2 * made.radius / random.between(fine ? 13 : crossing ? 7 : 9, fine ? 20 : crossing ? 10 : 13);
     made.sampling.grid = made.spacing * random.between(0.5, 1);
     made.sampling.sparse = random.unit() < 0.5;
     if (made.sampling.sparse) made.sampling.grid *= 0.5;
     made.sampling.alike = random.unit() < 0.7;
-    made.name = "case " + std::to_string(number) + ": " + plane_set_names[number % plane_sets] + ", " +
+    made.name = "case " + std::to_string(case_number) + ": " + plane_set_names[number % plane_sets] + ", " +
                 arrangement_names[number / plane_sets % arrangements] +
                 (made.sampling.sparse ? ", sparse" : "") + (made.sampling.alike ? "" : ", by several hands");
     made.structures = random_structures(random, made.arrangement, made.radius, made.spacing);
