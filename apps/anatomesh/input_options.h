@@ -41,6 +41,7 @@ struct InputOptions {
     std::optional<std::uint32_t> every;
     std::uint32_t offset = 0;
     std::optional<double> epsilon_mm;  // 0: exact
+    std::optional<double> close_gaps_mm;  // empty: the pixel, where it is known
     std::optional<double> min_area_mm2;
 
     CleanOptions cleaning;
@@ -54,8 +55,8 @@ struct InputOptions {
 // --ultrasound-region, --image-to-probe, --pose-to.
 void add_reading_options(CLI::App& verb, InputOptions& options);
 
-// How drawn contours are read and repaired: --holes, --unite-repeated-planes, --closing-gap, --plane-repair,
-// --max-repair.
+// How drawn contours are read and repaired: --holes, --unite-repeated-planes, --closing-gap, --close-gaps,
+// --plane-repair, --max-repair.
 void add_cleaning_options(CLI::App& verb, InputOptions& options);
 
 // Which part of it, and how closely: --structure, --threshold, --keep-largest, --every, --offset, --epsilon,

@@ -8,6 +8,7 @@
 #include <initializer_list>
 
 #include "anatomesh/contour/clean.h"
+#include "anatomesh/contour/close_gaps.h"
 #include "anatomesh/contour/simplify.h"
 #include "anatomesh/contour/trace.h"
 #include "anatomesh/image/components.h"
@@ -19,6 +20,7 @@
 #include "anatomesh_io/image/tracked_frames.h"
 #include "dicom_input.h"
 #include "mesh_input.h"
+#include "plural.h"
 #include "report_names.h"
 
 namespace anatomesh {
@@ -350,6 +352,26 @@ std::vector<ContourReport> contour_log(const RawContours& raw, const CleanResult
     return log;
 }
 
+// Walls that neighbouring structures share but for less than a pixel.
+void close_narrow_gaps(InputContours& contours, const InputOptions& options, RunContext& context) {
+    ContourSet& kept = contours.kept;
+    CloseGapsOptions closing;
+    closing.width_mm = options.close_gaps_mm.value_or(kept.pixel_mm);
+    contours.options.emplace_back("close_gaps_mm", number_text(closing.width_mm));
+    const CloseGapsStats stats = close_gaps(kept, closing);
+    if (stats.contours_changed > 0) {
+        context.warn(
+            {"W-CON-025",
+             fmt::format("contours of neighbouring structures run less than {} mm apart: {} on {} were led "
+                         "through each other's vertices, {} mm2 changed hands",
+                         number_text(closing.width_mm), counted(stats.contours_changed, "contour"),
+                         counted(stats.slices, "slice"), fmt::format("{:.3g}", stats.area_mm2)),
+             {kept.source, kept.slices[stats.worst_slice].name, "", "",
+              fmt::format("at most {:.3g} mm wide", stats.widest_mm)},
+             "no vertex moved; --close-gaps 0 keeps the contours apart"});
+    }
+}
+
 Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& options, RunContext& context) {
     const std::string why = "the input holds contours, not an image";
     if (options.threshold) return does_not_apply("--threshold", options.input, why);
@@ -388,6 +410,10 @@ Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& op
         result.kept = std::move(simplified.kept);
         result.epsilon_mm = *options.epsilon_mm;
     }
+    if (options.close_gaps_mm && result.kept.structures.size() == 1) {
+        return does_not_apply("--close-gaps", options.input, "there is one structure alone");
+    }
+    close_narrow_gaps(result, options, context);
     return result;
 }
 

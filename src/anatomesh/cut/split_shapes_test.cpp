@@ -121,6 +121,45 @@ TEST(SplitShapes, a_contour_vertex_at_the_shared_corner_stays_on_the_surface) {
     }));
 }
 
+// The segments of contours that meet there too: what is cut off them at the corner goes on along them.
+TEST(SplitShapes, contour_segments_at_the_shared_corner_stay_on_the_surface) {
+    for (const std::uint32_t structures : {1u, 2u}) {
+        SCOPED_TRACE(structures);
+        Cubes cubes(6, [&](int i, int j, int k) {
+            if (i != j || j != k || (i != 2 && i != 3)) return std::vector<std::uint32_t>{};
+            return std::vector<std::uint32_t>{structures == 2 && i == 3 ? 1u : 0u};
+        });
+        const auto at = [&](Vec3 p) {
+            return static_cast<std::uint32_t>(
+                std::find(cubes.mesh.points.begin(), cubes.mesh.points.end(), p) - cubes.mesh.points.begin());
+        };
+        // The sides of both cubes in the plane of the corner.
+        const std::uint32_t corner = at({3, 3, 3}), last = structures - 1;
+        const std::vector<std::array<std::uint32_t, 3>> pieces{{corner, at({2, 3, 3}), 0},
+                                                               {at({3, 2, 3}), corner, 0},
+                                                               {corner, at({4, 3, 3}), last},
+                                                               {at({3, 4, 3}), corner, last}};
+        const SplitStats stats =
+            split(cubes, ContourOwners({{corner, 0}, {corner, last}}, cubes.mesh.points.size(), pieces));
+        EXPECT_EQ(stats.vertices_split, 1u);
+        EXPECT_EQ(stats.on_segments.size(), pieces.size());
+        expect_manifold(cubes, structures);
+        for (const auto& [a, b, structure] : pieces) {
+            const Vec3 middle = 0.5 * (cubes.mesh.points[a] + cubes.mesh.points[b]);
+            const std::uint32_t between = at(middle);
+            EXPECT_NE(std::find(stats.on_segments.begin(), stats.on_segments.end(), between),
+                      stats.on_segments.end());
+            const auto surface = structure_surface(cubes.mesh, cubes.registry.table(), structure);
+            for (const std::uint32_t end : {a, b}) {
+                EXPECT_TRUE(std::any_of(surface.begin(), surface.end(), [&](const Triangle& t) {
+                    return std::find(t.begin(), t.end(), end) != t.end() &&
+                           std::find(t.begin(), t.end(), between) != t.end();
+                }));
+            }
+        }
+    }
+}
+
 TEST(SplitShapes, L15_checkerboard) {
     Cubes cubes(6, [](int i, int j, int k) { return structure_if((i + j + k) % 2 == 0); });
     split(cubes);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstdint>
 #include <optional>
 
 #include "anatomesh/contour/message_text.h"
@@ -343,93 +344,120 @@ class Splitter {
         }
     }
 
-    // New regions for the corners at v: of the discs that the body's surface makes in the star, the one between
-    // the largest piece inside and the largest piece outside beside it stays.
-    std::vector<Region> corner_regions(std::uint32_t v, Body body) {
+    // The star of v as facet-connected pieces on the two sides of a body; cells by position in the star.
+    struct StarParts {
+        std::vector<std::vector<std::uint32_t>> members;  // by piece
+        std::vector<std::uint8_t> inside;                 // by piece
+        std::vector<std::uint32_t> piece;                 // by cell
+        std::vector<std::vector<std::uint32_t>> across;   // by cell: cells across its facets at v
+        std::vector<std::vector<std::uint32_t>> beside;   // by piece: pieces of the other side, with repeats
+    };
+    StarParts parts_of(std::uint32_t v, Body body) const {
         const auto star = stars_->at(v);
-        std::vector<std::uint32_t> local(patch_.cells.size(), no_cell), piece(star.size(), no_cell);
-        for (std::uint32_t n = 0; n < star.size(); ++n) local[star[n]] = n;
-        const auto inside = [&](std::uint32_t n) { return body.holds(registry_.table(), patch_.regions[star[n]]); };
-        const auto across = [&](std::uint32_t n, auto visit) {
+        StarParts parts;
+        parts.piece.assign(star.size(), no_cell);
+        parts.across.resize(star.size());
+        for (std::uint32_t n = 0; n < star.size(); ++n) {
             for (int i = 0; i < 4; ++i) {
                 const std::uint32_t c = patch_.neighbors[star[n]][i];
-                if (patch_.cells[star[n]][i] != v && c != no_cell) visit(local[c]);
+                if (patch_.cells[star[n]][i] == v || c == no_cell) continue;
+                parts.across[n].push_back(
+                    static_cast<std::uint32_t>(std::lower_bound(star.begin(), star.end(), c) - star.begin()));
             }
+        }
+        const auto inside = [&](std::uint32_t n) {
+            return body.holds(registry_.table(), patch_.regions[star[n]]);
         };
-        std::vector<std::vector<std::uint32_t>> members;
         for (std::uint32_t seed = 0; seed < star.size(); ++seed) {
-            if (piece[seed] != no_cell) continue;
-            const std::uint32_t id = static_cast<std::uint32_t>(members.size());
-            members.push_back({seed});
-            piece[seed] = id;
-            for (std::size_t head = 0; head < members[id].size(); ++head) {
-                across(members[id][head], [&](std::uint32_t m) {
-                    if (piece[m] != no_cell || inside(m) != inside(seed)) return;
-                    piece[m] = id;
-                    members[id].push_back(m);
-                });
+            if (parts.piece[seed] != no_cell) continue;
+            const auto id = static_cast<std::uint32_t>(parts.members.size());
+            std::vector<std::uint32_t> members{seed};
+            parts.piece[seed] = id;
+            for (std::size_t head = 0; head < members.size(); ++head) {
+                for (const std::uint32_t m : parts.across[members[head]]) {
+                    if (parts.piece[m] != no_cell || inside(m) != inside(seed)) continue;
+                    parts.piece[m] = id;
+                    members.push_back(m);
+                }
+            }
+            parts.members.push_back(std::move(members));
+            parts.inside.push_back(inside(seed));
+        }
+        parts.beside.resize(parts.members.size());
+        for (std::uint32_t n = 0; n < star.size(); ++n) {
+            for (const std::uint32_t m : parts.across[n]) {
+                if (parts.piece[m] != parts.piece[n]) parts.beside[parts.piece[n]].push_back(parts.piece[m]);
             }
         }
-        std::vector<std::vector<std::uint32_t>> beside(members.size());
-        for (std::uint32_t n = 0; n < star.size(); ++n) {
-            across(n, [&](std::uint32_t m) {
-                if (piece[m] != piece[n]) beside[piece[n]].push_back(piece[m]);
-            });
-        }
-        const auto larger = [&](std::uint32_t a, std::uint32_t b) {
-            return members[a].size() != members[b].size() ? members[a].size() < members[b].size() : a > b;
-        };
-        std::uint32_t main_in = no_cell;
-        for (std::uint32_t p = 0; p < members.size(); ++p) {
-            if (inside(members[p][0]) && (main_in == no_cell || larger(main_in, p))) main_in = p;
-        }
-        const std::uint32_t main_out = *std::max_element(beside[main_in].begin(), beside[main_in].end(), larger);
+        return parts;
+    }
 
-        // Everything reached from main_in without crossing to main_out becomes inside; the rest outside.
-        std::vector<Region> result(star.size());
-        for (std::uint32_t n = 0; n < star.size(); ++n) result[n] = patch_.regions[star[n]];
-        std::vector<std::uint8_t> seen(members.size(), 0);
+    // New regions for the corners at v: of the discs that the body's surface makes in the star, the one
+    // between these two pieces stays. Everything reached from the one inside without crossing to the other
+    // becomes inside; the rest outside.
+    std::vector<Region> corner_regions(std::uint32_t v, const StarParts& parts, std::uint32_t main_in,
+                                       std::uint32_t main_out) const {
+        std::vector<Region> result;
+        for (const std::uint32_t c : stars_->at(v)) result.push_back(patch_.regions[c]);
+        std::vector<std::uint8_t> seen(parts.members.size(), 0);
+        seen[main_in] = seen[main_out] = 1;
         for (const std::uint32_t root : {main_in, main_out}) {
-            const bool root_inside = root == main_in;
-            seen[main_in] = seen[main_out] = 1;
             std::vector<std::uint32_t> queue{root};
             for (std::size_t head = 0; head < queue.size(); ++head) {
-                for (const std::uint32_t p : beside[queue[head]]) {
+                for (const std::uint32_t p : parts.beside[queue[head]]) {
                     if (seen[p]) continue;
                     seen[p] = 1;
                     queue.push_back(p);
-                    if (inside(members[p][0]) == root_inside) continue;
+                    if (parts.inside[p] == parts.inside[root]) continue;
                     // The region of a cell of the parent piece beside this one.
-                    Region region = result[members[queue[head]][0]];
-                    for (const std::uint32_t n : members[p]) {
-                        across(n, [&](std::uint32_t m) {
-                            if (piece[m] == queue[head]) region = result[m];
-                        });
+                    Region region = result[parts.members[queue[head]][0]];
+                    for (const std::uint32_t n : parts.members[p]) {
+                        for (const std::uint32_t m : parts.across[n]) {
+                            if (parts.piece[m] == queue[head]) region = result[m];
+                        }
                     }
-                    for (const std::uint32_t n : members[p]) result[n] = region;
+                    for (const std::uint32_t n : parts.members[p]) result[n] = region;
                 }
             }
         }
         return result;
     }
 
-    // Whether these regions would leave a structure with a contour vertex at v off v.
-    bool loses_owner(std::uint32_t v, const std::vector<Region>& regions) const {
-        for (const std::uint32_t structure : owners_.at(v)) {
+    // What these regions would cost at v: contour vertices of structures and ends of pieces of contour
+    // segments that they would take off their surface, then cells that change.
+    std::array<std::size_t, 3> cost(std::uint32_t v, const std::vector<Region>& regions) const {
+        const auto star = stars_->at(v);
+        std::array<std::size_t, 3> sum{};
+        const auto off_surface = [&](std::uint32_t structure, std::uint32_t other) {
             bool in = false, out = false;
-            for (const Region region : regions) (registry_.table().contains(region, structure) ? in : out) = true;
-            if (!(in && out)) return true;
-        }
-        return false;
+            for (std::size_t n = 0; n < star.size(); ++n) {
+                const Cell& cell = patch_.cells[star[n]];
+                if (other != no_cell && std::find(cell.begin(), cell.end(), other) == cell.end()) continue;
+                (registry_.table().contains(regions[n], structure) ? in : out) = true;
+            }
+            return other == no_cell ? !(in && out) : in != out;  // neither: not an edge of the mesh
+        };
+        for (const std::uint32_t structure : owners_.at(v)) sum[0] += off_surface(structure, no_cell);
+        for (const ContourOwners::Piece& piece : pieces_at(v))
+            sum[1] += off_surface(piece.structure, piece.other);
+        for (std::size_t n = 0; n < star.size(); ++n) sum[2] += regions[n] != patch_.regions[star[n]];
+        return sum;
     }
 
-    // The other way to make one disc: the smallest piece of a side that has several is joined to the nearest other piece
+    // With those that earlier corners left.
+    std::vector<ContourOwners::Piece> pieces_at(std::uint32_t v) const {
+        std::vector<ContourOwners::Piece> pieces(owners_.pieces_at(v).begin(), owners_.pieces_at(v).end());
+        for (const auto& [a, b, structure] : corner_pieces_) {
+            if (a == v) pieces.push_back({b, structure});
+            if (b == v) pieces.push_back({a, structure});
+        }
+        return pieces;
+    }
+
+    // The other way to make one disc: a piece of a side that has several is joined to the nearest other piece
     // of that side by a path of cells of the star, all given the region from which it starts.
-    std::vector<Region> bridged_regions(std::uint32_t v, const std::vector<StarPiece>& pieces) const {
+    std::vector<Region> bridged_regions(std::uint32_t v, const StarPiece& start) const {
         const auto star = stars_->at(v);
-        const StarPiece& start = *std::min_element(pieces.begin(), pieces.end(), [](const StarPiece& a, const StarPiece& b) {
-            return a.cells.size() < b.cells.size();
-        });
         std::vector<Region> result;
         for (const std::uint32_t c : star) result.push_back(patch_.regions[c]);
         const auto position = [&](std::uint32_t c) { return std::lower_bound(star.begin(), star.end(), c) - star.begin(); };
@@ -456,9 +484,31 @@ class Splitter {
         return result;
     }
 
+    // The cheapest of all ways to make one disc of the body's surface at v.
+    std::vector<Region> one_disc(std::uint32_t v, const std::vector<StarPiece>& pieces) const {
+        std::vector<Region> best;
+        std::array<std::size_t, 3> least{};
+        const auto offer = [&](std::vector<Region> regions, bool path = false) {
+            std::array<std::size_t, 3> price = cost(v, regions);
+            if (path) price[2] = SIZE_MAX;  // a path may lead to another defect
+            if (!best.empty() && price >= least) return;
+            least = price;
+            best = std::move(regions);
+        };
+        const StarParts parts = parts_of(v, pieces.front().body);
+        for (std::uint32_t in = 0; in < parts.members.size(); ++in) {
+            if (!parts.inside[in]) continue;
+            std::vector<std::uint32_t> outs = parts.beside[in];
+            std::sort(outs.begin(), outs.end());
+            outs.erase(std::unique(outs.begin(), outs.end()), outs.end());
+            for (const std::uint32_t out : outs) offer(corner_regions(v, parts, in, out));
+        }
+        for (const StarPiece& piece : pieces) offer(bridged_regions(v, piece), true);
+        return best;
+    }
+
     void cut_corner(std::uint32_t v, const std::vector<StarPiece>& pieces) {
-        std::vector<Region> corners = corner_regions(v, pieces.front().body);
-        if (loses_owner(v, corners)) corners = bridged_regions(v, pieces);
+        const std::vector<Region> corners = one_disc(v, pieces);
         const std::vector<std::uint32_t> star(stars_->at(v).begin(), stars_->at(v).end());
         std::vector<std::uint32_t> link;
         for (const std::uint32_t c : star) {
@@ -493,6 +543,12 @@ class Splitter {
         }
         commit(star, added, first_new);
         ++stats_.vertices_split;
+        for (const ContourOwners::Piece& piece : pieces_at(v)) {
+            if (!std::binary_search(link.begin(), link.end(), piece.other)) continue;
+            corner_pieces_.push_back({v, cut(piece.other), piece.structure});
+            corner_pieces_.push_back({cut(piece.other), piece.other, piece.structure});
+            stats_.on_segments.push_back(cut(piece.other));
+        }
     }
 
     // Turns every cell positive; false if one is flat.
@@ -559,6 +615,8 @@ class Splitter {
     std::optional<VertexStars> stars_;
     std::optional<StarAnalyzer> analyzer_;
     std::vector<std::uint32_t> unsound_;
+    std::vector<std::array<std::uint32_t, 3>>
+        corner_pieces_;  // of contour segments, made by cutting corners off
 };
 
 }  // namespace

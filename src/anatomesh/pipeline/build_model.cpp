@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "anatomesh/contour/message_text.h"
+#include "anatomesh/cut/lift_facets.h"
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/field/volume.h"
@@ -15,6 +16,7 @@
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
+#include "anatomesh/pipeline/segment_vertices.h"
 #include "anatomesh/pipeline/surface_tears.h"
 #include "anatomesh/refine/missing_segments.h"
 #include "anatomesh/refine/refine.h"
@@ -170,6 +172,7 @@ class Builder {
         for (const SegmentPiece& piece : sample_->pieces) {
             pieces_.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
         }
+        acute_ = acute_vertices(mesh_->points(), pieces_);
         return end_stage("delaunay", 0.35);
     }
 
@@ -277,12 +280,24 @@ class Builder {
         }
         std::stable_sort(split.begin(), split.end(), [](auto& x, auto& y) { return x.ball < y.ball; });
         const std::size_t others = found.size();
-        for (const SegmentPiece& piece : split) found.push_back(0.5 * (mesh_->points()[piece.a] + mesh_->points()[piece.b]));
+        for (const SegmentPiece& piece : split) found.push_back(split_point(piece));
         const std::vector<std::uint32_t> vertices = mesh_->insert(found, context_.threads);
         pieces_ = std::move(kept);
         add_halves(split, {vertices.begin() + static_cast<std::ptrdiff_t>(others), vertices.end()});
         mesh_->update(context_);
         return check_region_count();
+    }
+
+    // The middle; but pieces that meet at an acute angle are split at one distance from where they meet, a
+    // power of two, so that neither half lies in the ball of the other and splitting ends (Shewchuk, Delaunay
+    // refinement mesh generation, 1997, chapter 3: concentric shells).
+    Vec3 split_point(const SegmentPiece& piece) const {
+        const Vec3 a = mesh_->points()[piece.a], b = mesh_->points()[piece.b];
+        const bool at_a = std::binary_search(acute_.begin(), acute_.end(), piece.a);
+        if (at_a == std::binary_search(acute_.begin(), acute_.end(), piece.b)) return 0.5 * (a + b);
+        const double span = length(b - a);
+        const double share = std::exp2(std::floor(std::log2(span * 2 / 3))) / span;
+        return at_a ? a + share * (b - a) : b + share * (a - b);
     }
 
     // Pieces in the order of their balls; those of several structures with one ball share its halves too.
@@ -330,10 +345,8 @@ class Builder {
             for (const std::uint32_t n : missing) {
                 if (may_split(pieces_[n], scale)) balls.push_back(pieces_[n].ball);
             }
-            // Contours of several structures run too close beside each other: it would go on.
-            if (scale < 1 && structures_ > 1) break;
-            if (scale < 1 &&
-                ((balls.size() >= last && balls.size() > a_few) || balls.size() * last_few > pieces_.size()))
+            if (scale < 1 && balls.size() > a_few &&
+                (balls.size() >= last || balls.size() * last_few > pieces_.size()))
                 break;
             last = balls.size();
             if (balls.empty() || (share > 0 && balls.size() * share < pieces_.size())) break;
@@ -426,8 +439,12 @@ class Builder {
         mesh.cells = mesh_->cells().cells;
         mesh.regions = mesh_->regions();
         ANATOMESH_TRY(const SplitStats split, split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
+        segment_vertices_.insert(segment_vertices_.end(), split.on_segments.begin(), split.on_segments.end());
         find_neighbors(unsound.empty());
         model_.regions = mesh_->registry().table();
+        const LiftStats lifted = lift_facets(
+            mesh, neighbors_, model_.regions,
+            slices_of_vertices(contours_, vertices_of_contours(), pieces_, mesh.points.size()), *field_);
         figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
                     {"flat_cells_peeled", static_cast<double>(relabelled.flat_cells_peeled)},
@@ -436,8 +453,17 @@ class Builder {
                     {"unsound_after_relabelling", static_cast<double>(relabelled.unsound_after)},
                     {"edges_split", static_cast<double>(split.edges_split)},
                     {"vertices_split", static_cast<double>(split.vertices_split)},
-                    {"vertices_joined", static_cast<double>(split.vertices_joined)}};
+                    {"vertices_joined", static_cast<double>(split.vertices_joined)},
+                    {"facets_lifted", static_cast<double>(lifted.facets_lifted)},
+                    {"facets_left_in_slices", static_cast<double>(lifted.facets_left)}};
         return end_stage("cut", 0.75);
+    }
+
+    std::vector<std::uint32_t> vertices_of_contours() const {
+        std::vector<std::uint32_t> vertices;
+        for (const std::uint32_t n : sample_->contour_vertices)
+            vertices.push_back(mesh_->first_vertices()[n]);
+        return vertices;
     }
 
     // Those of the Delaunay mesh, where no cell was split.
@@ -755,6 +781,7 @@ class Builder {
     std::optional<LabelledMesh> mesh_;
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
     std::vector<SegmentPiece> pieces_;             // of contour segments, between vertices of mesh_
+    std::vector<std::uint32_t> acute_;             // vertices where some of them meet at acute angles; rising
     MissingPieces missing_;                        // of them
     CellSearch segment_search_;                    // the cells that missing_ has not seen
     std::size_t side_points_ = 0;                  // put beside pieces off their structure's surface

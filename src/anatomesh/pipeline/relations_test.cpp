@@ -162,6 +162,8 @@ void expect_random_solid_certified(std::uint32_t seed, std::uint16_t structures)
     const auto made = build(traced.value().kept);
     ASSERT_TRUE(made.ok()) << to_line(made.error());
     expect_certified(made.value(), traced.value().kept);
+    for (const StructureReport& structure : made.value().report.structures)
+        EXPECT_EQ(structure.contour_segments_on_surface, structure.contour_segments);
 }
 
 TEST(Relations, random_solids_of_one_structure_are_certified) {

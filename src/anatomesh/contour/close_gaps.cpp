@@ -1,0 +1,423 @@
+#include "anatomesh/contour/close_gaps.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <vector>
+
+#include "anatomesh/contour/segment_index.h"
+#include "anatomesh/geom/predicates.h"
+
+namespace anatomesh {
+namespace {
+
+using Edge = std::array<std::uint32_t, 2>;
+
+// A contour as vertices of its slice, with those taken from others; `drawn` as it came.
+struct Loop {
+    std::uint32_t structure = 0;
+    std::vector<std::uint32_t> vertices, drawn;
+    std::vector<std::uint8_t> taken;  // by position in `vertices`
+};
+
+// A vertex beside a segment of a loop: how far along it in lengths of the segment, and how far from it.
+struct Beside {
+    std::uint32_t vertex = 0, loop = 0, segment = 0;
+    double along = 0, distance = 0;
+};
+
+class SliceGaps {
+  public:
+    SliceGaps(const ContourSet& set, const Slice& slice, double width) : width_(width) {
+        for (const Contour& contour : set.contours_of(slice)) {
+            for (const Vec3& p : set.points_of(contour)) points_.push_back(p);
+        }
+        std::sort(points_.begin(), points_.end(), [](Vec3 p, Vec3 q) { return lexicographic_less(p, q); });
+        points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
+        for (const Vec3& p : points_) at_.push_back(slice.plane.to_plane(p));
+        for (const Contour& contour : set.contours_of(slice)) {
+            Loop loop;
+            loop.structure = contour.structure;
+            for (const Vec3& p : set.points_of(contour)) loop.vertices.push_back(vertex_of(p));
+            loop.drawn = loop.vertices;
+            loop.taken.assign(loop.vertices.size(), 0);
+            loops_.push_back(std::move(loop));
+        }
+    }
+
+    void close() {
+        if (loops_.empty() || loops_.front().structure == loops_.back().structure) return;
+        // Later structures take the vertices of earlier ones; what these pass in between goes to the earlier;
+        // then the other way round, where the earlier one's vertices are too far apart to be near to
+        // anything.
+        for (const bool to_later : {true, false}) {
+            take_vertices(to_later);
+            take_paths();
+        }
+        take_back();
+    }
+
+    const std::vector<Loop>& loops() const { return loops_; }
+    Vec3 point(std::uint32_t vertex) const { return points_[vertex]; }
+
+    // Between what was drawn of a loop and what it became.
+    void measure(const Loop& loop, CloseGapsStats& stats, double& widest) const {
+        std::size_t k = 0;  // along the new loop, from a drawn vertex to the next
+        const std::size_t count = loop.vertices.size();
+        while (loop.vertices[k] != loop.drawn[0]) ++k;
+        for (std::size_t n = 0; n < loop.drawn.size(); ++n) {
+            const std::uint32_t a = loop.drawn[n], b = loop.drawn[(n + 1) % loop.drawn.size()];
+            double area = 0;
+            Vec2 last = at_[a];
+            for (k = (k + 1) % count; loop.vertices[k] != b; k = (k + 1) % count) {
+                const Vec2 p = at_[loop.vertices[k]];
+                ++stats.vertices_taken;
+                widest = std::max(widest, distance(p, at_[a], at_[b]));
+                area += cross(last - at_[a], p - at_[a]);
+                last = p;
+            }
+            area += cross(last - at_[a], at_[b] - at_[a]);
+            stats.area_mm2 += 0.5 * std::abs(area);
+        }
+    }
+
+  private:
+    std::uint32_t vertex_of(Vec3 p) const {
+        const auto less = [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); };
+        return static_cast<std::uint32_t>(std::lower_bound(points_.begin(), points_.end(), p, less) -
+                                          points_.begin());
+    }
+
+    // The vertex after the n-th, and before it.
+    static std::uint32_t next_of(const Loop& loop, std::size_t n) {
+        return loop.vertices[(n + 1) % loop.vertices.size()];
+    }
+    static std::uint32_t last_of(const Loop& loop, std::size_t n) {
+        return loop.vertices[(n + loop.vertices.size() - 1) % loop.vertices.size()];
+    }
+
+    // The ends of the drawn segment that this one is a part of, or was led away from.
+    static Edge drawn_segment(const Loop& loop, std::size_t n) {
+        const std::size_t count = loop.vertices.size();
+        std::size_t a = n, b = (n + 1) % count;
+        while (loop.taken[a]) a = (a + count - 1) % count;
+        while (loop.taken[b]) b = (b + 1) % count;
+        return {loop.vertices[a], loop.vertices[b]};
+    }
+
+    // In lengths of the segment, 0 at a and 1 at b, beyond them too.
+    static double along(Vec2 p, Vec2 a, Vec2 b) { return dot(p - a, b - a) / dot(b - a, b - a); }
+    static double distance(Vec2 p, Vec2 a, Vec2 b) {
+        const double t = std::clamp(along(p, a, b), 0.0, 1.0);
+        return length(p - (a + t * (b - a)));
+    }
+
+    // The loops' segments with whether another structure has them too, the other way round.
+    struct Segments {
+        std::vector<Edge> ends;
+        std::vector<std::uint32_t> loop, number;
+        std::vector<std::uint8_t> shared;
+    };
+    Segments segments() const {
+        Segments all;
+        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
+            for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n) {
+                all.ends.push_back({loops_[l].vertices[n], next_of(loops_[l], n)});
+                all.loop.push_back(l);
+                all.number.push_back(n);
+            }
+        }
+        std::vector<Edge> sorted = all.ends;
+        std::sort(sorted.begin(), sorted.end());
+        for (const Edge& e : all.ends)
+            all.shared.push_back(std::binary_search(sorted.begin(), sorted.end(), Edge{e[1], e[0]}));
+        return all;
+    }
+
+    // (structure, vertex), sorted.
+    std::vector<Edge> owned() const {
+        std::vector<Edge> pairs;
+        for (const Loop& loop : loops_) {
+            for (const std::uint32_t v : loop.vertices) pairs.push_back({loop.structure, v});
+        }
+        std::sort(pairs.begin(), pairs.end());
+        return pairs;
+    }
+
+    // Puts vertices of earlier structures, or of later ones, that lie beside a segment into it.
+    void take_vertices(bool to_later) {
+        const Segments all = segments();
+        const std::vector<Edge> owners = owned();
+        std::vector<Beside> found;
+        const auto consider = [&](std::uint32_t i, std::uint32_t j) {
+            // The first end of segment i beside segment j.
+            const Loop &from = loops_[all.loop[i]], &to = loops_[all.loop[j]];
+            if (all.shared[j] || (to_later ? from.structure >= to.structure : from.structure <= to.structure))
+                return;
+            const std::uint32_t v = all.ends[i][0];
+            if (std::binary_search(owners.begin(), owners.end(), Edge{to.structure, v})) return;
+            const Vec2 a = at_[all.ends[j][0]], b = at_[all.ends[j][1]];
+            const double apart = distance(at_[v], a, b);
+            const Edge drawn = drawn_segment(to, all.number[j]);
+            if (!(apart < width_) || !(distance(at_[v], at_[drawn[0]], at_[drawn[1]]) < width_)) return;
+            const Vec2 course = at_[all.ends[i][1]] - at_[last_of(from, all.number[i])];
+            if (dot(course, b - a) >= 0) return;
+            found.push_back({v, all.loop[j], all.number[j], along(at_[v], a, b), apart});
+        };
+        // Two boxes that are wider by half the width meet where segments are nearer than the width.
+        std::vector<Segment2> boxes;
+        for (const Edge& e : all.ends) {
+            const Vec2 p = at_[e[0]], q = at_[e[1]], margin{0.5 * width_, 0.5 * width_};
+            boxes.push_back({Vec2{std::min(p.x, q.x), std::min(p.y, q.y)} - margin,
+                             Vec2{std::max(p.x, q.x), std::max(p.y, q.y)} + margin});
+        }
+        SegmentIndex(std::move(boxes)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
+            consider(i, j);
+            consider(j, i);
+            return true;
+        });
+        put_in(nearest(std::move(found)));
+    }
+
+    // For each vertex and structure the nearest segment; at a corner the one that the vertex is less beyond.
+    std::vector<Beside> nearest(std::vector<Beside> found) const {
+        const auto beyond = [](const Beside& x) { return std::max({0.0, -x.along, x.along - 1}); };
+        const auto key = [&](const Beside& x) { return Edge{x.vertex, loops_[x.loop].structure}; };
+        std::sort(found.begin(), found.end(), [&](const Beside& x, const Beside& y) {
+            if (key(x) != key(y)) return key(x) < key(y);
+            if (x.distance != y.distance) return x.distance < y.distance;
+            if (beyond(x) != beyond(y)) return beyond(x) < beyond(y);
+            return x.loop != y.loop ? x.loop < y.loop : x.segment < y.segment;
+        });
+        found.erase(std::unique(found.begin(), found.end(),
+                                [&](const Beside& x, const Beside& y) { return key(x) == key(y); }),
+                    found.end());
+        return found;
+    }
+
+    void put_in(std::vector<Beside> found) {
+        std::sort(found.begin(), found.end(), [](const Beside& x, const Beside& y) {
+            if (x.loop != y.loop) return x.loop < y.loop;
+            if (x.segment != y.segment) return x.segment < y.segment;
+            return x.along != y.along ? x.along < y.along : x.vertex < y.vertex;
+        });
+        auto next = found.begin();
+        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
+            Loop& loop = loops_[l];
+            std::vector<std::uint32_t> vertices;
+            std::vector<std::uint8_t> taken;
+            for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
+                vertices.push_back(loop.vertices[n]);
+                taken.push_back(loop.taken[n]);
+                for (; next != found.end() && next->loop == l && next->segment == n; ++next) {
+                    vertices.push_back(next->vertex);
+                    taken.push_back(1);
+                }
+            }
+            loop.vertices = std::move(vertices);
+            loop.taken = std::move(taken);
+        }
+    }
+
+    // Where both ends of a segment are vertices of another structure's loop, with a path beside the segment
+    // between them, the segment becomes that path.
+    void take_paths() {
+        std::vector<std::array<std::uint32_t, 3>> places;  // vertex, loop, number
+        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
+            for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n)
+                places.push_back({loops_[l].vertices[n], l, n});
+        }
+        std::sort(places.begin(), places.end());
+        const std::vector<Edge> owners = owned();
+        std::vector<Beside> found;
+        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
+            for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n) {
+                const std::uint32_t a = loops_[l].vertices[n], b = next_of(loops_[l], n);
+                std::vector<Beside> best;
+                for (auto p = std::lower_bound(places.begin(), places.end(),
+                                               std::array<std::uint32_t, 3>{b, 0, 0});
+                     p != places.end() && (*p)[0] == b; ++p) {
+                    if (loops_[(*p)[1]].structure == loops_[l].structure) continue;
+                    std::vector<Beside> path = path_beside(l, n, a, (*p)[1], (*p)[2], owners);
+                    if (best.empty() || (!path.empty() && path.size() < best.size())) best = std::move(path);
+                }
+                found.insert(found.end(), best.begin(), best.end());
+            }
+        }
+        put_in(std::move(found));
+    }
+
+    // The vertices of `other` after b, its number `from`, up to a; none where one is too far from the
+    // segment, or the structure's already.
+    std::vector<Beside> path_beside(std::uint32_t l, std::uint32_t n, std::uint32_t a, std::uint32_t other,
+                                    std::uint32_t from, const std::vector<Edge>& owners) const {
+        std::vector<Beside> path;
+        const Edge drawn = drawn_segment(loops_[l], n);
+        const Loop& way = loops_[other];
+        for (std::size_t k = 1; k < way.vertices.size(); ++k) {
+            const std::uint32_t v = way.vertices[(from + k) % way.vertices.size()];
+            if (v == a) break;
+            const double apart = distance(at_[v], at_[drawn[0]], at_[drawn[1]]);
+            if (!(apart < width_) ||
+                std::binary_search(owners.begin(), owners.end(), Edge{loops_[l].structure, v}) ||
+                k + 1 == way.vertices.size()) {
+                return {};
+            }
+            // In the order of the path: against that of the segment.
+            path.push_back({v, l, n, -static_cast<double>(k), apart});
+        }
+        return path;
+    }
+
+    // Takes out again what does not serve: vertices that are not an end of a shared segment, and those at
+    // which contours of a structure came to touch or cross one another.
+    void take_back() {
+        for (bool again = true; again;) {
+            again = drop(lone());
+            for (std::size_t first = 0; first < loops_.size();) {
+                std::size_t last = first + 1;
+                while (last < loops_.size() && loops_[last].structure == loops_[first].structure) ++last;
+                again = drop(touching(first, last)) || again;
+                first = last;
+            }
+        }
+    }
+
+    using Place = std::array<std::uint32_t, 2>;  // loop, number of the vertex in it
+
+    std::vector<Place> lone() const {
+        const Segments all = segments();
+        std::vector<Place> places;
+        std::size_t first = 0;
+        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
+            const std::size_t count = loops_[l].vertices.size();
+            for (std::uint32_t n = 0; n < count; ++n) {
+                const bool serves = all.shared[first + n] || all.shared[first + (n + count - 1) % count];
+                if (loops_[l].taken[n] && !serves) places.push_back({l, n});
+            }
+            first += count;
+        }
+        return places;
+    }
+
+    // Of the loops of one structure.
+    std::vector<Place> touching(std::size_t first, std::size_t last) const {
+        std::vector<Segment2> segments;
+        std::vector<Edge> ends;
+        std::vector<Place> at, places;
+        std::vector<std::pair<std::uint32_t, Place>> taken;  // by vertex
+        for (std::size_t l = first; l < last; ++l) {
+            const Loop& loop = loops_[l];
+            for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
+                at.push_back({static_cast<std::uint32_t>(l), n});
+                ends.push_back({loop.vertices[n], next_of(loop, n)});
+                segments.push_back({at_[ends.back()[0]], at_[ends.back()[1]]});
+                if (loop.taken[n]) taken.emplace_back(loop.vertices[n], at.back());
+            }
+        }
+        if (taken.empty()) return places;
+        std::sort(taken.begin(), taken.end());
+        for (std::size_t k = 1; k < taken.size(); ++k) {
+            if (taken[k].first == taken[k - 1].first)
+                places.insert(places.end(), {taken[k - 1].second, taken[k].second});
+        }
+        SegmentIndex(std::move(segments)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
+            if (!meet(ends[i], ends[j])) return true;
+            for (const std::uint32_t s : {i, j}) {
+                const auto& [l, n] = at[s];
+                const Loop& loop = loops_[l];
+                const auto after = static_cast<std::uint32_t>((n + 1) % loop.vertices.size());
+                if (loop.taken[n]) places.push_back({l, n});
+                if (loop.taken[after]) places.push_back({l, after});
+            }
+            return true;
+        });
+        return places;
+    }
+
+    // Says whether there were any.
+    bool drop(std::vector<Place> places) {
+        std::sort(places.begin(), places.end());
+        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
+            Loop& loop = loops_[l];
+            std::size_t kept = 0;
+            for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
+                if (std::binary_search(places.begin(), places.end(), Place{l, n})) continue;
+                loop.vertices[kept] = loop.vertices[n];
+                loop.taken[kept++] = loop.taken[n];
+            }
+            loop.vertices.resize(kept);
+            loop.taken.resize(kept);
+        }
+        return !places.empty();
+    }
+
+    bool meet(Edge p, Edge q) const {
+        const Vec2 a = at_[p[0]], b = at_[p[1]], c = at_[q[0]], d = at_[q[1]];
+        const bool joined = p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1];
+        const int ca = orient2d(a, b, c), da = orient2d(a, b, d), ac = orient2d(c, d, a),
+                  bc = orient2d(c, d, b);
+        if (joined) {
+            // Only one that turns back onto the other.
+            const std::uint32_t common = p[0] == q[0] || p[0] == q[1] ? p[0] : p[1];
+            const Vec2 u = at_[p[0] == common ? p[1] : p[0]] - at_[common],
+                       v = at_[q[0] == common ? q[1] : q[0]] - at_[common];
+            return ca == 0 && da == 0 && dot(u, v) > 0;
+        }
+        if (ca == 0 && da == 0) {
+            const Vec2 way = b - a;
+            const auto place = [&](Vec2 x) { return dot(x - a, way); };
+            return std::max(place(c), place(d)) >= 0 && std::min(place(c), place(d)) <= place(b);
+        }
+        return ca * da <= 0 && ac * bc <= 0;
+    }
+
+    double width_;
+    std::vector<Vec3> points_;  // of the slice, distinct, in lexicographic order
+    std::vector<Vec2> at_;
+    std::vector<Loop> loops_;
+};
+
+}  // namespace
+
+CloseGapsStats close_gaps(ContourSet& set, const CloseGapsOptions& options) {
+    assert(options.width_mm >= 0);
+    CloseGapsStats stats;
+    if (options.width_mm == 0) return stats;
+    std::vector<Contour> contours;
+    std::vector<Vec3> points;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        SliceGaps gaps(set, set.slices[s], options.width_mm);
+        gaps.close();
+        const std::uint64_t changed_before = stats.contours_changed;
+        double widest = 0;
+        // The contours of a slice by structure, then by their smallest vertex, which comes first.
+        std::vector<std::pair<std::uint32_t, std::vector<std::uint32_t>>> loops;
+        for (const Loop& loop : gaps.loops()) {
+            if (loop.vertices.size() > loop.drawn.size()) {
+                ++stats.contours_changed;
+                gaps.measure(loop, stats, widest);
+            }
+            std::vector<std::uint32_t> vertices = loop.vertices;
+            std::rotate(vertices.begin(), std::min_element(vertices.begin(), vertices.end()), vertices.end());
+            loops.emplace_back(loop.structure, std::move(vertices));
+        }
+        stats.slices += stats.contours_changed > changed_before;
+        if (widest > stats.widest_mm) {
+            stats.widest_mm = widest;
+            stats.worst_slice = s;
+        }
+        std::sort(loops.begin(), loops.end());
+        for (const auto& [structure, vertices] : loops) {
+            contours.push_back({structure, s, static_cast<std::uint32_t>(points.size()),
+                                static_cast<std::uint32_t>(vertices.size())});
+            for (const std::uint32_t v : vertices) points.push_back(gaps.point(v));
+        }
+    }
+    set.contours = std::move(contours);
+    set.points = std::move(points);
+    return stats;
+}
+
+}  // namespace anatomesh

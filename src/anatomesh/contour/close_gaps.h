@@ -1,0 +1,32 @@
+// close_gaps: neighbouring structures whose contours run side by side get one wall in common.
+#pragma once
+
+#include <cstdint>
+
+#include "anatomesh/contour/contour_set.h"
+
+namespace anatomesh {
+
+struct CloseGapsOptions {
+    double width_mm = 0;  // gaps and overlaps narrower than this are closed; about a pixel. 0: none. [0, 10]
+};
+
+struct CloseGapsStats {
+    std::uint64_t vertices_taken = 0;  // by a contour from its neighbour's
+    std::uint64_t contours_changed = 0;
+    std::uint32_t slices = 0;       // where something was closed
+    std::uint32_t worst_slice = 0;  // the one with the widest of them
+    double widest_mm = 0;           // that was closed: no contour is further from where it was drawn
+    double area_mm2 = 0;            // that changed hands, over all slices
+};
+
+// Where contours of two structures run beside each other in opposite directions, with a gap or an overlap
+// narrower than the width between them, both are led through the vertices of both: a stretch of the one is
+// then a stretch of the other, edge for edge. No vertex moves and none is lost. Contours that run in the same
+// direction, as the two sides of a wall between nested contours do, and lone vertices beside a contour are
+// left alone. Requires: a kept contour set. Guarantees: a kept contour set: where contours of a structure
+// would come to touch or cross one another, they are left as they were. Same result for any order of the
+// input that led to the set. Complexity: O(n log n + pairs nearer than the width) a slice.
+CloseGapsStats close_gaps(ContourSet& set, const CloseGapsOptions& options);
+
+}  // namespace anatomesh

@@ -1,0 +1,208 @@
+#include "anatomesh/contour/close_gaps.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+namespace anatomesh {
+namespace {
+
+using Polygon = std::vector<Vec2>;
+using Edge = std::pair<Vec3, Vec3>;
+
+struct Drawing {
+    std::uint32_t structure;
+    Polygon polygon;  // outer ones counter-clockwise, holes clockwise
+};
+
+ContourSet slice_of(const std::vector<Drawing>& drawings, const Plane& plane = make_plane({}, {0, 0, 1})) {
+    ContourSet set;
+    set.slices = {{plane, 0, static_cast<std::uint32_t>(drawings.size()), "0"}};
+    for (const Drawing& drawing : drawings) {
+        while (set.structures.size() <= drawing.structure)
+            set.structures.push_back({static_cast<std::int32_t>(set.structures.size() + 1), "", {}});
+        std::vector<Vec3> points;
+        for (const Vec2 p : drawing.polygon) points.push_back(plane.to_space(p));
+        std::rotate(points.begin(),
+                    std::min_element(points.begin(), points.end(),
+                                     [](Vec3 p, Vec3 q) { return lexicographic_less(p, q); }),
+                    points.end());
+        set.contours.push_back({drawing.structure, 0, static_cast<std::uint32_t>(set.points.size()),
+                                static_cast<std::uint32_t>(points.size())});
+        set.points.insert(set.points.end(), points.begin(), points.end());
+    }
+    return set;
+}
+
+// Edges of one structure that another has the other way round, and their length.
+double shared_length(const ContourSet& set, std::uint32_t structure) {
+    double sum = 0;
+    for (const Contour& own : set.contours) {
+        if (own.structure != structure) continue;
+        const auto p = set.points_of(own);
+        for (std::size_t n = 0; n < p.size(); ++n) {
+            const Vec3 a = p[n], b = p[(n + 1) % p.size()];
+            for (const Contour& other : set.contours) {
+                if (other.structure == structure) continue;
+                const auto q = set.points_of(other);
+                for (std::size_t m = 0; m < q.size(); ++m)
+                    if (q[m] == b && q[(m + 1) % q.size()] == a) sum += length(b - a);
+            }
+        }
+    }
+    return sum;
+}
+
+bool keeps_every_vertex(const ContourSet& before, const ContourSet& after) {
+    if (before.contours.size() != after.contours.size()) return false;
+    for (const Contour& old : before.contours) {
+        const bool found = std::any_of(after.contours.begin(), after.contours.end(), [&](const Contour& now) {
+            if (now.structure != old.structure) return false;
+            // In the same order round.
+            const auto p = before.points_of(old), q = after.points_of(now);
+            const auto start = std::find(q.begin(), q.end(), p[0]);
+            if (start == q.end()) return false;
+            std::size_t at = 0;
+            for (std::size_t k = 0; k < q.size() && at < p.size(); ++k)
+                at += q[(static_cast<std::size_t>(start - q.begin()) + k) % q.size()] == p[at];
+            return at == p.size();
+        });
+        if (!found) return false;
+    }
+    return true;
+}
+
+Polygon box(double x0, double y0, double x1, double y1) {
+    return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
+}
+
+// A side from (x0, y) to (x1, y) in so many steps, at heights y + wave sin.
+Polygon side(double x0, double x1, int steps, double y, double wave) {
+    Polygon points;
+    for (int n = 0; n <= steps; ++n) {
+        const double x = x0 + (x1 - x0) * n / steps;
+        points.push_back({x, y + wave * std::sin(0.7 * x)});
+    }
+    return points;
+}
+
+// Two slabs over each other with a gap (or, below 0, an overlap) between their sides of so many steps each.
+std::vector<Drawing> slabs(double gap, int below, int above) {
+    Polygon low = side(20, 0, below, 0, 0.8), high = side(0, 20, above, gap, 0.8);
+    low.push_back({0, -5});
+    low.push_back({20, -5});
+    high.push_back({20, 5});
+    high.push_back({0, 5});
+    return {{0, low}, {1, high}};
+}
+
+TEST(CloseGaps, sides_that_run_within_the_width_become_one_and_no_vertex_moves) {
+    for (const double gap : {0.4, 0.1, 0.0, -0.1, -0.4}) {
+        for (const auto& [below, above] :
+             {std::pair{40, 40}, {40, 37}, {37, 40}, {40, 20}, {20, 41}, {80, 20}}) {
+            const ContourSet before = slice_of(slabs(gap, below, above));
+            ContourSet after = before;
+            const CloseGapsStats stats = close_gaps(after, {0.7});
+            SCOPED_TRACE(testing::Message()
+                         << "gap " << gap << ", " << below << " and " << above << " steps");
+            EXPECT_TRUE(keeps_every_vertex(before, after));
+            EXPECT_LT(stats.widest_mm, 0.7);
+            // All but the two ends, where one may reach beyond the other.
+            EXPECT_GT(shared_length(after, 0), 18.5);
+        }
+    }
+}
+
+TEST(CloseGaps, gaps_wider_than_the_width_stay) {
+    for (const double gap : {0.5, -0.5, 2.0}) {
+        const ContourSet before = slice_of({{0, box(0, 0, 10, 10)}, {1, box(10 + gap, 0, 20, 10)}});
+        ContourSet after = before;
+        const CloseGapsStats stats = close_gaps(after, {0.5});
+        EXPECT_EQ(after.points, before.points);
+        EXPECT_EQ(stats.contours_changed, 0u);
+        EXPECT_EQ(stats.area_mm2, 0);
+    }
+}
+
+TEST(CloseGaps, the_area_that_changes_hands_is_that_of_the_gap) {
+    ContourSet set = slice_of({{0, box(0, 0, 10, 10)}, {1, box(10.25, 0, 20, 10)}});
+    const CloseGapsStats stats = close_gaps(set, {0.3});
+    EXPECT_NEAR(stats.area_mm2, 2.5, 1e-12);
+    EXPECT_NEAR(stats.widest_mm, 0.25, 1e-12);
+    EXPECT_EQ(stats.slices, 1u);
+    EXPECT_NEAR(shared_length(set, 0), 10, 1e-12);
+}
+
+TEST(CloseGaps, walls_between_nested_contours_stay) {
+    // An organ in another one, 0.2 from its side all round; a hole filled but for 0.2 is closed.
+    Polygon hole = box(2, 2, 8, 8);
+    std::reverse(hole.begin(), hole.end());
+    const ContourSet nested = slice_of({{0, box(0, 0, 10, 10)}, {1, box(0.2, 0.2, 9.8, 9.8)}});
+    ContourSet after = nested;
+    EXPECT_EQ(close_gaps(after, {0.5}).contours_changed, 0u);
+    EXPECT_EQ(after.points, nested.points);
+    ContourSet filled = slice_of({{0, box(0, 0, 10, 10)}, {0, hole}, {1, box(2.2, 2.2, 7.8, 7.8)}});
+    close_gaps(filled, {0.5});
+    EXPECT_GE(shared_length(filled, 1), 4 * 5.6);  // all round
+}
+
+TEST(CloseGaps, a_lone_vertex_beside_a_contour_is_left_alone) {
+    const ContourSet before = slice_of({{0, box(0, 0, 10, 10)}, {1, {{10.2, 5}, {15, 0}, {15, 10}}}});
+    ContourSet after = before;
+    EXPECT_EQ(close_gaps(after, {0.5}).contours_changed, 0u);
+    EXPECT_EQ(after.points, before.points);
+}
+
+TEST(CloseGaps, three_structures_meet) {
+    const ContourSet before =
+        slice_of({{0, box(0, 0, 10, 10)}, {1, box(10.2, 0, 20, 4.9)}, {2, box(10.2, 5.1, 20, 10)}});
+    ContourSet after = before;
+    close_gaps(after, {0.5});
+    EXPECT_TRUE(keeps_every_vertex(before, after));
+    EXPECT_GT(shared_length(after, 0), 9.7);
+    EXPECT_GT(shared_length(after, 1), 4.8 + 9.7);
+    EXPECT_GT(shared_length(after, 2), 4.8 + 9.7);
+}
+
+TEST(CloseGaps, what_would_touch_itself_is_given_up) {
+    // A strip thinner than the width, between two sides of another structure's notch.
+    const Polygon notch{{0, 0}, {10, 0}, {10, 10}, {5.3, 10}, {5.3, 3}, {5.0, 3}, {5.0, 10}, {0, 10}};
+    const Polygon strip{{5.1, 3.1}, {5.2, 3.1}, {5.2, 10}, {5.1, 10}};
+    const ContourSet before = slice_of({{0, notch}, {1, strip}});
+    ContourSet after = before;
+    const CloseGapsStats stats = close_gaps(after, {0.35});
+    EXPECT_TRUE(keeps_every_vertex(before, after));
+    for (const Contour& contour : after.contours) {
+        const auto points = after.points_of(contour);
+        std::vector<Vec3> sorted(points.begin(), points.end());
+        std::sort(sorted.begin(), sorted.end(), [](Vec3 p, Vec3 q) { return lexicographic_less(p, q); });
+        EXPECT_EQ(std::adjacent_find(sorted.begin(), sorted.end()), sorted.end())
+            << "structure " << contour.structure;
+    }
+    EXPECT_LT(stats.widest_mm, 0.35);
+}
+
+TEST(CloseGaps, twice_is_the_same_as_once_on_any_plane) {
+    const Plane tilted = make_plane({3, -2, 40}, normalized(Vec3{0.3, -0.2, 0.9}));
+    ContourSet once = slice_of(slabs(0.3, 40, 33), tilted);
+    const ContourSet before = once;
+    close_gaps(once, {0.6});
+    EXPECT_GT(shared_length(once, 0), 18.5);
+    EXPECT_TRUE(keeps_every_vertex(before, once));
+    ContourSet twice = once;
+    close_gaps(twice, {0.6});
+    EXPECT_EQ(twice.points, once.points);
+}
+
+TEST(CloseGaps, widths_of_nothing_change_nothing) {
+    const ContourSet before = slice_of(slabs(0.01, 40, 33));
+    ContourSet after = before;
+    close_gaps(after, {0});
+    EXPECT_EQ(after.points, before.points);
+}
+
+}  // namespace
+}  // namespace anatomesh

@@ -1,0 +1,75 @@
+#include "anatomesh/pipeline/segment_vertices.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include "anatomesh/cut/lift_facets.h"
+
+namespace anatomesh {
+
+std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,
+                                          const std::vector<SegmentPiece>& pieces) {
+    std::vector<std::array<std::uint32_t, 2>> ways;
+    for (const SegmentPiece& piece : pieces) {
+        ways.push_back({piece.a, piece.b});
+        ways.push_back({piece.b, piece.a});
+    }
+    std::sort(ways.begin(), ways.end());
+    ways.erase(std::unique(ways.begin(), ways.end()), ways.end());
+    std::vector<std::uint32_t> found;
+    for (auto first = ways.begin(); first != ways.end();) {
+        const std::uint32_t v = (*first)[0];
+        const auto last = std::find_if(first, ways.end(), [&](const auto& way) { return way[0] != v; });
+        const auto direction = [&](auto way) { return points[(*way)[1]] - points[v]; };
+        bool acute = false;
+        for (auto p = first; p != last; ++p) {
+            for (auto q = first; q != p; ++q) acute = acute || dot(direction(p), direction(q)) > 0;
+        }
+        if (acute) found.push_back(v);
+        first = last;
+    }
+    return found;
+}
+
+std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
+                                              std::span<const std::uint32_t> vertex_of,
+                                              const std::vector<SegmentPiece>& pieces,
+                                              std::size_t vertex_count) {
+    assert(vertex_of.size() == contours.points.size());
+    constexpr std::uint32_t several = no_slice - 1;
+    std::vector<std::uint32_t> slice(vertex_count, no_slice);
+    for (const Contour& contour : contours.contours) {
+        for (std::uint32_t n = contour.first_point; n < contour.first_point + contour.point_count; ++n) {
+            std::uint32_t& known = slice[vertex_of[n]];
+            known = known == no_slice || known == contour.slice ? contour.slice : several;
+        }
+    }
+    // The ends of pieces at each vertex.
+    std::vector<std::uint32_t> start(vertex_count + 1, 0), others(2 * pieces.size());
+    for (const SegmentPiece& piece : pieces) {
+        ++start[piece.a + 1];
+        ++start[piece.b + 1];
+    }
+    for (std::size_t v = 1; v < start.size(); ++v) start[v] += start[v - 1];
+    std::vector<std::uint32_t> next(start.begin(), start.end() - 1), queue;
+    for (const SegmentPiece& piece : pieces) {
+        others[next[piece.a]++] = piece.b;
+        others[next[piece.b]++] = piece.a;
+    }
+    for (std::uint32_t v = 0; v < vertex_count; ++v) {
+        if (slice[v] < several) queue.push_back(v);
+    }
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+        const std::uint32_t v = queue[head];
+        for (std::uint32_t n = start[v]; n < start[v + 1]; ++n) {
+            if (slice[others[n]] != no_slice) continue;
+            slice[others[n]] = slice[v];
+            queue.push_back(others[n]);
+        }
+    }
+    std::replace(slice.begin(), slice.end(), several, no_slice);
+    return slice;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,26 @@
+// What is known of mesh vertices from the contour segments that they lie on.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/sample/contour_segments.h"
+
+namespace anatomesh {
+
+// Vertices at which pieces of contour segments meet at acute angles, in rising order. Complexity: O(n log n)
+// in the pieces, and the pairs at a vertex.
+std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,
+                                          const std::vector<SegmentPiece>& pieces);
+
+// The slice of the contours that each of the vertices lies in, from its contour or along pieces from there;
+// no_slice (cut/lift_facets.h) for all others and for those where planes cross. `vertex_of`: the vertex of
+// every contour point. Complexity: O(vertices + pieces).
+std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
+                                              std::span<const std::uint32_t> vertex_of,
+                                              const std::vector<SegmentPiece>& pieces,
+                                              std::size_t vertex_count);
+
+}  // namespace anatomesh
