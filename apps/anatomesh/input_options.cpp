@@ -126,16 +126,10 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
     add("--closing-gap", cleaning.closing_gap_mm, 0, 100, "MM",
         fmt::format("Close open contours over a gap up to MM, 0 to 100 (default {})",
                     cleaning.closing_gap_mm));
-    verb.add_option_function<std::string>(
-            "--close-gaps",
-            [&options](const std::string& text) {
-                options.close_gaps_mm = strict_number("--close-gaps", text, 0, 10);
-                options.cleaning_given.emplace_back("--close-gaps");
-            },
-            "Give neighbouring structures drawn less than MM apart one wall through the vertices of both, 0 "
-            "to 10 "
-            "(default: the pixel where the file says it, else 0)")
-        ->type_name("MM");
+    add("--close-gaps", options.close_gaps_mm, 0, 10, "MM",
+        "Give neighbouring structures drawn less than MM apart, about a pixel, one wall through the vertices "
+        "of both, "
+        "0 to 10 (default 0: as drawn)");
     add("--plane-repair", cleaning.plane_repair_mm, cleaning.plane_tolerance_mm, 10, "MM",
         fmt::format("Move drawn points up to MM off their plane onto it, {} to 10 (default {})",
                     cleaning.plane_tolerance_mm, cleaning.plane_repair_mm));

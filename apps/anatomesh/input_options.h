@@ -41,7 +41,7 @@ struct InputOptions {
     std::optional<std::uint32_t> every;
     std::uint32_t offset = 0;
     std::optional<double> epsilon_mm;  // 0: exact
-    std::optional<double> close_gaps_mm;  // empty: the pixel, where it is known
+    double close_gaps_mm = 0;
     std::optional<double> min_area_mm2;
 
     CleanOptions cleaning;

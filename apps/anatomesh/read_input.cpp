@@ -356,7 +356,7 @@ std::vector<ContourReport> contour_log(const RawContours& raw, const CleanResult
 void close_narrow_gaps(InputContours& contours, const InputOptions& options, RunContext& context) {
     ContourSet& kept = contours.kept;
     CloseGapsOptions closing;
-    closing.width_mm = options.close_gaps_mm.value_or(kept.pixel_mm);
+    closing.width_mm = options.close_gaps_mm;
     contours.options.emplace_back("close_gaps_mm", number_text(closing.width_mm));
     const CloseGapsStats stats = close_gaps(kept, closing);
     if (stats.contours_changed > 0) {
@@ -368,7 +368,7 @@ void close_narrow_gaps(InputContours& contours, const InputOptions& options, Run
                          counted(stats.slices, "slice"), fmt::format("{:.3g}", stats.area_mm2)),
              {kept.source, kept.slices[stats.worst_slice].name, "", "",
               fmt::format("at most {:.3g} mm wide", stats.widest_mm)},
-             "no vertex moved; --close-gaps 0 keeps the contours apart"});
+             "no vertex moves for it; without --close-gaps the contours stay as they are"});
     }
 }
 
@@ -410,7 +410,7 @@ Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& op
         result.kept = std::move(simplified.kept);
         result.epsilon_mm = *options.epsilon_mm;
     }
-    if (options.close_gaps_mm && result.kept.structures.size() == 1) {
+    if (options.close_gaps_mm > 0 && result.kept.structures.size() == 1) {
         return does_not_apply("--close-gaps", options.input, "there is one structure alone");
     }
     close_narrow_gaps(result, options, context);

@@ -12,7 +12,10 @@
 namespace anatomesh {
 namespace {
 
-using Edge = std::array<std::uint32_t, 2>;
+using Edge = std::array<std::uint32_t, 2>;   // vertices
+using Place = std::array<std::uint32_t, 2>;  // loop, number of a vertex or segment in it
+
+constexpr std::uint32_t no_vertex = 0xFFFFFFFFu;
 
 // A contour as vertices of its slice, with those taken from others; `drawn` as it came.
 struct Loop {
@@ -68,17 +71,26 @@ class SliceGaps {
         while (loop.vertices[k] != loop.drawn[0]) ++k;
         for (std::size_t n = 0; n < loop.drawn.size(); ++n) {
             const std::uint32_t a = loop.drawn[n], b = loop.drawn[(n + 1) % loop.drawn.size()];
-            double area = 0;
-            Vec2 last = at_[a];
+            // Both sides of the drawn segment count.
+            const Vec2 way = at_[b] - at_[a];
+            double changed = 0, last_height = 0, last_along = 0;
+            const auto step_to = [&](Vec2 p) {
+                const double height = cross(way, p - at_[a]) / dot(way, way), here = along(p, at_[a], at_[b]);
+                const double sum = std::abs(height) + std::abs(last_height);
+                const double mean =
+                    height * last_height >= 0 ? sum : (height * height + last_height * last_height) / sum;
+                changed += 0.5 * mean * std::abs(here - last_along) * dot(way, way);
+                last_height = height;
+                last_along = here;
+            };
             for (k = (k + 1) % count; loop.vertices[k] != b; k = (k + 1) % count) {
                 const Vec2 p = at_[loop.vertices[k]];
                 ++stats.vertices_taken;
                 widest = std::max(widest, distance(p, at_[a], at_[b]));
-                area += cross(last - at_[a], p - at_[a]);
-                last = p;
+                step_to(p);
             }
-            area += cross(last - at_[a], at_[b] - at_[a]);
-            stats.area_mm2 += 0.5 * std::abs(area);
+            step_to(at_[b]);
+            stats.area_mm2 += changed;
         }
     }
 
@@ -177,7 +189,14 @@ class SliceGaps {
             consider(j, i);
             return true;
         });
-        put_in(nearest(std::move(found)));
+        found = nearest(std::move(found));
+        const std::vector<std::uint8_t> unseen = hidden(found, all);
+        std::size_t kept = 0;
+        for (std::size_t n = 0; n < found.size(); ++n) {
+            if (!unseen[n]) found[kept++] = found[n];
+        }
+        found.resize(kept);
+        put_in(std::move(found));
     }
 
     // For each vertex and structure the nearest segment; at a corner the one that the vertex is less beyond.
@@ -195,6 +214,54 @@ class SliceGaps {
                     found.end());
         return found;
     }
+
+    // From a point to the nearest one of a segment.
+    struct Way {
+        Vec2 from;
+        Edge to;                // the ends of the segment
+        std::vector<Edge> own;  // segments that it may meet: what it starts from, and that
+        std::uint32_t vertex;   // those at this vertex too
+    };
+
+    // Whether each crosses one of these segments: what lies beyond another contour, or beyond the other side
+    // of its own, is no neighbour.
+    std::vector<std::uint8_t> hidden(const std::vector<Way>& ways, const std::vector<Edge>& segments) const {
+        std::vector<std::uint8_t> result(ways.size(), 0);
+        if (ways.empty()) return result;
+        std::vector<Segment2> lines;
+        for (const Edge& e : segments) lines.push_back({at_[e[0]], at_[e[1]]});
+        std::vector<std::uint32_t> end;  // the vertex that the way ends at, if it does at one
+        for (const Way& way : ways) {
+            const Vec2 a = at_[way.to[0]], b = at_[way.to[1]];
+            const double t = along(way.from, a, b);
+            end.push_back(t <= 0 ? way.to[0] : t >= 1 ? way.to[1] : no_vertex);
+            lines.push_back({way.from, a + std::clamp(t, 0.0, 1.0) * (b - a)});
+        }
+        const std::size_t first = segments.size();
+        const SegmentIndex index(std::move(lines));
+        index.for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
+            if (i >= first || j < first || result[j - first]) return true;
+            const Way& way = ways[j - first];
+            const Edge& e = segments[i];
+            if (has(e, way.vertex) || has(e, end[j - first])) return true;
+            if (std::find(way.own.begin(), way.own.end(), e) != way.own.end()) return true;
+            const auto& [a, b] = index.segments()[i];
+            const auto& [c, d] = index.segments()[j];
+            result[j - first] = meet(a, b, c, d);
+            return true;
+        });
+        return result;
+    }
+    std::vector<std::uint8_t> hidden(const std::vector<Beside>& found, const Segments& all) const {
+        std::vector<Way> ways;
+        for (const Beside& x : found) {
+            const Edge to{loops_[x.loop].vertices[x.segment], next_of(loops_[x.loop], x.segment)};
+            ways.push_back({at_[x.vertex], to, {to}, x.vertex});
+        }
+        return hidden(ways, all.ends);
+    }
+
+    static bool has(const Edge& e, std::uint32_t v) { return e[0] == v || e[1] == v; }
 
     void put_in(std::vector<Beside> found) {
         std::sort(found.begin(), found.end(), [](const Beside& x, const Beside& y) {
@@ -245,6 +312,17 @@ class SliceGaps {
                 found.insert(found.end(), best.begin(), best.end());
             }
         }
+        // A path is taken whole or not at all.
+        const std::vector<std::uint8_t> unseen = hidden(found, segments());
+        const auto place = [](const Beside& x) { return Place{x.loop, x.segment}; };
+        std::vector<Place> given_up;
+        for (std::size_t n = 0; n < found.size(); ++n) {
+            if (unseen[n]) given_up.push_back(place(found[n]));
+        }
+        std::sort(given_up.begin(), given_up.end());
+        std::erase_if(found, [&](const Beside& x) {
+            return std::binary_search(given_up.begin(), given_up.end(), place(x));
+        });
         put_in(std::move(found));
     }
 
@@ -255,8 +333,11 @@ class SliceGaps {
         std::vector<Beside> path;
         const Edge drawn = drawn_segment(loops_[l], n);
         const Loop& way = loops_[other];
+        const Vec2 back = at_[a] - at_[next_of(loops_[l], n)];
         for (std::size_t k = 1; k < way.vertices.size(); ++k) {
             const std::uint32_t v = way.vertices[(from + k) % way.vertices.size()];
+            const std::uint32_t last = way.vertices[(from + k - 1) % way.vertices.size()];
+            if (dot(at_[v] - at_[last], back) < 0) return {};
             if (v == a) break;
             const double apart = distance(at_[v], at_[drawn[0]], at_[drawn[1]]);
             if (!(apart < width_) ||
@@ -275,16 +356,16 @@ class SliceGaps {
     void take_back() {
         for (bool again = true; again;) {
             again = drop(lone());
+            again = drop(out_of_sight()) || again;
             for (std::size_t first = 0; first < loops_.size();) {
                 std::size_t last = first + 1;
                 while (last < loops_.size() && loops_[last].structure == loops_[first].structure) ++last;
                 again = drop(touching(first, last)) || again;
+                if (!again) again = drop(turned_or_nested(first, last));
                 first = last;
             }
         }
     }
-
-    using Place = std::array<std::uint32_t, 2>;  // loop, number of the vertex in it
 
     std::vector<Place> lone() const {
         const Segments all = segments();
@@ -297,6 +378,45 @@ class SliceGaps {
                 if (loops_[l].taken[n] && !serves) places.push_back({l, n});
             }
             first += count;
+        }
+        return places;
+    }
+
+    // Ends of shared segments that something lies before, seen from where the contour was drawn.
+    std::vector<Place> out_of_sight() const {
+        std::vector<Edge> drawn;
+        std::vector<std::pair<Edge, Place>> by_ends;
+        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
+            const Loop& loop = loops_[l];
+            for (std::size_t n = 0; n < loop.drawn.size(); ++n)
+                drawn.push_back({loop.drawn[n], loop.drawn[(n + 1) % loop.drawn.size()]});
+            for (std::uint32_t n = 0; n < loop.vertices.size(); ++n)
+                by_ends.push_back({{loop.vertices[n], next_of(loop, n)}, {l, n}});
+        }
+        std::sort(by_ends.begin(), by_ends.end());
+        std::vector<Way> ways;
+        std::vector<Place> starts, places;
+        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
+            const Loop& loop = loops_[l];
+            for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
+                const std::uint32_t a = loop.vertices[n], b = next_of(loop, n);
+                if (!loop.taken[n] && !loop.taken[(n + 1) % loop.taken.size()]) continue;
+                const auto other =
+                    std::lower_bound(by_ends.begin(), by_ends.end(), std::pair{Edge{b, a}, Place{0, 0}});
+                if (other == by_ends.end() || other->first != Edge{b, a}) continue;
+                const Edge to = drawn_segment(loop, n);
+                const Edge partner = drawn_segment(loops_[other->second[0]], other->second[1]);
+                ways.push_back({0.5 * (at_[a] + at_[b]), to, {to, partner}, no_vertex});
+                starts.push_back({l, n});
+            }
+        }
+        const std::vector<std::uint8_t> cut_off = hidden(ways, drawn);
+        for (std::size_t k = 0; k < ways.size(); ++k) {
+            const auto [l, n] = starts[k];
+            const auto after = static_cast<std::uint32_t>((n + 1) % loops_[l].vertices.size());
+            for (const std::uint32_t m : {n, after}) {
+                if (cut_off[k] && loops_[l].taken[m]) places.push_back({l, m});
+            }
         }
         return places;
     }
@@ -323,17 +443,67 @@ class SliceGaps {
                 places.insert(places.end(), {taken[k - 1].second, taken[k].second});
         }
         SegmentIndex(std::move(segments)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
-            if (!meet(ends[i], ends[j])) return true;
+            if (!touch(ends[i], ends[j])) return true;
+            // Of the vertices taken there, that which was taken from farthest.
+            double most = -1;
+            Place worst{};
             for (const std::uint32_t s : {i, j}) {
                 const auto& [l, n] = at[s];
-                const Loop& loop = loops_[l];
-                const auto after = static_cast<std::uint32_t>((n + 1) % loop.vertices.size());
-                if (loop.taken[n]) places.push_back({l, n});
-                if (loop.taken[after]) places.push_back({l, after});
+                const auto after = static_cast<std::uint32_t>((n + 1) % loops_[l].vertices.size());
+                for (const std::uint32_t k : {n, after}) {
+                    if (!loops_[l].taken[k]) continue;
+                    const Edge drawn = drawn_segment(loops_[l], k);
+                    const double far = distance(at_[loops_[l].vertices[k]], at_[drawn[0]], at_[drawn[1]]);
+                    if (far <= most) continue;
+                    most = far;
+                    worst = {l, k};
+                }
             }
+            if (most >= 0) places.push_back(worst);
             return true;
         });
         return places;
+    }
+
+    // All that the loops of a structure took, if one was turned inside out or came to lie in another one, or
+    // out of it.
+    std::vector<Place> turned_or_nested(std::size_t first, std::size_t last) const {
+        std::vector<Place> places;
+        bool wrong = false;
+        for (std::size_t l = first; l < last; ++l) {
+            const Loop& loop = loops_[l];
+            for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
+                if (loop.taken[n]) places.push_back({static_cast<std::uint32_t>(l), n});
+            }
+        }
+        if (places.empty()) return places;
+        for (std::size_t l = first; l < last && !wrong; ++l) {
+            wrong = area(loops_[l].vertices) * area(loops_[l].drawn) <= 0;
+            const Vec2 p = at_[loops_[l].drawn[0]];
+            for (std::size_t m = first; m < last && !wrong; ++m)
+                wrong = m != l && holds(loops_[m].vertices, p) != holds(loops_[m].drawn, p);
+        }
+        if (!wrong) places.clear();
+        return places;
+    }
+
+    double area(const std::vector<std::uint32_t>& loop) const {
+        double twice = 0;
+        for (std::size_t n = 1; n + 1 < loop.size(); ++n)
+            twice += cross(at_[loop[n]] - at_[loop[0]], at_[loop[n + 1]] - at_[loop[0]]);
+        return 0.5 * twice;
+    }
+
+    // Requires: p on no edge.
+    bool holds(const std::vector<std::uint32_t>& loop, Vec2 p) const {
+        bool inside = false;
+        for (std::size_t n = 0; n < loop.size(); ++n) {
+            Vec2 a = at_[loop[n]], b = at_[loop[(n + 1) % loop.size()]];
+            if ((a.x <= p.x) == (b.x <= p.x)) continue;
+            if (a.x > b.x) std::swap(a, b);
+            inside ^= orient2d(a, b, p) > 0;
+        }
+        return inside;
     }
 
     // Says whether there were any.
@@ -353,18 +523,20 @@ class SliceGaps {
         return !places.empty();
     }
 
-    bool meet(Edge p, Edge q) const {
+    // Of one structure: elsewhere than in a common end.
+    bool touch(Edge p, Edge q) const {
         const Vec2 a = at_[p[0]], b = at_[p[1]], c = at_[q[0]], d = at_[q[1]];
-        const bool joined = p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1];
+        if (!has(q, p[0]) && !has(q, p[1])) return meet(a, b, c, d);
+        // Only one that turns back onto the other.
+        const std::uint32_t common = has(q, p[0]) ? p[0] : p[1];
+        const Vec2 u = at_[p[0] == common ? p[1] : p[0]] - at_[common],
+                   v = at_[q[0] == common ? q[1] : q[0]] - at_[common];
+        return orient2d(a, b, c) == 0 && orient2d(a, b, d) == 0 && dot(u, v) > 0;
+    }
+
+    static bool meet(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
         const int ca = orient2d(a, b, c), da = orient2d(a, b, d), ac = orient2d(c, d, a),
                   bc = orient2d(c, d, b);
-        if (joined) {
-            // Only one that turns back onto the other.
-            const std::uint32_t common = p[0] == q[0] || p[0] == q[1] ? p[0] : p[1];
-            const Vec2 u = at_[p[0] == common ? p[1] : p[0]] - at_[common],
-                       v = at_[q[0] == common ? q[1] : q[0]] - at_[common];
-            return ca == 0 && da == 0 && dot(u, v) > 0;
-        }
         if (ca == 0 && da == 0) {
             const Vec2 way = b - a;
             const auto place = [&](Vec2 x) { return dot(x - a, way); };
@@ -382,7 +554,7 @@ class SliceGaps {
 }  // namespace
 
 CloseGapsStats close_gaps(ContourSet& set, const CloseGapsOptions& options) {
-    assert(options.width_mm >= 0);
+    assert(options.width_mm >= 0 && options.width_mm <= 10);
     CloseGapsStats stats;
     if (options.width_mm == 0) return stats;
     std::vector<Contour> contours;

@@ -3,9 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numbers>
-#include <set>
 
 namespace anatomesh {
 namespace {
@@ -183,6 +182,85 @@ TEST(CloseGaps, what_would_touch_itself_is_given_up) {
             << "structure " << contour.structure;
     }
     EXPECT_LT(stats.widest_mm, 0.35);
+}
+
+double signed_area(const ContourSet& set, const Contour& contour) {
+    const auto p = set.points_of(contour);
+    double twice = 0;
+    for (std::size_t n = 1; n + 1 < p.size(); ++n) twice += cross(p[n] - p[0], p[n + 1] - p[0]).z;
+    return 0.5 * twice;
+}
+
+TEST(CloseGaps, what_lies_beyond_a_contour_is_no_neighbour) {
+    // The inner side of a thin structure inside another one, and the far side of a thin one between two
+    // others.
+    const std::vector<std::vector<Drawing>> layouts{
+        {{0, box(0, 0, 10, 10)}, {1, box(9.6, 2, 9.9, 8)}},
+        {{0, box(9.6, 2, 9.9, 8)}, {1, box(0, 0, 10, 10)}},
+        {{0, box(0, 0, 10, 10)}, {1, {{9.7, 2}, {9.9, 5}, {9.7, 8}}}},
+        {{0, {{9.7, 2}, {9.9, 5}, {9.7, 8}}}, {1, {{0, 0}, {10, 0}, {10, 5}, {10, 10}, {0, 10}}}}};
+    for (const auto& layout : layouts) {
+        const ContourSet before = slice_of(layout);
+        ContourSet after = before;
+        close_gaps(after, {0.5});
+        EXPECT_EQ(after.points, before.points);
+    }
+    const std::vector<Polygon> row{box(0, 0, 10, 10), box(10.05, 0.1, 10.3, 9.9), box(10.35, 0, 20, 10)};
+    for (const auto& order :
+         {std::array{0u, 1u, 2u}, {0u, 2u, 1u}, {1u, 0u, 2u}, {1u, 2u, 0u}, {2u, 0u, 1u}, {2u, 1u, 0u}}) {
+        std::vector<Drawing> drawings(3);
+        for (std::uint32_t n = 0; n < 3; ++n) drawings[order[n]] = {order[n], row[n]};
+        ContourSet after = slice_of(drawings);
+        close_gaps(after, {0.5});
+        // All three together cover what they did, and the strips.
+        double sum = 0;
+        for (const Contour& contour : after.contours) sum += signed_area(after, contour);
+        EXPECT_GE(sum, 100 + 0.25 * 9.8 + 96.5 - 1e-9);
+        EXPECT_LE(sum, 200 + 0.01);
+    }
+}
+
+TEST(CloseGaps, no_contour_is_turned_inside_out_or_changes_its_place_among_others) {
+    // An island beside the wall that would jump over it.
+    const ContourSet before =
+        slice_of({{0, box(10.3, 0, 20, 10)}, {1, box(0, 0, 10, 10)}, {1, box(10.1, 4, 10.2, 5)}});
+    ContourSet after = before;
+    close_gaps(after, {0.5});
+    const auto inside = [&](Vec3 p, const Contour& contour) {
+        bool in = false;
+        const auto q = after.points_of(contour);
+        for (std::size_t n = 0; n < q.size(); ++n) {
+            const Vec3 a = q[n], b = q[(n + 1) % q.size()];
+            if ((a.y <= p.y) != (b.y <= p.y) && a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x) > p.x) in = !in;
+        }
+        return in;
+    };
+    for (const Contour& contour : after.contours) {
+        EXPECT_GT(signed_area(after, contour), 0);
+        for (const Contour& other : after.contours) {
+            if (other.structure != contour.structure || other.first_point == contour.first_point) continue;
+            EXPECT_FALSE(inside(after.points[contour.first_point], other));
+        }
+    }
+}
+
+TEST(CloseGaps, wider_widths_close_no_less) {
+    for (const double width : {0.25, 0.5, 0.7, 1.0, 3.0}) {
+        ContourSet set =
+            slice_of({{0, box(0, 0, 10, 10)}, {1, box(10.2, 0, 10.6, 10)}, {2, box(10.8, 0, 20, 10)}});
+        close_gaps(set, {width});
+        EXPECT_GE(shared_length(set, 1), 20) << width;
+    }
+}
+
+TEST(CloseGaps, area_on_both_sides_of_a_wall_counts) {
+    // Two walls that cross in the middle.
+    ContourSet set = slice_of(
+        {{0, {{0, 0}, {10, 1}, {10, 9}, {0, 10}}}, {1, {{10.2, 0.5}, {20, 0}, {20, 10}, {9.8, 9.5}}}});
+    const CloseGapsStats stats = close_gaps(set, {0.5});
+    EXPECT_GT(stats.contours_changed, 0u);
+    EXPECT_GT(stats.area_mm2, 0.5);
+    EXPECT_LT(stats.area_mm2, 2);
 }
 
 TEST(CloseGaps, twice_is_the_same_as_once_on_any_plane) {

@@ -175,6 +175,42 @@ TEST(ImproveDihedrals, takes_spikes_and_pits_of_one_cell_off_the_surface) {
     }
 }
 
+// A nearly flat cell in a plane wall between two prisms that lie on the wall, one on either side, their sides
+// cut along such diagonals that neither has cells with the other one's diagonal in the wall (E. Schoenhardt,
+// Math. Ann. 98, 1928): no flip helps, there has to be a vertex within. All corners are fixed.
+TEST(ImproveDihedrals, a_flat_cell_in_a_wall_between_fixed_corners_gets_a_vertex_beside_it) {
+    LabelledCase c{"wall",
+                   AnalyticField({[](Vec3 p) { return -p.x; }, [](Vec3 p) { return p.x; }}, 3),
+                   2,
+                   {},
+                   RegionTable{{{}, {0}, {1}}},
+                   {}};
+    // The wall's corners in turn, then the ridges of the prisms.
+    c.mesh.points = {{0, 0, 0},
+                     {-0.035726, 0.996187, 0.079595},
+                     {-0.032874, 0.916643, 1.076422},
+                     {0.002853, -0.079544, 0.996827},
+                     {0.909854431, -0.413398283, -0.035591756},
+                     {0.912707431, -0.492942283, 0.961235244},
+                     {-1.543916, 1.191465, 0.099494},
+                     {-1.541063, 1.111921, 1.096321}};
+    const auto add = [&](Cell cell, Region region) {
+        const auto& p = c.mesh.points;
+        if (signed_volume(p[cell[0]], p[cell[1]], p[cell[2]], p[cell[3]]) < 0) std::swap(cell[2], cell[3]);
+        c.mesh.cells.push_back(cell);
+        c.mesh.regions.push_back(region);
+    };
+    for (const Cell& cell : {Cell{4, 1, 0, 3}, Cell{4, 1, 3, 5}, Cell{5, 2, 1, 3}, Cell{0, 1, 2, 3}})
+        add(cell, 1);
+    for (const Cell& cell : {Cell{0, 2, 1, 6}, Cell{0, 7, 2, 6}, Cell{0, 7, 3, 2}}) add(cell, 2);
+    c.fixed.assign(c.mesh.points.size(), 1);
+    const Improved done = improved(c);
+    expect_sound_mesh(done.mesh, c.mesh);
+    EXPECT_LT(done.stats.worst_before_degrees, 1e-3);
+    EXPECT_GE(done.stats.worst_after_degrees, 10);
+    EXPECT_EQ(done.stats.vertices_inserted, 1u);
+}
+
 // All edges of a surface whose vertices are fixed are kept when asked for.
 TEST(ImproveDihedrals, keeps_fixed_edges_on_the_surface) {
     LabelledCase c = random_case("random", AnalyticField({ball({}, 7)}, 9), 1, 11);

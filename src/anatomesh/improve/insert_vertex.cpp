@@ -33,6 +33,15 @@ class Hole {
     const std::vector<std::uint32_t>& cells() const { return cells_; }
     const std::vector<Facet>& facets() const { return facets_; }
 
+    // Of its facets' corners.
+    Vec3 centre() const {
+        Vec3 sum{};
+        for (const Facet& f : facets_) {
+            for (const std::uint32_t v : f.v) sum = sum + bench_.mesh.point(v);
+        }
+        return (1.0 / (3.0 * static_cast<double>(facets_.size()))) * sum;
+    }
+
     double sine(const Facet& f, Vec3 p) const {
         return least_sine(p, bench_.mesh.point(f.v[0]), bench_.mesh.point(f.v[1]), bench_.mesh.point(f.v[2]));
     }
@@ -192,7 +201,13 @@ bool insert_vertex(Workbench& bench, std::uint32_t cell, int e) {
         const OnSurface surface(bench, across);
         done = fill(bench, hole, middle, surface.normal, surface);
     } else {
-        done = fill(bench, hole, middle, {}, [](Vec3&) { return true; });
+        const auto anywhere = [](Vec3&) { return true; };
+        done = fill(bench, hole, middle, {}, anywhere);
+        if (!done) {
+            // Where the edge lies in a flat side of the hole, its middle is no place to start from.
+            Hole again(bench, bench.ring);
+            done = fill(bench, again, again.centre(), {}, anywhere);
+        }
     }
     bench.stats.vertices_inserted += done;
     return done;
