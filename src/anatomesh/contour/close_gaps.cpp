@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "anatomesh/contour/segment_index.h"
-#include "anatomesh/geom/predicates.h"
+#include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {
 namespace {
@@ -247,7 +247,7 @@ class SliceGaps {
             if (std::find(way.own.begin(), way.own.end(), e) != way.own.end()) return true;
             const auto& [a, b] = index.segments()[i];
             const auto& [c, d] = index.segments()[j];
-            result[j - first] = meet(a, b, c, d);
+            result[j - first] = c != d && segment_contact(a, b, c, d) != SegmentContact::none;
             return true;
         });
         return result;
@@ -478,32 +478,20 @@ class SliceGaps {
         }
         if (places.empty()) return places;
         for (std::size_t l = first; l < last && !wrong; ++l) {
-            wrong = area(loops_[l].vertices) * area(loops_[l].drawn) <= 0;
+            wrong = signed_area(polygon(loops_[l].vertices)) * signed_area(polygon(loops_[l].drawn)) <= 0;
             const Vec2 p = at_[loops_[l].drawn[0]];
             for (std::size_t m = first; m < last && !wrong; ++m)
-                wrong = m != l && holds(loops_[m].vertices, p) != holds(loops_[m].drawn, p);
+                wrong = m != l && side_of_polygon(polygon(loops_[m].vertices), p) !=
+                                      side_of_polygon(polygon(loops_[m].drawn), p);
         }
         if (!wrong) places.clear();
         return places;
     }
 
-    double area(const std::vector<std::uint32_t>& loop) const {
-        double twice = 0;
-        for (std::size_t n = 1; n + 1 < loop.size(); ++n)
-            twice += cross(at_[loop[n]] - at_[loop[0]], at_[loop[n + 1]] - at_[loop[0]]);
-        return 0.5 * twice;
-    }
-
-    // Requires: p on no edge.
-    bool holds(const std::vector<std::uint32_t>& loop, Vec2 p) const {
-        bool inside = false;
-        for (std::size_t n = 0; n < loop.size(); ++n) {
-            Vec2 a = at_[loop[n]], b = at_[loop[(n + 1) % loop.size()]];
-            if ((a.x <= p.x) == (b.x <= p.x)) continue;
-            if (a.x > b.x) std::swap(a, b);
-            inside ^= orient2d(a, b, p) > 0;
-        }
-        return inside;
+    std::vector<Vec2> polygon(const std::vector<std::uint32_t>& loop) const {
+        std::vector<Vec2> points;
+        for (const std::uint32_t v : loop) points.push_back(at_[v]);
+        return points;
     }
 
     // Says whether there were any.
@@ -525,24 +513,9 @@ class SliceGaps {
 
     // Of one structure: elsewhere than in a common end.
     bool touch(Edge p, Edge q) const {
-        const Vec2 a = at_[p[0]], b = at_[p[1]], c = at_[q[0]], d = at_[q[1]];
-        if (!has(q, p[0]) && !has(q, p[1])) return meet(a, b, c, d);
-        // Only one that turns back onto the other.
-        const std::uint32_t common = has(q, p[0]) ? p[0] : p[1];
-        const Vec2 u = at_[p[0] == common ? p[1] : p[0]] - at_[common],
-                   v = at_[q[0] == common ? q[1] : q[0]] - at_[common];
-        return orient2d(a, b, c) == 0 && orient2d(a, b, d) == 0 && dot(u, v) > 0;
-    }
-
-    static bool meet(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
-        const int ca = orient2d(a, b, c), da = orient2d(a, b, d), ac = orient2d(c, d, a),
-                  bc = orient2d(c, d, b);
-        if (ca == 0 && da == 0) {
-            const Vec2 way = b - a;
-            const auto place = [&](Vec2 x) { return dot(x - a, way); };
-            return std::max(place(c), place(d)) >= 0 && std::min(place(c), place(d)) <= place(b);
-        }
-        return ca * da <= 0 && ac * bc <= 0;
+        const SegmentContact contact = segment_contact(at_[p[0]], at_[p[1]], at_[q[0]], at_[q[1]]);
+        const bool joined = has(q, p[0]) || has(q, p[1]);
+        return joined ? contact == SegmentContact::overlap : contact != SegmentContact::none;
     }
 
     double width_;
