@@ -21,7 +21,9 @@ constexpr std::uint32_t removed = DelaunayKernel::removed;
 constexpr std::uint32_t most_slots = 1u << 30;  // a link is 4 * slot + facet
 
 constexpr int most_regions = 64;
-constexpr std::size_t least_for_threads = 4000;  // fewer points are inserted sooner by one
+constexpr std::size_t least_for_threads = 4000;  // fewer points are inserted sooner by one, but for
+constexpr std::size_t least_in_fine = 1000;      // those in a mesh that has so many times as many vertices:
+constexpr std::size_t fine_mesh = 16;            // their cavities are small beside the regions
 constexpr std::size_t slots_per_point = 8;       // a point of many adds 6.8 cells to those that fill space
 
 std::uint32_t vertex_of(const DelaunayKernel::KernelCell& cell, int place) {
@@ -607,7 +609,9 @@ bool DelaunayKernel::insert(std::span<const Vec3> points, int threads, std::vect
     for (std::size_t r = 0; r + 1 < round_begins.size(); ++r) {
         round.resize(round_begins[r + 1] - round_begins[r]);
         std::iota(round.begin(), round.end(), round_begins[r]);
-        for (int pass = 0; pass < 2 && threads > 1 && round.size() >= least_for_threads; ++pass) {
+        const bool fine = round_begins[r] >= fine_mesh * round.size();
+        for (int pass = 0;
+             pass < 2 && threads > 1 && round.size() >= (fine ? least_in_fine : least_for_threads); ++pass) {
             insert_in_regions(worker, round, threads);
         }
         for (const std::uint32_t vertex : round) insert<false>(worker, vertex);

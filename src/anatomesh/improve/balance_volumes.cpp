@@ -86,7 +86,8 @@ class Balancer {
           targets_(targets),
           options_(options),
           threads_(threads),
-          mover_(mesh, max_radius_edge, std::sin(options.min_dihedral_degrees * std::numbers::pi / 180), threads),
+          mover_(mesh, max_radius_edge, std::sin(options.min_dihedral_degrees * std::numbers::pi / 180),
+                 threads),
           moved_(mesh.points.size()) {
         collect(neighbors, fixed);
         find_ends();
@@ -203,7 +204,7 @@ class Balancer {
     // Facets between regions, by vertex; the vertices of such facets that are not fixed are free.
     void collect(std::span<const std::uint32_t> neighbors, const std::vector<std::uint8_t>& fixed) {
         std::map<std::pair<Region, Region>, std::uint32_t> numbers;
-        for (const auto& [c, i, other] : region_facets(mesh_, neighbors)) {
+        for (const auto& [c, i, other] : region_facets(mesh_, neighbors, threads_)) {
             const Region inner = mesh_.regions[c],
                          outer = other == no_cell ? Region{0} : mesh_.regions[other];
             const auto [place, added] =

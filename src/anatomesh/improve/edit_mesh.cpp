@@ -67,6 +67,20 @@ void EditMesh::star(std::uint32_t v, std::vector<std::uint32_t>& cells) {
     }
 }
 
+void EditMesh::shared_star(std::uint32_t v, std::vector<std::uint32_t>& cells) const {
+    cells.clear();
+    if (cell_of_[v] == no_cell) return;
+    cells.push_back(cell_of_[v]);
+    for (std::size_t n = 0; n < cells.size(); ++n) {
+        const std::uint32_t c = cells[n];
+        for (int i = 0; i < 4; ++i) {
+            const std::uint32_t across = neighbors_[c][i];
+            if (cells_[c][i] == v || across == no_cell) continue;
+            if (std::find(cells.begin(), cells.end(), across) == cells.end()) cells.push_back(across);
+        }
+    }
+}
+
 // From cell c = (a, b, leave, keep) across its facet (a, b, keep): the cell there and its fourth vertex.
 std::uint32_t EditMesh::next_round(std::uint32_t c, std::uint32_t a, std::uint32_t b, std::uint32_t leave,
                                    std::uint32_t keep, std::uint32_t& fresh) const {

@@ -48,6 +48,8 @@ class EditMesh {
 
     // All cells at a vertex, in an order that depends on the mesh alone. Complexity: linear in them.
     void star(std::uint32_t v, std::vector<std::uint32_t>& cells);
+    // The same for several threads at a time, as long as nothing changes. Complexity: quadratic in them.
+    void shared_star(std::uint32_t v, std::vector<std::uint32_t>& cells) const;
 
     // The cells round edge `e` of cell_edges of a cell.
     void ring(std::uint32_t c, int e, EdgeRing& ring) const;

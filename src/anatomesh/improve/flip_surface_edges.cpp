@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/improve/operations.h"
 
 namespace anatomesh {
@@ -33,23 +34,27 @@ double angle_between(Vec3 n, Vec3 m) {
 
 class Flipper {
   public:
-    Flipper(Workbench& bench, const FlipOptions& options) : bench_(bench), options_(options) {
+    Flipper(Workbench& bench, const FlipOptions& options, int threads)
+        : bench_(bench), options_(options), threads_(threads) {
         collect();
         link();
     }
 
     void run(std::vector<std::uint32_t>& changed) {
         waits_.assign(facets_.size(), 0);
+        gains_.assign(facets_.size(), 0);
         std::vector<std::uint32_t> work(facets_.size());
         for (std::uint32_t f = 0; f < work.size(); ++f) work[f] = f;
         for (int round = 0; round < options_.rounds && !work.empty(); ++round) {
             for (const std::uint32_t f : work) waits_[f] = 1;
+            measure_gains(work);
             std::vector<std::uint32_t> flipped;
             for (const std::uint32_t f : work) {
                 waits_[f] = 0;
                 for (int k = 0; k < 3; ++k) {
                     const std::uint32_t g = facets_[f].across[k];
-                    if (g == no_facet || waits_[g] || !flip(f, k, changed)) continue;
+                    if (g == no_facet || waits_[g] || !(gains_[f] >> k & 1) || !flip(f, k, changed)) continue;
+                    expect_gains_round(f, g);
                     flipped.push_back(f);
                     flipped.push_back(g);
                     break;
@@ -75,8 +80,8 @@ class Flipper {
 
     void collect() {
         const EditMesh& mesh = bench_.mesh;
-        for (std::uint32_t c = 0; c < mesh.cell_count(); ++c) {
-            if (!mesh.alive(c) || mesh.region(c) == 0) continue;
+        const auto add_facets_of = [&](std::uint32_t c, std::vector<Facet>& facets) {
+            if (!mesh.alive(c) || mesh.region(c) == 0) return;
             for (int i = 0; i < 4; ++i) {
                 const std::uint32_t other = mesh.neighbor(c, i);
                 if (other == no_cell || mesh.region(other) >= mesh.region(c)) continue;
@@ -86,7 +91,45 @@ class Flipper {
                 facet.behind = mesh.region(c);
                 facet.before = mesh.region(other);
                 facet.normal = normal(facet.corners[0], facet.corners[1], facet.corners[2]);
-                facets_.push_back(facet);
+                facets.push_back(facet);
+            }
+        };
+        facets_ =
+            parallel_collect<Facet>(mesh.cell_count(), 16384, threads_,
+                                    [&](std::size_t first, std::size_t last, std::vector<Facet>& facets) {
+                                        for (std::size_t c = first; c < last; ++c)
+                                            add_facets_of(static_cast<std::uint32_t>(c), facets);
+                                    });
+    }
+
+    // Which edges of the facets would gain by a flip as things are.
+    void measure_gains(const std::vector<std::uint32_t>& work) {
+        parallel_for(work.size(), 1024, threads_, [&](std::size_t first, std::size_t last) {
+            for (std::size_t n = first; n < last; ++n) {
+                const std::uint32_t f = work[n];
+                std::uint8_t gains = 0;
+                for (int k = 0; k < 3; ++k) {
+                    if (facets_[f].across[k] == no_facet) continue;
+                    const Quad q = quad(f, k);
+                    const bool wanted = gains_enough(q, normal(q.a, q.d, q.c), normal(q.d, q.b, q.c));
+                    gains = static_cast<std::uint8_t>(gains | wanted << k);
+                }
+                gains_[f] = gains;
+            }
+        });
+    }
+
+    // After a flip of f and g, what was measured for the facets up to two further on may not hold.
+    void expect_gains_round(std::uint32_t f, std::uint32_t g) {
+        constexpr std::uint8_t all = 7;
+        for (const std::uint32_t flipped : {f, g}) {
+            gains_[flipped] = all;
+            for (const std::uint32_t near : facets_[flipped].across) {
+                if (near == no_facet) continue;
+                gains_[near] = all;
+                for (const std::uint32_t far : facets_[near].across) {
+                    if (far != no_facet) gains_[far] = all;
+                }
             }
         }
     }
@@ -115,7 +158,8 @@ class Flipper {
                 sides[place[least_end(facets_[f], k)]++] = {end, f, k};
             }
         }
-        for (std::size_t v = 0; v + 1 < start.size(); ++v) {
+        // Each edge is at one vertex, so no two threads have the same place.
+        const auto join_at = [&](std::size_t v) {
             const auto first = sides.begin() + start[v], last = sides.begin() + start[v + 1];
             std::sort(first, last, [](const Side& x, const Side& y) {
                 return x.end != y.end ? x.end < y.end : x.facet < y.facet;
@@ -129,7 +173,10 @@ class Flipper {
                 }
                 at = after;
             }
-        }
+        };
+        parallel_for(start.size() - 1, 16384, threads_, [&](std::size_t first, std::size_t last) {
+            for (std::size_t v = first; v < last; ++v) join_at(v);
+        });
     }
 
     std::vector<std::uint32_t> with_neighbors(const std::vector<std::uint32_t>& changed) const {
@@ -170,10 +217,14 @@ class Flipper {
         return sum;
     }
 
+    bool gains_enough(const Quad& q, Vec3 n, Vec3 m) const {
+        return gain(q, n, m) >= options_.least_gain_degrees * std::numbers::pi / 180;
+    }
+
     bool flip(std::uint32_t f, int k, std::vector<std::uint32_t>& changed) {
         const Quad q = quad(f, k);
         const Vec3 n = normal(q.a, q.d, q.c), m = normal(q.d, q.b, q.c);
-        if (gain(q, n, m) < options_.least_gain_degrees * std::numbers::pi / 180) return false;
+        if (!gains_enough(q, n, m)) return false;
         if (bench_.fixed_edge(q.a, q.b)) return false;
         const auto edge = cell_edge(facets_[f], q.a, q.b);
         if (!edge || !flip_edge(bench_, edge->first, edge->second, options_.good_sine)) return false;
@@ -224,14 +275,17 @@ class Flipper {
 
     Workbench& bench_;
     FlipOptions options_;
+    int threads_;
     std::vector<Facet> facets_;
+    std::vector<std::uint8_t> gains_;  // by facet: a bit for each edge whose flip may gain
     std::vector<std::uint8_t> waits_;  // by facet: its turn in this round is still to come
 };
 
 }  // namespace
 
-void flip_surface_edges(Workbench& bench, const FlipOptions& options, std::vector<std::uint32_t>& changed) {
-    Flipper(bench, options).run(changed);
+void flip_surface_edges(Workbench& bench, const FlipOptions& options, int threads,
+                        std::vector<std::uint32_t>& changed) {
+    Flipper(bench, options, threads).run(changed);
 }
 
 }  // namespace anatomesh

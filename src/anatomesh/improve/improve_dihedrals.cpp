@@ -19,10 +19,14 @@ namespace {
 constexpr double radians_per_degree = std::numbers::pi / 180;
 constexpr double margin_degrees = 3;  // how far above the target operations aim
 
+// Tries on a bad cell that scouts make beforehand: its edges, facets and vertices.
+constexpr int edge_tries = 6, facet_tries = 10, scouted_tries = 14;
+
 // A cell and its sine when it was found bad: not up to date when the cell has another sine since.
 struct BadCell {
     double sine;
     std::uint32_t cell;
+    int first_try = 0;                                           // those before it would have failed then
     friend bool operator<(const BadCell& a, const BadCell& b) {  // the worst on top of the queue
         return a.sine != b.sine ? a.sine > b.sine : a.cell > b.cell;
     }
@@ -43,9 +47,10 @@ class Climber {
         bench_.stats.bad_before = queue_.size();
         bench_.stats.worst_before_degrees = worst_degrees();
         climb(context);
-        flip_edges();
+        flip_edges(context.threads);
         // What is left may have more room.
         bench_.options.max_deviation_mm *= bench_.options.last_deviation;
+        std::fill(touched_.begin(), touched_.end(), 1);
         climb(context);
         all.resize(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
@@ -65,12 +70,12 @@ class Climber {
     }
 
     // Those of surfaces, for smaller angles between facets; cells that are bad now are queued.
-    void flip_edges() {
+    void flip_edges(int threads) {
         std::vector<std::uint32_t> changed;
         FlipOptions options;
         options.good_sine = target_;
         options.least_gain_degrees = bench_.options.flip_gain_degrees;
-        flip_surface_edges(bench_, options, changed);
+        flip_surface_edges(bench_, options, threads, changed);
         sort_distinct(changed);
         for (const std::uint32_t c : changed) {
             if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) continue;
@@ -116,7 +121,35 @@ class Climber {
             }
         };
         std::vector<BadCell> bad = parallel_collect<BadCell>(cells.size(), 16384, threads, find_bad);
+        if (threads > 1) scout(bad, threads);
         queue_ = std::priority_queue<BadCell>({}, std::move(bad));
+    }
+
+    // Finds what will fail while there are several threads to look: what happens to the mesh is the same
+    // without.
+    void scout(std::vector<BadCell>& bad, int threads) {
+        touched_.assign(bench_.mesh.point_count(), 0);
+        parallel_for(bad.size(), 128, threads, [&](std::size_t first, std::size_t last) {
+            Workbench scout = bench_;
+            scout.scouts = true;
+            for (std::size_t n = first; n < last; ++n) {
+                int& next = bad[n].first_try;
+                while (next < scouted_tries && !attempt(scout, bad[n].cell, next)) ++next;
+            }
+        });
+    }
+
+    // Whether a cell with a vertex of this cell has changed since the scouts.
+    bool touched(std::uint32_t cell) const {
+        const Cell& c = bench_.mesh.cell(cell);
+        return std::any_of(c.begin(), c.end(),
+                           [&](std::uint32_t v) { return v >= touched_.size() || touched_[v]; });
+    }
+
+    void touch(const Cell& cell) {
+        for (const std::uint32_t v : cell) {
+            if (v < touched_.size()) touched_[v] = 1;
+        }
     }
 
     double worst_degrees() const {
@@ -135,12 +168,15 @@ class Climber {
                 bench_.sine(bad.cell) != bad.sine)
                 continue;
             ++bench_.stats.tries;
-            if (!better(bad.cell)) {
+            const Cell before = bench_.mesh.cell(bad.cell);
+            if (!better(bad.cell, touched(bad.cell) ? 0 : bad.first_try)) {
                 left_.push_back(bad.cell);
                 continue;
             }
             ++gained;
+            touch(before);
             for (const std::uint32_t c : bench_.changed) {
+                touch(bench_.mesh.cell(c));
                 if (bench_.mesh.region(c) == 0) continue;
                 if (const double sine = bench_.sine(c); sine < target_) queue_.push({sine, c});
             }
@@ -148,16 +184,16 @@ class Climber {
         return gained;
     }
 
+    static bool attempt(Workbench& bench, std::uint32_t cell, int n) {
+        if (n < edge_tries) return remove_edge(bench, cell, n);
+        if (n < facet_tries) return remove_facet(bench, cell, n - edge_tries);
+        return move_vertex(bench, bench.mesh.cell(cell)[static_cast<std::size_t>(n - facet_tries)]);
+    }
+
     // The operations in the order of their price.
-    bool better(std::uint32_t cell) {
-        for (int e = 0; e < 6; ++e) {
-            if (remove_edge(bench_, cell, e)) return true;
-        }
-        for (int i = 0; i < 4; ++i) {
-            if (remove_facet(bench_, cell, i)) return true;
-        }
-        for (const std::uint32_t v : Cell(bench_.mesh.cell(cell))) {
-            if (move_vertex(bench_, v)) return true;
+    bool better(std::uint32_t cell, int first_try) {
+        for (int n = first_try; n < scouted_tries; ++n) {
+            if (attempt(bench_, cell, n)) return true;
         }
         if (peel_cell(bench_, cell)) return true;
         for (int e = 0; e < 6; ++e) {
@@ -173,6 +209,7 @@ class Climber {
     double target_;
     std::priority_queue<BadCell> queue_;
     std::vector<std::uint32_t> left_;
+    std::vector<std::uint8_t> touched_;  // by vertex, since the scouts: a cell at it has changed
 };
 
 }  // namespace
@@ -183,9 +220,10 @@ DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint32_t>& neigh
                                 const DihedralOptions& options, RunContext& context) {
     assert(fixed.size() == mesh.points.size());
     assert(std::is_sorted(fixed_edges.begin(), fixed_edges.end()));
-    Workbench bench(std::move(mesh), neighbors, fixed, fixed_edges, field, structures, options);
+    EditMesh edited(std::move(mesh), neighbors);
+    Workbench bench(edited, fixed, fixed_edges, field, structures, options);
     Climber(bench).run(context);
-    mesh = std::move(bench.mesh).take(neighbors);
+    mesh = std::move(edited).take(neighbors);
     return bench.stats;
 }
 

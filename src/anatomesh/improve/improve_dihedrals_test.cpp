@@ -21,9 +21,10 @@ std::vector<std::uint32_t> neighbors_of(const TetMesh& mesh) {
 }
 
 Improved improved(const LabelledCase& c, std::span<const VertexPair> edges = {},
-                  DihedralOptions options = {}) {
+                  DihedralOptions options = {}, int threads = 1) {
     Improved result{c.mesh, c.fixed, {}};
     RunContext context;
+    context.threads = threads;
     std::vector<std::uint32_t> neighbors = neighbors_of(c.mesh);
     result.stats = improve_dihedrals(result.mesh, neighbors, result.fixed, edges, c.field, c.structures,
                                      options, context);
@@ -78,6 +79,24 @@ TEST(ImproveDihedrals, reaches_the_target_where_vertices_are_free) {
         return off;
     };
     EXPECT_LE(off_interface(done.mesh), off_interface(c.mesh));
+}
+
+// Scouts on several threads leave out what would fail, and nothing else.
+TEST(ImproveDihedrals, several_threads_make_the_same_mesh_by_the_same_operations) {
+    for (const LabelledCase& c : labelled_cases()) {
+        SCOPED_TRACE(c.name);
+        const Improved one = improved(c);
+        for (const int threads : {2, 3}) {
+            const Improved several = improved(c, {}, {}, threads);
+            EXPECT_EQ(one.mesh.points, several.mesh.points);
+            EXPECT_EQ(one.mesh.cells, several.mesh.cells);
+            EXPECT_EQ(one.mesh.regions, several.mesh.regions);
+            EXPECT_EQ(one.stats.tries, several.stats.tries);
+            EXPECT_EQ(one.stats.edges_removed, several.stats.edges_removed);
+            EXPECT_EQ(one.stats.vertices_moved, several.stats.vertices_moved);
+            EXPECT_EQ(one.stats.surface_edges_smoothed, several.stats.surface_edges_smoothed);
+        }
+    }
 }
 
 TEST(ImproveDihedrals, repeats_bit_for_bit_and_leaves_what_is_good) {

@@ -75,7 +75,11 @@ class Slide {
 
 bool move_vertex(Workbench& bench, std::uint32_t v) {
     if (bench.fixed(v)) return false;
-    bench.mesh.star(v, bench.star);
+    if (bench.scouts) {
+        bench.mesh.shared_star(v, bench.star);
+    } else {
+        bench.mesh.star(v, bench.star);
+    }
     const Bar bar = bench.bar_of(bench.star);
     const double needed = bench.needed_sine(bar);
     bench.local.reset(bench.needed_outside_sine(bar), bench.allowed_squared_ratio(bar));
@@ -99,6 +103,7 @@ bool move_vertex(Workbench& bench, std::uint32_t v) {
                                ? bench.local.ascend(p, bar.sine, bench.goal, fan.normal, Slide(bench, v, fan))
                                : bench.local.ascend(p, bar.sine, bench.goal, {}, always);
     if (reached < needed) return false;
+    if (bench.scouts) return true;
     bench.mesh.move_point(v, p);
     if (!bench.positive(bench.star)) {
         bench.mesh.move_point(v, from);

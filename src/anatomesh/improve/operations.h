@@ -9,6 +9,9 @@
 
 namespace anatomesh {
 
+// A scout (workbench.h) may try remove_edge, remove_facet and move_vertex; what they say depends on the cells
+// that have a vertex of the cell (or the vertex), and on nothing else of the mesh.
+
 // Takes away edge `e` of a cell: the cells round it are replaced by those of the best triangulation of its
 // ring (dynamic programme of Klincsek, Annals of Discrete Mathematics 9, 1980). For an edge of the surface
 // between two regions the facets at it are flipped: the ring is triangulated on either side of the new

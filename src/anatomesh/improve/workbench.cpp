@@ -1,17 +1,16 @@
 #include "anatomesh/improve/workbench.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/improve/cell_shape.h"
 
 namespace anatomesh {
 
-Workbench::Workbench(TetMesh mesh_in, std::span<const std::uint32_t> neighbors,
-                     std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
-                     const StructureField& field, std::uint32_t structures, const DihedralOptions& options_in)
-    : mesh(std::move(mesh_in), neighbors),
+Workbench::Workbench(EditMesh& mesh_in, std::vector<std::uint8_t>& fixed,
+                     std::span<const VertexPair> fixed_edges, const StructureField& field,
+                     std::uint32_t structures, const DihedralOptions& options_in)
+    : mesh(mesh_in),
       probe(field, structures),
       options(options_in),
       fixed_(fixed),
@@ -58,6 +57,7 @@ bool Workbench::commit(std::span<const std::uint32_t> removed, std::span<const C
         if (orient3d(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3])) <= 0)
             return false;
     }
+    if (scouts) return true;
     mesh.replace(removed, added, new_regions, changed);
     return true;
 }

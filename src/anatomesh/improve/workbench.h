@@ -22,14 +22,16 @@ struct Bar {
 // The operations (operations.h) propose cavities; the workbench knows whether they gain and puts them in.
 class Workbench {
   public:
-    Workbench(TetMesh mesh, std::span<const std::uint32_t> neighbors, std::vector<std::uint8_t>& fixed,
-              std::span<const VertexPair> fixed_edges, const StructureField& field, std::uint32_t structures,
-              const DihedralOptions& options);
+    Workbench(EditMesh& mesh, std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
+              const StructureField& field, std::uint32_t structures, const DihedralOptions& options);
 
-    EditMesh mesh;
+    EditMesh& mesh;
     InterfaceProbe probe;
     DihedralOptions options;
     DihedralStats stats;
+    // A copy of a bench that scouts leaves the mesh as it is: removals and moves say true where they may
+    // succeed, false only where they would fail. Each thread may have one.
+    bool scouts = false;
     double goal = 0;                     // sine that is good enough
     std::vector<std::uint32_t> changed;  // cells that the last operation made or reshaped
 
@@ -79,8 +81,10 @@ class Workbench {
     std::span<const VertexPair> fixed_edges_;
 };
 
-// The facets of the only surface at a vertex, seen from the region of the first cell of `bench.star`, which is the vertex's
-// star: of each the two other vertices, in the facet's order. False where three or more regions meet, or the mesh ends.
-bool surface_facets_at(const Workbench& bench, std::uint32_t vertex, std::vector<std::array<std::uint32_t, 2>>& facets);
+// The facets of the only surface at a vertex, seen from the region of the first cell of `bench.star`, which
+// is the vertex's star: of each the two other vertices, in the facet's order. False where three or more
+// regions meet, or the mesh ends.
+bool surface_facets_at(const Workbench& bench, std::uint32_t vertex,
+                       std::vector<std::array<std::uint32_t, 2>>& facets);
 
 }  // namespace anatomesh

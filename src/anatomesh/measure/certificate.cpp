@@ -1,6 +1,7 @@
 #include "anatomesh/measure/certificate.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <charconv>
 #include <cmath>
@@ -39,14 +40,28 @@ double surface_area(const std::vector<Vec3>& points, const std::vector<Triangle>
 }
 
 void measure_structures(const CertificateInput& input, const Surfaces& surfaces,
-                        std::span<const std::uint32_t> neighbors, ModelReport& report) {
+                        std::span<const std::uint32_t> neighbors, int threads, ModelReport& report) {
     const TetMesh& mesh = input.mesh;
-    const std::vector<double> volumes = mesh_volumes(mesh, input.regions, input.structures.size());
+    std::vector<double> volumes;
+    std::vector<SurfaceTopology> topologies(surfaces.size());
+    std::vector<std::uint64_t> pieces(surfaces.size());
+    parallel_tasks(threads, {[&] { volumes = mesh_volumes(mesh, input.regions, input.structures.size()); },
+                             [&] {
+                                 parallel_for(surfaces.size(), 1, threads,
+                                              [&](std::size_t first, std::size_t last) {
+                                                  for (std::size_t s = first; s < last; ++s)
+                                                      topologies[s] = surface_topology(surfaces[s]);
+                                              });
+                             },
+                             [&] {
+                                 for (std::uint32_t s = 0; s < surfaces.size(); ++s)
+                                     pieces[s] = structure_pieces(mesh, neighbors, input.regions, s);
+                             }});
     std::vector<std::uint64_t> cells_of_region(input.regions.members.size(), 0);
     for (const Region region : mesh.regions) ++cells_of_region[region];
     report.structures.clear();
     for (std::uint32_t s = 0; s < input.structures.size(); ++s) {
-        const SurfaceTopology topology = surface_topology(surfaces[s]);
+        const SurfaceTopology& topology = topologies[s];
         StructureReport structure;
         structure.number = input.structures[s].number;
         structure.name = input.structures[s].name;
@@ -60,7 +75,7 @@ void measure_structures(const CertificateInput& input, const Surfaces& surfaces,
         if (!input.field_volumes_mm3.empty()) structure.volume_field_mm3 = input.field_volumes_mm3[s];
         structure.area_mm2 = surface_area(mesh.points, surfaces[s]);
         structure.components = topology.components;
-        structure.pieces = structure_pieces(mesh, neighbors, input.regions, s);
+        structure.pieces = pieces[s];
         structure.genus = topology.genus;
         structure.open_edges = topology.open_edges;
         structure.nonmanifold_edges = topology.nonmanifold_edges + topology.misoriented_edges;
@@ -70,13 +85,18 @@ void measure_structures(const CertificateInput& input, const Surfaces& surfaces,
     report.regions = input.regions.members;
 }
 
-std::uint64_t count_interface_facets(const TetMesh& mesh, std::span<const std::uint32_t> neighbors) {
-    std::uint64_t count = 0;
-    for (std::size_t facet = 0; facet < neighbors.size(); ++facet) {
-        const std::uint32_t other = neighbors[facet];
-        count += mesh.regions[facet / 4] > (other == no_cell ? Region{0} : mesh.regions[other]);
-    }
-    return count;
+std::uint64_t count_interface_facets(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
+                                     int threads) {
+    std::atomic<std::uint64_t> all = 0;
+    parallel_for(neighbors.size(), 65536, threads, [&](std::size_t first, std::size_t last) {
+        std::uint64_t count = 0;
+        for (std::size_t facet = first; facet < last; ++facet) {
+            const std::uint32_t other = neighbors[facet];
+            count += mesh.regions[facet / 4] > (other == no_cell ? Region{0} : mesh.regions[other]);
+        }
+        all.fetch_add(count, std::memory_order_relaxed);
+    });
+    return all;
 }
 
 // The model's structure that a contour structure is, or structures.size() when it has none.
@@ -482,8 +502,9 @@ Clause clause_volume(const CertificateInput& input, const ModelReport& report) {
 
 // Nothing can be measured on a mesh with an index beyond its points, or a point that is not finite.
 bool can_be_measured(const TetMesh& mesh) {
-    return std::all_of(mesh.points.begin(), mesh.points.end(),
-                       [](Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }) &&
+    return std::all_of(
+               mesh.points.begin(), mesh.points.end(),
+               [](Vec3 p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }) &&
            std::all_of(mesh.cells.begin(), mesh.cells.end(), [&](const Cell& cell) {
                return *std::max_element(cell.begin(), cell.end()) < mesh.points.size();
            });
@@ -506,10 +527,10 @@ void measure_model(const CertificateInput& input, const RunContext& context, Mod
         if (!measurable) return;
         Surfaces surfaces;
         for (std::uint32_t s = 0; s < input.structures.size(); ++s) {
-            surfaces.push_back(structure_surface(mesh, neighbors, input.regions, s));
+            surfaces.push_back(structure_surface(mesh, neighbors, input.regions, s, context.threads));
         }
-        report.surface_triangles = count_interface_facets(mesh, neighbors);
-        measure_structures(input, surfaces, neighbors, report);
+        report.surface_triangles = count_interface_facets(mesh, neighbors, context.threads);
+        measure_structures(input, surfaces, neighbors, context.threads, report);
         if (input.contours) findings = measure_contours(input, surfaces, report);
     };
     parallel_tasks(context.threads, {measure_surfaces, [&] {

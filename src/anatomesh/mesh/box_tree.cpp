@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "anatomesh/base/parallel.h"
+
 namespace anatomesh {
 
 namespace {
@@ -30,7 +32,7 @@ std::size_t longest_axis(std::span<const Item> items) {
 
 }  // namespace
 
-BoxTree make_box_tree(std::span<const Vec3> points, std::span<const Triangle> triangles) {
+BoxTree make_box_tree(std::span<const Vec3> points, std::span<const Triangle> triangles, int threads) {
     BoxTree tree;
     if (triangles.empty()) return tree;
     std::vector<Item> items(triangles.size());
@@ -41,19 +43,31 @@ BoxTree make_box_tree(std::span<const Vec3> points, std::span<const Triangle> tr
     }
     tree.nodes.push_back({{}, 0, static_cast<std::uint32_t>(items.size())});
     // Breadth first: children come after their parents, so boxes can be gathered from the back.
-    for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
-        const std::uint32_t first = tree.nodes[n].first, count = tree.nodes[n].count;
-        if (count <= BoxTree::leaf_size) continue;
-        const auto begin = items.begin() + first;
-        const std::size_t axis = longest_axis({items.data() + first, count});
-        std::nth_element(begin, begin + count / 2, begin + count, [axis](const Item& a, const Item& b) {
-            if (a.center[axis] != b.center[axis]) return a.center[axis] < b.center[axis];
-            return a.triangle < b.triangle;
+    const auto halve = [&](const BoxTree::Node& node) {
+        if (node.count <= BoxTree::leaf_size) return;
+        const auto begin = items.begin() + node.first;
+        const std::size_t axis = longest_axis({items.data() + node.first, node.count});
+        std::nth_element(begin, begin + node.count / 2, begin + node.count,
+                         [axis](const Item& a, const Item& b) {
+                             if (a.center[axis] != b.center[axis]) return a.center[axis] < b.center[axis];
+                             return a.triangle < b.triangle;
+                         });
+    };
+    for (std::size_t level = 0; level < tree.nodes.size();) {
+        const std::size_t end = tree.nodes.size();
+        // Nodes of a level hold about as many triangles each.
+        const std::size_t grain = std::max<std::size_t>(1, 4096 / tree.nodes[level].count);
+        parallel_for(end - level, grain, threads, [&](std::size_t first, std::size_t last) {
+            for (std::size_t n = first; n < last; ++n) halve(tree.nodes[level + n]);
         });
-        tree.nodes[n].first = static_cast<std::uint32_t>(tree.nodes.size());
-        tree.nodes[n].count = 0;
-        tree.nodes.push_back({{}, first, count / 2});
-        tree.nodes.push_back({{}, first + count / 2, count - count / 2});
+        for (; level < end; ++level) {
+            const std::uint32_t first = tree.nodes[level].first, count = tree.nodes[level].count;
+            if (count <= BoxTree::leaf_size) continue;
+            tree.nodes[level].first = static_cast<std::uint32_t>(tree.nodes.size());
+            tree.nodes[level].count = 0;
+            tree.nodes.push_back({{}, first, count / 2});
+            tree.nodes.push_back({{}, first + count / 2, count - count / 2});
+        }
     }
     tree.order.reserve(items.size());
     for (const Item& item : items) tree.order.push_back(item.triangle);
@@ -73,7 +87,8 @@ BoxTree make_box_tree(std::span<const Vec3> points, std::span<const Triangle> tr
     return tree;
 }
 
-MeetingPairs::MeetingPairs(const BoxTree& tree, std::span<const Vec3> points, std::span<const Triangle> triangles)
+MeetingPairs::MeetingPairs(const BoxTree& tree, std::span<const Vec3> points,
+                           std::span<const Triangle> triangles)
     : tree_(tree) {
     boxes_.reserve(tree.order.size());
     for (const std::uint32_t t : tree.order) boxes_.push_back(triangle_box(points, triangles[t]));

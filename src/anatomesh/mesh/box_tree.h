@@ -25,7 +25,8 @@ struct BoxTree {
 };
 
 // Split at the median of the triangles' centers along the longest axis. Complexity: O(n log n).
-BoxTree make_box_tree(std::span<const Vec3> points, std::span<const Triangle> triangles);
+// The same at any number of threads.
+BoxTree make_box_tree(std::span<const Vec3> points, std::span<const Triangle> triangles, int threads = 1);
 
 inline bool boxes_meet(const Box3& a, const Box3& b) {
     return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&

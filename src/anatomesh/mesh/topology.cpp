@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cassert>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/mesh/buckets.h"
 #include "anatomesh/mesh/facets.h"
 
 namespace anatomesh {
 
 namespace {
+
+constexpr std::size_t grain = 16384;
 
 // The edge from corner e to corner e + 1 of triangle t has id 3 t + e.
 std::uint32_t next_corner(std::uint32_t corner) {
@@ -70,22 +73,28 @@ void count_vertices(const std::vector<std::uint32_t>& corner_vertex, std::size_t
 
 std::vector<std::uint32_t> cell_neighbors(std::span<const Cell> cells, std::size_t point_count, int threads) {
     std::vector<std::uint32_t> neighbors = match_facets(cells, point_count, threads).other;
-    for (std::uint32_t& n : neighbors) {
-        if (n != no_cell) n /= 4;
-    }
+    parallel_for(neighbors.size(), 4 * grain, threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t n = first; n < last; ++n) {
+            if (neighbors[n] != no_cell) neighbors[n] /= 4;
+        }
+    });
     return neighbors;
 }
 
-std::vector<RegionFacet> region_facets(const TetMesh& mesh, std::span<const std::uint32_t> neighbors) {
+std::vector<RegionFacet> region_facets(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
+                                       int threads) {
     assert(neighbors.size() == 4 * mesh.cells.size());
     const bool ends = std::find(mesh.regions.begin(), mesh.regions.end(), Region{0}) == mesh.regions.end();
-    std::vector<RegionFacet> facets;
-    for (std::uint32_t facet = 0; facet < neighbors.size(); ++facet) {
-        const std::uint32_t c = facet / 4, other = neighbors[facet];
-        if (other == no_cell ? ends : mesh.regions[c] > mesh.regions[other])
-            facets.push_back({c, facet % 4, other});
-    }
-    return facets;
+    return parallel_collect<RegionFacet>(
+        neighbors.size(), 4 * grain, threads,
+        [&](std::size_t first, std::size_t last, std::vector<RegionFacet>& facets) {
+            for (std::size_t n = first; n < last; ++n) {
+                const auto facet = static_cast<std::uint32_t>(n);
+                const std::uint32_t c = facet / 4, other = neighbors[facet];
+                if (other == no_cell ? ends : mesh.regions[c] > mesh.regions[other])
+                    facets.push_back({c, facet % 4, other});
+            }
+        });
 }
 
 SurfaceTopology surface_topology(std::span<const Triangle> triangles) {
@@ -130,19 +139,21 @@ SurfaceTopology surface_topology(std::span<const Triangle> triangles) {
 }
 
 std::vector<Triangle> structure_surface(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                                        const RegionTable& regions, std::uint32_t structure) {
+                                        const RegionTable& regions, std::uint32_t structure, int threads) {
     assert(neighbors.size() == 4 * mesh.cells.size());
     const std::vector<std::uint8_t> inside = region_flags(regions, structure);
-    std::vector<Triangle> surface;
-    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-        if (!inside[mesh.regions[c]]) continue;
-        for (std::size_t i = 0; i < 4; ++i) {
-            const std::uint32_t other = neighbors[4 * c + i];
-            if (other == no_cell || !inside[mesh.regions[other]])
-                surface.push_back(facet_of(mesh.cells[c], i));
-        }
-    }
-    return surface;
+    return parallel_collect<Triangle>(
+        mesh.cells.size(), grain, threads,
+        [&](std::size_t first, std::size_t last, std::vector<Triangle>& surface) {
+            for (std::size_t c = first; c < last; ++c) {
+                if (!inside[mesh.regions[c]]) continue;
+                for (std::size_t i = 0; i < 4; ++i) {
+                    const std::uint32_t other = neighbors[4 * c + i];
+                    if (other == no_cell || !inside[mesh.regions[other]])
+                        surface.push_back(facet_of(mesh.cells[c], i));
+                }
+            }
+        });
 }
 
 std::vector<Triangle> structure_surface(const TetMesh& mesh, const RegionTable& regions,

@@ -24,7 +24,8 @@ struct RegionFacet {
 
 // All of them, by cell and index. `neighbors`: as cell_neighbors() gives them. Requires: the mesh has no
 // cells outside, or has them round every interface. Complexity: linear in the cells.
-std::vector<RegionFacet> region_facets(const TetMesh& mesh, std::span<const std::uint32_t> neighbors);
+std::vector<RegionFacet> region_facets(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
+                                       int threads = 1);
 
 // Counts of a triangle set. It is a closed, oriented 2-manifold when the last four counts are all 0.
 struct SurfaceTopology {
@@ -52,7 +53,7 @@ SurfaceTopology surface_topology(std::span<const Triangle> triangles);
 std::vector<Triangle> structure_surface(const TetMesh& mesh, const RegionTable& regions,
                                         std::uint32_t structure);
 std::vector<Triangle> structure_surface(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                                        const RegionTable& regions, std::uint32_t structure);
+                                        const RegionTable& regions, std::uint32_t structure, int threads = 1);
 
 // Every interface between two regions (0 = outside included), each facet once, with its two sides: the inner
 // side is the region of the larger number. Triangles come in the order of their inner cells; points are the

@@ -71,6 +71,12 @@ void check_points(const TetMesh& mesh, MeshCheck& check) {
     }
 }
 
+bool in_range(const TetMesh& mesh) {
+    return std::all_of(mesh.cells.begin(), mesh.cells.end(), [&](const Cell& cell) {
+        return *std::max_element(cell.begin(), cell.end()) < mesh.points.size();
+    });
+}
+
 void check_indices(const TetMesh& mesh, MeshCheck& check) {
     for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
         const Cell& cell = mesh.cells[c];
@@ -85,7 +91,8 @@ void check_orientation(const TetMesh& mesh, int threads, MeshCheck& check) {
     parallel_for(signs.size(), 16384, threads, [&](std::size_t first, std::size_t last) {
         for (std::size_t c = first; c < last; ++c) {
             const auto& [i, j, k, l] = mesh.cells[c];
-            signs[c] = static_cast<std::int8_t>(orient3d(mesh.points[i], mesh.points[j], mesh.points[k], mesh.points[l]));
+            signs[c] = static_cast<std::int8_t>(
+                orient3d(mesh.points[i], mesh.points[j], mesh.points[k], mesh.points[l]));
         }
     });
     for (std::uint32_t c = 0; c < signs.size(); ++c) {
@@ -121,18 +128,25 @@ struct Boundary {
     std::vector<std::uint32_t> cells;
 };
 
-Boundary check_facets(const TetMesh& mesh, const FacetPairs& pairs, MeshCheck& check) {
+Boundary check_facets(const TetMesh& mesh, const FacetPairs& pairs, int threads, MeshCheck& check) {
     std::vector<std::uint8_t> crowded(4 * mesh.cells.size(), 0);
     for (const auto& [first, third] : pairs.surplus) {
-        if (!crowded[first]) add(check, MeshFault::facet_in_too_many_cells, first / 4, pairs.other[first] / 4);
+        if (!crowded[first])
+            add(check, MeshFault::facet_in_too_many_cells, first / 4, pairs.other[first] / 4);
         crowded[first] = crowded[third] = 1;
     }
     for (const auto& [first, second] : pairs.on_one_side) {
         if (!crowded[first]) add(check, MeshFault::facet_on_one_side, first / 4, second / 4);
     }
     Boundary boundary;
-    for (std::uint32_t id = 0; id < pairs.other.size(); ++id) {
-        if (pairs.other[id] != no_cell || crowded[id]) continue;
+    const std::vector<std::uint32_t> outer = parallel_collect<std::uint32_t>(
+        pairs.other.size(), 65536, threads,
+        [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& ids) {
+            for (std::size_t id = first; id < last; ++id) {
+                if (pairs.other[id] == no_cell && !crowded[id]) ids.push_back(static_cast<std::uint32_t>(id));
+            }
+        });
+    for (const std::uint32_t id : outer) {
         boundary.triangles.push_back(facet_of(mesh.cells[id / 4], id % 4));
         boundary.cells.push_back(id / 4);
     }
@@ -259,7 +273,7 @@ void check_shells(const TetMesh& mesh, const Boundary& boundary, const BoxTree& 
 }
 
 void check_boundary(const TetMesh& mesh, const Boundary& boundary, int threads, MeshCheck& check) {
-    const BoxTree tree = make_box_tree(mesh.points, boundary.triangles);
+    const BoxTree tree = make_box_tree(mesh.points, boundary.triangles, threads);
     const MeetingPairs pairs(tree, mesh.points, boundary.triangles);
     constexpr std::size_t pieces_wanted = 512;
     const std::vector<NodePair> pieces = pairs.pieces(pieces_wanted);
@@ -267,13 +281,15 @@ void check_boundary(const TetMesh& mesh, const Boundary& boundary, int threads, 
     parallel_for(pieces.size(), 1, threads, [&](std::size_t first, std::size_t last) {
         for (std::size_t n = first; n < last; ++n) {
             pairs.for_each(pieces[n], [&](std::uint32_t a, std::uint32_t b) {
-                if (triangles_meet(mesh.points, boundary.triangles[a], boundary.triangles[b])) found[n].push_back({a, b});
+                if (triangles_meet(mesh.points, boundary.triangles[a], boundary.triangles[b]))
+                    found[n].push_back({a, b});
             });
         }
     });
     for (const auto& piece : found) {
         for (const auto& [a, b] : piece) {
-            add(check, MeshFault::boundary_crosses, boundary.cells[std::min(a, b)], boundary.cells[std::max(a, b)]);
+            add(check, MeshFault::boundary_crosses, boundary.cells[std::min(a, b)],
+                boundary.cells[std::max(a, b)]);
         }
     }
     check.boundary_checked = true;
@@ -307,13 +323,17 @@ std::string to_line(const MeshCheck& check) {
 MeshCheck check_mesh(const TetMesh& mesh, int threads, std::vector<std::uint32_t>* neighbors) {
     assert(mesh.cells.size() < no_cell / 4);
     MeshCheck check;
-    check_points(mesh, check);
+    FacetPairs pairs;
+    parallel_tasks(threads, {[&] { check_points(mesh, check); },
+                             [&] {
+                                 if (!in_range(mesh)) return;
+                                 pairs = match_facets(mesh.cells, mesh.points.size(), threads);
+                             }});
     check_indices(mesh, check);
     if (check.count(MeshFault::index_out_of_range) > 0 || check.count(MeshFault::point_not_finite) > 0)
         return check;
     check_orientation(mesh, threads, check);
-    FacetPairs pairs = match_facets(mesh.cells, mesh.points.size(), threads);
-    const Boundary boundary = check_facets(mesh, pairs, check);
+    const Boundary boundary = check_facets(mesh, pairs, threads, check);
     check_duplicates(mesh, check);
     const bool sound = check.count(MeshFault::cell_inverted) == 0 && check.count(MeshFault::cell_flat) == 0 &&
                        check.count(MeshFault::facet_in_too_many_cells) == 0 &&
@@ -321,9 +341,11 @@ MeshCheck check_mesh(const TetMesh& mesh, int threads, std::vector<std::uint32_t
     if (sound) check_boundary(mesh, boundary, threads, check);
     if (neighbors) {
         *neighbors = std::move(pairs.other);
-        for (std::uint32_t& n : *neighbors) {
-            if (n != no_cell) n /= 4;
-        }
+        parallel_for(neighbors->size(), 65536, threads, [&](std::size_t first, std::size_t last) {
+            for (std::size_t n = first; n < last; ++n) {
+                if ((*neighbors)[n] != no_cell) (*neighbors)[n] /= 4;
+            }
+        });
     }
     return check;
 }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <optional>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/cut/lift_facets.h"
 #include "anatomesh/cut/relabel.h"
@@ -90,7 +91,6 @@ class Builder {
 
     Result<Model> run() {
         ANATOMESH_CHECK_STATUS(make_field());
-        ANATOMESH_CHECK_STATUS(measure_field());
         ANATOMESH_CHECK_STATUS(sample());
         ANATOMESH_CHECK_STATUS(tetrahedralize());
         ANATOMESH_CHECK_STATUS(cull_cells());
@@ -113,12 +113,6 @@ class Builder {
         ANATOMESH_TRY(field_, make_structure_field(contours_, options, context_));
         report().slice_spacing_mm = field_->slice_spacing();
         return end_stage("field", 0.05);
-    }
-
-    Status measure_field() {
-        ANATOMESH_TRY(const std::vector<StructureVolume> volumes, field_volumes(*field_, structures_, {}, context_));
-        for (const StructureVolume& volume : volumes) volumes_mm3_.push_back(volume.by_field);
-        return end_stage("volume", 0.1);
     }
 
     Status sample() {
@@ -157,7 +151,15 @@ class Builder {
     }
 
     Status tetrahedralize() {
-        ANATOMESH_TRY(Tetrahedralization delaunay, Tetrahedralization::create(sample_->points, context_.threads));
+        // Parts of it are serial: the field's volumes, for the last steps, are found beside it.
+        std::optional<Result<Tetrahedralization>> made;
+        std::optional<Result<std::vector<StructureVolume>>> volumes;
+        parallel_tasks(context_.threads,
+                       {[&] { made.emplace(Tetrahedralization::create(sample_->points, context_.threads)); },
+                        [&] { volumes.emplace(field_volumes(*field_, structures_, {}, context_)); }});
+        ANATOMESH_TRY(Tetrahedralization delaunay, std::move(*made));
+        ANATOMESH_TRY(const std::vector<StructureVolume> by_structure, std::move(*volumes));
+        for (const StructureVolume& volume : by_structure) volumes_mm3_.push_back(volume.by_field);
         mesh_.emplace(std::move(delaunay), *field_, structures_, sample_->stats.size_mm,
                       interface_tolerance * sample_->stats.size_mm);
         // The mesh's vertex of every contour point, and the structures it must have on its surface.
@@ -554,9 +556,12 @@ class Builder {
         mesh.cells.resize(kept);
         mesh.regions.resize(kept);
         neighbors_.resize(4 * std::size_t{kept});
-        for (std::uint32_t& n : neighbors_) {
-            if (n != no_cell) n = number[n];
-        }
+        constexpr std::size_t grain = 65536;
+        parallel_for(neighbors_.size(), grain, context_.threads, [&](std::size_t first, std::size_t last) {
+            for (std::size_t n = first; n < last; ++n) {
+                if (neighbors_[n] != no_cell) neighbors_[n] = number[neighbors_[n]];
+            }
+        });
         assert(neighbors_ == cell_neighbors(mesh.cells, mesh.points.size()));
         std::uint32_t used = 0;
         for (std::size_t v = 0; v < vertex.size(); ++v) {
@@ -565,9 +570,11 @@ class Builder {
             vertex[v] = used++;
         }
         mesh.points.resize(used);
-        for (Cell& cell : mesh.cells) {
-            for (std::uint32_t& v : cell) v = vertex[v];
-        }
+        parallel_for(mesh.cells.size(), grain, context_.threads, [&](std::size_t first, std::size_t last) {
+            for (std::size_t c = first; c < last; ++c) {
+                for (std::uint32_t& v : mesh.cells[c]) v = vertex[v];
+            }
+        });
         model_.contour_vertices.reserve(sample_->contour_vertices.size());
         for (const std::uint32_t n : sample_->contour_vertices) {
             model_.contour_vertices.push_back(vertex[mesh_->first_vertices()[n]]);
@@ -690,7 +697,7 @@ class Builder {
             // Without a handle no wall is torn, and where no slice shows two contours no gap is filled.
             const bool one_shell = report().structures[s].genus <= 0 && report().structures[s].components <= 1;
             if (one_shell && !several[s]) continue;
-            surfaces[s] = structure_surface(model_.mesh, neighbors_, model_.regions, s);
+            surfaces[s] = structure_surface(model_.mesh, neighbors_, model_.regions, s, context_.threads);
         }
         tears_ = surface_tears(model_.mesh.points, surfaces, source_, model_.contour_vertices, thick);
         // Where parts branch or vanish the field itself may join them, near the ends of the run.

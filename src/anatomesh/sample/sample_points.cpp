@@ -313,9 +313,14 @@ void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>&
 // Points on the interfaces about the places where a wall is thin, the finer the thinner it is.
 void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const StructureField& field, std::uint32_t structures,
                           double size, const SegmentGuard& guard, PointGrid& surface, PointSample& sample, int threads) {
+    std::vector<std::vector<Vec3>> sites_of_level(max_thin_level);
+    parallel_for(sites_of_level.size(), 1, threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t n = first; n < last; ++n)
+            sites_of_level[n] = fine_sites(low, thin, max_thin_level - static_cast<int>(n), size);
+    });
     for (int level = max_thin_level; level > 0; --level) {
         const double local = size / (1 << level);
-        const std::vector<Vec3> sites = fine_sites(low, thin, level, size);
+        const std::vector<Vec3> sites = std::move(sites_of_level[static_cast<std::size_t>(max_thin_level - level)]);
         std::vector<std::optional<Vec3>> moved(sites.size());
         parallel_for(sites.size(), 256, threads, [&](std::size_t first, std::size_t last) {
             InterfaceProbe probe(field, structures);
