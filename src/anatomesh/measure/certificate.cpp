@@ -20,6 +20,8 @@ namespace anatomesh {
 
 namespace {
 
+constexpr double parallel_tolerance_mm = 0.01;  // planes that move no contour by more have one spacing
+
 using Surfaces = std::vector<std::vector<Triangle>>;  // by structure
 
 // "1 structure", "2 structures".
@@ -147,7 +149,7 @@ ContourFindings measure_contours(const CertificateInput& input, const Surfaces& 
     report.slices = contours.slices.size();
     report.contours = contours.contours.size();
     report.contour_vertices = contours.points.size();
-    report.slice_spacing_mm = median_spacing(contours);
+    if (all_parallel(contours, parallel_tolerance_mm)) report.slice_spacing_mm = median_spacing(contours);
     Surfaces of_contours(contours.structures.size());
     std::vector<std::size_t> match(contours.structures.size());
     for (std::uint32_t s = 0; s < match.size(); ++s) {

@@ -51,7 +51,7 @@ inline constexpr double certificate_volume_tolerance = 0.002;  // relative
 
 // Fills, and only these: vertices, tetrahedra, surface_triangles, structures, regions, quality, certificate,
 // listed_cells, listed_cells_total, listed_cells_forced; with contours also slices, contours,
-// contour_vertices and slice_spacing_mm. A contour structure is matched with the model's structure of the
+// contour_vertices and, of parallel slices, slice_spacing_mm. A contour structure is matched with the model's structure of the
 // same number, or, when both have only one, with that; the vertices of a structure that the model lacks are
 // not on its surface. Requires: mesh.regions.size() == mesh.cells.size(), every region in the table, members
 // below structures.size(). Warnings of the context that tell of vertices moved by cleaning stand in the

@@ -421,7 +421,7 @@ double default_size(const ContourSet& contours, const StructureField& field) {
         const double denser = vertex_spacing / (dense_planes * spacing);
         spacing *= std::min(denser * denser, dense_planes * dense_planes * denser);
     }
-    const double size = std::clamp(size_per_spacing * std::sqrt(vertex_spacing * spacing), 0.7 * spacing, 2 * spacing);
+    const double size = std::clamp(size_per_spacing * std::sqrt(vertex_spacing * spacing), 0.5 * spacing, 2 * spacing);
     return thick > 0 ? std::min(size, thick / total) : size;
 }
 

@@ -165,7 +165,7 @@ TEST(SamplePoints, the_default_size_is_about_the_side_of_a_square_a_contour_vert
     // Bounded by the slice spacing.
     const Case sparse = with_corners(16), dense = with_corners(0.1);
     EXPECT_NEAR(default_size(sparse.set, *sparse.field), 4, 1e-12);
-    EXPECT_NEAR(default_size(dense.set, *dense.field), 1.4, 1e-12);
+    EXPECT_NEAR(default_size(dense.set, *dense.field), 1, 1e-12);
 }
 
 TEST(SamplePoints, planes_that_cross_close_to_each_other_do_not_make_the_size_small) {
