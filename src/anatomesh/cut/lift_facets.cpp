@@ -4,6 +4,7 @@
 #include <cassert>
 #include <optional>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/mesh/quality.h"
 
@@ -27,6 +28,19 @@ class RestingFacets {
     RestingFacets(const TetMesh& mesh, const std::vector<std::uint32_t>& neighbors, const RegionTable& table,
                   std::span<const std::uint32_t> slice_of, const StructureField& field)
         : mesh_(mesh), neighbors_(neighbors), table_(table), slice_of_(slice_of), field_(field) {}
+
+    // The cells that may have one, rising.
+    std::vector<std::uint32_t> candidates(int threads) const {
+        return parallel_collect<std::uint32_t>(
+            mesh_.cells.size(), 16384, threads,
+            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& cells) {
+                for (std::size_t c = first; c < last; ++c) {
+                    bool any = false;
+                    for (std::size_t i = 0; i < 4 && !any; ++i) any = in_slice(mesh_.cells[c], i);
+                    if (any) cells.push_back(static_cast<std::uint32_t>(c));
+                }
+            });
+    }
 
     std::optional<std::size_t> of(std::size_t c) {
         for (std::size_t i = 0; i < 4; ++i) {
@@ -119,13 +133,13 @@ void split_over(TetMesh& mesh, std::vector<std::uint32_t>& neighbors, std::size_
 
 LiftStats lift_facets(TetMesh& mesh, std::vector<std::uint32_t>& neighbors, const RegionTable& table,
                       std::span<const std::uint32_t> slice_of, const StructureField& field,
-                      const LiftOptions& options) {
+                      const LiftOptions& options, int threads) {
     assert(slice_of.size() == mesh.points.size() && neighbors.size() == 4 * mesh.cells.size());
     assert(options.height > 0 && options.height < 1);
     LiftStats stats;
     RestingFacets resting(mesh, neighbors, table, slice_of, field);
-    const std::size_t cells = mesh.cells.size();
-    for (std::size_t c = 0; c < cells; ++c) {
+    // Lifting a facet of one of them leaves the vertices of the others.
+    for (const std::uint32_t c : resting.candidates(threads)) {
         const std::optional<std::size_t> facet = resting.of(c);
         if (!facet) continue;
         if (add_apex(mesh, c, *facet, mesh.regions[neighbors[4 * c + *facet]], options)) {

@@ -34,6 +34,6 @@ struct LiftStats {
 // Guarantees: no vertex moves, all cells positive (checked exactly). Complexity: O(cells). Errors: none.
 LiftStats lift_facets(TetMesh& mesh, std::vector<std::uint32_t>& neighbors, const RegionTable& table,
                       std::span<const std::uint32_t> slice_of, const StructureField& field,
-                      const LiftOptions& options = {});
+                      const LiftOptions& options = {}, int threads = 1);
 
 }  // namespace anatomesh

@@ -109,7 +109,9 @@ class Flipper {
                 const std::uint32_t f = work[n];
                 std::uint8_t gains = 0;
                 for (int k = 0; k < 3; ++k) {
-                    if (facets_[f].across[k] == no_facet) continue;
+                    const std::uint32_t g = facets_[f].across[k];
+                    // Of two facets in the work, the later one asks.
+                    if (g == no_facet || (g > f && waits_[g])) continue;
                     const Quad q = quad(f, k);
                     const bool wanted = gains_enough(q, normal(q.a, q.d, q.c), normal(q.d, q.b, q.c));
                     gains = static_cast<std::uint8_t>(gains | wanted << k);

@@ -446,7 +446,7 @@ class Builder {
         model_.regions = mesh_->registry().table();
         const LiftStats lifted = lift_facets(
             mesh, neighbors_, model_.regions,
-            slices_of_vertices(contours_, vertices_of_contours(), pieces_, mesh.points.size()), *field_);
+            slices_of_vertices(contours_, vertices_of_contours(), pieces_, mesh.points.size()), *field_, {}, context_.threads);
         figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
                     {"flat_cells_peeled", static_cast<double>(relabelled.flat_cells_peeled)},
