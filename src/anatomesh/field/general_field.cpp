@@ -20,6 +20,7 @@ namespace {
 
 constexpr std::uint32_t most_near = 16;  // patches that a query takes into account: the nearest
 constexpr std::uint32_t no_structure = 0xffffffffu;
+constexpr double most_widened = 3;        // times the usual, the radius within which patches count
 constexpr double least_share = 0.01;      // of a patch that others hide: less is nothing
 constexpr double fade_of_outside = 0.01;  // weight of outside at the radius
 constexpr double never = -std::numeric_limits<double>::infinity();
@@ -61,11 +62,16 @@ struct Sight {
 
 class GeneralField final : public FieldQueries<GeneralField> {
   public:
-    GeneralField(PlaneSpacings spacings, double margin, double clamp, bool partition, EndCaps caps)
+    GeneralField(PlaneSpacings spacings, bool dense, double margin, double clamp, bool partition,
+                 EndCaps caps)
         : spacing_(spacings.median), margin_(margin), caps_(caps) {
         clamp_ = clamp;
         partition_ = partition;
-        radius_ = std::max(3 * spacings.wide, 2 * spacings.median);
+        // Dense planes leave gaps of many times their spacing here and there: a point in one sees both of its
+        // sides, and is not beyond the end.
+        const double usual = std::max(3 * spacings.wide, 2 * spacings.median);
+        radius_ = dense ? std::max(usual, std::min(2 * spacings.gap, most_widened * usual)) : usual;
+        end_spacing_ = radius_ > usual ? std::max(spacing_, spacings.gap) : spacing_;
         reach_ = std::max(spacings.wide, spacings.median);
     }
 
@@ -112,7 +118,8 @@ class GeneralField final : public FieldQueries<GeneralField> {
     std::vector<std::optional<DistanceMap>> maps_;  // per patch in order of structure, the union last
     std::vector<std::uint32_t> structure_of_;
     std::uint32_t union_ = 0;
-    double spacing_ = 0, margin_ = 0, radius_ = 0, reach_ = 0;
+    double spacing_ = 0, margin_ = 0, radius_ = 0, reach_ = 0,
+           end_spacing_ = 0;  // outside joins in half of it beyond the end
     EndCaps caps_;
     Box3 box_;
     // Cells over the box; each lists the patches within the radius of any of its points.
@@ -214,7 +221,7 @@ void GeneralField::end(Sight& sight) const {
     }
     const double one_sided = total > 0 ? length(pull) / total : 0;
     const double square = one_sided * one_sided, fourth = square * square;
-    sight.outside += fourth * fourth * 2 / spacing_;
+    sight.outside += fourth * fourth * 2 / end_spacing_;
 }
 
 // Weights fall as 1 / distance, which between two parallel patches is linear interpolation. On a patch it
@@ -414,14 +421,16 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
     std::vector<PlanePatch> patches = plane_patches(set);
     const PlaneSpacings spacings = plane_spacings(set, patches);
     // Where planes lie close, distances still reach as far as the vertices are apart: cells are no smaller.
-    const double reach = std::max(1.5 * spacings.median, mean_vertex_spacing(set));
+    const double vertex_spacing = mean_vertex_spacing(set);
+    const bool dense = vertex_spacing > dense_spacing * spacings.median;
+    const double reach = std::max(1.5 * spacings.median, vertex_spacing);
     const double clamp = options.clamp_mm > 0 ? options.clamp_mm : reach;
     const double margin = options.plane_margin_mm > 0 ? options.plane_margin_mm : spacings.median;
     std::vector<bool> used(set.structures.size(), false);
     for (const Contour& contour : set.contours) used[contour.structure] = true;
     const bool several = std::count(used.begin(), used.end(), true) > 1;
-    auto field =
-        std::make_shared<GeneralField>(spacings, margin, clamp, set.exclusive && several, options.caps);
+    auto field = std::make_shared<GeneralField>(spacings, dense, margin, clamp, set.exclusive && several,
+                                                options.caps);
     ANATOMESH_CHECK_STATUS(field->build(set, std::move(patches), context));
     return std::shared_ptr<const StructureField>(std::move(field));
 }

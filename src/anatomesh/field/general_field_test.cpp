@@ -67,6 +67,30 @@ TEST(GeneralField, C24_C27_the_ball_comes_back_inside_and_outside_near_its_surfa
     }
 }
 
+TEST(GeneralField, gaps_between_freehand_planes_are_no_bubbles) {
+    for (const int planes : {60, 240}) {
+        std::mt19937 random(7);
+        std::uniform_real_distribution<double> unit(-1, 1);
+        SetBuilder builder;
+        for (int k = 0; k < planes; ++k) {
+            const Vec3 n = normalized({0.05 * unit(random), 0.05 * unit(random), 1});
+            const double h = 0.98 * radius * unit(random);
+            builder.slice(make_plane(h * n, n));
+            builder.ring(0, circle({}, std::sqrt(radius * radius - h * h), 48, h));
+        }
+        const auto field = field_of(builder.set);
+        std::vector<std::uint32_t> members;
+        int bubbles = 0;
+        for (int i = 0; i < 20000; ++i) {
+            const Vec3 p = 0.85 * radius * Vec3{unit(random), unit(random), unit(random)};
+            if (length(p) > 0.85 * radius) continue;
+            field->members(p, members);
+            bubbles += members.empty();
+        }
+        EXPECT_EQ(bubbles, 0) << planes;
+    }
+}
+
 TEST(GeneralField, on_a_plane_away_from_others_the_drawn_region_holds) {
     SetBuilder builder;
     const Ring notched{{-20, -20}, {20, -20}, {20, 20}, {0, 0}, {-20, 20}};

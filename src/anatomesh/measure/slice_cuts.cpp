@@ -6,6 +6,7 @@
 
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/measure/even_odd_area.h"
+#include "anatomesh/mesh/box_tree.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
 namespace anatomesh {
@@ -16,46 +17,36 @@ constexpr double on_plane_share =
     1e-9;  // a vertex this near to a plane lies on it, in lengths of the contours' box
 constexpr double parallel_mm = 1e-6;
 
-// The triangles of a surface by their lowest height along a direction: those at a height are found without
-// the others.
-class Layers {
+// The triangles of a surface that may meet a plane, found without the others.
+class TrianglesAtPlanes {
   public:
-    Layers(std::span<const Vec3> points, const std::vector<Triangle>& triangles, Vec3 direction)
-        : points_(points), direction_(direction) {
-        layers_.reserve(triangles.size());
-        for (const Triangle& t : triangles) {
-            const double a = height(t[0]), b = height(t[1]), c = height(t[2]);
-            const double low = std::min({a, b, c});
-            tallest_ = std::max(tallest_, std::max({a, b, c}) - low);
-            layers_.push_back({low, t});
-        }
-        std::sort(layers_.begin(), layers_.end());
-    }
+    TrianglesAtPlanes(std::span<const Vec3> points, const std::vector<Triangle>& triangles)
+        : triangles_(triangles), tree_(make_box_tree(points, triangles)) {}
 
-    // Calls visit(triangle) for those that may reach from the heights of the plane, and for a few more.
+    // Calls visit(triangle) for those nearer to the plane than `distance`, and for a few more.
     template <class Visit>
-    void for_each_at(const Plane& plane, double tolerance, Visit&& visit) const {
-        const double at = dot(plane.origin, direction_);
-        const auto first =
-            std::lower_bound(layers_.begin(), layers_.end(), Layer{at - tallest_ - tolerance, {}});
-        for (auto layer = first; layer != layers_.end() && layer->low <= at + tolerance; ++layer)
-            visit(layer->triangle);
+    void for_each_near(const Plane& plane, double distance, const Visit& visit) {
+        if (!tree_.nodes.empty()) waiting_.push_back(0);
+        while (!waiting_.empty()) {
+            const BoxTree::Node& node = tree_.nodes[waiting_.back()];
+            waiting_.pop_back();
+            const Vec3 half = 0.5 * (node.box.high - node.box.low), n = plane.normal;
+            const double reach = std::abs(n.x) * half.x + std::abs(n.y) * half.y + std::abs(n.z) * half.z;
+            if (std::abs(plane.signed_distance(node.box.low + half)) > (1 + 1e-9) * reach + distance)
+                continue;
+            if (node.count == 0) {
+                waiting_.insert(waiting_.end(), {node.first, node.first + 1});
+                continue;
+            }
+            for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+                visit(triangles_[tree_.order[i]]);
+        }
     }
 
   private:
-    struct Layer {
-        double low;
-        Triangle triangle;
-        friend bool operator<(const Layer& a, const Layer& b) {
-            return a.low != b.low ? a.low < b.low : a.triangle < b.triangle;
-        }
-    };
-    double height(std::uint32_t v) const { return dot(points_[v], direction_); }
-
-    std::span<const Vec3> points_;
-    Vec3 direction_;
-    std::vector<Layer> layers_;
-    double tallest_ = 0;
+    const std::vector<Triangle>& triangles_;
+    BoxTree tree_;
+    std::vector<std::uint32_t> waiting_;
 };
 
 // Whether a slice without a structure says that it is not there: not where most of its gaps skip slices (as
@@ -77,7 +68,8 @@ bool every_slice_tells(const ContourSet& contours, std::uint32_t structure) {
 double farthest_off_plane(const ContourSet& contours, const Slice& slice) {
     double farthest = 0;
     for (const Contour& contour : contours.contours_of(slice)) {
-        for (const Vec3& p : contours.points_of(contour)) farthest = std::max(farthest, std::abs(slice.plane.signed_distance(p)));
+        for (const Vec3& p : contours.points_of(contour))
+            farthest = std::max(farthest, std::abs(slice.plane.signed_distance(p)));
     }
     return farthest;
 }
@@ -170,7 +162,7 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
     const bool parallel = all_parallel(contours, parallel_mm);
     std::vector<std::uint8_t> drawn_here(points.size(), 0);
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
-        const Layers layers(points, surfaces[s], contours.slices[0].plane.normal);
+        TrianglesAtPlanes surface(points, surfaces[s]);
         const bool all_tell = every_slice_tells(contours, s);
         for (std::uint32_t k = 0; k < contours.slices.size(); ++k) {
             const Slice& slice = contours.slices[k];
@@ -201,13 +193,11 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
                 for (std::size_t n = 0; n < ring.size(); ++n) cut.add(ring[n], ring[(n + 1) % ring.size()]);
             }
             if (drawn || (all_tell && (parallel || slice.contour_count > 0))) {
-                const auto add = [&](const Triangle& t) { cut.add(t); };
+                // Twice what counts as on the plane, for rounding.
+                surface.for_each_near(slice.plane, 2 * off_plane, [&](const Triangle& t) { cut.add(t); });
                 if (parallel) {
-                    layers.for_each_at(slice.plane, off_plane + parallel_mm, add);
                     constexpr double far = 1e12;
                     extent = {{-far, -far}, {far, far}};
-                } else {
-                    for (const Triangle& t : surfaces[s]) cut.add(t);
                 }
                 measured.difference = even_odd_area(cut.rest(), extent);
                 cuts.push_back(measured);

@@ -52,6 +52,12 @@ constexpr std::size_t last_few = 300;  // shorter pieces are split where fewer t
 constexpr double free_share =
     0.25;  // of a piece that is split: no other contour vertex is this near to its middle
 constexpr double shortest_piece = 0.3;       // of a contour segment that is still split, in sizes
+// Where freehand planes lie closer than the vertices along them, contours tell the surface without more points.
+constexpr double dense_growth = 2;            // of the edge length with the depth
+constexpr int dense_deviation_rounds = 2;
+constexpr double dense_free_share = 0.5;      // the whole ball of a piece that is split
+constexpr double crowded_share = 0.25;        // contour vertices nearer to each other than this may spoil cells, in sizes
+constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
 // The set moved so that `origin` comes to lie at (0, 0, 0); every plane's own origin is the foot of that point on it.
 ContourSet relative_to(Vec3 origin, ContourSet set) {
@@ -67,19 +73,22 @@ ContourSet relative_to(Vec3 origin, ContourSet set) {
 // contours' box: far from (0, 0, 0) coordinates are coarse, and a model must not depend on where the patient lay.
 class Builder {
   public:
-    // `size_given`: by the user; else it is the default, or one tried after it.
-    Builder(const ContourSet& contours, const ModelOptions& options, bool size_given, RunContext& context,
-            const StageObserver& observer)
+    // `size_given`: by the user; else it is the default, or one tried after it. `is_first`: nothing was tried before.
+    Builder(const ContourSet& contours, const ModelOptions& options, bool size_given, bool is_first,
+            RunContext& context, const StageObserver& observer)
         : source_(contours),
           origin_(contours.points.empty() ? Vec3{} : contours.box().low),
           contours_(relative_to(origin_, contours)),
           options_(options),
           size_given_(size_given),
+          is_first_(is_first),
           context_(context),
           observer_(observer),
           structures_(static_cast<std::uint32_t>(contours.structures.size())) {}
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
+    // That to try next: where less was done for the shape of cells, the same size with all that can be done.
+    double next_size_mm() const { return dense_ ? size_mm() : finer * size_mm(); }
 
     // Whether a structure that is hardly thicker than the size was torn.
     bool tore_a_thin_structure() const {
@@ -112,12 +121,14 @@ class Builder {
         options.single_slice_mm = options_.single_slice_mm;
         ANATOMESH_TRY(field_, make_structure_field(contours_, options, context_));
         report().slice_spacing_mm = field_->slice_spacing();
+        dense_ = is_first_ && dense_planes(contours_, *field_);
         return end_stage("field", 0.05);
     }
 
     Status sample() {
         SampleOptions options;
         options.size_mm = options_.size_mm;
+        if (dense_) options.growth = dense_growth;
         ANATOMESH_TRY(sample_, sample_points(contours_, *field_, options, context_));
         const SampleStats& stats = sample_->stats;
         figures_ = {{"contour_points", static_cast<double>(stats.contour_points)},
@@ -175,6 +186,8 @@ class Builder {
             pieces_.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
         }
         acute_ = acute_vertices(mesh_->points(), pieces_);
+        given_.assign(mesh_->points().size(), 0);
+        for (std::size_t n = 0; n < sample_->stats.contour_points; ++n) given_[vertices[n]] = 1;
         return end_stage("delaunay", 0.35);
     }
 
@@ -195,7 +208,7 @@ class Builder {
         ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
         DeviationOptions deviation;
         deviation.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
-        for (int round = 0; round < deviation_rounds; ++round) {
+        for (int round = 0; round < (dense_ ? dense_deviation_rounds : deviation_rounds); ++round) {
             std::vector<Vec3> found;
             mesh_->look_again(deviations);
             find_deviation_points(mesh_->points(), mesh_->cells(), mesh_->regions(), *field_, structures_, mesh_->grid(),
@@ -208,6 +221,8 @@ class Builder {
         RefineOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.max_reach_mm = 3 * sample_->stats.size_mm;
+        options.given = given_;
+        if (dense_) options.crowded_mm = crowded_share * sample_->stats.size_mm;
         const auto find_shapes = [&](std::vector<Vec3>& found) {
             mesh_->look_again(shapes);
             return find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), mesh_->sides(),
@@ -326,7 +341,7 @@ class Builder {
         const double span = piece_length(piece);
         const Vec3 middle = 0.5 * (mesh_->points()[piece.a] + mesh_->points()[piece.b]);
         return span > scale * shortest_piece * sample_->stats.size_mm &&
-               !sample_->guard.any_point_within(middle, scale * free_share * span);
+               !sample_->guard.any_point_within(middle, scale * (dense_ ? dense_free_share : free_share) * span);
     }
     double piece_length(const SegmentPiece& piece) const {
         return length(mesh_->points()[piece.b] - mesh_->points()[piece.a]);
@@ -361,6 +376,7 @@ class Builder {
     // The last few: pieces that only shorter ones resolve, and pieces that are edges off their structure's
     // surface.
     Status finish_segments() {
+        if (dense_) return recover_segments(0);
         for (const double scale : {1.0, 0.5, 0.25, 0.125}) {
             ANATOMESH_CHECK_STATUS(recover_segments(0, scale));
         }
@@ -491,6 +507,7 @@ class Builder {
         ImproveOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * stats.size_mm;
+        if (dense_) options.rounds = 0;
         const ImproveStats improved = improve(model_.mesh, fixed, *field_, structures_, options, context_);
         const DihedralStats dihedrals = improve_angles(fixed);
         BalanceOptions balance;
@@ -535,6 +552,10 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
+        if (dense_) {
+            options.target_degrees = dense_target_degrees;
+            options.passes = 1;
+        }
         return improve_dihedrals(model_.mesh, neighbors_, fixed,
                                  edges_along(model_.mesh, neighbors_, segments), *field_, structures_,
                                  options, context_);
@@ -777,7 +798,7 @@ class Builder {
     const Vec3 origin_;
     const ContourSet contours_;  // relative to it
     const ModelOptions& options_;
-    const bool size_given_;
+    const bool size_given_, is_first_;
     RunContext& context_;
     const StageObserver& observer_;
     std::uint32_t structures_;
@@ -788,6 +809,8 @@ class Builder {
     std::optional<LabelledMesh> mesh_;
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
     std::vector<SegmentPiece> pieces_;             // of contour segments, between vertices of mesh_
+    bool dense_ = false;                           // dense_planes(), and the first try
+    std::vector<std::uint8_t> given_;              // by vertex of the first mesh: one of a contour
     std::vector<std::uint32_t> acute_;             // vertices where some of them meet at acute angles; rising
     MissingPieces missing_;                        // of them
     CellSearch segment_search_;                    // the cells that missing_ has not seen
@@ -807,13 +830,13 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
     ModelOptions tried = options;
     const std::size_t warnings_before = context.warnings.size();
     for (int attempt = 1;; ++attempt) {
-        Builder builder(contours, tried, options.size_mm > 0, context, observer);
+        Builder builder(contours, tried, options.size_mm > 0, attempt == 1, context, observer);
         Result<Model> model = builder.run();
         const bool too_coarse = !model.ok() && (model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001");
         const bool torn = model.ok() && model.value().mesh.cells.size() < build_again_below && builder.tore_a_thin_structure();
         if (!(too_coarse || torn) || options.size_mm > 0 || attempt == max_attempts) return model;
         // A default size that is too coarse for the smallest parts: once more, finer.
-        tried.size_mm = finer * builder.size_mm();
+        tried.size_mm = builder.next_size_mm();
         context.warnings.resize(warnings_before);
         context.warn({"W-PIP-001",
                       "the default edge length was too coarse for the smallest parts: " +

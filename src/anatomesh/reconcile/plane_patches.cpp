@@ -58,7 +58,7 @@ std::vector<PlanePatch> plane_patches(const ContourSet& set) {
 
 PlaneSpacings plane_spacings(const ContourSet& set, const std::vector<PlanePatch>& patches) {
     const std::size_t samples = std::clamp<std::size_t>(4000 / (patches.size() + 1), 2, 16);
-    std::vector<double> gaps, shares;
+    std::vector<double> gaps, shares, sides;
     for (std::size_t i = 0; i < patches.size(); ++i) {
         std::vector<Vec3> points;
         for (const Contour& contour : set.contours_of(set.slices[i])) {
@@ -69,25 +69,34 @@ PlaneSpacings plane_spacings(const ContourSet& set, const std::vector<PlanePatch
             const Vec3 p = points[points.size() * sample / std::min(samples, points.size())];
             std::array<double, crowd> near;  // the nearest, rising
             near.fill(std::numeric_limits<double>::infinity());
+            std::array<double, 2> beside = {near[0], near[0]};  // on either side
             for (std::size_t j = 0; j < patches.size(); ++j) {
                 if (j == i || patches[j].box.empty()) continue;
                 if (std::abs(dot(patches[i].plane.normal, patches[j].plane.normal)) < cos_30) continue;
-                double distance = length(patches[j].offset_from(p, 0));
+                const Vec3 offset = patches[j].offset_from(p, 0);
+                double distance = length(offset);
+                double& side = beside[dot(offset, patches[i].plane.normal) > 0];
+                side = std::min(side, distance);
                 for (double& one : near) {
                     if (distance < one) std::swap(distance, one);
                 }
             }
             if (std::isfinite(near[0]) && near[0] > 0) gaps.push_back(near[0]);
+            for (const double side : beside) {
+                if (std::isfinite(side)) sides.push_back(side);
+            }
             if (std::isfinite(near[crowd - 1])) shares.push_back(near[crowd - 1] / (crowd / 2));
         }
     }
     if (gaps.empty()) {
         const double apart = set.box().diagonal() / static_cast<double>(patches.size() + 1);
-        return {apart, apart};
+        return {apart, apart, apart};
     }
     std::sort(gaps.begin(), gaps.end());
     std::sort(shares.begin(), shares.end());
-    PlaneSpacings spacings{gaps[gaps.size() / 2], gaps[gaps.size() * 9 / 10]};
+    std::sort(sides.begin(), sides.end());
+    PlaneSpacings spacings{gaps[gaps.size() / 2], gaps[gaps.size() * 9 / 10],
+                           sides[sides.size() * 995 / 1000]};
     // Planes that cross here and there are near each other by chance: among many, the room each has counts.
     if (2 * shares.size() > gaps.size() && patches.size() >= least_crowded) {
         spacings.median = std::max(spacings.median, shares[shares.size() / 2]);

@@ -63,6 +63,22 @@ double shortest_edge(const std::vector<Vec3>& points, const Cell& cell) {
     return std::sqrt(squared);
 }
 
+// Whether the shortest edge joins two contour vertices, and the circumradius is within the bound for an edge
+// of the length below which such vertices crowd each other.
+bool is_crowded(const std::vector<Vec3>& points, const Cell& cell, double ratio,
+                const RefineOptions& options) {
+    const auto is_given = [&](std::uint32_t v) { return v < options.given.size() && options.given[v] != 0; };
+    double shortest = HUGE_VAL;
+    bool between_given = false;
+    for (const auto& [i, j] : cell_edges) {
+        const double squared = squared_length(points[cell[i]] - points[cell[j]]);
+        if (squared >= shortest) continue;
+        shortest = squared;
+        between_given = is_given(cell[i]) && is_given(cell[j]);
+    }
+    return between_given && ratio * std::sqrt(shortest) <= options.max_radius_edge * options.crowded_mm;
+}
+
 void aim(const std::vector<Vec3>& points, const Cell& cell, const RefineOptions& options, BadCell& bad) {
     const Vec3 a = points[cell[0]], b = points[cell[1]], c = points[cell[2]], d = points[cell[3]];
     bad.shortest = shortest_edge(points, cell);
@@ -162,7 +178,7 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
                     ++here.cells;
                     here.ratios += ratio;
                 }
-                if (flat || ratio > options.max_radius_edge) {
+                if (flat || (ratio > options.max_radius_edge && !is_crowded(points, cell, ratio, options))) {
                     out.emplace_back();
                     out.back().cell = c;
                     out.back().ratio = flat ? 0 : ratio;

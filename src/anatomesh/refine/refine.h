@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
@@ -23,6 +24,8 @@ struct RefineOptions {
     double min_spacing = 0.75;       // of a new point from others, in shortest edges of its cell. (0, 1]
     double max_reach_mm = 10;        // points of one round keep at most this far from each other. > 0
     double protected_share = 0.5;    // of the diametral balls of contour segments, kept free of points, by radius. [0, 1]
+    std::span<const std::uint8_t> given;  // by point, not 0 for contour vertices; points beyond its end are none
+    double crowded_mm = 0;  // an edge between two of these counts as at least so long: their cells may be worse
     double surface_pull = 0.35;      // a circumcentre this near an interface is moved onto it, in circumradii. [0, 0.5]
 };
 

@@ -23,7 +23,6 @@ constexpr double protected_spacing = 0.5;   // of a free point from a contour po
 constexpr double surface_band = 0.45;       // lattice points this near an interface are moved onto it, in sizes
 constexpr double lattice_shift = 0.04;      // of a lattice point from its place, at most, in half steps
 constexpr double size_per_spacing = 1.05;   // of the default size: thin walls get finer points of their own
-constexpr double dense_planes = 1.5;        // vertex spacings in spacings of crossing planes from where the former count
 constexpr double contact_clearance = 0.2;   // of a contact of two contours from the ends of its segments, in sizes
 constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
 constexpr double position_tolerance = 2e-3; // surface points lie on the interface to within this, in sizes
@@ -406,6 +405,10 @@ std::vector<double> mean_thickness(const ContourSet& contours) {
     return area;
 }
 
+bool dense_planes(const ContourSet& contours, const StructureField& field) {
+    return !is_parallel(contours) && mean_vertex_spacing(contours) > dense_spacing * field.slice_spacing();
+}
+
 double default_size(const ContourSet& contours, const StructureField& field) {
     std::vector<double> perimeter(contours.structures.size(), 0);
     for (const Contour& contour : contours.contours) perimeter[contour.structure] += contour_length(contours, contour);
@@ -417,9 +420,9 @@ double default_size(const ContourSet& contours, const StructureField& field) {
     }
     const double vertex_spacing = mean_vertex_spacing(contours);
     double spacing = field.slice_spacing();
-    if (!is_parallel(contours) && vertex_spacing > dense_planes * spacing) {
-        const double denser = vertex_spacing / (dense_planes * spacing);
-        spacing *= std::min(denser * denser, dense_planes * dense_planes * denser);
+    if (dense_planes(contours, field)) {
+        const double denser = vertex_spacing / (dense_spacing * spacing);
+        spacing *= std::min(denser * denser, dense_spacing * dense_spacing * denser);
     }
     const double size = std::clamp(size_per_spacing * std::sqrt(vertex_spacing * spacing), 0.5 * spacing, 2 * spacing);
     return thick > 0 ? std::min(size, thick / total) : size;

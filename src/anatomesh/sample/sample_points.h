@@ -43,6 +43,10 @@ struct PointSample {
 // thickness t, seen edge on, gives t; a disc of radius r gives r. Requires: a kept contour set.
 std::vector<double> mean_thickness(const ContourSet& contours);
 
+// Whether planes cross and lie so close to each other that vertices along the contours are more than 1.5 of their
+// spacings apart: the places between them are drawn more finely than the contours.
+bool dense_planes(const ContourSet& contours, const StructureField& field);
+
 // The edge length that suits the data: the geometric mean of the slice spacing and the mean spacing of the vertices
 // along the contours, that is about the side of a square with the surface's area per contour vertex; between 0.5
 // and 2 spacings (of planes that cross and lie closer than two thirds of the vertex spacing, larger by the square of

@@ -1,0 +1,64 @@
+// Freehand planes that lie closer to each other than the vertices along their contours.
+#include <gtest/gtest.h>
+
+#include "anatomesh/pipeline/random_solids_for_test.h"
+#include "anatomesh/pipeline/solid_fixtures_for_test.h"
+#include "anatomesh/reconcile/reconcile.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+constexpr double radius = 20;
+
+// A ball swept by planes whose places and tilts jitter by more than the gaps between them.
+ContourSet sweep(int planes, int corners) {
+    random_solids::Random random(5);
+    RawContours raw;
+    raw.structures.push_back({1, "ball", {}});
+    for (int k = 0; k < planes; ++k) {
+        const Vec3 n = normalized(
+            {0.1 * std::sin(0.1 * k) + random.between(-0.02, 0.02), random.between(-0.02, 0.02), 1});
+        const double h = radius * ((2.0 * k + 1) / planes - 1) * 0.98;
+        const Plane plane = make_plane(h * n, n);
+        raw.planes.push_back(plane);
+        raw.plane_names.push_back("plane " + std::to_string(k));
+        RawContour contour;
+        contour.plane = k;
+        contour.first_point = static_cast<std::uint32_t>(raw.points.size());
+        const double reach = std::sqrt(radius * radius - h * h);
+        for (int i = 0; i < corners; ++i) {
+            const double angle = 2 * pi * i / corners;
+            raw.points.push_back(plane.to_space({reach * std::cos(angle), reach * std::sin(angle)}));
+        }
+        contour.point_count = static_cast<std::uint32_t>(corners);
+        raw.contours.push_back(contour);
+    }
+    RunContext context;
+    return std::move(reconcile_contours(kept(raw), {}, context).value().kept);
+}
+
+TEST(DensePlanes, four_times_the_planes_make_hardly_more_cells) {
+    std::vector<double> cells;  // a contour vertex
+    for (const int planes : {30, 120}) {
+        const ContourSet set = sweep(planes, 80);
+        auto made = build(set);
+        ASSERT_TRUE(made.ok()) << to_line(made.error());
+        const Model& model = made.value();
+        cells.push_back(static_cast<double>(model.mesh.cells.size()) /
+                        static_cast<double>(set.points.size()));
+        ASSERT_EQ(model.contour_vertices.size(), set.points.size());
+        for (std::size_t n = 0; n < set.points.size(); ++n)
+            EXPECT_EQ(model.mesh.points[model.contour_vertices[n]], set.points[n]);
+        for (const int number : {1, 3, 6})
+            EXPECT_EQ(model.report.certificate[static_cast<std::size_t>(number - 1)].state, ClauseState::kept)
+                << number;
+        expect_structure(model, 0, {1, 0, 4.0 / 3 * pi * radius * radius * radius, 0.03});
+    }
+    EXPECT_LT(cells[1], 0.4 * cells[0]);
+    EXPECT_LT(cells[1], 20);
+}
+
+}  // namespace
+}  // namespace anatomesh
