@@ -54,7 +54,7 @@ class Skull(harness.TestCase):
         model = self.model
         self.assertGreater(model.volumes().min(), 0)
         self.assertLessEqual((model.radius_edge() > 2).mean(), 0.005)
-        self.assertLessEqual(model.radius_edge().mean(), 1.05)
+        self.assertLessEqual(model.radius_edge().mean(), 0.95)
         topology = judge.topology(model.surface())
         for fault in ("open_edges", "nonmanifold_edges", "nonmanifold_vertices"):
             self.assertEqual(topology[fault], 0, fault)

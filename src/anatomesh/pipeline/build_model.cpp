@@ -14,6 +14,7 @@
 #include "anatomesh/improve/balance_volumes.h"
 #include "anatomesh/improve/improve.h"
 #include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/improve/smooth_vertices.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
@@ -460,9 +461,10 @@ class Builder {
         segment_vertices_.insert(segment_vertices_.end(), split.on_segments.begin(), split.on_segments.end());
         find_neighbors(unsound.empty());
         model_.regions = mesh_->registry().table();
-        const LiftStats lifted = lift_facets(
-            mesh, neighbors_, model_.regions,
-            slices_of_vertices(contours_, vertices_of_contours(), pieces_, mesh.points.size()), *field_, {}, context_.threads);
+        const LiftStats lifted =
+            lift_facets(mesh, neighbors_, model_.regions,
+                        slices_of_vertices(contours_, vertices_of_contours(), pieces_, mesh.points.size()),
+                        *field_, {}, context_.threads);
         figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
                     {"flat_cells_peeled", static_cast<double>(relabelled.flat_cells_peeled)},
@@ -509,7 +511,12 @@ class Builder {
         options.tolerance_mm = interface_tolerance * stats.size_mm;
         if (dense_) options.rounds = 0;
         const ImproveStats improved = improve(model_.mesh, fixed, *field_, structures_, options, context_);
+        // Before, so that fewer angles are bad; after, since flips leave room.
+        SmoothStats smoothed = smooth_all(fixed);
         const DihedralStats dihedrals = improve_angles(fixed);
+        const SmoothStats again = smooth_all(fixed);
+        smoothed.vertices_moved += again.vertices_moved;
+        smoothed.surface_vertices_moved += again.surface_vertices_moved;
         BalanceOptions balance;
         balance.max_offset_mm = balance_reach * stats.size_mm;
         balance.ends = field_->flat_ends();
@@ -520,6 +527,8 @@ class Builder {
                     {"vertices_smoothed", static_cast<double>(improved.vertices_smoothed)},
                     {"above_bound_before", static_cast<double>(improved.above_bound_before)},
                     {"above_bound_after", static_cast<double>(improved.above_bound_after)},
+                    {"vertices_evened", static_cast<double>(smoothed.vertices_moved)},
+                    {"surface_vertices_evened", static_cast<double>(smoothed.surface_vertices_moved)},
                     {"angles_below_target_before", static_cast<double>(dihedrals.bad_before)},
                     {"angles_below_target_after", static_cast<double>(dihedrals.bad_after)},
                     {"vertices_moved", static_cast<double>(dihedrals.vertices_moved)},
@@ -537,6 +546,14 @@ class Builder {
                     {"volume_difference_before", balanced.worst_before},
                     {"volume_difference_after", balanced.worst_after}};
         return end_stage("improve", 0.85);
+    }
+
+    SmoothStats smooth_all(const std::vector<std::uint8_t>& fixed) {
+        SmoothOptions options;
+        options.max_radius_edge = options_.max_radius_edge;
+        options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
+        options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
+        return smooth_vertices(model_.mesh, neighbors_, fixed, *field_, structures_, options, context_);
     }
 
     // Contour segments that are edges of the surface stay edges of it.
