@@ -70,13 +70,21 @@ ContourSet relative_to(Vec3 origin, ContourSet set) {
     return set;
 }
 
+// What does not depend on the size.
+struct FieldAndVolumes {
+    std::shared_ptr<const StructureField> field;
+    std::vector<double> volumes_mm3;  // of the field, by structure
+    std::size_t warnings = 0;         // of the context, when the field was made
+};
+
 // Everything that one run of the method carries from stage to stage. The stages work relative to the low corner of the
 // contours' box: far from (0, 0, 0) coordinates are coarse, and a model must not depend on where the patient lay.
 class Builder {
   public:
     // `size_given`: by the user; else it is the default, or one tried after it. `is_first`: nothing was tried before.
+    // `known`: of the run before, or empty.
     Builder(const ContourSet& contours, const ModelOptions& options, bool size_given, bool is_first,
-            RunContext& context, const StageObserver& observer)
+            RunContext& context, const StageObserver& observer, FieldAndVolumes known)
         : source_(contours),
           origin_(contours.points.empty() ? Vec3{} : contours.box().low),
           contours_(relative_to(origin_, contours)),
@@ -85,7 +93,11 @@ class Builder {
           is_first_(is_first),
           context_(context),
           observer_(observer),
-          structures_(static_cast<std::uint32_t>(contours.structures.size())) {}
+          structures_(static_cast<std::uint32_t>(contours.structures.size())),
+          field_(std::move(known.field)),
+          volumes_mm3_(std::move(known.volumes_mm3)) {}
+
+    FieldAndVolumes field_and_volumes() const { return {field_, volumes_mm3_, warnings_of_field_}; }
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
     // That to try next: where less was done for the shape of cells, the same size with all that can be done.
@@ -120,7 +132,10 @@ class Builder {
         options.caps = options_.caps;
         options.max_gap_spacings = options_.max_gap_spacings;
         options.single_slice_mm = options_.single_slice_mm;
-        ANATOMESH_TRY(field_, make_structure_field(contours_, options, context_));
+        if (!field_) {
+            ANATOMESH_TRY(field_, make_structure_field(contours_, options, context_));
+        }
+        warnings_of_field_ = context_.warnings.size();
         report().slice_spacing_mm = field_->slice_spacing();
         dense_ = is_first_ && dense_planes(contours_, *field_);
         return end_stage("field", 0.05);
@@ -168,10 +183,14 @@ class Builder {
         std::optional<Result<std::vector<StructureVolume>>> volumes;
         parallel_tasks(context_.threads,
                        {[&] { made.emplace(Tetrahedralization::create(sample_->points, context_.threads)); },
-                        [&] { volumes.emplace(field_volumes(*field_, structures_, {}, context_)); }});
+                        [&] {
+                            if (volumes_mm3_.empty()) volumes.emplace(field_volumes(*field_, structures_, {}, context_));
+                        }});
         ANATOMESH_TRY(Tetrahedralization delaunay, std::move(*made));
-        ANATOMESH_TRY(const std::vector<StructureVolume> by_structure, std::move(*volumes));
-        for (const StructureVolume& volume : by_structure) volumes_mm3_.push_back(volume.by_field);
+        if (volumes) {
+            ANATOMESH_TRY(const std::vector<StructureVolume> by_structure, std::move(*volumes));
+            for (const StructureVolume& volume : by_structure) volumes_mm3_.push_back(volume.by_field);
+        }
         mesh_.emplace(std::move(delaunay), *field_, structures_, sample_->stats.size_mm,
                       interface_tolerance * sample_->stats.size_mm);
         // The mesh's vertex of every contour point, and the structures it must have on its surface.
@@ -821,7 +840,8 @@ class Builder {
     std::uint32_t structures_;
 
     std::shared_ptr<const StructureField> field_;
-    std::vector<double> volumes_mm3_;  // of the field, by structure
+    std::vector<double> volumes_mm3_;    // of the field, by structure
+    std::size_t warnings_of_field_ = 0;  // and before
     std::optional<PointSample> sample_;
     std::optional<LabelledMesh> mesh_;
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
@@ -845,16 +865,21 @@ class Builder {
 Result<Model> build_model(const ContourSet& contours, const ModelOptions& options, RunContext& context,
                           const StageObserver& observer) {
     ModelOptions tried = options;
-    const std::size_t warnings_before = context.warnings.size();
+    FieldAndVolumes known;
+    std::optional<std::size_t> warnings_before;  // of the contours and their field
+    int most_attempts = max_attempts;
     for (int attempt = 1;; ++attempt) {
-        Builder builder(contours, tried, options.size_mm > 0, attempt == 1, context, observer);
+        Builder builder(contours, tried, options.size_mm > 0, attempt == 1, context, observer, known);
         Result<Model> model = builder.run();
         const bool too_coarse = !model.ok() && (model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001");
         const bool torn = model.ok() && model.value().mesh.cells.size() < build_again_below && builder.tore_a_thin_structure();
-        if (!(too_coarse || torn) || options.size_mm > 0 || attempt == max_attempts) return model;
+        if (builder.next_size_mm() == builder.size_mm()) ++most_attempts;  // one that is no finer
+        if (!(too_coarse || torn) || options.size_mm > 0 || attempt == most_attempts) return model;
         // A default size that is too coarse for the smallest parts: once more, finer.
         tried.size_mm = builder.next_size_mm();
-        context.warnings.resize(warnings_before);
+        known = builder.field_and_volumes();
+        if (!warnings_before) warnings_before = known.warnings;
+        context.warnings.resize(*warnings_before);
         context.warn({"W-PIP-001",
                       "the default edge length was too coarse for the smallest parts: " +
                           (torn ? "a thin wall had holes" : model.error().message),

