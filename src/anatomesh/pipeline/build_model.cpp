@@ -137,7 +137,7 @@ class Builder {
         }
         warnings_of_field_ = context_.warnings.size();
         report().slice_spacing_mm = field_->slice_spacing();
-        dense_ = is_first_ && dense_planes(contours_, *field_);
+        dense_ = is_first_ && !size_given_ && dense_planes(contours_, *field_);
         return end_stage("field", 0.05);
     }
 
@@ -683,6 +683,7 @@ class Builder {
         ANATOMESH_CHECK_STATUS(end_stage("certificate", 1.0));
         warn_of_cuts();
         warn_of_tears();
+        warn_of_crowded_cells();
         for (const Clause& clause : report().certificate) {
             if (clause.state != ClauseState::broken) continue;
             // Quality and volume are out of reach for this input; a wrong surface would be a fault of ours.
@@ -735,6 +736,24 @@ class Builder {
                            " the model differs from the drawn region by more than " +
                            brief(100 * widest_cut) + " % of its area; the worst is named",
                        place, "kept; a smaller --size follows small or thin parts more closely"});
+    }
+
+    // What was not done for their sake is the user's to know.
+    void warn_of_crowded_cells() {
+        if (!dense_) return;
+        const QualityReport& quality = report().quality;
+        Place place;
+        place.file = contours_.source;
+        place.value = brief(100 * quality.radius_edge_share_over_2) +
+                      " % of the tetrahedra above radius-edge ratio 2, " +
+                      std::to_string(quality.dihedral_below_10) + " with an angle below 10 degrees";
+        context_.warn({"W-PIP-005",
+                       "the planes lie closer than the vertices along their contours; cells between vertices "
+                       "that crowd "
+                       "each other were left as they come",
+                       place,
+                       "kept; give a --size for all that can be done for their shapes, which takes several "
+                       "times as long"});
     }
 
     // Clauses 1 to 6 hold for a plate with holes as well.

@@ -60,5 +60,26 @@ TEST(DensePlanes, four_times_the_planes_make_hardly_more_cells) {
     EXPECT_LT(cells[1], 20);
 }
 
+TEST(DensePlanes, say_that_cells_were_left_as_they_come_and_a_given_size_does_more) {
+    const auto count_of = [](const RunContext& context, const std::string& code) {
+        return std::count_if(context.warnings.begin(), context.warnings.end(),
+                             [&](const Warning& w) { return w.code == code; });
+    };
+    const ContourSet dense = sweep(60, 40);
+    RunContext quick, full;
+    const auto first = build_model(dense, {}, quick);
+    ASSERT_TRUE(first.ok()) << to_line(first.error());
+    EXPECT_EQ(count_of(quick, "W-PIP-005"), 1);
+    ModelOptions options;
+    options.size_mm = first.value().report.size_mm;
+    const auto second = build_model(dense, options, full);
+    ASSERT_TRUE(second.ok()) << to_line(second.error());
+    EXPECT_EQ(count_of(full, "W-PIP-005"), 0);
+    EXPECT_LT(second.value().report.quality.radius_edge_share_over_2,
+              first.value().report.quality.radius_edge_share_over_2);
+    EXPECT_LT(second.value().report.quality.dihedral_below_10,
+              first.value().report.quality.dihedral_below_10);
+}
+
 }  // namespace
 }  // namespace anatomesh
