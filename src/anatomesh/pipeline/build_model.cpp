@@ -17,10 +17,10 @@
 #include "anatomesh/improve/smooth_vertices.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/mesh/topology.h"
+#include "anatomesh/pipeline/contour_pieces.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
 #include "anatomesh/pipeline/segment_vertices.h"
 #include "anatomesh/pipeline/surface_tears.h"
-#include "anatomesh/refine/missing_segments.h"
 #include "anatomesh/refine/refine.h"
 #include "anatomesh/sample/sample_points.h"
 
@@ -45,18 +45,11 @@ constexpr int protected_rounds = 4;           // of these, the first keep out of
 constexpr int small_mesh_rounds = 60;         // tiny segments need a round for each doubling of the size,
 constexpr std::size_t small_mesh = 20000;     // in meshes of fewer points than this
 constexpr int last_rounds = 1;                // after the last segments
-constexpr int segment_rounds = 8;
-constexpr int side_rounds = 2;  // of points beside pieces of contour segments off their structure's surface
-constexpr int relabel_rounds = 4;  // after the first, with such points where a piece was given up
-constexpr std::size_t a_few = 8;
-constexpr std::size_t last_few = 300;  // shorter pieces are split where fewer than one in so many is missing
-constexpr double free_share =
-    0.25;  // of a piece that is split: no other contour vertex is this near to its middle
-constexpr double shortest_piece = 0.3;       // of a contour segment that is still split, in sizes
-// Where freehand planes lie closer than the vertices along them, contours tell the surface without more points.
+constexpr int relabel_rounds = 4;             // after the first, with such points where a piece was given up
+// Where freehand planes lie closer than the vertices along them, contours tell the surface without more
+// points.
 constexpr double dense_growth = 2;            // of the edge length with the depth
 constexpr int dense_deviation_rounds = 2;
-constexpr double dense_free_share = 0.5;      // the whole ball of a piece that is split
 constexpr double crowded_share = 0.25;        // contour vertices nearer to each other than this may spoil cells, in sizes
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
@@ -202,10 +195,12 @@ class Builder {
         }
         owner_pairs_ = std::move(owners);
         const auto vertices = mesh_->first_vertices();
+        std::vector<SegmentPiece> pieces;
         for (const SegmentPiece& piece : sample_->pieces) {
-            pieces_.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
+            pieces.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
         }
-        acute_ = acute_vertices(mesh_->points(), pieces_);
+        pieces_.emplace(*mesh_, sample_->guard, *field_, std::move(pieces),
+                        ContourPieceOptions{sample_->stats.size_mm, dense_});
         given_.assign(mesh_->points().size(), 0);
         for (std::size_t n = 0; n < sample_->stats.contour_points; ++n) given_[vertices[n]] = 1;
         return end_stage("delaunay", 0.35);
@@ -213,7 +208,7 @@ class Builder {
 
     Status cull_cells() {
         const CullStats stats = mesh_->update(context_);
-        ANATOMESH_CHECK_STATUS(check_region_count());
+        ANATOMESH_CHECK_STATUS(check_region_count(*mesh_));
         report().share_culled = static_cast<double>(stats.culled) / static_cast<double>(mesh_->regions().size());
         figures_ = {{"cells", static_cast<double>(mesh_->regions().size())},
                     {"culled", static_cast<double>(stats.culled)},
@@ -235,9 +230,9 @@ class Builder {
                                   sample_->guard, deviation, deviations.cells, found, context_);
             if (not_worth_a_round(found.size(), 500)) break;
             deviation_points += static_cast<double>(found.size());
-            ANATOMESH_CHECK_STATUS(grow(found));
+            ANATOMESH_CHECK_STATUS(pieces_->grow(found, {}, context_));
         }
-        ANATOMESH_CHECK_STATUS(recover_segments(500));
+        ANATOMESH_CHECK_STATUS(pieces_->recover(500, context_));
         RefineOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.max_reach_mm = 3 * sample_->stats.size_mm;
@@ -259,12 +254,12 @@ class Builder {
             surface_points += static_cast<double>(stats.surface_points);
             const std::size_t count = found.size() + stats.balls.size();
             if (count == 0 || (round > 2 && not_worth_a_round(count, 800))) break;
-            ANATOMESH_CHECK_STATUS(grow(found, stats.balls));
+            ANATOMESH_CHECK_STATUS(pieces_->grow(found, stats.balls, context_));
         }
         // Edges that came to cross an interface since the first rounds would end as spikes.
         crossing.protected_share = 0.5;
         ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
-        ANATOMESH_CHECK_STATUS(finish_segments());
+        ANATOMESH_CHECK_STATUS(pieces_->finish(context_));
         // What that spoiled, out of the balls of the segments.
         options.protected_share = 1;
         for (int round = 0; round < (mesh_->points().size() < small_mesh ? small_mesh_rounds : last_rounds);
@@ -274,15 +269,15 @@ class Builder {
             if (found.empty()) break;
             circumcenters += static_cast<double>(stats.circumcenters);
             surface_points += static_cast<double>(stats.surface_points);
-            ANATOMESH_CHECK_STATUS(grow(found));
-            ANATOMESH_CHECK_STATUS(finish_segments());
+            ANATOMESH_CHECK_STATUS(pieces_->grow(found, {}, context_));
+            ANATOMESH_CHECK_STATUS(pieces_->finish(context_));
         }
         figures_ = {{"crossing_points", crossing_points},
                     {"deviation_points", deviation_points},
                     {"circumcenters", circumcenters},
                     {"surface_points", surface_points},
-                    {"side_points", static_cast<double>(side_points_)},
-                    {"segment_points", static_cast<double>(segment_vertices_.size())}};
+                    {"side_points", static_cast<double>(pieces_->side_points())},
+                    {"segment_points", static_cast<double>(pieces_->vertices().size())}};
         return end_stage("refine", 0.6);
     }
 
@@ -296,8 +291,8 @@ class Builder {
                                      mesh_->grid(), sample_->guard, options, search.cells, found, context_);
             if (found.empty() && (options.protected_share == 1 || stats.balls.empty())) break;
             points += static_cast<double>(found.size());
-            ANATOMESH_CHECK_STATUS(
-                grow(found, options.protected_share == 1 ? std::vector<std::uint32_t>{} : stats.balls));
+            ANATOMESH_CHECK_STATUS(pieces_->grow(
+                found, options.protected_share == 1 ? std::vector<std::uint32_t>{} : stats.balls, context_));
         }
         return Nothing{};
     }
@@ -305,138 +300,10 @@ class Builder {
     // The last few points.
     bool not_worth_a_round(std::size_t count, std::size_t share) const { return count * share < mesh_->points().size(); }
 
-    // Inserts the points, and the middles of the pieces of contour segments with these diametral balls.
-    Status grow(std::vector<Vec3> found, const std::vector<std::uint32_t>& balls = {}, double scale = 1) {
-        if (context_.cancelled()) return cancelled_error();
-        std::vector<SegmentPiece> split;
-        std::vector<SegmentPiece> kept;
-        for (const SegmentPiece& piece : pieces_) {
-            const bool wanted =
-                std::binary_search(balls.begin(), balls.end(), piece.ball) && may_split(piece, scale);
-            (wanted ? split : kept).push_back(piece);
-        }
-        std::stable_sort(split.begin(), split.end(), [](auto& x, auto& y) { return x.ball < y.ball; });
-        const std::size_t others = found.size();
-        for (const SegmentPiece& piece : split) found.push_back(split_point(piece));
-        const std::vector<std::uint32_t> vertices = mesh_->insert(found, context_.threads);
-        pieces_ = std::move(kept);
-        add_halves(split, {vertices.begin() + static_cast<std::ptrdiff_t>(others), vertices.end()});
-        mesh_->update(context_);
-        return check_region_count();
-    }
-
-    // The middle; but pieces that meet at an acute angle are split at one distance from where they meet, a
-    // power of two, so that neither half lies in the ball of the other and splitting ends (Shewchuk, Delaunay
-    // refinement mesh generation, 1997, chapter 3: concentric shells).
-    Vec3 split_point(const SegmentPiece& piece) const {
-        const Vec3 a = mesh_->points()[piece.a], b = mesh_->points()[piece.b];
-        const bool at_a = std::binary_search(acute_.begin(), acute_.end(), piece.a);
-        if (at_a == std::binary_search(acute_.begin(), acute_.end(), piece.b)) return 0.5 * (a + b);
-        const double span = length(b - a);
-        const double share = std::exp2(std::floor(std::log2(span * 2 / 3))) / span;
-        return at_a ? a + share * (b - a) : b + share * (a - b);
-    }
-
-    // Pieces in the order of their balls; those of several structures with one ball share its halves too.
-    void add_halves(const std::vector<SegmentPiece>& split, const std::vector<std::uint32_t>& middles) {
-        SegmentGuard& guard = sample_->guard;
-        std::uint32_t low = 0, high = 0;
-        for (std::size_t k = 0; k < split.size(); ++k) {
-            const SegmentPiece& piece = split[k];
-            if (k == 0 || split[k - 1].ball != piece.ball) {
-                guard.drop_ball(piece.ball);
-                guard.add_point(mesh_->points()[middles[k]]);
-                const Vec3 middle = mesh_->points()[middles[k]];
-                low = guard.add_segment(mesh_->points()[piece.a], middle);
-                high = guard.add_segment(middle, mesh_->points()[piece.b]);
-                segment_vertices_.push_back(middles[k]);
-            }
-            pieces_.push_back({piece.a, middles[k], piece.structure, low});
-            pieces_.push_back({middles[k], piece.b, piece.structure, high});
-        }
-    }
-
-    // Not where a contour runs close beside it, which would have to be split in its turn, and so on.
-    bool may_split(const SegmentPiece& piece, double scale) const {
-        const double span = piece_length(piece);
-        const Vec3 middle = 0.5 * (mesh_->points()[piece.a] + mesh_->points()[piece.b]);
-        return span > scale * shortest_piece * sample_->stats.size_mm &&
-               !sample_->guard.any_point_within(middle, scale * (dense_ ? dense_free_share : free_share) * span);
-    }
-    double piece_length(const SegmentPiece& piece) const {
-        return length(mesh_->points()[piece.b] - mesh_->points()[piece.a]);
-    }
-
-    // Splits pieces of contour segments that are not edges, until all are, or, with a share above 0, fewer
-    // than one in so many is missing. With a scale below 1 shorter pieces are split, and nearer to other
-    // contours: as long as fewer are missing from round to round, and not where many are, which lie too close
-    // beside each other.
-    Status recover_segments(std::size_t share, double scale = 1) {
-        std::size_t last = pieces_.size();
-        for (int round = 0; round < segment_rounds; ++round) {
-            std::vector<std::uint32_t> balls;
-            mesh_->look_again(segment_search_);
-            const std::vector<std::uint32_t> missing = missing_.find(
-                mesh_->cells(), mesh_->points().size(), pieces_, segment_search_.cells, context_.threads);
-            segment_search_.cells.clear();
-            for (const std::uint32_t n : missing) {
-                if (may_split(pieces_[n], scale)) balls.push_back(pieces_[n].ball);
-            }
-            if (scale < 1 && balls.size() > a_few &&
-                (balls.size() >= last || balls.size() * last_few > pieces_.size()))
-                break;
-            last = balls.size();
-            if (balls.empty() || (share > 0 && balls.size() * share < pieces_.size())) break;
-            std::sort(balls.begin(), balls.end());
-            ANATOMESH_CHECK_STATUS(grow({}, balls, scale));
-        }
-        return Nothing{};
-    }
-
-    // The last few: pieces that only shorter ones resolve, and pieces that are edges off their structure's
-    // surface.
-    Status finish_segments() {
-        if (dense_) return recover_segments(0);
-        for (const double scale : {1.0, 0.5, 0.25, 0.125}) {
-            ANATOMESH_CHECK_STATUS(recover_segments(0, scale));
-        }
-        for (int round = 0; round < side_rounds; ++round) {
-            ANATOMESH_TRY(const bool opened, open_sides());
-            if (!opened) break;
-        }
-        return Nothing{};
-    }
-
-    // Puts points beside the pieces that are edges off their structure's surface, whose ends are appended to
-    // `ends`. Says whether there were any.
-    Result<bool> open_sides(std::vector<std::uint32_t>* ends = nullptr) {
-        const std::vector<PieceSides> sides =
-            piece_sides(mesh_->cells().cells, mesh_->regions(), mesh_->registry().table(),
-                        mesh_->points().size(), pieces_, context_.threads);
-        std::vector<Vec3> found;
-        find_side_points(mesh_->points(), pieces_, sides, *field_, mesh_->grid(), {}, found, context_);
-        for (std::size_t n = 0; ends && n < pieces_.size(); ++n) {
-            if (sides[n].inside != sides[n].outside) ends->insert(ends->end(), {pieces_[n].a, pieces_[n].b});
-        }
-        if (found.empty()) return false;
-        side_points_ += found.size();
-        ANATOMESH_CHECK_STATUS(grow(found));
-        for (const double scale : {1.0, 0.25}) {
-            ANATOMESH_CHECK_STATUS(recover_segments(0, scale));
-        }
-        return true;
-    }
-
-    Status check_region_count() {
-        if (!mesh_->registry().full()) return Nothing{};
-        return Error{ErrorKind::limit, "E-PIP-003",
-                     "the structures overlap in more than " + std::to_string(RegionRegistry::max_regions) + " different ways",
-                     {}, "choose fewer structures with --structure"};
-    }
-
     ContourOwners contour_owners() const {
         std::vector<std::array<std::uint32_t, 3>> pieces;
-        for (const SegmentPiece& piece : pieces_) pieces.push_back({piece.a, piece.b, piece.structure});
+        for (const SegmentPiece& piece : pieces_->pieces())
+            pieces.push_back({piece.a, piece.b, piece.structure});
         return {owner_pairs_, mesh_->points().size(), pieces};
     }
 
@@ -457,7 +324,7 @@ class Builder {
             mesh_->look_again(search);
             search.cells.clear();
             std::vector<std::uint32_t> look = unsound;
-            ANATOMESH_TRY(const bool opened, open_sides(&look));
+            ANATOMESH_TRY(const bool opened, pieces_->open_sides(context_, &look));
             if (!opened) break;
             mesh_->look_again(search);
             for (const std::uint32_t c : search.cells) {
@@ -477,13 +344,14 @@ class Builder {
         mesh.cells = mesh_->cells().cells;
         mesh.regions = mesh_->regions();
         ANATOMESH_TRY(const SplitStats split, split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
+        segment_vertices_ = pieces_->vertices();
         segment_vertices_.insert(segment_vertices_.end(), split.on_segments.begin(), split.on_segments.end());
         find_neighbors(unsound.empty());
         model_.regions = mesh_->registry().table();
-        const LiftStats lifted =
-            lift_facets(mesh, neighbors_, model_.regions,
-                        slices_of_vertices(contours_, vertices_of_contours(), pieces_, mesh.points.size()),
-                        *field_, {}, context_.threads);
+        const LiftStats lifted = lift_facets(
+            mesh, neighbors_, model_.regions,
+            slices_of_vertices(contours_, vertices_of_contours(), pieces_->pieces(), mesh.points.size()),
+            *field_, {}, context_.threads);
         figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
                     {"flat_cells_peeled", static_cast<double>(relabelled.flat_cells_peeled)},
@@ -864,15 +732,11 @@ class Builder {
     std::optional<PointSample> sample_;
     std::optional<LabelledMesh> mesh_;
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
-    std::vector<SegmentPiece> pieces_;             // of contour segments, between vertices of mesh_
+    std::optional<ContourPieces> pieces_;          // of contour segments
     bool dense_ = false;                           // dense_planes(), and the first try
     std::vector<std::uint8_t> given_;              // by vertex of the first mesh: one of a contour
-    std::vector<std::uint32_t> acute_;             // vertices where some of them meet at acute angles; rising
-    MissingPieces missing_;                        // of them
-    CellSearch segment_search_;                    // the cells that missing_ has not seen
-    std::size_t side_points_ = 0;                  // put beside pieces off their structure's surface
     std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on
-    std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling
+    std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling, by the cut too
     Model model_;
     std::vector<SurfaceTear> tears_;
     std::vector<std::pair<std::string, double>> figures_;  // of the stage under way

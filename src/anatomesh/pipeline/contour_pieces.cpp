@@ -1,0 +1,154 @@
+#include "anatomesh/pipeline/contour_pieces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "anatomesh/pipeline/segment_vertices.h"
+#include "anatomesh/refine/refine.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr int segment_rounds = 8;
+constexpr int side_rounds = 2;    // of points beside pieces of contour segments off their structure's surface
+constexpr std::size_t a_few = 8;  // so many may always be split further
+constexpr std::size_t last_few = 300;  // shorter pieces are split where fewer than one in so many is missing
+constexpr double free_share =
+    0.25;  // of a piece that is split: no other contour vertex is this near to its middle
+constexpr double shortest_piece = 0.3;    // of a contour segment that is still split, in sizes
+constexpr double dense_free_share = 0.5;  // the whole ball of a piece that is split
+
+}  // namespace
+
+ContourPieces::ContourPieces(LabelledMesh& mesh, SegmentGuard& guard, const StructureField& field,
+                             std::vector<SegmentPiece> pieces, const ContourPieceOptions& options)
+    : mesh_(mesh),
+      guard_(guard),
+      field_(field),
+      options_(options),
+      pieces_(std::move(pieces)),
+      acute_(acute_vertices(mesh.points(), pieces_)) {}
+
+Status ContourPieces::grow(std::vector<Vec3> found, const std::vector<std::uint32_t>& balls,
+                           RunContext& context, double scale) {
+    if (context.cancelled()) return cancelled_error();
+    std::vector<SegmentPiece> split;
+    std::vector<SegmentPiece> kept;
+    for (const SegmentPiece& piece : pieces_) {
+        const bool wanted =
+            std::binary_search(balls.begin(), balls.end(), piece.ball) && may_split(piece, scale);
+        (wanted ? split : kept).push_back(piece);
+    }
+    std::stable_sort(split.begin(), split.end(), [](auto& x, auto& y) { return x.ball < y.ball; });
+    const std::size_t others = found.size();
+    for (const SegmentPiece& piece : split) found.push_back(split_point(piece));
+    const std::vector<std::uint32_t> vertices = mesh_.insert(found, context.threads);
+    pieces_ = std::move(kept);
+    add_halves(split, {vertices.begin() + static_cast<std::ptrdiff_t>(others), vertices.end()});
+    mesh_.update(context);
+    return check_region_count(mesh_);
+}
+
+// The middle; but pieces that meet at an acute angle are split at one distance from where they meet, a
+// power of two, so that neither half lies in the ball of the other and splitting ends (Shewchuk, Delaunay
+// refinement mesh generation, 1997, chapter 3: concentric shells).
+Vec3 ContourPieces::split_point(const SegmentPiece& piece) const {
+    const Vec3 a = mesh_.points()[piece.a], b = mesh_.points()[piece.b];
+    const bool at_a = std::binary_search(acute_.begin(), acute_.end(), piece.a);
+    if (at_a == std::binary_search(acute_.begin(), acute_.end(), piece.b)) return 0.5 * (a + b);
+    const double span = length(b - a);
+    const double share = std::exp2(std::floor(std::log2(span * 2 / 3))) / span;
+    return at_a ? a + share * (b - a) : b + share * (a - b);
+}
+
+// Pieces in the order of their balls; those of several structures with one ball share its halves too.
+void ContourPieces::add_halves(const std::vector<SegmentPiece>& split,
+                               const std::vector<std::uint32_t>& middles) {
+    std::uint32_t low = 0, high = 0;
+    for (std::size_t k = 0; k < split.size(); ++k) {
+        const SegmentPiece& piece = split[k];
+        if (k == 0 || split[k - 1].ball != piece.ball) {
+            guard_.drop_ball(piece.ball);
+            guard_.add_point(mesh_.points()[middles[k]]);
+            const Vec3 middle = mesh_.points()[middles[k]];
+            low = guard_.add_segment(mesh_.points()[piece.a], middle);
+            high = guard_.add_segment(middle, mesh_.points()[piece.b]);
+            vertices_.push_back(middles[k]);
+        }
+        pieces_.push_back({piece.a, middles[k], piece.structure, low});
+        pieces_.push_back({middles[k], piece.b, piece.structure, high});
+    }
+}
+
+// Not where a contour runs close beside it, which would have to be split in its turn, and so on.
+bool ContourPieces::may_split(const SegmentPiece& piece, double scale) const {
+    const double span = length(mesh_.points()[piece.b] - mesh_.points()[piece.a]);
+    const Vec3 middle = 0.5 * (mesh_.points()[piece.a] + mesh_.points()[piece.b]);
+    return span > scale * shortest_piece * options_.size_mm &&
+           !guard_.any_point_within(middle, scale * (options_.dense ? dense_free_share : free_share) * span);
+}
+
+Status ContourPieces::recover(std::size_t share, RunContext& context, double scale) {
+    std::size_t last = pieces_.size();
+    for (int round = 0; round < segment_rounds; ++round) {
+        std::vector<std::uint32_t> balls;
+        mesh_.look_again(search_);
+        const std::vector<std::uint32_t> missing =
+            missing_.find(mesh_.cells(), mesh_.points().size(), pieces_, search_.cells, context.threads);
+        search_.cells.clear();
+        for (const std::uint32_t n : missing) {
+            if (may_split(pieces_[n], scale)) balls.push_back(pieces_[n].ball);
+        }
+        if (scale < 1 && balls.size() > a_few &&
+            (balls.size() >= last || balls.size() * last_few > pieces_.size()))
+            break;
+        last = balls.size();
+        if (balls.empty() || (share > 0 && balls.size() * share < pieces_.size())) break;
+        std::sort(balls.begin(), balls.end());
+        ANATOMESH_CHECK_STATUS(grow({}, balls, context, scale));
+    }
+    return Nothing{};
+}
+
+Status ContourPieces::finish(RunContext& context) {
+    if (options_.dense) return recover(0, context);
+    for (const double scale : {1.0, 0.5, 0.25, 0.125}) {
+        ANATOMESH_CHECK_STATUS(recover(0, context, scale));
+    }
+    for (int round = 0; round < side_rounds; ++round) {
+        ANATOMESH_TRY(const bool opened, open_sides(context));
+        if (!opened) break;
+    }
+    return Nothing{};
+}
+
+Result<bool> ContourPieces::open_sides(RunContext& context, std::vector<std::uint32_t>* ends) {
+    const std::vector<PieceSides> sides =
+        piece_sides(mesh_.cells().cells, mesh_.regions(), mesh_.registry().table(), mesh_.points().size(),
+                    pieces_, context.threads);
+    std::vector<Vec3> found;
+    find_side_points(mesh_.points(), pieces_, sides, field_, mesh_.grid(), {}, found, context);
+    for (std::size_t n = 0; ends && n < pieces_.size(); ++n) {
+        if (sides[n].inside != sides[n].outside) ends->insert(ends->end(), {pieces_[n].a, pieces_[n].b});
+    }
+    if (found.empty()) return false;
+    side_points_ += found.size();
+    ANATOMESH_CHECK_STATUS(grow(found, {}, context));
+    for (const double scale : {1.0, 0.25}) {
+        ANATOMESH_CHECK_STATUS(recover(0, context, scale));
+    }
+    return true;
+}
+
+Status check_region_count(LabelledMesh& mesh) {
+    if (!mesh.registry().full()) return Nothing{};
+    return Error{ErrorKind::limit,
+                 "E-PIP-003",
+                 "the structures overlap in more than " + std::to_string(RegionRegistry::max_regions) +
+                     " different ways",
+                 {},
+                 "choose fewer structures with --structure"};
+}
+
+}  // namespace anatomesh
