@@ -615,13 +615,13 @@ class Builder {
         place.value = brief(100 * quality.radius_edge_share_over_2) +
                       " % of the tetrahedra above radius-edge ratio 2, " +
                       std::to_string(quality.dihedral_below_10) + " with an angle below 10 degrees";
-        context_.warn({"W-PIP-005",
-                       "the planes lie closer than the vertices along their contours; cells between vertices "
-                       "that crowd "
-                       "each other were left as they come",
-                       place,
-                       "kept; give a --size for all that can be done for their shapes, which takes several "
-                       "times as long"});
+        context_.warn(
+            {"W-PIP-005",
+             "the planes lie closer than the vertices along their contours; cells between vertices "
+             "that crowd each other were left as they come, and the surface may have small pits there",
+             place,
+             "kept; give a --size for all that can be done for their shapes, which takes several "
+             "times as long"});
     }
 
     // Clauses 1 to 6 hold for a plate with holes as well.
