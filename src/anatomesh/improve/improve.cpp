@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/improve/chosen_of.h"
 #include "anatomesh/improve/vertex_mover.h"
 #include "anatomesh/sample/interface_probe.h"
 
@@ -77,15 +78,6 @@ class Improver {
         return chosen_of(cells, threads, [&](std::uint32_t c) {
             return mesh_.regions[c] != 0 && mover_.squared_ratio(c) > bound;
         });
-    }
-
-    template <class Choose>
-    static std::vector<std::uint32_t> chosen_of(const std::vector<std::uint32_t>& all, int threads, const Choose& choose) {
-        return parallel_collect<std::uint32_t>(
-            all.size(), 4096, threads, [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& chosen) {
-                std::copy_if(all.begin() + static_cast<std::ptrdiff_t>(first), all.begin() + static_cast<std::ptrdiff_t>(last),
-                             std::back_inserter(chosen), choose);
-            });
     }
 
     // `off` rises. Where to is found for all before one moves.

@@ -9,6 +9,7 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/vec.h"
+#include "anatomesh/improve/chosen_of.h"
 #include "anatomesh/improve/vertex_mover.h"
 #include "anatomesh/sample/interface_probe.h"
 
@@ -142,18 +143,6 @@ class Smoother {
     // A facet of the interface at a vertex by its two other vertices, turned so that the normal leaves the
     // first region.
     using InterfaceFacet = std::array<std::uint32_t, 2>;
-
-    template <class Choose>
-    static std::vector<std::uint32_t> chosen_of(const std::vector<std::uint32_t>& from, int threads,
-                                                const Choose& choose) {
-        return parallel_collect<std::uint32_t>(
-            from.size(), 4096, threads,
-            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& chosen) {
-                std::copy_if(from.begin() + static_cast<std::ptrdiff_t>(first),
-                             from.begin() + static_cast<std::ptrdiff_t>(last), std::back_inserter(chosen),
-                             choose);
-            });
-    }
 
     bool touches_inside(std::uint32_t v) const {
         const auto star = mover_.star(v);
