@@ -362,8 +362,8 @@ void close_narrow_gaps(InputContours& contours, const InputOptions& options, Run
     if (stats.contours_changed > 0) {
         context.warn(
             {"W-CON-025",
-             fmt::format("contours of neighbouring structures run less than {} mm apart: {} on {} were led "
-                         "through each other's vertices, {} mm2 changed hands",
+             fmt::format("contours of neighbouring structures run less than {} mm apart; led through each "
+                         "other's vertices: {} on {}, {} mm2 changed hands",
                          number_text(closing.width_mm), counted(stats.contours_changed, "contour"),
                          counted(stats.slices, "slice"), fmt::format("{:.3g}", stats.area_mm2)),
              {kept.source, kept.slices[stats.worst_slice].name, "", "",

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <numbers>
+#include <random>
 
 #include "anatomesh/field/field_fixtures.h"
 
@@ -151,6 +153,91 @@ TEST(FieldVolumes, ball_on_crossing_planes) {
     const StructureVolume volume = volumes_of(builder.set, {}, options).front();
     EXPECT_NEAR(volume.by_field / (4.0 / 3 * std::numbers::pi * r * r * r), 1, 0.03);
     EXPECT_TRUE(std::isnan(volume.by_slices));
+}
+
+// The lattice of field_volumes() for planes in any position, the field asked at each of its points.
+std::vector<double> by_asking_everywhere(const ContourSet& set, const VolumeOptions& options) {
+    RunContext context;
+    const auto field = make_structure_field(set, {}, context).value();
+    const Box3 box = field->box();
+    const Vec3 size = box.high - box.low;
+    const auto layers = static_cast<std::size_t>(
+        std::ceil(size.z / std::cbrt(size.x * size.y * size.z / options.points_in_all)));
+    std::vector<double> totals(set.structures.size(), 0);
+    std::vector<std::uint32_t> inside;
+    for (std::size_t k = 0; k < layers; ++k) {
+        const double z = box.low.z + (static_cast<double>(k) + 0.5) * size.z / static_cast<double>(layers);
+        std::vector<std::uint64_t> counts(totals.size(), 0);
+        std::uint64_t points = 0;
+        lattice_integral({{box.low.x, box.low.y}, {box.high.x, box.high.y}},
+                         static_cast<double>(options.points_in_all) / static_cast<double>(layers), k,
+                         [&](Vec2 q) {
+                             ++points;
+                             field->members({q.x, q.y, z}, inside);
+                             for (const std::uint32_t s : inside) ++counts[s];
+                             return 0.0;
+                         });
+        for (std::size_t s = 0; s < totals.size(); ++s) {
+            totals[s] += static_cast<double>(counts[s]) * size.x * size.y * size.z /
+                         static_cast<double>(layers * points);
+        }
+    }
+    return totals;
+}
+
+// A ball of radius 20 on each plane that meets it, as `draw` says.
+ContourSet cut_ball(const std::vector<Vec3>& normals, const std::vector<double>& heights,
+                    const std::function<void(SetBuilder&, double)>& draw) {
+    SetBuilder builder;
+    for (const Vec3 normal : normals) {
+        const Vec3 n = normalized(normal);
+        for (const double h : heights) {
+            builder.slice(make_plane(h * n, n));
+            if (std::abs(h) < 20) draw(builder, std::sqrt(400 - h * h));
+        }
+    }
+    return builder.set;
+}
+
+// Blocks that no interface comes near are not asked: nothing may be lost for it, of thin walls, of structures
+// inside others, nor of what a few planes draw and their neighbours do not.
+TEST(FieldVolumes, planes_in_any_position_equal_the_count_of_every_point) {
+    std::mt19937 random(5);
+    std::vector<double> even, close;
+    for (double h = -18; h < 20; h += 4) even.push_back(h);
+    for (double h = -18; h < 20; h += 1) close.push_back(h);
+    const std::vector<Vec3> stacks{{0, 0, 1}, {0, 1, 0}, {1, 0.2, 0.1}}, pair{{0, 0, 1}, {0, 1, 0.1}};
+    std::vector<Vec3> fan;
+    for (int k = 0; k < 18; ++k) fan.push_back({std::cos(k * 0.1745), std::sin(k * 0.1745), 0.01 * k});
+    int drawn = 0;
+    const auto ball = [](SetBuilder& b, double r) { b.ring(0, circle({}, r, 90)); };
+    const auto shell = [](SetBuilder& b, double r) {
+        b.ring(0, circle({}, r, 90));
+        if (r > 1) b.ring(0, reversed(circle({}, r - 0.8, 90)));
+    };
+    const auto nested = [](SetBuilder& b, double r) {
+        b.ring(0, circle({}, r, 90));
+        if (r > 12) b.ring(1, circle({}, r - 8, 60));
+    };
+    const auto ragged = [&](SetBuilder& b, double r) { b.ring(0, star({}, 0.5 * r, r, 30, random)); };
+    const auto here_and_there = [&](SetBuilder& b, double r) {
+        b.ring(0, circle({}, r, 90));
+        if (++drawn % 5 == 0 && r > 10) b.ring(1, circle({0.2 * r, 0}, 2, 20));
+    };
+    VolumeOptions options;
+    options.points_in_all = 100000;
+    for (const ContourSet& set :
+         {cut_ball(stacks, even, ball), cut_ball(stacks, even, shell), cut_ball(stacks, even, nested),
+          cut_ball(pair, even, ragged), cut_ball(pair, close, ragged), cut_ball(fan, {0.0}, ball),
+          cut_ball(fan, {0.0}, shell), cut_ball(pair, close, here_and_there),
+          cut_ball(stacks, close, here_and_there)}) {
+        const std::vector<double> expected = by_asking_everywhere(set, options);
+        const std::vector<StructureVolume> found = volumes_of(set, {}, options);
+        for (std::size_t s = 0; s < expected.size(); ++s) {
+            EXPECT_GT(expected[s], 0);
+            EXPECT_NEAR(found[s].by_field / expected[s], 1, 1e-12) << s << " of " << set.slices.size();
+        }
+    }
 }
 
 }  // namespace

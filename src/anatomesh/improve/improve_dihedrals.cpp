@@ -10,6 +10,7 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/improve/flip_surface_edges.h"
+#include "anatomesh/improve/lift_facets.h"
 #include "anatomesh/improve/operations.h"
 
 namespace anatomesh {
@@ -18,6 +19,8 @@ namespace {
 
 constexpr double radians_per_degree = std::numbers::pi / 180;
 constexpr double margin_degrees = 3;  // how far above the target operations aim
+
+constexpr double lifted_degrees = 10;  // of cells that are made to lift a facet, at least
 
 // Tries on a bad cell that scouts make beforehand: its edges, facets and vertices.
 constexpr int edge_tries = 6, facet_tries = 10, scouted_tries = 14;
@@ -34,8 +37,8 @@ struct BadCell {
 
 class Climber {
   public:
-    explicit Climber(Workbench& bench)
-        : bench_(bench), target_(std::sin(bench.options.target_degrees * radians_per_degree)) {
+    Climber(Workbench& bench, const DrawnSlices& drawn)
+        : bench_(bench), drawn_(drawn), target_(std::sin(bench.options.target_degrees * radians_per_degree)) {
         bench.goal = std::sin((bench.options.target_degrees + margin_degrees) * radians_per_degree);
     }
 
@@ -52,9 +55,13 @@ class Climber {
         bench_.options.max_deviation_mm *= bench_.options.last_deviation;
         std::fill(touched_.begin(), touched_.end(), 1);
         climb(context);
+        drop_ears(context.threads);
+        const LiftStats lifted =
+            lift_facets(bench_, drawn_, std::sin(lifted_degrees * radians_per_degree), context.threads);
+        bench_.stats.facets_lifted = lifted.facets_lifted;
+        bench_.stats.facets_left = lifted.facets_left;
         all.resize(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
-        drop_ears(context.threads);
         collect(std::move(all), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
@@ -206,6 +213,7 @@ class Climber {
     }
 
     Workbench& bench_;
+    const DrawnSlices& drawn_;
     double target_;
     std::priority_queue<BadCell> queue_;
     std::vector<std::uint32_t> left_;
@@ -217,12 +225,13 @@ class Climber {
 DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint32_t>& neighbors,
                                 std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
                                 const StructureField& field, std::uint32_t structures,
-                                const DihedralOptions& options, RunContext& context) {
+                                const DrawnSlices& drawn, const DihedralOptions& options,
+                                RunContext& context) {
     assert(fixed.size() == mesh.points.size());
     assert(std::is_sorted(fixed_edges.begin(), fixed_edges.end()));
     EditMesh edited(std::move(mesh), neighbors);
     Workbench bench(edited, fixed, fixed_edges, field, structures, options);
-    Climber(bench).run(context);
+    Climber(bench, drawn).run(context);
     mesh = std::move(edited).take(neighbors);
     return bench.stats;
 }

@@ -15,6 +15,15 @@ namespace anatomesh {
 
 using VertexPair = std::array<std::uint32_t, 2>;  // smaller vertex first
 
+inline constexpr std::uint32_t no_slice = 0xFFFFFFFFu;
+
+// What is drawn on slices, for the facets in their planes. Empty: none are looked at.
+struct DrawnSlices {
+    const RegionTable* table = nullptr;
+    std::span<const std::uint32_t> slice_of;  // for every point of the mesh the slice in whose plane it lies
+                                              // as a part of a contour, or no_slice
+};
+
 struct DihedralOptions {
     double target_degrees =
         15;  // cells inside with an angle below it (or above 180 less it) are worked on. [0, 40]
@@ -37,7 +46,8 @@ struct DihedralStats {
     // Operations that were applied.
     std::uint64_t vertices_moved = 0, surface_vertices_moved = 0, edges_removed = 0, facets_removed = 0,
                   surface_edges_flipped = 0, surface_edges_smoothed = 0, cells_peeled = 0, ears_dropped = 0,
-                  edges_collapsed = 0, vertices_inserted = 0, tries = 0;
+                  edges_collapsed = 0, vertices_inserted = 0, facets_lifted = 0, tries = 0;
+    std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (lift_facets.h)
 };
 
 // Takes the cells inside (of a region other than 0) with a dihedral angle below the target, worst first, and
@@ -60,7 +70,8 @@ struct DihedralStats {
 DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint32_t>& neighbors,
                                 std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
                                 const StructureField& field, std::uint32_t structures,
-                                const DihedralOptions& options, RunContext& context);
+                                const DrawnSlices& drawn, const DihedralOptions& options,
+                                RunContext& context);
 
 // The mesh edges on interfaces that lie along the segments, as fixed_edges wants them: for each segment whose
 // ends are joined by a chain of interface edges along the straight line, the edges of the chain. Requires: as

@@ -26,7 +26,7 @@ Improved improved(const LabelledCase& c, std::span<const VertexPair> edges = {},
     RunContext context;
     context.threads = threads;
     std::vector<std::uint32_t> neighbors = neighbors_of(c.mesh);
-    result.stats = improve_dihedrals(result.mesh, neighbors, result.fixed, edges, c.field, c.structures,
+    result.stats = improve_dihedrals(result.mesh, neighbors, result.fixed, edges, c.field, c.structures, {},
                                      options, context);
     EXPECT_EQ(neighbors, neighbors_of(result.mesh));
     return result;

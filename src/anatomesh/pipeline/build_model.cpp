@@ -7,7 +7,6 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/message_text.h"
-#include "anatomesh/cut/lift_facets.h"
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/field/volume.h"
@@ -348,10 +347,6 @@ class Builder {
         segment_vertices_.insert(segment_vertices_.end(), split.on_segments.begin(), split.on_segments.end());
         find_neighbors(unsound.empty());
         model_.regions = mesh_->registry().table();
-        const LiftStats lifted = lift_facets(
-            mesh, neighbors_, model_.regions,
-            slices_of_vertices(contours_, vertices_of_contours(), pieces_->pieces(), mesh.points.size()),
-            *field_, {}, context_.threads);
         figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
                     {"flat_cells_peeled", static_cast<double>(relabelled.flat_cells_peeled)},
@@ -360,9 +355,7 @@ class Builder {
                     {"unsound_after_relabelling", static_cast<double>(relabelled.unsound_after)},
                     {"edges_split", static_cast<double>(split.edges_split)},
                     {"vertices_split", static_cast<double>(split.vertices_split)},
-                    {"vertices_joined", static_cast<double>(split.vertices_joined)},
-                    {"facets_lifted", static_cast<double>(lifted.facets_lifted)},
-                    {"facets_left_in_slices", static_cast<double>(lifted.facets_left)}};
+                    {"vertices_joined", static_cast<double>(split.vertices_joined)}};
         return end_stage("cut", 0.75);
     }
 
@@ -428,6 +421,8 @@ class Builder {
                     {"ears_dropped", static_cast<double>(dihedrals.ears_dropped)},
                     {"edges_collapsed", static_cast<double>(dihedrals.edges_collapsed)},
                     {"vertices_inserted", static_cast<double>(dihedrals.vertices_inserted)},
+                    {"facets_lifted", static_cast<double>(dihedrals.facets_lifted)},
+                    {"facets_left_in_slices", static_cast<double>(dihedrals.facets_left)},
                     {"largest_volume_offset_mm", balanced.largest_offset_mm},
                     {"flat_ends_held", balanced.ends_held ? 1.0 : 0.0},
                     {"volume_difference_before", balanced.worst_before},
@@ -460,9 +455,11 @@ class Builder {
             options.target_degrees = dense_target_degrees;
             options.passes = 1;
         }
+        const std::vector<std::uint32_t> slice_of = slices_of_vertices(
+            contours_, vertices_of_contours(), pieces_->pieces(), model_.mesh.points.size());
         return improve_dihedrals(model_.mesh, neighbors_, fixed,
                                  edges_along(model_.mesh, neighbors_, segments), *field_, structures_,
-                                 options, context_);
+                                 {&model_.regions, slice_of}, options, context_);
     }
 
     // Keeps the cells of a region, and the points that they use, in their order.

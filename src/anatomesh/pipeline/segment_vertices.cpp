@@ -4,7 +4,7 @@
 #include <array>
 #include <cassert>
 
-#include "anatomesh/cut/lift_facets.h"
+#include "anatomesh/improve/improve_dihedrals.h"
 
 namespace anatomesh {
 

@@ -16,8 +16,8 @@ std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,
                                           const std::vector<SegmentPiece>& pieces);
 
 // The slice of the contours that each of the vertices lies in, from its contour or along pieces from there;
-// no_slice (cut/lift_facets.h) for all others and for those where planes cross. `vertex_of`: the vertex of
-// every contour point. Complexity: O(vertices + pieces).
+// no_slice (improve/improve_dihedrals.h) for all others and for those where planes cross. `vertex_of`: the
+// vertex of every contour point. Complexity: O(vertices + pieces).
 std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
                                               std::span<const std::uint32_t> vertex_of,
                                               const std::vector<SegmentPiece>& pieces,
