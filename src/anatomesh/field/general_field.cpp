@@ -77,6 +77,8 @@ class GeneralField final : public FieldQueries<GeneralField> {
 
     double slice_spacing() const override { return spacing_; }
     Box3 box() const override { return box_; }
+    Box3 box_of(std::uint32_t structure) const override { return boxes_[structure]; }
+    bool slices_may_differ(Vec3 p, double radius) const override;
 
     RawValue raw(std::uint32_t structure, Vec3 p, double /*reach*/) const {
         const Sight sight = look(p);
@@ -122,6 +124,7 @@ class GeneralField final : public FieldQueries<GeneralField> {
            end_spacing_ = 0;  // outside joins in half of it beyond the end
     EndCaps caps_;
     Box3 box_;
+    std::vector<Box3> boxes_;  // by structure; empty of one that is not drawn
     // Cells over the box; each lists the patches within the radius of any of its points.
     double inverse_cell_ = 0;
     std::array<std::uint32_t, 3> cells_{};
@@ -288,6 +291,31 @@ std::uint32_t GeneralField::next_structure(const Sight& sight, std::uint32_t fro
     return next;
 }
 
+bool GeneralField::slices_may_differ(Vec3 p, double radius) const {
+    std::vector<std::uint32_t> first, inside;
+    bool any = false;
+    for (const FieldPatch& one : patches_) {
+        if (one.map_count == 0) continue;
+        const double reach = radius_ + radius;
+        if (squared_length(one.patch.offset_from(p, margin_)) > reach * reach) continue;
+        const Vec2 foot = one.patch.plane.to_plane(p);
+        inside.clear();
+        for (std::uint32_t m = one.first_map; m < one.first_map + one.map_count; ++m) {
+            if (structure_of_[m] == union_) continue;
+            const double value = maps_[m]->value(foot);  // no steeper than 1
+            if (std::abs(value) <= radius) return true;
+            if (value < 0) inside.push_back(structure_of_[m]);
+        }
+        if (!any) {
+            first.swap(inside);
+            any = true;
+        } else if (inside != first) {
+            return true;
+        }
+    }
+    return false;
+}
+
 Status GeneralField::build_maps(const ContourSet& set, RunContext& context) {
     union_ = static_cast<std::uint32_t>(set.structures.size());
     std::vector<SliceRegion> jobs;
@@ -408,6 +436,13 @@ Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patche
     for (PlanePatch& patch : patches) patches_.push_back({std::move(patch), 0, 0, false, false});
     ANATOMESH_CHECK_STATUS(build_maps(set, context));
     box_ = set.box().grown(reach_);
+    boxes_.resize(set.structures.size());
+    for (const Contour& contour : set.contours) {
+        for (const Vec3& p : set.points_of(contour)) boxes_[contour.structure].extend(p);
+    }
+    for (Box3& box : boxes_) {
+        if (!box.empty()) box = box.grown(reach_);
+    }
     find_open_sides();
     build_grid(context.threads);
     return Nothing{};

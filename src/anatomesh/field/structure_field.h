@@ -96,6 +96,11 @@ class StructureField {
     virtual double slice_spacing() const = 0;  // mm between neighbouring slices (median); > 0
     virtual double clamp() const = 0;          // mm
     virtual Box3 box() const = 0;              // holds every point with a region other than outside
+    virtual Box3 box_of(std::uint32_t /*structure*/) const { return box(); }  // and every point of this one
+
+    // Whether slices that count within `radius` of p may draw more than one region there: false only where
+    // all of them agree on a disc of that radius.
+    virtual bool slices_may_differ(Vec3 /*p*/, double /*radius*/) const { return true; }
 
     // Volume of structures 0 .. count - 1. See volume.h, through which it is called.
     virtual Result<std::vector<StructureVolume>> volumes(std::uint32_t count, const VolumeOptions& options,

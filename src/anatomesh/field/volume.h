@@ -16,7 +16,8 @@ struct VolumeOptions {
     std::uint32_t points_per_slab = 60000;
     // Points in all slabs of all structures: fewer a slab where there are many of them, but 4000. [1e4, 4e9]
     std::uint32_t points_in_slabs = 400000;
-    // Points over the field's box for planes that are not parallel. [1000, 1e9]
+    // Planes that are not parallel: points over the box of the structure; where there are n of them, over the
+    // box of each fewer by the square root of n, but 100,000. [1000, 1e9]
     std::uint32_t points_in_all = 1000000;
 };
 
@@ -24,8 +25,9 @@ struct VolumeOptions {
 // Parallel slices: slice integration of the drawn areas, which are exact, plus the integral of the difference
 // between it and the field, which is not zero only where the two contours differ; along the normal by
 // seven values (where structures of an exclusive set meet: 12 sections), in the plane on a lattice that no
-// straight wall runs along. Planes in any position: a lattice in space. Error: some 0.01 % for organs, 0.02 %
-// for a skull; it falls with points^-3/4. Guarantees: the same at any thread count. Errors: cancelled.
+// straight wall runs along. Planes in any position: a lattice in space over the box of each. Error: some 0.01
+// % for organs, 0.02 % for a skull; it falls with points^-3/4. Guarantees: the same at any thread count.
+// Errors: cancelled.
 inline Result<std::vector<StructureVolume>> field_volumes(const StructureField& field,
                                                           std::uint32_t structures,
                                                           const VolumeOptions& options, RunContext& context) {

@@ -156,31 +156,32 @@ TEST(FieldVolumes, ball_on_crossing_planes) {
 }
 
 // The lattice of field_volumes() for planes in any position, the field asked at each of its points.
-std::vector<double> by_asking_everywhere(const ContourSet& set, const VolumeOptions& options) {
+std::vector<double> by_asking_everywhere(const ContourSet& set, double points_in_box) {
     RunContext context;
     const auto field = make_structure_field(set, {}, context).value();
-    const Box3 box = field->box();
-    const Vec3 size = box.high - box.low;
-    const auto layers = static_cast<std::size_t>(
-        std::ceil(size.z / std::cbrt(size.x * size.y * size.z / options.points_in_all)));
-    std::vector<double> totals(set.structures.size(), 0);
+    std::vector<double> totals;
     std::vector<std::uint32_t> inside;
-    for (std::size_t k = 0; k < layers; ++k) {
-        const double z = box.low.z + (static_cast<double>(k) + 0.5) * size.z / static_cast<double>(layers);
-        std::vector<std::uint64_t> counts(totals.size(), 0);
-        std::uint64_t points = 0;
-        lattice_integral({{box.low.x, box.low.y}, {box.high.x, box.high.y}},
-                         static_cast<double>(options.points_in_all) / static_cast<double>(layers), k,
-                         [&](Vec2 q) {
-                             ++points;
-                             field->members({q.x, q.y, z}, inside);
-                             for (const std::uint32_t s : inside) ++counts[s];
-                             return 0.0;
-                         });
-        for (std::size_t s = 0; s < totals.size(); ++s) {
-            totals[s] += static_cast<double>(counts[s]) * size.x * size.y * size.z /
-                         static_cast<double>(layers * points);
+    for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
+        const Box3 box = field->box_of(s);
+        const Vec3 size = box.high - box.low;
+        const auto layers =
+            static_cast<std::size_t>(std::ceil(size.z / std::cbrt(size.x * size.y * size.z / points_in_box)));
+        double total = 0;
+        for (std::size_t k = 0; k < layers; ++k) {
+            const double z =
+                box.low.z + (static_cast<double>(k) + 0.5) * size.z / static_cast<double>(layers);
+            std::uint64_t points = 0, counted = 0;
+            lattice_integral({{box.low.x, box.low.y}, {box.high.x, box.high.y}},
+                             points_in_box / static_cast<double>(layers), k, [&](Vec2 q) {
+                                 ++points;
+                                 field->members({q.x, q.y, z}, inside);
+                                 counted += std::count(inside.begin(), inside.end(), s);
+                                 return 0.0;
+                             });
+            total += static_cast<double>(counted) * size.x * size.y * size.z /
+                     static_cast<double>(layers * points);
         }
+        totals.push_back(total);
     }
     return totals;
 }
@@ -224,20 +225,54 @@ TEST(FieldVolumes, planes_in_any_position_equal_the_count_of_every_point) {
         b.ring(0, circle({}, r, 90));
         if (++drawn % 5 == 0 && r > 10) b.ring(1, circle({0.2 * r, 0}, 2, 20));
     };
+    // A disc on one of many planes, with vertices far apart.
+    SetBuilder with_disc;
+    for (int k = 0; k < 40; ++k) {
+        const Vec3 normal = normalized({0.05 * std::sin(7.0 * k), 0.05 * std::cos(5.0 * k), 1});
+        with_disc.slice(make_plane({0, 0, 0.5 * k - 10}, normal));
+        with_disc.ring(0, circle({}, 20, 12));
+        if (k == 20) with_disc.ring(1, circle({}, 8, 12));
+    }
     VolumeOptions options;
     options.points_in_all = 100000;
     for (const ContourSet& set :
          {cut_ball(stacks, even, ball), cut_ball(stacks, even, shell), cut_ball(stacks, even, nested),
           cut_ball(pair, even, ragged), cut_ball(pair, close, ragged), cut_ball(fan, {0.0}, ball),
           cut_ball(fan, {0.0}, shell), cut_ball(pair, close, here_and_there),
-          cut_ball(stacks, close, here_and_there)}) {
-        const std::vector<double> expected = by_asking_everywhere(set, options);
+          cut_ball(stacks, close, here_and_there), with_disc.set}) {
+        const std::vector<double> expected = by_asking_everywhere(set, 100000);
         const std::vector<StructureVolume> found = volumes_of(set, {}, options);
         for (std::size_t s = 0; s < expected.size(); ++s) {
             EXPECT_GT(expected[s], 0);
             EXPECT_NEAR(found[s].by_field / expected[s], 1, 1e-12) << s << " of " << set.slices.size();
         }
     }
+}
+
+// The error of a structure's volume is one of its own size, whatever else is drawn.
+TEST(FieldVolumes, a_small_structure_in_a_large_one_on_crossing_planes) {
+    SetBuilder builder;
+    const double large = 120, small = 5;
+    const Vec3 centre{31, -17, 8};
+    for (const Vec3 normal : {Vec3{0, 0, 1}, Vec3{0, 1, 0.1}}) {
+        const Vec3 n = normalized(normal);
+        const double middle = dot(centre, n);
+        std::vector<double> heights;
+        for (double h = -115; h < large; h += 10) heights.push_back(h);
+        for (double h = middle - 4.5; h < middle + small; h += 1.5) heights.push_back(h);
+        std::sort(heights.begin(), heights.end());
+        for (const double h : heights) {
+            const Plane plane = make_plane(h * n, n);
+            builder.slice(plane);
+            builder.ring(0, circle({}, std::sqrt(large * large - h * h), 180));
+            if (std::abs(h - middle) >= small) continue;
+            const double r = std::sqrt(small * small - (h - middle) * (h - middle));
+            builder.ring(1, circle(plane.to_plane(centre), r, 60));
+        }
+    }
+    const std::vector<double> expected = by_asking_everywhere(builder.set, 2e6);
+    const std::vector<StructureVolume> found = volumes_of(builder.set);
+    for (const std::size_t s : {0u, 1u}) EXPECT_NEAR(found[s].by_field / expected[s], 1, 0.003) << s;
 }
 
 }  // namespace
