@@ -4,7 +4,7 @@ target_compile_options(anatomesh_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wimplicit-fallthrough
   -ffp-contract=off -fno-fast-math)
 
-# Release: -O2, asserts off. Asserts are on in the debug and sanitizer presets (CMAKE_BUILD_TYPE=Debug).
+# Release: -O2 (the core library more, see there), asserts off. Asserts are on in the debug and sanitizer presets (CMAKE_BUILD_TYPE=Debug).
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
 set(CMAKE_C_FLAGS_RELEASE "-O2 -DNDEBUG")
 # Debug keeps some optimization: geometry code without it is too slow to test.
