@@ -10,9 +10,11 @@
 #include "anatomesh/element/quadratic.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/measure/certificate.h"
+#include "anatomesh/pipeline/model_warnings.h"
 #include "anatomesh_io/report/report_json.h"
 #include "answer.h"
 #include "command_words.h"
+#include "field_of_model.h"
 #include "mesh_input.h"
 #include "option_values.h"
 #include "plural.h"
@@ -118,7 +120,19 @@ Status run_check(CheckOptions options, Session& session) {
     CertificateInput input{model.mesh, model.description.regions, model.description.structures};
     input.contours = contours ? &contours->kept : nullptr;
     input.made_by_this_run = false;
+    FieldOfModel field;
+    if (contours) {
+        ANATOMESH_TRY(field, field_of_model(model, contours->kept, session.context));
+        input.field = field.made.field.get();
+        input.field_origin = field.made.origin;
+        input.field_volumes_mm3 = field.volumes_mm3;
+        input.field_note = field.note;
+        report.end_caps = field.caps;
+    }
     measure_model(input, session.context, report);
+    report.size_mm = size_of(model.description).value_or(0);
+    const double size_mm = report.size_mm > 0 ? report.size_mm : report.quality.edge_mean_mm;
+    warn_of_model(report, size_mm, options.contours.input, session.context);
     look_at_jacobians(options.model, model, session.context);
     report.version = ANATOMESH_VERSION;
     report.command = quoted_command(session.words);
@@ -149,7 +163,7 @@ Work declare_check(CLI::App& verb) {
         ->type_name("FILE")
         ->required();
     add_text(verb, "--contours", options->contours.input, "FILE",
-             "Contours whose vertices must be on the surface");
+             "Contours that the model must follow: their vertices, their regions, the volume that they tell");
     add_choice(verb, "--frame", options->contours.frame, {"LPS", "RAS"},
                "Axes of the coordinates in a contour file that does not say");
     add_cleaning_options(verb, options->contours);

@@ -23,11 +23,19 @@ const char* state_text(ClauseState state) {
     return "";
 }
 
+// "1 shell", "3 shells (1 void, smallest 0.25 mm3)".
+std::string shells_text(const StructureReport& structure) {
+    std::string text = counted(structure.components, "shell");
+    if (structure.components < 2 && structure.shells.voids == 0) return text;
+    return text + fmt::format(" ({}, smallest {:.3g} mm3)", counted(structure.shells.voids, "void"),
+                              structure.shells.smallest_mm3);
+}
+
 std::string structure_line(const StructureReport& structure) {
     return fmt::format("  {:>6}  {:<28} {:>9} {}, {:.1f} mm3, {}, genus {}\n", structure.number,
                        on_one_line(structure.name), structure.tetrahedra,
                        structure.tetrahedra == 1 ? "tetrahedron" : "tetrahedra", structure.volume_mesh_mm3,
-                       counted(structure.components, "shell"), structure.genus);
+                       shells_text(structure), structure.genus);
 }
 
 }  // namespace
@@ -49,6 +57,11 @@ std::string report_summary(const ModelReport& report) {
         "  radius-edge mean {:.3f}, above 2: {:.3f} %; dihedral angles {:.2f} to {:.2f} degrees\n",
         quality.radius_edge_mean, 100 * quality.radius_edge_share_over_2, quality.dihedral_min_deg,
         quality.dihedral_max_deg);
+    if (const FieldDistanceReport& distance = report.field_distance; distance.points > 0) {
+        text += fmt::format("  farthest from the field: {}{:.3g} mm, at {:.1f} {:.1f} {:.1f}\n",
+                            distance.at_least ? "at least " : "", distance.max_mm, distance.at[0],
+                            distance.at[1], distance.at[2]);
+    }
     return text;
 }
 

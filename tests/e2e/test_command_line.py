@@ -238,7 +238,9 @@ class Messages(harness.TestCase):
         self.assertIn(" 1 shell, ", text)
         for line in (one + text).splitlines():
             self.assertNotRegex(line, r"\b1 (structures|shells|contours|slices|points|triangles|vertices)\b")
-        self.write("other.json", shapes.sphere(11).document())
+        other = shapes.sphere(10).document()
+        other["slices"][4]["contours"][0]["points"][0][0] += 1e-4
+        self.write("other.json", other)
         broken = self.run_program("check", "ball.vtu", "--contours", "other.json", expect=4).err
         self.assertIn("breaks 1 clause of the contract", broken)
 

@@ -5,12 +5,15 @@
 #include <cassert>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/measure/contour_fidelity.h"
+#include "anatomesh/measure/field_distance.h"
 #include "anatomesh/measure/number_text.h"
 #include "anatomesh/measure/quality_report.h"
+#include "anatomesh/measure/shells.h"
 #include "anatomesh/measure/slice_cuts.h"
 #include "anatomesh/measure/volume.h"
 #include "anatomesh/mesh/topology.h"
@@ -22,7 +25,8 @@ namespace {
 
 constexpr double parallel_tolerance_mm = 0.01;  // planes that move no contour by more have one spacing
 
-using Surfaces = std::vector<std::vector<Triangle>>;  // by structure
+using Surfaces = std::vector<std::vector<Triangle>>;           // by structure
+using ShellNumbers = std::vector<std::vector<std::uint32_t>>;  // of their triangles
 
 // "1 structure", "2 structures".
 std::string counted(std::uint64_t count, const std::string& noun) {
@@ -41,18 +45,20 @@ double surface_area(const std::vector<Vec3>& points, const std::vector<Triangle>
     return twice / 2;
 }
 
-void measure_structures(const CertificateInput& input, const Surfaces& surfaces,
-                        std::span<const std::uint32_t> neighbors, int threads, ModelReport& report) {
+ShellNumbers measure_structures(const CertificateInput& input, const Surfaces& surfaces,
+                                std::span<const std::uint32_t> neighbors, int threads, ModelReport& report) {
     const TetMesh& mesh = input.mesh;
     std::vector<double> volumes;
     std::vector<SurfaceTopology> topologies(surfaces.size());
+    ShellNumbers shells(surfaces.size());
     std::vector<std::uint64_t> pieces(surfaces.size());
     parallel_tasks(threads, {[&] { volumes = mesh_volumes(mesh, input.regions, input.structures.size()); },
                              [&] {
                                  parallel_for(surfaces.size(), 1, threads,
                                               [&](std::size_t first, std::size_t last) {
                                                   for (std::size_t s = first; s < last; ++s)
-                                                      topologies[s] = surface_topology(surfaces[s]);
+                                                      topologies[s] =
+                                                          surface_topology(surfaces[s], &shells[s]);
                                               });
                              },
                              [&] {
@@ -78,6 +84,7 @@ void measure_structures(const CertificateInput& input, const Surfaces& surfaces,
         structure.area_mm2 = surface_area(mesh.points, surfaces[s]);
         structure.components = topology.components;
         structure.pieces = pieces[s];
+        structure.shells = count_shells(mesh.points, surfaces[s], shells[s]);
         structure.genus = topology.genus;
         structure.open_edges = topology.open_edges;
         structure.nonmanifold_edges = topology.nonmanifold_edges + topology.misoriented_edges;
@@ -85,6 +92,7 @@ void measure_structures(const CertificateInput& input, const Surfaces& surfaces,
         report.structures.push_back(std::move(structure));
     }
     report.regions = input.regions.members;
+    return shells;
 }
 
 std::uint64_t count_interface_facets(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
@@ -144,7 +152,7 @@ struct ContourFindings {
 };
 
 ContourFindings measure_contours(const CertificateInput& input, const Surfaces& surfaces,
-                                 ModelReport& report) {
+                                 const ShellNumbers& shells, ModelReport& report) {
     const ContourSet& contours = *input.contours;
     report.slices = contours.slices.size();
     report.contours = contours.contours.size();
@@ -172,6 +180,10 @@ ContourFindings measure_contours(const CertificateInput& input, const Surfaces& 
         structure.contour_segments += part.segments;
         structure.contour_segments_on_surface += part.segments_on_surface;
         if (!volumes.empty()) structure.volume_slices_mm3 += volumes[s];
+    }
+    for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
+        look_for_contours(input.mesh.points, surfaces[s], shells[s], contours, match, s, fidelity.vertex_of,
+                          report.structures[s].shells);
     }
     list_cuts(contours, slice_cuts(input.mesh.points, of_contours, contours, fidelity.vertex_of),
               fidelity.segments_missed, report);
@@ -360,6 +372,32 @@ std::string segments_text(const StructureFidelity& all, const ModelReport& repor
            ")";
 }
 
+// The structure whose cuts by all slices together are farthest from what is drawn, where that is gross.
+std::string gross_cuts_text(const ModelReport& report) {
+    std::map<std::string, std::array<double, 2>> areas;  // of a structure: drawn, amiss
+    for (const SliceCutReport& cut : report.cuts) {
+        areas[cut.structure][0] += cut.drawn_mm2;
+        areas[cut.structure][1] += cut.difference_mm2;
+    }
+    std::string text;
+    double worst = certificate_gross_cut_share;
+    for (const auto& [name, area] : areas) {
+        if (area[1] <= worst * area[0]) continue;
+        if (area[0] > 0) worst = area[1] / area[0];
+        const auto of_it = [&, n = &name](const SliceCutReport& cut) { return cut.structure == *n; };
+        text =
+            "of all slices together " + percent_text(area[1], area[0], 1) + " of the drawn area of " + name +
+            " are amiss, more than " + percent_text(certificate_gross_cut_share, 1, 0) + " (most on " +
+            worst_places(
+                report, of_it, [](const SliceCutReport& cut) { return cut.difference_mm2; },
+                [](const SliceCutReport& cut) {
+                    return fixed_text(cut.difference_mm2, 2) + " of " + fixed_text(cut.drawn_mm2, 2) + " mm2";
+                }) +
+            "); ";
+    }
+    return text;
+}
+
 Clause clause_segments(const CertificateInput& input, const StructureFidelity& all,
                        const ModelReport& report) {
     Clause clause{
@@ -372,9 +410,11 @@ Clause clause_segments(const CertificateInput& input, const StructureFidelity& a
     clause.evidence = segments_text(all, report) + "; " + cuts_text(report, above);
     if (all.segments_on_surface == all.segments && above == 0) {
         clause.state = ClauseState::kept;
-    } else {
-        clause.evidence = "measured, not met: " + clause.evidence;
+        return clause;
     }
+    const std::string gross = gross_cuts_text(report);
+    if (!gross.empty()) clause.state = ClauseState::broken;
+    clause.evidence = "measured, not met: " + gross + clause.evidence;
     return clause;
 }
 
@@ -492,13 +532,15 @@ Clause clause_volume(const CertificateInput& input, const ModelReport& report) {
         slices > 0 ? ", by plain slice integration " + fixed_text(slices / 1000, 3) : "";
     const std::string volume =
         "volume of all structures by mesh " + fixed_text(total / 1000, 3) + " ml" + beside;
+    const std::string note = input.field_note.empty() ? "" : ", " + std::string(input.field_note);
     if (input.field_volumes_mm3.empty()) {
+        if (!note.empty()) clause.evidence = "not checked" + note;
         clause.evidence += "; " + volume;
         return clause;
     }
     clause.state = worst <= certificate_volume_tolerance ? ClauseState::kept : ClauseState::broken;
     clause.evidence = "largest difference of a structure " + fixed_text(100 * worst, 3) + " %" +
-                      (worst_name.empty() ? "" : " (" + worst_name + ")") + "; " + volume;
+                      (worst_name.empty() ? "" : " (" + worst_name + ")") + note + "; " + volume;
     return clause;
 }
 
@@ -532,8 +574,11 @@ void measure_model(const CertificateInput& input, const RunContext& context, Mod
             surfaces.push_back(structure_surface(mesh, neighbors, input.regions, s, context.threads));
         }
         report.surface_triangles = count_interface_facets(mesh, neighbors, context.threads);
-        measure_structures(input, surfaces, neighbors, context.threads, report);
-        if (input.contours) findings = measure_contours(input, surfaces, report);
+        const ShellNumbers shells = measure_structures(input, surfaces, neighbors, context.threads, report);
+        if (input.contours) findings = measure_contours(input, surfaces, shells, report);
+        if (input.field)
+            report.field_distance = farthest_from_field(mesh, neighbors, input.regions, input.structures,
+                                                        *input.field, input.field_origin, context.threads);
     };
     parallel_tasks(context.threads, {measure_surfaces, [&] {
                                          if (measurable) shapes = measure_shapes(mesh, context);

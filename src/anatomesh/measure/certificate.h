@@ -12,13 +12,15 @@
 // A clause that cannot be checked because its input is not there (contours, field) is `not_promised_yet` and
 // its evidence says "not checked". So are clauses 2 and 4 where they were measured and are not met, within
 // what is tolerated: their evidence begins with "measured, not met", says by how much, and names the worst
-// places.
+// places. Clause 2 is broken where what the slices cut of a structure is grossly not what is drawn.
 #pragma once
 
 #include <span>
+#include <string_view>
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/contour_set.h"
+#include "anatomesh/field/structure_field.h"
 #include "anatomesh/measure/report.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
@@ -31,6 +33,9 @@ struct CertificateInput {
     const ContourSet* contours = nullptr;         // kept; structures are matched by number
     std::span<const double> field_volumes_mm3{};  // per structure of `structures`; empty when not known
     bool made_by_this_run = true;                 // false: the model was read, nothing is known of its making
+    const StructureField* field = nullptr;        // at p - field_origin that of the model at p
+    Vec3 field_origin{};
+    std::string_view field_note{};  // how the field came about, or why there is none: for clause 6
 };
 
 // Bounds of the clauses.
@@ -46,12 +51,16 @@ inline constexpr double certificate_gross_radius_edge = 100, certificate_gross_d
 inline constexpr double certificate_crowded_share = 0.1;
 // Share of a drawn region's area by which the cut of the model may differ from it.
 inline constexpr double certificate_cut_tolerance = 0.001;
+// Of a structure's drawn areas together, what is amiss on all slices together: above this the clause is
+// broken.
+inline constexpr double certificate_gross_cut_share = 0.1;
 inline constexpr double certificate_mean_radius_edge = 1.2;
 inline constexpr double certificate_volume_tolerance = 0.002;  // relative
 
 // Fills, and only these: vertices, tetrahedra, surface_triangles, structures, regions, quality, certificate,
 // listed_cells, listed_cells_total, listed_cells_forced; with contours also slices, contours,
-// contour_vertices and, of parallel slices, slice_spacing_mm. A contour structure is matched with the model's structure of the
+// contour_vertices, cuts, cuts_not_drawn and, of parallel slices, slice_spacing_mm; with a field
+// field_distance. A contour structure is matched with the model's structure of the
 // same number, or, when both have only one, with that; the vertices of a structure that the model lacks are
 // not on its surface. Requires: mesh.regions.size() == mesh.cells.size(), every region in the table, members
 // below structures.size(). Warnings of the context that tell of vertices moved by cleaning stand in the

@@ -149,6 +149,28 @@ TEST(Certificate, faults_of_the_mesh_break_clause_3) {
     EXPECT_EQ(report.certificate[0].state, ClauseState::broken);
 }
 
+TEST(Certificate, cuts_that_are_grossly_amiss_break_clause_2_and_the_structure_and_slices_are_named) {
+    // A shaft of one brick in sixteen, and of four.
+    Case narrow;
+    narrow.mesh = testing::brick_mesh({4, 4, 4}, [](int i, int j, int) { return Region(i != 1 || j != 1); });
+    const Clause few = narrow.measure(true).certificate[1];
+    EXPECT_EQ(few.state, ClauseState::not_promised_yet);
+    EXPECT_EQ(few.evidence.find("amiss"), std::string::npos) << few.evidence;
+
+    Case wide;
+    wide.mesh = testing::brick_mesh(
+        {4, 4, 4}, [](int i, int j, int) { return Region(i < 1 || i > 2 || j < 1 || j > 2); });
+    const ModelReport report = wide.measure(true);
+    EXPECT_EQ(report.certificate[1].state, ClauseState::broken);
+    EXPECT_EQ(report.certificate[1].evidence.rfind("measured, not met: of all slices together 25.0 % of the "
+                                                   "drawn area of block are amiss, more than "
+                                                   "10 % (most on block, slice k = 0: 4.00 of 16.00 mm2; ",
+                                                   0),
+              0u)
+        << report.certificate[1].evidence;
+    EXPECT_EQ(report.structures[0].contour_segments_on_surface, 12u);
+}
+
 TEST(Certificate, a_volume_off_by_more_than_its_bound_breaks_clause_6) {
     EXPECT_EQ(Case().measure(true, {64.1}).certificate[5].state, ClauseState::kept);
     EXPECT_EQ(Case().measure(true, {64.2}).certificate[5].state, ClauseState::broken);

@@ -49,6 +49,21 @@ struct QualityReport {
     Histogram radius_edge, min_dihedral;
 };
 
+// The shells of a structure's surface, and which of them the contours know of.
+struct ShellReport {
+    std::uint32_t voids = 0;  // shells that bound a cavity
+    double smallest_mm3 = 0;  // volume that the smallest shell encloses
+    // With contours: shells with no contour vertex on them, what they enclose in all, and the largest of
+    // them.
+    std::uint32_t without_contour = 0;
+    double without_contour_mm3 = 0, largest_without_contour_mm3 = 0;
+    std::array<double, 3> largest_at{};  // mm
+    // With contours: a contour is one closed line, so its vertices belong on one shell. Those that lie on
+    // several, by how many the shells are more than they could be, and the slice of the one on most.
+    std::uint32_t contours_in_parts = 0, parts_too_many = 0;
+    std::string worst_slice;
+};
+
 struct StructureReport {
     std::int32_t number = 0;
     std::string name;
@@ -60,6 +75,7 @@ struct StructureReport {
     double area_mm2 = 0;           // of its surface
     std::uint32_t components = 0;  // of its surface (shells)
     std::uint32_t pieces = 0;      // of its volume
+    ShellReport shells;
     std::int64_t genus = 0;        // summed over its surface's components
     std::uint64_t open_edges = 0, nonmanifold_edges = 0, nonmanifold_vertices = 0;
     std::uint64_t contour_vertices = 0, contour_vertices_on_surface = 0;
@@ -72,6 +88,15 @@ struct SliceCutReport {
     double drawn_mm2 = 0,       // area of the drawn region; 0: not drawn on this slice
            difference_mm2 = 0;  // of its symmetric difference with the cut
     std::uint32_t segments_missed = 0;  // of its contours: no chains of surface edges
+};
+
+// How far the surface is from the field's interfaces where that is most.
+struct FieldDistanceReport {
+    std::uint64_t points = 0;  // measured: vertices of the surface and middles of its facets; 0: no field
+    double max_mm = 0;
+    bool at_least = false;  // the field tells no larger distances
+    std::array<double, 3> at{};
+    std::string structure;  // on whose surface
 };
 
 struct StageReport {
@@ -144,6 +169,7 @@ struct ModelReport {
     // the model has it.
     std::vector<SliceCutReport> cuts;
     std::uint64_t cuts_not_drawn = 0;  // measured on slices where a structure is not drawn
+    FieldDistanceReport field_distance;
     CrossingReport crossing;
     std::vector<StageReport> stages;
     std::vector<Warning> warnings;

@@ -97,7 +97,7 @@ std::vector<RegionFacet> region_facets(const TetMesh& mesh, std::span<const std:
         });
 }
 
-SurfaceTopology surface_topology(std::span<const Triangle> triangles) {
+SurfaceTopology surface_topology(std::span<const Triangle> triangles, std::vector<std::uint32_t>* shell_of) {
     assert(triangles.size() < 0xFFFFFFFEu / 3);
     std::vector<std::uint32_t> corner_vertex;
     corner_vertex.reserve(3 * triangles.size());
@@ -130,7 +130,12 @@ SurfaceTopology surface_topology(std::span<const Triangle> triangles) {
         }
     }
     count_vertices(corner_vertex, vertex_count, census.fans, topology);
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) topology.components += census.shells.root(t) == t;
+    if (shell_of) shell_of->resize(triangles.size());
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+        const std::uint32_t root = census.shells.root(t);  // its smallest triangle
+        if (shell_of) (*shell_of)[t] = root == t ? topology.components : (*shell_of)[root];
+        topology.components += root == t;
+    }
     topology.euler = static_cast<std::int64_t>(topology.vertices) -
                      static_cast<std::int64_t>(topology.edges) +
                      static_cast<std::int64_t>(topology.triangles);

@@ -45,8 +45,10 @@ struct SurfaceTopology {
 };
 
 // Topology of a triangle set. Complexity: O(n log n) at worst, linear for bounded vertex degree; memory also
-// grows with the largest index.
-SurfaceTopology surface_topology(std::span<const Triangle> triangles);
+// grows with the largest index. `shell_of`, where given: the number of every triangle's shell, from 0 in the
+// order of their first triangles.
+SurfaceTopology surface_topology(std::span<const Triangle> triangles,
+                                 std::vector<std::uint32_t>* shell_of = nullptr);
 
 // Outward boundary triangles of one structure: of the union of all regions that contain it. In the order of
 // the cells that they bound. The second form takes the neighbors of mesh.cells where they are known already.

@@ -16,8 +16,10 @@
 #include "anatomesh/improve/smooth_vertices.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/mesh/topology.h"
+#include "anatomesh/pipeline/contour_field.h"
 #include "anatomesh/pipeline/contour_pieces.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
+#include "anatomesh/pipeline/model_warnings.h"
 #include "anatomesh/pipeline/segment_vertices.h"
 #include "anatomesh/pipeline/surface_tears.h"
 #include "anatomesh/refine/refine.h"
@@ -29,8 +31,8 @@ namespace {
 
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
 constexpr double balance_reach = 0.25;        // no vertex moves further than this for the volume's sake, in sizes
-constexpr double surface_deviation = 0.06;    // of the middle of an interface facet from the interface, in sizes
-constexpr double widest_cut = 0.01;           // more of a drawn region's area amiss on its slice is warned of
+constexpr double surface_deviation =
+    0.06;  // of the middle of an interface facet from the interface, in sizes
 constexpr int max_attempts = 4;               // with a default size; each one finer
 constexpr double finer = 0.7;
 constexpr double too_thin = 0.8;             // a mean thickness below so many sizes is warned of
@@ -51,16 +53,6 @@ constexpr double dense_growth = 2;            // of the edge length with the dep
 constexpr int dense_deviation_rounds = 2;
 constexpr double crowded_share = 0.25;        // contour vertices nearer to each other than this may spoil cells, in sizes
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
-
-// The set moved so that `origin` comes to lie at (0, 0, 0); every plane's own origin is the foot of that point on it.
-ContourSet relative_to(Vec3 origin, ContourSet set) {
-    for (Vec3& p : set.points) p = p - origin;
-    for (Slice& slice : set.slices) {
-        Plane& plane = slice.plane;
-        plane.origin = dot(plane.origin - origin, plane.normal) * plane.normal;
-    }
-    return set;
-}
 
 // What does not depend on the size.
 struct FieldAndVolumes {
@@ -544,15 +536,18 @@ class Builder {
         CertificateInput input{model_.mesh, model_.regions, model_.structures};
         input.contours = &source_;
         input.field_volumes_mm3 = volumes_mm3_;
+        input.field = field_.get();
+        input.field_origin = origin_;
         measure_model(input, context_, report());
         ANATOMESH_CHECK_STATUS(end_stage("certificate", 1.0));
-        warn_of_cuts();
+        warn_of_model(report(), sample_->stats.size_mm, contours_.source, context_);
         warn_of_tears();
         warn_of_crowded_cells();
         for (const Clause& clause : report().certificate) {
             if (clause.state != ClauseState::broken) continue;
-            // Quality and volume are out of reach for this input; a wrong surface would be a fault of ours.
-            const bool out_of_reach = clause.number == 4 || clause.number == 6;
+            // Cuts, quality and volume are out of reach for this input; a wrong surface would be a fault of
+            // ours.
+            const bool out_of_reach = clause.number == 2 || clause.number == 4 || clause.number == 6;
             return Error{out_of_reach ? ErrorKind::geometry : ErrorKind::internal, "E-PIP-002",
                          "clause " + std::to_string(clause.number) + " of the contract is broken: " + clause.statement +
                              " (" + clause.evidence + ")",
@@ -575,32 +570,6 @@ class Builder {
         if (!(thinnest < too_thin * sample_->stats.size_mm)) return "try another --size";
         return "what is drawn is only " + brief(thinnest) + " mm thick in the mean: give --size " + brief(thinnest) +
                " or leave --size out";
-    }
-
-    // The contours hold, and yet the model may leave them between their vertices and segments.
-    void warn_of_cuts() {
-        const SliceCutReport* worst = nullptr;
-        std::size_t count = 0;
-        for (const SliceCutReport& cut : report().cuts) {
-            if (!(cut.difference_mm2 > widest_cut * cut.drawn_mm2)) continue;
-            ++count;
-            const bool worse =
-                !worst || cut.difference_mm2 * worst->drawn_mm2 > worst->difference_mm2 * cut.drawn_mm2;
-            if (worse) worst = &cut;
-        }
-        if (!worst) return;
-        Place place;
-        place.file = contours_.source;
-        place.slice = worst->slice;
-        place.structure = worst->structure;
-        place.value = worst->drawn_mm2 > 0
-                          ? brief(100 * worst->difference_mm2 / worst->drawn_mm2) + " % of the area"
-                          : brief(worst->difference_mm2) + " mm2 where it is not drawn";
-        context_.warn({"W-PIP-003",
-                       "on " + std::to_string(count) + (count == 1 ? " slice" : " slices") +
-                           " the model differs from the drawn region by more than " +
-                           brief(100 * widest_cut) + " % of its area; the worst is named",
-                       place, "kept; a smaller --size follows small or thin parts more closely"});
     }
 
     // What was not done for their sake is the user's to know.

@@ -70,6 +70,12 @@ Json structures_json(const ModelReport& report) {
                         {"area_mm2", number(s.area_mm2)},
                         {"components", s.components},
                         {"pieces", s.pieces},
+                        {"voids", s.shells.voids},
+                        {"smallest_shell_mm3", number(s.shells.smallest_mm3)},
+                        {"shells_without_contour", s.shells.without_contour},
+                        {"shells_without_contour_mm3", number(s.shells.without_contour_mm3)},
+                        {"contours_in_parts", s.shells.contours_in_parts},
+                        {"parts_too_many", s.shells.parts_too_many},
                         {"genus", s.genus},
                         {"open_edges", s.open_edges},
                         {"nonmanifold_edges", s.nonmanifold_edges},
@@ -158,6 +164,15 @@ Json cuts_json(const ModelReport& report) {
                         {"segments_missed", cut.segments_missed}});
     }
     return cuts;
+}
+
+Json field_distance_json(const FieldDistanceReport& distance) {
+    if (distance.points == 0) return nullptr;
+    return {{"points", distance.points},
+            {"max_mm", number(distance.max_mm)},
+            {"at_least", distance.at_least},
+            {"at_mm", distance.at},
+            {"structure", distance.structure}};
 }
 
 Json crossing_json(const CrossingReport& crossing) {
@@ -274,6 +289,7 @@ std::string report_json(const ModelReport& report) {
         {"warnings", warnings_json(report)},
         {"contour_log", contour_log_json(report)},
         {"cuts", cuts_json(report)},
+        {"field_distance", field_distance_json(report.field_distance)},
         {"stages", stages_json(report)},
         {"timing", timing_json(report)},
     };

@@ -1,0 +1,139 @@
+#include "field_of_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/volume.h"
+#include "field_options.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double near_enough = certificate_volume_tolerance / 10;  // no other way is looked for
+
+// The value of an option in the provenance of a model file: "caps half".
+std::optional<std::string> option_of(const MeshDescription& description, const std::string& name) {
+    for (const auto& [key, value] : description.notes) {
+        if (key == "option" && value.starts_with(name + " ")) return value.substr(name.size() + 1);
+    }
+    return std::nullopt;
+}
+
+std::optional<double> number_of(const MeshDescription& description, const std::string& name) {
+    const std::optional<std::string> text = option_of(description, name);
+    if (!text) return std::nullopt;
+    double value = 0;
+    const auto [end, fault] = std::from_chars(text->data(), text->data() + text->size(), value);
+    if (fault != std::errc{} || end != text->data() + text->size() || !std::isfinite(value))
+        return std::nullopt;
+    return value;
+}
+
+// The contours' structure of each structure of the model, by number; nothing where they are not the same.
+std::optional<std::vector<std::size_t>> same_structures(const ModelFile& model, const ContourSet& contours) {
+    const std::vector<Structure>& structures = model.description.structures;
+    if (structures.size() != contours.structures.size()) return std::nullopt;
+    if (structures.size() == 1) return std::vector<std::size_t>{0};
+    std::vector<std::size_t> match;
+    for (const Structure& structure : structures) {
+        const auto found =
+            std::find_if(contours.structures.begin(), contours.structures.end(),
+                         [&](const Structure& drawn) { return drawn.number == structure.number; });
+        if (found == contours.structures.end()) return std::nullopt;
+        match.push_back(static_cast<std::size_t>(found - contours.structures.begin()));
+    }
+    return match;
+}
+
+// Whether the mesh can be measured at all: its faults are the certificate's to say.
+bool has_volume(const TetMesh& mesh) {
+    return std::all_of(mesh.cells.begin(), mesh.cells.end(), [&](const Cell& cell) {
+        return *std::max_element(cell.begin(), cell.end()) < mesh.points.size();
+    });
+}
+
+bool has_overlaps(const ModelFile& model) {
+    return std::any_of(model.mesh.regions.begin(), model.mesh.regions.end(),
+                       [&](Region region) { return model.description.regions.members[region].size() > 1; });
+}
+
+// The largest relative difference of a structure's volume.
+double worst_difference(const std::vector<double>& mesh, const std::vector<double>& field) {
+    double worst = 0;
+    for (std::size_t s = 0; s < mesh.size(); ++s) {
+        const double difference = std::abs(mesh[s] - field[s]);
+        if (difference > 0) worst = std::max(worst, field[s] > 0 ? difference / field[s] : HUGE_VAL);
+    }
+    return worst;
+}
+
+}  // namespace
+
+std::optional<double> size_of(const MeshDescription& description) {
+    const std::optional<double> size = number_of(description, "size_mm");
+    return size && *size > 0 ? size : std::nullopt;
+}
+
+Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& contours, RunContext& context) {
+    const std::optional<std::string> told = option_of(model.description, "caps");
+    std::vector<std::string> ways{"half", "flat", "rounded"};
+    const bool known = told && std::find(ways.begin(), ways.end(), *told) != ways.end();
+    if (known) ways = {*told};
+    FieldRuleOptions rules;
+    const auto in_range = [](std::optional<double> value, double low, double high, double otherwise) {
+        return value && *value >= low && *value <= high ? *value : otherwise;
+    };
+    rules.max_gap_spacings =
+        in_range(number_of(model.description, "max_gap_spacings"), 1, 1e6, rules.max_gap_spacings);
+    rules.slice_thickness_mm = in_range(number_of(model.description, "slice_thickness_mm"), 0, 1000, 0);
+
+    const std::optional<std::vector<std::size_t>> match = same_structures(model, contours);
+    std::vector<double> by_mesh;
+    if (has_volume(model.mesh))
+        by_mesh = mesh_volumes(model.mesh, model.description.regions, model.description.structures.size());
+    // Contour files do not tell whether structures exclude each other, as those of a label map do. A model
+    // with overlaps knows that they do not.
+    std::vector<bool> exclusions{false};
+    if (model.description.structures.size() > 1 && !has_overlaps(model)) exclusions = {true, false};
+    FieldOfModel best;
+    bool exclude = false;
+    double least = HUGE_VAL;
+    for (std::size_t n = 0; n < ways.size() * exclusions.size() && least > near_enough; ++n) {
+        rules.caps = ways[n / exclusions.size()];
+        ContourSet set = contours;
+        set.exclusive = exclusions[n % exclusions.size()];
+        // Its warnings were said when the model was made.
+        RunContext apart;
+        apart.threads = context.threads;
+        apart.cancel = context.cancel;
+        Result<ContourField> made = contour_field(set, rules.field(), apart);
+        if (!made.ok()) {
+            if (made.error().kind == ErrorKind::cancelled) return made.error();
+            best.note = "no field can be made of these contours: " + made.error().message;
+            return best;
+        }
+        std::vector<double> volumes;
+        if (match) {
+            for (const std::size_t s : *match) volumes.push_back(made.value().volumes_mm3[s]);
+        }
+        const double worst = volumes.size() == by_mesh.size() ? worst_difference(by_mesh, volumes) : HUGE_VAL;
+        if (best.made.field && worst >= least) continue;
+        least = worst;
+        exclude = set.exclusive;
+        best = {std::move(made).value(), std::move(volumes), rules.caps, ""};
+    }
+    best.note = fmt::format(
+        "for the field of these contours with {} ends and gaps of up to {:.6g} spacings joined, {}",
+        best.caps, rules.max_gap_spacings,
+        known ? "as the model's file says" : "assumed: the model's file does not say");
+    if (exclude) best.note += ", structures excluding each other as in the model";
+    if (!match) best.note += "; volumes are not compared, for the structures are not the same";
+    return best;
+}
+
+}  // namespace anatomesh

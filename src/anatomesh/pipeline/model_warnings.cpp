@@ -1,0 +1,97 @@
+#include "anatomesh/pipeline/model_warnings.h"
+
+#include <array>
+
+#include "anatomesh/contour/message_text.h"
+#include "anatomesh/measure/number_text.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double widest_cut = 0.01;  // more of a drawn region's area amiss on its slice is warned of
+
+std::string counted(std::uint64_t count, const std::string& noun) {
+    return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+std::string at_text(const std::array<double, 3>& at) {
+    return fixed_text(at[0], 1) + " " + fixed_text(at[1], 1) + " " + fixed_text(at[2], 1);
+}
+
+// The contours hold, and yet the model may leave them between their vertices and segments.
+void warn_of_cuts(const ModelReport& report, const std::string& file, RunContext& context) {
+    const SliceCutReport* worst = nullptr;
+    std::size_t count = 0;
+    for (const SliceCutReport& cut : report.cuts) {
+        if (!(cut.difference_mm2 > widest_cut * cut.drawn_mm2)) continue;
+        ++count;
+        const bool worse =
+            !worst || cut.difference_mm2 * worst->drawn_mm2 > worst->difference_mm2 * cut.drawn_mm2;
+        if (worse) worst = &cut;
+    }
+    if (!worst) return;
+    Place place;
+    place.file = file;
+    place.slice = worst->slice;
+    place.structure = worst->structure;
+    place.value = worst->drawn_mm2 > 0
+                      ? brief(100 * worst->difference_mm2 / worst->drawn_mm2) + " % of the area"
+                      : brief(worst->difference_mm2) + " mm2 where it is not drawn";
+    context.warn({"W-PIP-003",
+                  "on " + counted(count, "slice") + " the model differs from the drawn region by more than " +
+                      brief(100 * widest_cut) + " % of its area; the worst is named",
+                  place, "kept; a smaller --size follows small or thin parts more closely"});
+}
+
+void warn_of_shells(const StructureReport& structure, const std::string& file, RunContext& context) {
+    const ShellReport& shells = structure.shells;
+    Place place;
+    place.file = file;
+    place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+    if (shells.without_contour > 0) {
+        place.value = brief(shells.largest_without_contour_mm3) + " mm3 at " + at_text(shells.largest_at);
+        context.warn({"W-PIP-006",
+                      counted(shells.without_contour, "closed piece") + " of the surface, of " +
+                          brief(shells.without_contour_mm3) +
+                          " mm3 in all, without a contour vertex: nothing that is drawn tells of such a "
+                          "piece; the largest is named",
+                      place, "kept; look there, it may be a crumb or a cavity of the mesh alone"});
+    }
+    if (shells.parts_too_many > 0) {
+        place.slice = shells.worst_slice;
+        place.value = counted(shells.contours_in_parts, "contour");
+        context.warn(
+            {"W-PIP-007",
+             "the structure came out in more pieces than are drawn: " +
+                 counted(shells.parts_too_many, "closed piece") +
+                 " of its surface too many, for single contours run over several; the worst slice is "
+                 "named",
+             place, "kept; a smaller --size resolves thin or narrow parts"});
+    }
+}
+
+void warn_of_distance(const ModelReport& report, double size_mm, const std::string& file,
+                      RunContext& context) {
+    const FieldDistanceReport& distance = report.field_distance;
+    if (distance.points == 0 || distance.max_mm <= size_mm) return;
+    Place place;
+    place.file = file;
+    place.structure = distance.structure;
+    place.value = std::string(distance.at_least ? "at least " : "") + brief(distance.max_mm) + " mm at " +
+                  at_text(distance.at);
+    context.warn({"W-PIP-008",
+                  "the surface leaves the one that the contours tell by more than the edge length of " +
+                      brief(size_mm) + " mm; the farthest point is named",
+                  place, "kept; look there, it may be a spike, or a crumb that no contour has"});
+}
+
+}  // namespace
+
+void warn_of_model(const ModelReport& report, double size_mm, const std::string& file, RunContext& context) {
+    warn_of_cuts(report, file, context);
+    for (const StructureReport& structure : report.structures) warn_of_shells(structure, file, context);
+    warn_of_distance(report, size_mm, file, context);
+}
+
+}  // namespace anatomesh

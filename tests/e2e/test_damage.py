@@ -1,0 +1,143 @@
+"""Damage done to a sound model, and to what it is made of: `check` and `model` must say so."""
+import numpy as np
+
+import harness
+import judge
+import shapes
+
+
+class DamagedModels(harness.TestCase):
+    """A ball with a ball in it as .mesh: its points and cells as arrays, written back with what was done to them."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("contours.json", self.contours())
+        self.run_program("model", "contours.json", "-o", "sound.mesh")
+        self.head, self.points, self.cells = self.read("sound.mesh")
+        self.regions = self.cells[:, 4]
+        facets = np.sort(np.concatenate([self.cells[:, list(f)] for f in ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))]), 1)
+        of = np.tile(np.arange(len(self.cells)), 4)
+        order = np.lexsort(facets.T[::-1])
+        facets, of = facets[order], of[order]
+        twin = (facets[1:] == facets[:-1]).all(1)
+        wall = np.ones(len(facets), bool)
+        inside = twin & (self.regions[of[1:]] == self.regions[of[:-1]])
+        wall[1:][inside] = wall[:-1][inside] = False
+        self.on_surface = np.zeros(len(self.points), bool)
+        self.on_surface[facets[wall].ravel()] = True
+        vertices = {tuple(p) for each in self.contours()["slices"] for c in each["contours"] for p in c["points"]}
+        self.of_contour = np.array([tuple(p) in vertices for p in self.points])
+        centres = self.points[self.cells[:, :4]].mean(1)
+        deep = np.nonzero(~self.on_surface[self.cells[:, :4]].any(1) & (self.regions == self.regions.min()))[0]
+        self.deep = deep[np.argsort(np.linalg.norm(centres[deep] - centres[deep[0]], axis=1))]
+
+    @staticmethod
+    def contours():
+        """Two balls, the smaller one in the larger one."""
+        both, inner = shapes.sphere(16, 2), shapes.sphere(6, 2)
+        both.structures = {1: "outer", 2: "inner"}
+        for z, polygons in inner.slices:
+            next(p for at, p in both.slices if at == z).extend((2, points) for _, points in polygons)
+        return both.document()
+
+    def read(self, name):
+        lines = (self.folder / name).read_text().splitlines()
+        v, t = lines.index("Vertices"), lines.index("Tetrahedra")
+        points = np.array([[float(x) for x in line.split()[:3]] for line in lines[v + 2:v + 2 + int(lines[v + 1])]])
+        cells = np.array([[int(x) for x in line.split()] for line in lines[t + 2:t + 2 + int(lines[t + 1])]])
+        cells[:, :4] -= 1
+        return lines[:v], points, cells
+
+    def damaged(self, points=None, cells=None, head=None):
+        points = self.points if points is None else points
+        cells = self.cells if cells is None else cells
+        used = np.unique(cells[:, :4])
+        number = np.full(len(points), -1)
+        number[used] = np.arange(len(used))
+        lines = list(self.head if head is None else head)
+        lines += ["Vertices", str(len(used))] + [" ".join(repr(float(x)) for x in points[v]) + " 0" for v in used]
+        lines += ["Tetrahedra", str(len(cells))]
+        lines += [" ".join(str(number[v] + 1) for v in c[:4]) + f" {c[4]}" for c in cells]
+        self.write("damaged.mesh", "\n".join(lines) + "\nEnd\n")
+
+    def checked(self, name="damaged.mesh", contours="contours.json", expect=0):
+        """States of the clauses, codes of the warnings, the report."""
+        words = ("check", name, "--json", *(("--contours", contours) if contours else ()))
+        report = self.run_program(*words, expect=expect).json()
+        return ({c["clause"]: c["state"] for c in report["certificate"]}, [w["code"] for w in report["warnings"]], report)
+
+    def test_a_sound_model_keeps_clause_6_too_and_nothing_is_warned_of(self):
+        states, codes, report = self.checked(name="sound.mesh")
+        self.assertNotIn("broken", states.values())
+        self.assertEqual([states[n] for n in (1, 3, 4, 6)], ["kept"] * 4)
+        self.assertEqual([c for c in codes if c.startswith("W-PIP")], [])
+        self.assertIn("as the model's file says", report["certificate"][5]["evidence"])
+        self.assertLess(report["field_distance"]["max_mm"], 1)
+
+    def test_writing_it_back_unchanged_changes_nothing(self):
+        self.damaged()
+        states, codes, _ = self.checked()
+        self.assertEqual(states[6], "kept")
+        self.assertEqual([c for c in codes if c.startswith("W-PIP")], [])
+
+    def test_one_cell_removed_from_the_inside(self):
+        self.damaged(cells=np.delete(self.cells, self.deep[0], 0))
+        states, codes, report = self.checked()
+        self.assertIn("W-PIP-006", codes)
+        outer = report["structures"][0]
+        self.assertEqual((outer["voids"], outer["shells_without_contour"]), (1, 1))
+        self.assertGreater(outer["shells_without_contour_mm3"], 0)
+        _, _, alone = self.checked(contours=None)
+        self.assertEqual(alone["structures"][0]["voids"], 1)
+        text = self.run_program("check", "damaged.mesh").out
+        self.assertIn("2 shells (1 void, smallest", text)
+
+    def test_a_third_of_the_inside_removed(self):
+        self.damaged(cells=np.delete(self.cells, self.deep[:len(self.deep) // 3], 0))
+        states, codes, report = self.checked(expect=4)
+        self.assertEqual((states[2], states[6]), ("broken", "broken"))
+        self.assertLessEqual({"W-PIP-003", "W-PIP-006"}, set(codes))
+        self.assertIn("of the drawn area of outer are amiss", report["certificate"][1]["evidence"])
+
+    def test_one_cell_in_the_other_region(self):
+        cells = self.cells.copy()
+        cells[self.deep[0], 4] = self.regions.max()
+        self.damaged(cells=cells)
+        _, codes, report = self.checked()
+        self.assertIn("W-PIP-006", codes)
+        self.assertEqual([s["shells_without_contour"] for s in report["structures"]], [0, 1])
+
+    def test_a_free_vertex_of_the_surface_pulled_out(self):
+        free = np.nonzero(self.on_surface & ~self.of_contour & (np.linalg.norm(self.points, axis=1) > 14))[0]
+        points = self.points.copy()
+        size = float(next(line for line in self.head if "size_mm" in line).split()[-1])
+        points[free[0]] *= 1 + 1.1 * size / np.linalg.norm(points[free[0]])
+        self.damaged(points=points)
+        _, codes, report = self.checked(expect=None)
+        self.assertIn("W-PIP-008", codes)
+        self.assertAlmostEqual(np.linalg.norm(np.array(report["field_distance"]["at_mm"]) - points[free[0]]), 0, delta=1e-6)
+
+    def test_ends_that_the_file_does_not_tell_are_found(self):
+        for caps in ("half", "flat", "rounded"):
+            self.run_program("model", "contours.json", "-o", "sound.mesh", "--caps", caps)
+            head, points, cells = self.read("sound.mesh")
+            for kept, words in ((head, "as the model's file says"), ([line for line in head if "NOTE" not in line], "assumed")):
+                self.damaged(points, cells, kept)
+                states, _, report = self.checked()
+                self.assertEqual(states[6], "kept", report["certificate"][5])
+                self.assertIn(f"with {caps} ends", report["certificate"][5]["evidence"])
+                self.assertIn(words, report["certificate"][5]["evidence"])
+
+    def test_contours_of_one_of_the_structures_say_nothing_of_volumes(self):
+        document = self.contours()
+        document["structures"] = document["structures"][:1]
+        for each in document["slices"]:
+            each["contours"] = [c for c in each["contours"] if c["structure"] == 1]
+        self.write("one.json", document)
+        states, _, report = self.checked("sound.mesh", "one.json")
+        self.assertEqual(states[6], "not promised yet")
+        self.assertIn("the structures are not the same", report["certificate"][5]["evidence"])
+
+
+if __name__ == "__main__":
+    harness.main(__name__)
