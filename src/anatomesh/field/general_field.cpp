@@ -49,6 +49,14 @@ struct Seen {
     Vec2 at;          // the point's projection
 };
 
+// A patch beside a cell of the grid, as the cell's centre sees it.
+struct Beside {
+    std::uint32_t patch;
+    double height;    // of the centre above the plane
+    double distance;  // of the centre above the patch's points, if above it, or below
+    bool apart;       // the cell lies on one side of the patch, before it in full
+};
+
 // The patches that count at a point, nearest first.
 struct Sight {
     std::array<Seen, most_near> near;  // the first `count`
@@ -114,6 +122,9 @@ class GeneralField final : public FieldQueries<GeneralField> {
     std::uint32_t next_structure(const Sight& sight, std::uint32_t from) const;
     Status build_maps(const ContourSet& set, RunContext& context);
     void find_open_sides();
+    bool is_hidden(const Beside& far, const Beside& near, double half) const;
+    void drop_hidden(Vec3 center, double half, std::size_t first, std::vector<std::uint32_t>& list,
+                     std::vector<Beside>& scratch) const;
     void build_grid(int threads);
 
     std::vector<FieldPatch> patches_;
@@ -379,10 +390,67 @@ void GeneralField::find_open_sides() {
     }
 }
 
+// Whether for every point of a cell the way to the further patch leads through the nearer one: then its share
+// is nothing (share_of), also where the nearer one is hidden itself. The heights are linear over the cell.
+bool GeneralField::is_hidden(const Beside& far, const Beside& near, double half) const {
+    const Vec3 m = patches_[near.patch].patch.plane.normal, n = patches_[far.patch].patch.plane.normal;
+    const double along = dot(m, n);
+    const Vec3 change = along * n - m;
+    const double beyond = far.distance * along - near.height;
+    return (near.height > 0 ? beyond : -beyond) >=
+           half * (std::abs(change.x) + std::abs(change.y) + std::abs(change.z));
+}
+
+// Of the patches that a cell lists, from `first` on, those that count nowhere in it.
+void GeneralField::drop_hidden(Vec3 center, double half, std::size_t first, std::vector<std::uint32_t>& list,
+                               std::vector<Beside>& beside) const {
+    constexpr std::size_t most_hiders = 4;
+    std::array<Beside, most_hiders> hiders;
+    std::size_t count = 0;
+    const double diagonal = std::sqrt(3.0) * half;
+    beside.clear();
+    for (std::size_t n = first; n < list.size(); ++n) {
+        const PlanePatch& patch = patches_[list[n]].patch;
+        const Vec3 normal = patch.plane.normal;
+        const double height = patch.plane.signed_distance(center);
+        const double distance =
+            height - std::clamp(height, std::min(patch.low, 0.0), std::max(patch.high, 0.0));
+        const Vec2 foot = patch.plane.to_plane(center);
+        const double inside = std::min({foot.x - patch.box.low.x, patch.box.high.x - foot.x,
+                                        foot.y - patch.box.low.y, patch.box.high.y - foot.y});
+        beside.push_back(
+            {list[n], height, distance,
+             inside + margin_ >= diagonal &&
+                 std::abs(distance) > half * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z))});
+    }
+    // The nearest hide most: the nearest of all, the nearest that it does not hide, and so on.
+    std::size_t left = beside.size();
+    while (count < most_hiders) {
+        const Beside* nearest = nullptr;
+        for (std::size_t n = 0; n < left; ++n) {
+            const Beside& one = beside[n];
+            if (one.apart && (!nearest || std::abs(one.distance) < std::abs(nearest->distance)))
+                nearest = &one;
+        }
+        if (!nearest) break;
+        const Beside hider = hiders[count++] = *nearest;
+        const auto kept = std::remove_if(
+            beside.begin(), beside.begin() + static_cast<std::ptrdiff_t>(left), [&](const Beside& one) {
+                return one.patch == hider.patch || (one.apart && is_hidden(one, hider, half));
+            });
+        left = static_cast<std::size_t>(kept - beside.begin());
+    }
+    list.resize(first);
+    for (std::size_t n = 0; n < count; ++n) list.push_back(hiders[n].patch);
+    for (std::size_t n = 0; n < left; ++n) list.push_back(beside[n].patch);
+    std::sort(list.begin() + static_cast<std::ptrdiff_t>(first), list.end());
+}
+
 // Blocks of cells keep the patches near them, their cells choose from these.
 void GeneralField::build_grid(int threads) {
-    constexpr double most_cells = 1 << 20;
-    constexpr std::uint32_t block = 8;
+    constexpr double most_cells = 1 << 18;
+    constexpr std::uint32_t block = 4;
+    constexpr std::size_t few = 6;  // patches, among which hidden ones cost nothing
     const Vec3 size = box_.high - box_.low;
     const double cell = std::max(0.5 * radius_, std::cbrt(size.x * size.y * size.z / most_cells));
     inverse_cell_ = 1 / cell;
@@ -412,6 +480,7 @@ void GeneralField::build_grid(int threads) {
                          z = 0.5 * static_cast<double>(begin + end);
             within(box_.low + cell * Vec3{x, y, z}, radius_ + block * half_diagonal, all, near[b]);
         }
+        std::vector<Beside> scratch;
         for (std::size_t k = begin; k < end; ++k) {
             for (std::uint32_t j = 0; j < ny; ++j) {
                 for (std::uint32_t i = 0; i < nx; ++i) {
@@ -420,6 +489,8 @@ void GeneralField::build_grid(int threads) {
                     const std::size_t before = lists[k].size();
                     within(center, radius_ + half_diagonal, near[(j / block) * std::size_t{bx} + i / block],
                            lists[k]);
+                    if (lists[k].size() > before + few)
+                        drop_hidden(center, 0.5 * cell * (1 + 1e-9), before, lists[k], scratch);
                     counts[k].push_back(static_cast<std::uint32_t>(lists[k].size() - before));
                 }
             }

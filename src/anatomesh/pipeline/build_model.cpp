@@ -50,8 +50,11 @@ constexpr int relabel_rounds = 4;             // after the first, with such poin
 // Where freehand planes lie closer than the vertices along them, contours tell the surface without more
 // points.
 constexpr double dense_growth = 2;            // of the edge length with the depth
+constexpr double crowded_crossing_spacing =
+    0.05;  // of points where edges cross an interface from others, in edges
 constexpr int dense_deviation_rounds = 2;
-constexpr double crowded_share = 0.25;        // contour vertices nearer to each other than this may spoil cells, in sizes
+// Contour vertices nearer to each other than this may spoil cells, in sizes: more where planes are denser.
+constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
 // What does not depend on the size.
@@ -228,7 +231,10 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.max_reach_mm = 3 * sample_->stats.size_mm;
         options.given = given_;
-        if (dense_) options.crowded_mm = crowded_share * sample_->stats.size_mm;
+        if (dense_) {
+            const double share = crowded_share * plane_density(contours_, *field_);
+            options.crowded_mm = std::min(share, most_crowded_share) * sample_->stats.size_mm;
+        }
         const auto find_shapes = [&](std::vector<Vec3>& found) {
             mesh_->look_again(shapes);
             return find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), mesh_->sides(),
@@ -250,6 +256,13 @@ class Builder {
         // Edges that came to cross an interface since the first rounds would end as spikes.
         crossing.protected_share = 0.5;
         ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
+        // Where contours crowd each other, what is left is met beside them as well: a surface without a
+        // vertex there has a pit.
+        if (dense_) {
+            crossing.protected_share = 0;
+            crossing.min_spacing = crowded_crossing_spacing;
+            ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
+        }
         ANATOMESH_CHECK_STATUS(pieces_->finish(context_));
         // What that spoiled, out of the balls of the segments.
         options.protected_share = 1;
@@ -261,6 +274,10 @@ class Builder {
             circumcenters += static_cast<double>(stats.circumcenters);
             surface_points += static_cast<double>(stats.surface_points);
             ANATOMESH_CHECK_STATUS(pieces_->grow(found, {}, context_));
+            ANATOMESH_CHECK_STATUS(pieces_->finish(context_));
+        }
+        if (dense_) {
+            ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
             ANATOMESH_CHECK_STATUS(pieces_->finish(context_));
         }
         figures_ = {{"crossing_points", crossing_points},
@@ -446,6 +463,7 @@ class Builder {
         if (dense_) {
             options.target_degrees = dense_target_degrees;
             options.passes = 1;
+            options.last_deviation = 1;  // the one pass is the last
         }
         const std::vector<std::uint32_t> slice_of = slices_of_vertices(
             contours_, vertices_of_contours(), pieces_->pieces(), model_.mesh.points.size());

@@ -1,6 +1,13 @@
 // Freehand planes that lie closer to each other than the vertices along their contours.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/random_solids_for_test.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 #include "anatomesh/reconcile/reconcile.h"
@@ -79,6 +86,54 @@ TEST(DensePlanes, say_that_cells_were_left_as_they_come_and_a_given_size_does_mo
               first.value().report.quality.radius_edge_share_over_2);
     EXPECT_LT(second.value().report.quality.dihedral_below_10,
               first.value().report.quality.dihedral_below_10);
+}
+
+// An edge of the surface at which its facets meet at a wide angle belongs to a pit or a spike where the solid
+// is round.
+struct Roughness {
+    double worst_mm = 0;  // of a vertex from the truth
+    double mean_angle = 0, sharp_share = 0;
+};
+
+Roughness roughness_of(const Model& model, double solid_radius, double beyond) {
+    Roughness rough;
+    const auto neighbors = cell_neighbors(model.mesh.cells, model.mesh.points.size());
+    const std::vector<Triangle> surface = structure_surface(model.mesh, neighbors, model.regions, 0);
+    std::map<std::array<std::uint32_t, 2>, Vec3> open;
+    std::size_t edges = 0, sharp = 0;
+    for (const Triangle& facet : surface) {
+        const auto& p = model.mesh.points;
+        const Vec3 normal = normalized(cross(p[facet[1]] - p[facet[0]], p[facet[2]] - p[facet[0]]));
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint32_t a = facet[i], b = facet[(i + 1) % 3];
+            // The ends of the sweep are flat.
+            if (std::abs(p[a].z) > beyond || std::abs(p[b].z) > beyond) continue;
+            rough.worst_mm = std::max(rough.worst_mm, std::abs(length(p[a]) - solid_radius));
+            const auto [other, is_new] = open.insert({{std::min(a, b), std::max(a, b)}, normal});
+            if (is_new) continue;
+            const double angle = std::acos(std::clamp(dot(normal, other->second), -1.0, 1.0)) * 180 / pi;
+            ++edges;
+            rough.mean_angle += angle;
+            sharp += angle > 45;
+        }
+    }
+    rough.mean_angle /= static_cast<double>(edges);
+    rough.sharp_share = static_cast<double>(sharp) / static_cast<double>(edges);
+    return rough;
+}
+
+TEST(DensePlanes, leave_no_pits) {
+    for (const int planes : {60, 120, 240}) {
+        SCOPED_TRACE(planes);
+        const ContourSet set = sweep(planes, 60);
+        const auto made = build(set);
+        ASSERT_TRUE(made.ok()) << to_line(made.error());
+        const Roughness rough = roughness_of(made.value(), radius, 0.8 * radius);
+        EXPECT_LT(rough.worst_mm, 0.45);
+        EXPECT_LT(rough.mean_angle, 6);
+        EXPECT_LT(rough.sharp_share, 0.015);
+        expect_structure(made.value(), 0, {1, 0, 4.0 / 3 * pi * radius * radius * radius, 0.03});
+    }
 }
 
 }  // namespace

@@ -406,7 +406,12 @@ std::vector<double> mean_thickness(const ContourSet& contours) {
 }
 
 bool dense_planes(const ContourSet& contours, const StructureField& field) {
-    return !is_parallel(contours) && mean_vertex_spacing(contours) > dense_spacing * field.slice_spacing();
+    return plane_density(contours, field) > 1;
+}
+
+double plane_density(const ContourSet& contours, const StructureField& field) {
+    return is_parallel(contours) ? 0
+                                 : mean_vertex_spacing(contours) / (dense_spacing * field.slice_spacing());
 }
 
 double default_size(const ContourSet& contours, const StructureField& field) {

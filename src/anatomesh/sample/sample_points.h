@@ -47,6 +47,10 @@ std::vector<double> mean_thickness(const ContourSet& contours);
 // spacings apart: the places between them are drawn more finely than the contours.
 bool dense_planes(const ContourSet& contours, const StructureField& field);
 
+// How dense: the mean spacing of the vertices along the contours in 1.5 plane spacings; 0 for parallel
+// planes.
+double plane_density(const ContourSet& contours, const StructureField& field);
+
 // The edge length that suits the data: the geometric mean of the slice spacing and the mean spacing of the vertices
 // along the contours, that is about the side of a square with the surface's area per contour vertex; between 0.5
 // and 2 spacings (of planes that cross and lie closer than two thirds of the vertex spacing, larger by the square of
