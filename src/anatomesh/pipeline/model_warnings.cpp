@@ -74,15 +74,17 @@ void warn_of_shells(const StructureReport& structure, const std::string& file, R
 void warn_of_distance(const ModelReport& report, double size_mm, const std::string& file,
                       RunContext& context) {
     const FieldDistanceReport& distance = report.field_distance;
-    if (distance.points == 0 || distance.max_mm <= size_mm) return;
+    if (distance.points == 0 || (distance.max_mm <= size_mm && !distance.at_least)) return;
     Place place;
     place.file = file;
     place.structure = distance.structure;
     place.value = std::string(distance.at_least ? "at least " : "") + brief(distance.max_mm) + " mm at " +
                   at_text(distance.at);
     context.warn({"W-PIP-008",
-                  "the surface leaves the one that the contours tell by more than the edge length of " +
-                      brief(size_mm) + " mm; the farthest point is named",
+                  "the surface leaves the one that the contours tell by more than " +
+                      (distance.max_mm > size_mm ? "the edge length of " + brief(size_mm) + " mm"
+                                                 : std::string("distances reach in the field")) +
+                      "; the farthest point is named",
                   place, "kept; look there, it may be a spike, or a crumb that no contour has"});
 }
 
