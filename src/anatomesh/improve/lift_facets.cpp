@@ -13,9 +13,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double first_height = 0.7,
-                 height_factor = 0.65;  // of the new vertex, as a share of the cell's height
-constexpr int heights = 6;
+constexpr double first_height = 0.2,
+                 height_factor = 1.5;  // of the new vertex, as a share of the cell's height
+constexpr int heights = 4;
 constexpr std::size_t most_round_edge = 12;  // cells between two facets that are lifted together
 constexpr double last_radius_edge = 3.9;     // of cells for the sake of what is drawn
 
