@@ -169,4 +169,18 @@ inline void expect_same_surfaces(const TetMesh& mesh, const TetMesh& before, con
     }
 }
 
+// A vertex, number 6, in the eight cells of an octahedron with its top and bottom at these heights.
+inline TetMesh octahedron_round(Vec3 vertex, double top, double bottom) {
+    TetMesh mesh;
+    mesh.points = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, top}, {0, 0, bottom}, vertex};
+    for (std::uint32_t n = 0; n < 8; ++n) {
+        Cell cell{n & 1, 2 + (n >> 1 & 1), 4 + (n >> 2 & 1), 6};
+        const auto p = [&](int k) { return mesh.points[cell[static_cast<std::size_t>(k)]]; };
+        if (orient3d(p(0), p(1), p(2), p(3)) < 0) std::swap(cell[0], cell[1]);
+        mesh.cells.push_back(cell);
+        mesh.regions.push_back(1);
+    }
+    return mesh;
+}
+
 }  // namespace anatomesh::fixtures

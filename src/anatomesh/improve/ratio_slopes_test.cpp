@@ -78,15 +78,7 @@ TEST(RatioSlopes, are_those_of_the_sum_inside_and_0_where_nothing_moves) {
 
 // A flat interface between a free vertex's cells: what lifts it off is no slope along it.
 TEST(RatioSlopes, on_an_interface_only_the_part_along_it_counts) {
-    TetMesh mesh;
-    mesh.points = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 0.6}, {0, 0, -1.7}, {}};
-    for (std::uint32_t n = 0; n < 8; ++n) {
-        Cell cell{n & 1, 2 + (n >> 1 & 1), 4 + (n >> 2 & 1), 6};
-        const auto p = [&](int k) { return mesh.points[cell[static_cast<std::size_t>(k)]]; };
-        if (orient3d(p(0), p(1), p(2), p(3)) < 0) std::swap(cell[0], cell[1]);
-        mesh.cells.push_back(cell);
-        mesh.regions.push_back(1);
-    }
+    TetMesh mesh = octahedron_round({}, 0.6, -1.7);
     const std::vector<std::uint32_t> neighbors = cell_neighbors(mesh.cells, 7);
     const std::vector<std::uint8_t> fixed{1, 1, 1, 1, 1, 1, 0};
     EXPECT_GT(ratio_slopes(mesh, neighbors, fixed, 1).steepness[6], 0.1);

@@ -96,15 +96,7 @@ TEST(SmoothVertices, a_vertex_off_the_middle_of_its_neighbours_goes_there) {
     // Round one free vertex the corners of an octahedron: the best place is its centre, from wherever it
     // starts.
     for (const Vec3 start : {Vec3{0.4, 0.1, -0.2}, Vec3{-0.3, 0.3, 0.1}, Vec3{0, 0, 0.5}}) {
-        TetMesh mesh;
-        mesh.points = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}, start};
-        for (std::uint32_t n = 0; n < 8; ++n) {
-            Cell cell{n & 1, 2 + (n >> 1 & 1), 4 + (n >> 2 & 1), 6};
-            const auto p = [&](int k) { return mesh.points[cell[static_cast<std::size_t>(k)]]; };
-            if (orient3d(p(0), p(1), p(2), p(3)) < 0) std::swap(cell[0], cell[1]);
-            mesh.cells.push_back(cell);
-            mesh.regions.push_back(1);
-        }
+        TetMesh mesh = octahedron_round(start, 1, -1);
         RunContext context;
         SmoothOptions options;
         options.passes = 20;
