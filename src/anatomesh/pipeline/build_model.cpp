@@ -602,7 +602,7 @@ class Builder {
         context_.warn(
             {"W-PIP-005",
              "the planes lie closer than the vertices along their contours; cells between vertices "
-             "that crowd each other were left as they come, and the surface may have small pits there",
+             "that crowd each other were left as they come, and the surface may have pits or spikes there",
              place,
              "kept; give a --size for all that can be done for their shapes, which takes several "
              "times as long"});
