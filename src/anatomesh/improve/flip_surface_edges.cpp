@@ -43,17 +43,21 @@ class Flipper {
     void run(std::vector<std::uint32_t>& changed) {
         waits_.assign(facets_.size(), 0);
         gains_.assign(facets_.size(), 0);
+        fails_.assign(facets_.size(), 0);
         std::vector<std::uint32_t> work(facets_.size());
         for (std::uint32_t f = 0; f < work.size(); ++f) work[f] = f;
         for (int round = 0; round < options_.rounds && !work.empty(); ++round) {
             for (const std::uint32_t f : work) waits_[f] = 1;
+            touched_.assign(bench_.mesh.point_count(), 0);
             measure_gains(work);
             std::vector<std::uint32_t> flipped;
             for (const std::uint32_t f : work) {
                 waits_[f] = 0;
                 for (int k = 0; k < 3; ++k) {
                     const std::uint32_t g = facets_[f].across[k];
-                    if (g == no_facet || waits_[g] || !(gains_[f] >> k & 1) || !flip(f, k, changed)) continue;
+                    if (g == no_facet || waits_[g] || !(gains_[f] >> k & 1) || known_to_fail(f, k) ||
+                        !flip(f, k, changed))
+                        continue;
                     expect_gains_round(f, g);
                     flipped.push_back(f);
                     flipped.push_back(g);
@@ -102,23 +106,35 @@ class Flipper {
                                     });
     }
 
-    // Which edges of the facets would gain by a flip as things are.
+    // Which edges of the facets would gain by a flip as things are; and, while there are several threads to
+    // look, which of these cannot be flipped: what happens to the mesh is the same without.
     void measure_gains(const std::vector<std::uint32_t>& work) {
         parallel_for(work.size(), 1024, threads_, [&](std::size_t first, std::size_t last) {
+            std::optional<Workbench> scout;
+            if (threads_ > 1) scout.emplace(bench_).scouts = true;
             for (std::size_t n = first; n < last; ++n) {
                 const std::uint32_t f = work[n];
-                std::uint8_t gains = 0;
+                std::uint8_t gains = 0, fails = 0;
                 for (int k = 0; k < 3; ++k) {
                     const std::uint32_t g = facets_[f].across[k];
                     // Of two facets in the work, the later one asks.
                     if (g == no_facet || (g > f && waits_[g])) continue;
                     const Quad q = quad(f, k);
-                    const bool wanted = gains_enough(q, normal(q.a, q.d, q.c), normal(q.d, q.b, q.c));
-                    gains = static_cast<std::uint8_t>(gains | wanted << k);
+                    if (!gains_enough(q, normal(q.a, q.d, q.c), normal(q.d, q.b, q.c))) continue;
+                    gains = static_cast<std::uint8_t>(gains | 1 << k);
+                    if (scout && !flip_cells(*scout, q)) fails = static_cast<std::uint8_t>(fails | 1 << k);
                 }
                 gains_[f] = gains;
+                fails_[f] = fails;
             }
         });
+    }
+
+    // Whether a scout found that the cells do not let an edge of f be flipped, and none round it has changed
+    // since.
+    bool known_to_fail(std::uint32_t f, int k) const {
+        const auto& corners = facets_[f].corners;
+        return fails_[f] >> k & 1 && !(touched_[corners[(k + 1) % 3]] && touched_[corners[(k + 2) % 3]]);
     }
 
     // After a flip of f and g, what was measured for the facets up to two further on may not hold.
@@ -226,31 +242,43 @@ class Flipper {
     bool flip(std::uint32_t f, int k, std::vector<std::uint32_t>& changed) {
         const Quad q = quad(f, k);
         const Vec3 n = normal(q.a, q.d, q.c), m = normal(q.d, q.b, q.c);
-        if (!gains_enough(q, n, m)) return false;
-        if (bench_.fixed_edge(q.a, q.b)) return false;
-        const auto edge = cell_edge(facets_[f], q.a, q.b);
-        if (!edge || !flip_edge(bench_, edge->first, edge->second, options_.good_sine)) return false;
+        if (!gains_enough(q, n, m) || !flip_cells(bench_, q)) return false;
         changed.insert(changed.end(), bench_.changed.begin(), bench_.changed.end());
+        for (const std::uint32_t c : bench_.changed) {
+            for (const std::uint32_t v : bench_.mesh.cell(c)) touched_[v] = 1;
+        }
         replace(q, n, m);
         return true;
     }
 
+    // The flip in the cells of the bench, or, on a scout's, whether it may succeed.
+    bool flip_cells(Workbench& bench, const Quad& q) {
+        if (bench.fixed_edge(q.a, q.b)) return false;
+        const auto edge = cell_edge(bench, facets_[q.f], q.a, q.b);
+        return edge && flip_edge(bench, edge->first, edge->second, options_.good_sine);
+    }
+
     // A cell behind the facet and its edge ab.
-    std::optional<std::pair<std::uint32_t, int>> cell_edge(Facet& facet, std::uint32_t a, std::uint32_t b) {
+    static std::optional<std::pair<std::uint32_t, int>> cell_edge(Workbench& bench, Facet& facet,
+                                                                  std::uint32_t a, std::uint32_t b) {
         const auto behind = [&](std::uint32_t c) {
-            if (!bench_.mesh.alive(c) || bench_.mesh.region(c) != facet.behind) return false;
-            const Cell& cell = bench_.mesh.cell(c);
+            if (!bench.mesh.alive(c) || bench.mesh.region(c) != facet.behind) return false;
+            const Cell& cell = bench.mesh.cell(c);
             return std::all_of(facet.corners.begin(), facet.corners.end(), [&](std::uint32_t v) {
                 return std::find(cell.begin(), cell.end(), v) != cell.end();
             });
         };
         if (!behind(facet.cell)) {
-            bench_.mesh.star(a, bench_.star);
-            const auto found = std::find_if(bench_.star.begin(), bench_.star.end(), behind);
-            if (found == bench_.star.end()) return std::nullopt;
+            if (bench.scouts) {
+                bench.mesh.shared_star(a, bench.star);
+            } else {
+                bench.mesh.star(a, bench.star);
+            }
+            const auto found = std::find_if(bench.star.begin(), bench.star.end(), behind);
+            if (found == bench.star.end()) return std::nullopt;
             facet.cell = *found;
         }
-        const Cell& cell = bench_.mesh.cell(facet.cell);
+        const Cell& cell = bench.mesh.cell(facet.cell);
         for (int e = 0; e < 6; ++e) {
             const std::uint32_t u = cell[cell_edges[e][0]], v = cell[cell_edges[e][1]];
             if ((u == a && v == b) || (u == b && v == a)) return std::pair{facet.cell, e};
@@ -280,6 +308,8 @@ class Flipper {
     int threads_;
     std::vector<Facet> facets_;
     std::vector<std::uint8_t> gains_;  // by facet: a bit for each edge whose flip may gain
+    std::vector<std::uint8_t> fails_;  // by facet: a bit for each edge that a scout could not flip
+    std::vector<std::uint8_t> touched_;  // by vertex, since the scouts: a cell at it has changed
     std::vector<std::uint8_t> waits_;  // by facet: its turn in this round is still to come
 };
 

@@ -18,9 +18,9 @@ struct FlipOptions {
 // angles, added up. The sum keeps creases where they are. Guarantees: as improve_dihedrals(), with
 // `good_sine` for the least sine that cells may fall to; points do not move; edges where three regions meet
 // and fixed edges stay. Appends to `changed` the cells made that are still there. Complexity: linear in the
-// cells and the flips tried; the gains are measured by several threads. Follows: Dyn, Levin and Rippa, IMA J.
-// Numer. Anal. 10, 1990 (angles between normals), and Dyn, Hormann, Kim and Levin, in: Mathematical Methods
-// for Curves and Surfaces, Oslo 2000 (closed surfaces).
+// cells and the flips tried; what gains and what fails is found by several threads. Follows: Dyn, Levin and
+// Rippa, IMA J. Numer. Anal. 10, 1990 (angles between normals), and Dyn, Hormann, Kim and Levin, in:
+// Mathematical Methods for Curves and Surfaces, Oslo 2000 (closed surfaces).
 void flip_surface_edges(Workbench& bench, const FlipOptions& options, int threads,
                         std::vector<std::uint32_t>& changed);
 
