@@ -21,6 +21,7 @@ namespace {
 constexpr std::uint32_t most_near = 16;  // patches that a query takes into account: the nearest
 constexpr std::uint32_t no_structure = 0xffffffffu;
 constexpr double most_widened = 3;        // times the usual, the radius within which patches count
+constexpr std::size_t few_listed = 6;     // patches, among which hidden ones cost nothing
 constexpr double least_share = 0.01;      // of a patch that others hide: less is nothing
 constexpr double fade_of_outside = 0.01;  // weight of outside at the radius
 constexpr double never = -std::numeric_limits<double>::infinity();
@@ -47,6 +48,26 @@ struct Seen {
     double weight;    // infinite on the patch itself
     Vec3 offset;      // to the nearest point of the grown patch
     Vec2 at;          // the point's projection
+};
+
+// A patch that a cell of the grid lists.
+struct Listed {
+    std::uint32_t patch : 30;
+    std::uint32_t before : 1;   // all points of the cell project into the grown patch
+    std::uint32_t against : 1;  // its normal runs against that of the first that the cell lists
+};
+
+// The nearest patch on one side of a point.
+struct Hider {
+    std::uint32_t patch = 0;
+    double height = 0;  // of the point above its plane; 0 of none
+    Vec3 normal;
+
+    // Whether the way to another patch, `across` along its normal, leads through this one: its share would be
+    // nothing.
+    bool hides(std::uint32_t other, double across, const Vec3& n) const {
+        return height != 0 && other != patch && -across * height * dot(n, normal) >= height * height;
+    }
 };
 
 // A patch beside a cell of the grid, as the cell's centre sees it.
@@ -113,6 +134,7 @@ class GeneralField final : public FieldQueries<GeneralField> {
         return {std::clamp(q.x, patch.box.low.x - margin_, patch.box.high.x + margin_) - q.x,
                 std::clamp(q.y, patch.box.low.y - margin_, patch.box.high.y + margin_) - q.y};
     }
+    std::array<Hider, 2> hiders_at(Vec3 p, std::span<const Listed> listed) const;
     std::uint32_t find_near(Vec3 p, Keys& keys) const;
     Seen see(Vec3 p, const Key& key) const;
     double share_of(const Seen& near, const Sight& sight) const;
@@ -122,8 +144,9 @@ class GeneralField final : public FieldQueries<GeneralField> {
     std::uint32_t next_structure(const Sight& sight, std::uint32_t from) const;
     Status build_maps(const ContourSet& set, RunContext& context);
     void find_open_sides();
+    bool is_before(Vec3 p, double reach, const PlanePatch& patch) const;
     bool is_hidden(const Beside& far, const Beside& near, double half) const;
-    void drop_hidden(Vec3 center, double half, std::size_t first, std::vector<std::uint32_t>& list,
+    void drop_hidden(Vec3 center, double half, std::vector<std::uint32_t>& list,
                      std::vector<Beside>& scratch) const;
     void build_grid(int threads);
 
@@ -139,10 +162,25 @@ class GeneralField final : public FieldQueries<GeneralField> {
     // Cells over the box; each lists the patches within the radius of any of its points.
     double inverse_cell_ = 0;
     std::array<std::uint32_t, 3> cells_{};
-    std::vector<std::uint32_t> cell_begin_, cell_patches_;
+    std::vector<std::uint32_t> cell_begin_;
+    std::vector<Listed> cell_patches_;
 };
 
-// The nearest patches within the radius, sorted by distance.
+// The nearest patch on either side of those before which p lies.
+std::array<Hider, 2> GeneralField::hiders_at(Vec3 p, std::span<const Listed> listed) const {
+    std::array<Hider, 2> hiders;
+    for (const Listed& one : listed) {
+        if (!one.before) continue;
+        const Plane& plane = patches_[one.patch].patch.plane;
+        const double height = plane.signed_distance(p);
+        Hider& hider = hiders[(height > 0) != (one.against == 1)];
+        if (hider.height == 0 || std::abs(height) < std::abs(hider.height))
+            hider = {one.patch, height, plane.normal};
+    }
+    return hiders;
+}
+
+// The nearest patches within the radius, sorted by distance, but for most of those that nearer ones hide.
 std::uint32_t GeneralField::find_near(Vec3 p, Keys& keys) const {
     if (!box_.contains(p)) return 0;
     const Vec3 at = inverse_cell_ * (p - box_.low);
@@ -152,19 +190,27 @@ std::uint32_t GeneralField::find_near(Vec3 p, Keys& keys) const {
     const std::size_t cell =
         (static_cast<std::size_t>(index(at.z, cells_[2])) * cells_[1] + index(at.y, cells_[1])) * cells_[0] +
         index(at.x, cells_[0]);
+    const std::span<const Listed> listed{cell_patches_.data() + cell_begin_[cell],
+                                         cell_patches_.data() + cell_begin_[cell + 1]};
+    const std::array<Hider, 2> hiders =
+        listed.size() > few_listed ? hiders_at(p, listed) : std::array<Hider, 2>{};
     std::uint32_t count = 0;
     double farthest = radius_ * radius_;
-    for (std::uint32_t i = cell_begin_[cell]; i < cell_begin_[cell + 1]; ++i) {
-        const PlanePatch& patch = patches_[cell_patches_[i]].patch;
+    for (const Listed& one : listed) {
+        const PlanePatch& patch = patches_[one.patch].patch;
         const double height = patch.plane.signed_distance(p);
         const double across = std::clamp(height, patch.low, patch.high) - height;
         if (across * across >= farthest) continue;
-        const Vec2 way = way_to_box(patch, patch.plane.to_plane(p));
+        const auto is_hidden_by = [&](const Hider& hider) {
+            return hider.hides(one.patch, across, patch.plane.normal);
+        };
+        if (one.before && (is_hidden_by(hiders[0]) || is_hidden_by(hiders[1]))) continue;
+        const Vec2 way = one.before ? Vec2{} : way_to_box(patch, patch.plane.to_plane(p));
         const double square = squared_length(way) + across * across;
         if (square >= farthest) continue;
         std::uint32_t place = count == most_near ? most_near - 1 : count++;
         for (; place > 0 && keys[place - 1].square > square; --place) keys[place] = keys[place - 1];
-        keys[place] = {square, cell_patches_[i]};
+        keys[place] = {square, one.patch};
         if (count == most_near) farthest = keys[most_near - 1].square;
     }
     return count;
@@ -401,26 +447,31 @@ bool GeneralField::is_hidden(const Beside& far, const Beside& near, double half)
            half * (std::abs(change.x) + std::abs(change.y) + std::abs(change.z));
 }
 
-// Of the patches that a cell lists, from `first` on, those that count nowhere in it.
-void GeneralField::drop_hidden(Vec3 center, double half, std::size_t first, std::vector<std::uint32_t>& list,
+// Whether all points within `reach` of p project into the grown patch.
+bool GeneralField::is_before(Vec3 p, double reach, const PlanePatch& patch) const {
+    const Vec2 foot = patch.plane.to_plane(p);
+    const double inside = std::min({foot.x - patch.box.low.x, patch.box.high.x - foot.x,
+                                    foot.y - patch.box.low.y, patch.box.high.y - foot.y});
+    return inside + margin_ >= reach;
+}
+
+// Leaves out those of a cell's patches that count nowhere in it.
+void GeneralField::drop_hidden(Vec3 center, double half, std::vector<std::uint32_t>& list,
                                std::vector<Beside>& beside) const {
     constexpr std::size_t most_hiders = 4;
     std::array<Beside, most_hiders> hiders;
     std::size_t count = 0;
     const double diagonal = std::sqrt(3.0) * half;
     beside.clear();
-    for (std::size_t n = first; n < list.size(); ++n) {
-        const PlanePatch& patch = patches_[list[n]].patch;
+    for (const std::uint32_t n : list) {
+        const PlanePatch& patch = patches_[n].patch;
         const Vec3 normal = patch.plane.normal;
         const double height = patch.plane.signed_distance(center);
         const double distance =
             height - std::clamp(height, std::min(patch.low, 0.0), std::max(patch.high, 0.0));
-        const Vec2 foot = patch.plane.to_plane(center);
-        const double inside = std::min({foot.x - patch.box.low.x, patch.box.high.x - foot.x,
-                                        foot.y - patch.box.low.y, patch.box.high.y - foot.y});
         beside.push_back(
-            {list[n], height, distance,
-             inside + margin_ >= diagonal &&
+            {n, height, distance,
+             is_before(center, diagonal, patch) &&
                  std::abs(distance) > half * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z))});
     }
     // The nearest hide most: the nearest of all, the nearest that it does not hide, and so on.
@@ -440,17 +491,16 @@ void GeneralField::drop_hidden(Vec3 center, double half, std::size_t first, std:
             });
         left = static_cast<std::size_t>(kept - beside.begin());
     }
-    list.resize(first);
+    list.clear();
     for (std::size_t n = 0; n < count; ++n) list.push_back(hiders[n].patch);
     for (std::size_t n = 0; n < left; ++n) list.push_back(beside[n].patch);
-    std::sort(list.begin() + static_cast<std::ptrdiff_t>(first), list.end());
+    std::sort(list.begin(), list.end());
 }
 
 // Blocks of cells keep the patches near them, their cells choose from these.
 void GeneralField::build_grid(int threads) {
     constexpr double most_cells = 1 << 18;
     constexpr std::uint32_t block = 4;
-    constexpr std::size_t few = 6;  // patches, among which hidden ones cost nothing
     const Vec3 size = box_.high - box_.low;
     const double cell = std::max(0.5 * radius_, std::cbrt(size.x * size.y * size.z / most_cells));
     inverse_cell_ = 1 / cell;
@@ -471,7 +521,8 @@ void GeneralField::build_grid(int threads) {
     }
     const std::uint32_t bx = (nx + block - 1) / block, by = (ny + block - 1) / block;
     // A layer of cells a job.
-    std::vector<std::vector<std::uint32_t>> counts(nz), lists(nz);
+    std::vector<std::vector<std::uint32_t>> counts(nz);
+    std::vector<std::vector<Listed>> lists(nz);
     parallel_for(nz, block, threads, [&](std::size_t begin, std::size_t end) {
         std::vector<std::vector<std::uint32_t>> near(std::size_t{bx} * by);
         for (std::size_t b = 0; b < near.size(); ++b) {
@@ -480,18 +531,23 @@ void GeneralField::build_grid(int threads) {
                          z = 0.5 * static_cast<double>(begin + end);
             within(box_.low + cell * Vec3{x, y, z}, radius_ + block * half_diagonal, all, near[b]);
         }
+        std::vector<std::uint32_t> here;
         std::vector<Beside> scratch;
         for (std::size_t k = begin; k < end; ++k) {
             for (std::uint32_t j = 0; j < ny; ++j) {
                 for (std::uint32_t i = 0; i < nx; ++i) {
                     const Vec3 center =
                         box_.low + cell * Vec3{i + 0.5, j + 0.5, static_cast<double>(k) + 0.5};
-                    const std::size_t before = lists[k].size();
+                    here.clear();
                     within(center, radius_ + half_diagonal, near[(j / block) * std::size_t{bx} + i / block],
-                           lists[k]);
-                    if (lists[k].size() > before + few)
-                        drop_hidden(center, 0.5 * cell * (1 + 1e-9), before, lists[k], scratch);
-                    counts[k].push_back(static_cast<std::uint32_t>(lists[k].size() - before));
+                           here);
+                    if (here.size() > few_listed) drop_hidden(center, 0.5 * cell * (1 + 1e-9), here, scratch);
+                    for (const std::uint32_t n : here) {
+                        const bool against =
+                            dot(patches_[n].patch.plane.normal, patches_[here[0]].patch.plane.normal) < 0;
+                        lists[k].push_back({n, is_before(center, half_diagonal, patches_[n].patch), against});
+                    }
+                    counts[k].push_back(static_cast<std::uint32_t>(here.size()));
                 }
             }
         }
