@@ -273,11 +273,13 @@ void GeneralField::end(Sight& sight) const {
         }
         return;
     }
+    // Not by their weights: beside one patch that alone would count, however near the next one is behind the
+    // point.
     double total = 0;
     Vec3 pull;
     for (const Seen& near : sight.patches()) {
-        total += near.weight;
-        pull += (near.weight / near.distance) * near.offset;
+        total += near.weight * near.distance;
+        pull += near.weight * near.offset;
     }
     const double one_sided = total > 0 ? length(pull) / total : 0;
     const double square = one_sided * one_sided, fourth = square * square;
