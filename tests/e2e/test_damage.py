@@ -107,6 +107,47 @@ class DamagedModels(harness.TestCase):
         self.assertIn("W-PIP-006", codes)
         self.assertEqual([s["shells_without_contour"] for s in report["structures"]], [0, 1])
 
+    def test_a_hole_through_a_wall_onto_what_is_inside(self):
+        """Thinner than the size, so that no point of it is far from some surface."""
+        both, inner = shapes.sphere(16, 2), shapes.sphere(14, 2)
+        both.structures = {1: "outer", 2: "inner"}
+        for z, polygons in inner.slices:
+            next(p for at, p in both.slices if at == z).extend((2, points) for _, points in polygons)
+        self.write("walls.json", both.document())
+        self.run_program("model", "walls.json", "-o", "sound.mesh", "--size", "3")
+        head, points, cells = self.read("sound.mesh")
+        self.assertNotIn("W-PIP-009", self.checked("sound.mesh", "walls.json")[1])
+        centres = points[cells[:, :4]].mean(1)
+        wall = cells[:, 4] == cells[:, 4].min()
+        near = np.linalg.norm(centres - np.array([16, 0, 1]), axis=1) < 5
+        self.damaged(points, cells[~(wall & near)], head)
+        _, codes, report = self.checked(contours="walls.json", expect=None)
+        self.assertIn("W-PIP-009", codes)
+        self.assertEqual(report["field_distance"]["joined_structure"], "outer")
+        self.assertGreater(report["field_distance"]["joined_mm"], 1)
+
+    def test_a_structure_array_that_says_otherwise_than_the_regions(self):
+        self.run_program("convert", "sound.mesh", "-o", "model.vtu")
+        import vtk
+        from vtk.util import numpy_support
+        reader = vtk.vtkXMLUnstructuredGridReader()
+        reader.SetFileName(str(self.folder / "model.vtu"))
+        reader.Update()
+        grid = reader.GetOutput()
+        shown = numpy_support.vtk_to_numpy(grid.GetCellData().GetArray("structure"))
+        shown[:] = np.where(shown == 1, shown.max(), 1)
+        writer = vtk.vtkXMLUnstructuredGridWriter()
+        writer.SetFileName(str(self.folder / "swapped.vtu"))
+        writer.SetInputData(grid)
+        writer.Write()
+        for words in (("check", "swapped.vtu"), ("convert", "swapped.vtu", "-o", "x.msh")):
+            self.assertIn("E-MDL-016", self.run_program(*words, expect=3).err)
+
+    def test_a_model_in_metres(self):
+        self.damaged(head=[line.replace("UNIT=mm", "UNIT=m") for line in self.head])
+        for words in (("check", "damaged.mesh"), ("convert", "damaged.mesh", "-o", "x.vtu")):
+            self.assertIn("E-MDL-017", self.run_program(*words, expect=3).err)
+
     def test_a_free_vertex_of_the_surface_pulled_out(self):
         free = np.nonzero(self.on_surface & ~self.of_contour & (np.linalg.norm(self.points, axis=1) > 14))[0]
         points = self.points.copy()

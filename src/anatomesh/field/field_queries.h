@@ -96,6 +96,19 @@ class FieldQueries : public StructureField {
         return best.structure == nobody ? clamp_ : wall_distance(best, source().raw_union(p));
     }
 
+    bool exclusive() const final { return partition_; }
+
+    double union_value(Vec3 p) const final {
+        if (!partition_) {
+            double least = clamp_;
+            source().each_raw(p, [&](std::uint32_t, RawValue raw) { least = std::min(least, clipped(raw)); });
+            return least;
+        }
+        Best best;
+        source().each_raw(p, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
+        return clipped({source().raw_union(p), best.structure == nobody ? never : best.beyond_end});
+    }
+
     double members_and_distance(Vec3 p, std::vector<std::uint32_t>& out) const final {
         out.clear();
         if (!partition_) {

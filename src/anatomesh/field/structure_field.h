@@ -84,6 +84,13 @@ class StructureField {
     // of region, in [0, clamp()].
     virtual double interface_distance(Vec3 p) const = 0;
 
+    // Whether structures exclude each other: then there is one surface more, that of all of them together,
+    // on which outside begins.
+    virtual bool exclusive() const { return false; }
+
+    // The value of the union of all structures: that of the surface on which outside begins.
+    virtual double union_value(Vec3 p) const = 0;
+
     // members() and interface_distance() at once, at about the price of one.
     virtual double members_and_distance(Vec3 p, std::vector<std::uint32_t>& out) const {
         members(p, out);

@@ -109,13 +109,18 @@ std::uint64_t count_interface_facets(const TetMesh& mesh, std::span<const std::u
     return all;
 }
 
-// The model's structure that a contour structure is, or structures.size() when it has none.
-std::size_t matching_structure(const CertificateInput& input, std::uint32_t contour_structure) {
-    if (input.contours->structures.size() == 1 && input.structures.size() == 1) return 0;
-    const std::int32_t number = input.contours->structures[contour_structure].number;
-    const auto found = std::find_if(input.structures.begin(), input.structures.end(),
-                                    [&](const Structure& structure) { return structure.number == number; });
-    return static_cast<std::size_t>(found - input.structures.begin());
+// The contours' structure of each of the model's; without contours the field's are the model's.
+std::vector<std::uint32_t> structures_of_field(const CertificateInput& input) {
+    std::vector<std::uint32_t> of_field(input.structures.size(), no_cell);
+    if (!input.contours) {
+        std::iota(of_field.begin(), of_field.end(), 0U);
+        return of_field;
+    }
+    for (std::uint32_t s = 0; s < input.contours->structures.size(); ++s) {
+        const std::size_t match = matching_structure(input.contours->structures, s, input.structures);
+        if (match < of_field.size()) of_field[match] = s;
+    }
+    return of_field;
 }
 
 // Where a structure is not drawn, cuts are listed that are more than the tolerance of what it has on a slice.
@@ -161,7 +166,7 @@ ContourFindings measure_contours(const CertificateInput& input, const Surfaces& 
     Surfaces of_contours(contours.structures.size());
     std::vector<std::size_t> match(contours.structures.size());
     for (std::uint32_t s = 0; s < match.size(); ++s) {
-        match[s] = matching_structure(input, s);
+        match[s] = matching_structure(contours.structures, s, input.structures);
         if (match[s] < surfaces.size()) of_contours[s] = surfaces[match[s]];
     }
     ContourFidelity fidelity = contour_fidelity(input.mesh.points, of_contours, contours);
@@ -556,6 +561,15 @@ bool can_be_measured(const TetMesh& mesh) {
 
 }  // namespace
 
+std::size_t matching_structure(std::span<const Structure> contours, std::size_t structure,
+                               std::span<const Structure> model) {
+    if (contours.size() == 1 && model.size() == 1) return 0;
+    const auto found = std::find_if(model.begin(), model.end(), [&](const Structure& other) {
+        return other.number == contours[structure].number;
+    });
+    return static_cast<std::size_t>(found - model.begin());
+}
+
 void measure_model(const CertificateInput& input, const RunContext& context, ModelReport& report) {
     const TetMesh& mesh = input.mesh;
     assert(mesh.regions.size() == mesh.cells.size());
@@ -578,7 +592,8 @@ void measure_model(const CertificateInput& input, const RunContext& context, Mod
         if (input.contours) findings = measure_contours(input, surfaces, shells, report);
         if (input.field)
             report.field_distance = farthest_from_field(mesh, neighbors, input.regions, input.structures,
-                                                        *input.field, input.field_origin, context.threads);
+                                                        structures_of_field(input), *input.field,
+                                                        input.field_origin, context.threads);
     };
     parallel_tasks(context.threads, {measure_surfaces, [&] {
                                          if (measurable) shapes = measure_shapes(mesh, context);

@@ -33,10 +33,15 @@ struct CertificateInput {
     const ContourSet* contours = nullptr;         // kept; structures are matched by number
     std::span<const double> field_volumes_mm3{};  // per structure of `structures`; empty when not known
     bool made_by_this_run = true;                 // false: the model was read, nothing is known of its making
-    const StructureField* field = nullptr;        // at p - field_origin that of the model at p
+    const StructureField* field = nullptr;  // at p - field_origin that of the model at p; of the contours
     Vec3 field_origin{};
     std::string_view field_note{};  // how the field came about, or why there is none: for clause 6
 };
+
+// The model's structure that one of the contours is, by its number, or, when both have only one, that one;
+// model.size() when there is none.
+std::size_t matching_structure(std::span<const Structure> contours, std::size_t structure,
+                               std::span<const Structure> model);
 
 // Bounds of the clauses.
 inline constexpr double certificate_max_radius_edge = 2.0;
@@ -60,12 +65,11 @@ inline constexpr double certificate_volume_tolerance = 0.002;  // relative
 // Fills, and only these: vertices, tetrahedra, surface_triangles, structures, regions, quality, certificate,
 // listed_cells, listed_cells_total, listed_cells_forced; with contours also slices, contours,
 // contour_vertices, cuts, cuts_not_drawn and, of parallel slices, slice_spacing_mm; with a field
-// field_distance. A contour structure is matched with the model's structure of the
-// same number, or, when both have only one, with that; the vertices of a structure that the model lacks are
-// not on its surface. Requires: mesh.regions.size() == mesh.cells.size(), every region in the table, members
-// below structures.size(). Warnings of the context that tell of vertices moved by cleaning stand in the
-// evidence of clause 1. Complexity: O(n log n): 250,000 cells take about 0.7 s on one thread, a third of it
-// for check_mesh().
+// field_distance. Structures are matched by matching_structure(); the vertices of a structure that the model
+// lacks are not on its surface. Requires: mesh.regions.size() == mesh.cells.size(), every region in the
+// table, members below structures.size(). Warnings of the context that tell of vertices moved by cleaning
+// stand in the evidence of clause 1. Complexity: O(n log n): 250,000 cells take about 0.7 s on one thread, a
+// third of it for check_mesh().
 void measure_model(const CertificateInput& input, const RunContext& context, ModelReport& report);
 
 // Whether a clause is broken.

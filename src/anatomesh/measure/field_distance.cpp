@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <iterator>
 #include <tuple>
 #include <vector>
 
@@ -19,10 +21,11 @@ constexpr double saturated = 0.95;                  // of the clamp: the field m
 constexpr std::size_t looked_at = 1000;  // points whose distance is found by looking round them
 constexpr int steps = 8;                 // on the way to the value
 
+// A surface: of one of the model's structures, or, with their number, of all of them together.
 struct Measured {
     Vec3 at;
-    std::uint32_t cell;  // on whose side
-    double value = 0;    // of the field: no less than the distance, but for its clamp
+    std::uint32_t surface = 0;
+    double value = 0;  // of the field: no less than the distance, but for its clamp
 };
 
 // The directions to the neighbours of a cube in a lattice of cubes.
@@ -39,76 +42,189 @@ std::vector<Vec3> directions() {
     return all;
 }
 
-// Where a region ends between two slices the field's value falls faster than the distance. So the regions
-// round the point are asked, nearer ones first: the smallest step at which one differs, or the value. No
-// further than to `enough`, below which nobody wants to know.
-double distance_round(const StructureField& field, Vec3 p, double value, double enough,
-                      const std::vector<Vec3>& ways) {
-    std::vector<std::uint32_t> here, there;
-    field.members(p, here);
-    const auto differs_at = [&](double r) {
-        return std::any_of(ways.begin(), ways.end(), [&](Vec3 way) {
-            field.members(p + r * way, there);
-            return there != here;
-        });
-    };
-    if (enough > 0 && differs_at(enough)) return enough;
-    for (int k = 1; k < steps; ++k) {
-        if (const double r = value * k / steps; r > enough && differs_at(r)) return r;
+class SurfaceDistances {
+  public:
+    SurfaceDistances(const TetMesh& mesh, const RegionTable& regions, std::span<const std::uint32_t> of_field,
+                     const StructureField& field, Vec3 origin)
+        : mesh_(mesh),
+          of_field_(of_field),
+          field_(field),
+          origin_(origin),
+          all_(static_cast<std::uint32_t>(of_field.size())),
+          ways_(directions()) {
+        for (const std::vector<std::uint32_t>& members : regions.members) {
+            std::vector<std::uint32_t>& known = members_.emplace_back();
+            std::copy_if(members.begin(), members.end(), std::back_inserter(known),
+                         [&](std::uint32_t s) { return of_field[s] != no_cell; });
+        }
+        const auto known = std::count_if(of_field.begin(), of_field.end(),
+                                         [](std::uint32_t structure) { return structure != no_cell; });
+        one_alone_ = known == 1 && of_field.size() == 1;
+        with_all_ = known > 1 && field.exclusive();
     }
-    return value;
+
+    std::uint32_t surfaces() const { return all_ + 1; }
+    bool is_all(std::uint32_t surface) const { return surface == all_; }
+
+    // The surfaces on which the facet lies replace `out`.
+    void surfaces_of(const RegionFacet& facet, std::vector<std::uint32_t>& out) const {
+        const auto& inner = members_[mesh_.regions[facet.cell]];
+        const auto& outer = members_[facet.other == no_cell ? Region{0} : mesh_.regions[facet.other]];
+        out.clear();
+        std::set_symmetric_difference(inner.begin(), inner.end(), outer.begin(), outer.end(),
+                                      std::back_inserter(out));
+        if (with_all_ && inner.empty() != outer.empty()) out.push_back(all_);
+    }
+
+    double value(std::uint32_t surface, Vec3 p) const {
+        if (one_alone_) return field_.interface_distance(p - origin_);
+        return std::abs(is_all(surface) ? field_.union_value(p - origin_)
+                                        : field_.value(of_field_[surface], p - origin_));
+    }
+
+    // Where a structure ends between two slices the field's value falls faster than the distance. So the
+    // points round this one are asked, nearer ones first: the smallest step at which one is on the other
+    // side, or the value. No further than to `enough`, below which nobody wants to know.
+    double distance(const Measured& point, double enough) const {
+        const Vec3 p = point.at - origin_;
+        const bool here = inside(point.surface, p);
+        const auto differs_at = [&](double r) {
+            return std::any_of(ways_.begin(), ways_.end(),
+                               [&](Vec3 way) { return inside(point.surface, p + r * way) != here; });
+        };
+        if (enough > 0 && differs_at(enough)) return enough;
+        for (int k = 1; k < steps; ++k) {
+            if (const double r = point.value * k / steps; r > enough && differs_at(r)) return r;
+        }
+        return point.value;
+    }
+
+  private:
+    bool inside(std::uint32_t surface, Vec3 p) const {
+        static thread_local std::vector<std::uint32_t> members;
+        field_.members(p, members);
+        if (is_all(surface)) return !members.empty();
+        return std::find(members.begin(), members.end(), of_field_[surface]) != members.end();
+    }
+
+    const TetMesh& mesh_;
+    std::span<const std::uint32_t> of_field_;
+    const StructureField& field_;
+    const Vec3 origin_;
+    const std::uint32_t all_;
+    const std::vector<Vec3> ways_;
+    std::vector<std::vector<std::uint32_t>> members_;  // of the regions, those that the field has
+    bool one_alone_ = false, with_all_ = false;
+};
+
+// The points with the largest values, at most looked_at of them, largest first.
+std::vector<Measured> largest(std::vector<Measured> points) {
+    const auto further = [](const Measured& a, const Measured& b) {
+        return a.value != b.value ? a.value > b.value
+                                  : std::tie(a.at.x, a.at.y, a.at.z, a.surface) <
+                                        std::tie(b.at.x, b.at.y, b.at.z, b.surface);
+    };
+    const std::size_t count = std::min(looked_at, points.size());
+    std::partial_sort(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), points.end(),
+                      further);
+    points.resize(count);
+    return points;
+}
+
+// The point that is farthest, with its distance as its value.
+Measured farthest_of(const std::vector<Measured>& points, const SurfaceDistances& distances) {
+    Measured worst = points.front();
+    worst.value = 0;
+    for (const Measured& point : points) {
+        if (point.value <= worst.value) break;
+        const double distance = distances.distance(point, worst.value);
+        if (distance <= worst.value) continue;
+        worst = point;
+        worst.value = distance;
+    }
+    return worst;
+}
+
+std::array<double, 3> coordinates(Vec3 p) {
+    return {p.x, p.y, p.z};
 }
 
 }  // namespace
 
 FieldDistanceReport farthest_from_field(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
                                         const RegionTable& regions, std::span<const Structure> structures,
-                                        const StructureField& field, Vec3 origin, int threads) {
+                                        std::span<const std::uint32_t> of_field, const StructureField& field,
+                                        Vec3 origin, int threads) {
     const std::vector<RegionFacet> facets = region_facets(mesh, neighbors, threads);
-    std::vector<Measured> points;
-    std::vector<std::uint8_t> seen(mesh.points.size(), 0);
-    const std::size_t stride = facets.size() / all_middles_up_to + 1;
-    for (std::size_t n = 0; n < facets.size(); ++n) {
-        const auto corners = facet_of(mesh.cells[facets[n].cell], facets[n].index);
-        Vec3 sum;
-        for (const std::uint32_t v : corners) {
-            sum += mesh.points[v];
-            if (!seen[v]) points.push_back({mesh.points[v], facets[n].cell, 0});
-            seen[v] = 1;
-        }
-        if (n % stride == 0) points.push_back({(1.0 / 3) * sum, facets[n].cell, 0});
+    const SurfaceDistances distances(mesh, regions, of_field, field, origin);
+    std::vector<std::vector<std::uint32_t>> facets_of(distances.surfaces());
+    std::vector<std::uint8_t> on(facets.size());  // how many surfaces
+    std::vector<std::uint32_t> surfaces;
+    for (std::uint32_t n = 0; n < facets.size(); ++n) {
+        distances.surfaces_of(facets[n], surfaces);
+        on[n] = static_cast<std::uint8_t>(std::min<std::size_t>(surfaces.size(), 2));
+        for (const std::uint32_t surface : surfaces) facets_of[surface].push_back(n);
     }
-    FieldDistanceReport report;
-    report.points = points.size();
-    if (points.empty()) return report;
-    parallel_for(points.size(), 4096, threads, [&](std::size_t first, std::size_t last) {
-        for (std::size_t n = first; n < last; ++n)
-            points[n].value = field.interface_distance(points[n].at - origin);
-    });
-    const std::size_t count = std::min(looked_at, points.size());
-    const auto further = [](const Measured& a, const Measured& b) {
-        return a.value != b.value ? a.value > b.value
-                                  : std::tie(a.at.x, a.at.y, a.at.z) < std::tie(b.at.x, b.at.y, b.at.z);
+    const auto corners_of = [&](std::uint32_t n) {
+        return facet_of(mesh.cells[facets[n].cell], facets[n].index);
     };
-    std::partial_sort(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), points.end(),
-                      further);
-    const std::vector<Vec3> ways = directions();
-    double most = 0;
-    std::size_t farthest = 0;
-    for (std::size_t n = 0; n < count && points[n].value > most; ++n) {
-        const double distance = distance_round(field, points[n].at - origin, points[n].value, most, ways);
-        if (distance <= most) continue;
-        most = distance;
-        farthest = n;
+    const auto middle_of = [&](std::uint32_t n) {
+        Vec3 sum;
+        for (const std::uint32_t v : corners_of(n)) sum += mesh.points[v];
+        return (1.0 / 3) * sum;
+    };
+    FieldDistanceReport report;
+    std::vector<Measured> all, joined;
+    std::vector<std::uint32_t> place(mesh.points.size(), no_cell);  // in `points`
+    const std::size_t stride = facets.size() / all_middles_up_to + 1;
+    for (std::uint32_t surface = 0; surface < distances.surfaces(); ++surface) {
+        std::vector<Measured> points;
+        std::vector<std::uint32_t> used;
+        for (const std::uint32_t n : facets_of[surface]) {
+            for (const std::uint32_t v : corners_of(n)) {
+                if (place[v] != no_cell) continue;
+                place[v] = static_cast<std::uint32_t>(points.size());
+                points.push_back({mesh.points[v], surface, 0});
+                used.push_back(v);
+            }
+        }
+        for (const std::uint32_t n : facets_of[surface]) {
+            if (n % stride == 0) points.push_back({middle_of(n), surface, 0});
+        }
+        parallel_for(points.size(), 4096, threads, [&](std::size_t first, std::size_t last) {
+            for (std::size_t n = first; n < last; ++n)
+                points[n].value = distances.value(surface, points[n].at);
+        });
+        for (const std::uint32_t n : facets_of[surface]) {
+            if (on[n] < 2) continue;
+            const Vec3 middle = middle_of(n);
+            double gap = HUGE_VAL;
+            for (const std::uint32_t v : corners_of(n)) gap = std::min(gap, points[place[v]].value);
+            joined.push_back({middle, surface, gap});
+        }
+        for (const std::uint32_t v : used) place[v] = no_cell;
+        report.points += points.size();
+        all.insert(all.end(), points.begin(), points.end());
     }
-    const Measured& worst = points[farthest];
-    report.max_mm = most;
-    report.at_least = most >= saturated * field.clamp();
-    report.at = {worst.at.x, worst.at.y, worst.at.z};
-    if (const auto& members = regions.members[mesh.regions[worst.cell]]; !members.empty()) {
-        const Structure& structure = structures[members.front()];
-        report.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
-    }
+    if (all.empty()) return report;
+    const auto name_of = [&](std::uint32_t surface) {
+        if (distances.is_all(surface)) return std::string("all structures together");
+        const Structure& structure = structures[surface];
+        return structure.name.empty() ? std::to_string(structure.number) : structure.name;
+    };
+    const Measured worst = farthest_of(largest(std::move(all)), distances);
+    report.max_mm = worst.value;
+    report.at_least = worst.value >= saturated * field.clamp();
+    report.at = coordinates(worst.at);
+    report.structure = name_of(worst.surface);
+    if (joined.empty()) return report;
+    joined = largest(std::move(joined));
+    for (Measured& point : joined)
+        point.value = std::min(point.value, distances.value(point.surface, point.at));
+    const Measured hole = farthest_of(largest(std::move(joined)), distances);
+    report.joined_mm = hole.value;
+    report.joined_at = coordinates(hole.at);
+    report.joined_structure = name_of(hole.surface);
     return report;
 }
 

@@ -1,4 +1,4 @@
-// How far the surface of a model is from the interfaces of the field that it was made of.
+// How far the surfaces of a model are from those of the field that it was made of.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,21 @@
 
 namespace anatomesh {
 
-// The largest distance of a vertex of an interface, or of the middle of an interface's facet, from the
-// nearest interface of the field, which is at p - origin that of the model at p. A spike has a vertex far
-// off; so have a crumb, and a cavity where the field has none. Middles of all facets are measured up to a
-// hundred thousand facets, of every second up to two hundred thousand, and so on. The field's value tells
+// The largest distance of a vertex of a structure's surface, or of the middle of one of its facets, from that
+// structure's surface in the field, which is at p - origin that of the model at p. Where structures exclude
+// each other the surface of them all together is one more. A spike has a vertex far off; so have a crumb, and
+// a cavity where the field has none. A facet with several structures on one side that has none of them on the
+// other lies on several surfaces: where the field has these apart, what is between them has a hole
+// (`joined_mm`: the distance of all three vertices and the middle). Middles of all facets are measured up to
+// a hundred thousand facets, of every second up to two hundred thousand, and so on. The field's value tells
 // which thousand points to look round: where regions end between slices it is more than the distance, which
-// is the smallest at which the region differs in one of 26 directions, in steps of an eighth. Distances near
+// is the smallest at which the side differs in one of 26 directions, in steps of an eighth. Distances near
 // the field's clamp are said to be at least so large. `neighbors`: as cell_neighbors() gives them.
-// Complexity: a query for each point.
+// `of_field`: the field's structure of each of `structures`, or no_cell: such a one is as if it were not
+// there. Complexity: a query for each point and surface.
 FieldDistanceReport farthest_from_field(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
                                         const RegionTable& regions, std::span<const Structure> structures,
-                                        const StructureField& field, Vec3 origin, int threads);
+                                        std::span<const std::uint32_t> of_field, const StructureField& field,
+                                        Vec3 origin, int threads);
 
 }  // namespace anatomesh

@@ -90,13 +90,18 @@ struct SliceCutReport {
     std::uint32_t segments_missed = 0;  // of its contours: no chains of surface edges
 };
 
-// How far the surface is from the field's interfaces where that is most.
+// How far the surfaces are from those of the field where that is most.
 struct FieldDistanceReport {
     std::uint64_t points = 0;  // measured: vertices of the surface and middles of its facets; 0: no field
     double max_mm = 0;
     bool at_least = false;  // the field tells no larger distances
     std::array<double, 3> at{};
     std::string structure;  // on whose surface
+    // Where facets lie on two surfaces at once which the field has apart: a hole through what is between
+    // them. The widest such gap that a facet leaves no room for; 0: none.
+    double joined_mm = 0;
+    std::array<double, 3> joined_at{};
+    std::string joined_structure;  // whose surface is not there
 };
 
 struct StageReport {

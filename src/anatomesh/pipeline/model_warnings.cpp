@@ -10,6 +10,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double widest_cut = 0.01;  // more of a drawn region's area amiss on its slice is warned of
+constexpr double widest_joint = 0.5;  // of the edge length: surfaces further apart that meet in the mesh
 
 std::string counted(std::uint64_t count, const std::string& noun) {
     return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
@@ -88,12 +89,27 @@ void warn_of_distance(const ModelReport& report, double size_mm, const std::stri
                   place, "kept; look there, it may be a spike, or a crumb that no contour has"});
 }
 
+// Thinner than an edge is long, and yet not so thin that the mesh may leave it out.
+void warn_of_joints(const ModelReport& report, double size_mm, const std::string& file, RunContext& context) {
+    const FieldDistanceReport& distance = report.field_distance;
+    if (distance.points == 0 || !(distance.joined_mm > widest_joint * size_mm)) return;
+    Place place;
+    place.file = file;
+    place.structure = distance.joined_structure;
+    place.value = brief(distance.joined_mm) + " mm at " + at_text(distance.joined_at);
+    context.warn({"W-PIP-009",
+                  "surfaces meet that the contours tell apart: what lies between them has a hole there; the "
+                  "farthest place is named",
+                  place, "kept; a smaller --size keeps thin walls whole"});
+}
+
 }  // namespace
 
 void warn_of_model(const ModelReport& report, double size_mm, const std::string& file, RunContext& context) {
     warn_of_cuts(report, file, context);
     for (const StructureReport& structure : report.structures) warn_of_shells(structure, file, context);
     warn_of_distance(report, size_mm, file, context);
+    warn_of_joints(report, size_mm, file, context);
 }
 
 }  // namespace anatomesh

@@ -59,6 +59,12 @@ class AnalyticField final : public StructureField {
         for (std::uint32_t s = 0; s < solids_.size(); ++s) least = std::min(least, std::abs(value(s, p)));
         return least;
     }
+    bool exclusive() const override { return exclusive_; }
+    double union_value(Vec3 p) const override {
+        double least = clamp();
+        for (const Distance& solid : solids_) least = std::min(least, solid(p));
+        return std::max(least, -clamp());
+    }
     double slice_spacing() const override { return 1; }
     double clamp() const override { return 4; }
     Box3 box() const override { return {{-reach_, -reach_, -reach_}, {reach_, reach_, reach_}}; }

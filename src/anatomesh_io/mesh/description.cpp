@@ -1,8 +1,10 @@
 #include "anatomesh_io/mesh/description.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
+#include "anatomesh/base/text.h"
 #include "anatomesh_io/mesh/mesh_text.h"
 
 namespace anatomesh {
@@ -89,7 +91,7 @@ Status DescriptionReader::take(std::string_view line) {
     if (take_prefix(line, "SPACE=")) {
         description_.space = from_one_line(line);
     } else if (take_prefix(line, "UNIT=")) {
-        description_.unit = from_one_line(line);
+        return take_unit(from_one_line(line));
     } else if (take_prefix(line, "STRUCTURE ")) {
         return take_structure(line);
     } else if (take_prefix(line, "REGION ")) {
@@ -102,6 +104,19 @@ Status DescriptionReader::take(std::string_view line) {
             description_.notes.emplace_back(line.substr(0, equals), from_one_line(line.substr(equals + 1)));
         }
     }
+    return Nothing{};
+}
+
+Status DescriptionReader::take_unit(const std::string& unit) {
+    constexpr std::array<std::string_view, 5> millimetre{"mm", "millimetre", "millimetres", "millimeter",
+                                                         "millimeters"};
+    if (std::find(millimetre.begin(), millimetre.end(), lower_case(unit)) == millimetre.end()) {
+        Error error = mesh_error("E-MDL-017", "the file's unit is not the millimetre", path_,
+                                 "UNIT=" + unit.substr(0, 60));
+        error.next_step = "bring the coordinates to millimetres and write UNIT=mm";
+        return error;
+    }
+    description_.unit = "mm";
     return Nothing{};
 }
 

@@ -25,8 +25,9 @@ class DescriptionReader {
   public:
     explicit DescriptionReader(std::string path) : path_(std::move(path)) { description_.space.clear(); }
 
-    // Blanks around the line are ignored.
+    // Blanks around the line are ignored. Errors: E-MDL-011; E-MDL-017 a unit other than the millimetre.
     Status take(std::string_view line);
+    const MeshDescription& description() const { return description_; }  // as far as it was read
     bool has_regions() const { return regions() > 1; }
     bool has_materials() const { return !description_.materials.empty(); }
     std::size_t regions() const { return description_.regions.members.size(); }  // outside included
@@ -44,6 +45,7 @@ class DescriptionReader {
     MeshDescription finish(RunContext& context);
 
   private:
+    Status take_unit(const std::string& unit);
     Status take_structure(std::string_view rest);
     Status take_region(std::string_view rest);
     Status take_material(std::string_view rest);

@@ -18,6 +18,7 @@
 //             1e7 mm                               E-MDL-013 (limit) more elements than the format can number
 //   E-MDL-006 cell of a kind that is not read      E-MDL-014 (usage) quadratic tetrahedra in .mesh
 //   E-MDL-007 more elements claimed than the file can hold
+//   E-MDL-016 .vtu, .vtp: cell arrays contradict   E-MDL-017 a unit other than the millimetre
 // and those of read_input_file, write_file_atomically and parse_vtk_xml. Warnings:
 //   W-MDL-001 the file does not say its axes       W-MDL-004 coordinates lose more than 1e-3 mm in the format
 //   W-MDL-002 elements of other kinds left out     W-MDL-005 polygons cut into triangles

@@ -459,6 +459,44 @@ TEST(MeshFile, bad_tables_of_regions_are_refused) {
     EXPECT_EQ(model_code(folder, with("STRUCTURE 300", "STRUCTURE 299")), "E-MDL-011");
 }
 
+TEST(MeshFile, arrays_that_contradict_each_other_are_refused) {
+    const Folder folder;
+    RunContext context;
+    const auto with_other_structure = [&](const std::string& name, const std::string& bytes) {
+        VtkFile file = parse_vtk_xml(bytes_of(bytes), name).value();
+        for (VtkArray& array : file.cell_data) {
+            if (array.name != "structure") continue;
+            std::vector<std::int32_t> numbers;
+            for (const std::int64_t number : array.to_integers())
+                numbers.push_back(static_cast<std::int32_t>(number));
+            numbers.back() = numbers.back() == 5 ? 300 : 5;
+            array = VtkArray::of<std::int32_t>("structure", numbers);
+        }
+        return format_vtk_xml(file, "", {1, 1}).value();
+    };
+    const std::string good = format_model("m.vtu", model(2), context).value();
+    EXPECT_EQ(model_code(folder, good), "ok");
+    EXPECT_EQ(model_code(folder, with_other_structure("m.vtu", good)), "E-MDL-016");
+    const SurfaceFile surface{extract_interfaces(model(2).mesh), description()};
+    const std::string skin = format_surface("m.vtp", surface, context).value();
+    EXPECT_EQ(surface_code(folder, skin), "ok");
+    EXPECT_EQ(surface_code(folder, with_other_structure("m.vtp", skin)), "E-MDL-016");
+}
+
+TEST(MeshFile, units_other_than_the_millimetre_are_refused) {
+    const Folder folder;
+    for (const auto& [unit, code] :
+         {std::pair{"mm", "ok"}, {"Millimetre", "ok"}, {"m", "E-MDL-017"}, {"um", "E-MDL-017"}}) {
+        ModelFile m = model(1);
+        m.description.unit = unit;
+        for (const std::string& extension : model_extensions) {
+            RunContext context;
+            EXPECT_EQ(model_code(folder, format_model("m" + extension, m, context).value()), code)
+                << unit << extension;
+        }
+    }
+}
+
 TEST(MeshFile, bad_surfaces) {
     const Folder folder;
     EXPECT_EQ(surface_code(folder, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "ok");

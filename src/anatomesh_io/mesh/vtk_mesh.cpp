@@ -104,6 +104,25 @@ std::vector<std::int64_t> integers_at(const VtkFile& file, const char* name,
     return values;
 }
 
+// Viewers colour by `structure`, and here `region` counts: which of the two is right nobody can tell.
+template <class RegionOf>
+Status check_structure_array(const VtkFile& file, const std::vector<std::size_t>& cells,
+                             const MeshDescription& description, const std::string& path,
+                             const RegionOf& region_of) {
+    const std::vector<std::int64_t> shown = integers_at(file, "structure", cells);
+    const std::vector<std::int32_t> numbers = region_numbers(description);
+    for (std::size_t n = 0; n < shown.size(); ++n) {
+        if (shown[n] == numbers[region_of(n)]) continue;
+        Error error = mesh_error(
+            "E-MDL-016", "the arrays `structure` and `region` contradict each other", path,
+            "cell " + std::to_string(cells[n]) + ": structure " + std::to_string(shown[n]) + ", region " +
+                std::to_string(region_of(n)) + ", which is " + std::to_string(numbers[region_of(n)]));
+        error.next_step = "take the model as it was written, or remove the array that is wrong";
+        return error;
+    }
+    return Nothing{};
+}
+
 std::vector<double> qualities(const TetMesh& mesh, int threads) {
     std::vector<double> quality(mesh.cells.size());
     parallel_for(mesh.cells.size(), 8192, threads, [&](std::size_t begin, std::size_t end) {
@@ -218,6 +237,8 @@ Result<ModelFile> parse_vtu(const std::string& path, Bytes content, const InputL
     const std::vector<std::int64_t> indices = integers_at(file, "region", chosen);
     if (reader.has_regions() && !indices.empty()) {
         ANATOMESH_TRY(model.mesh.regions, reader.regions_of_indices(indices));
+        ANATOMESH_CHECK_STATUS(check_structure_array(file, chosen, reader.description(), path,
+                                                     [&](std::size_t c) { return model.mesh.regions[c]; }));
     } else {
         std::vector<std::int64_t> labels;
         for (const char* name :
@@ -297,6 +318,8 @@ Result<SurfaceFile> parse_vtp(const std::string& path, Bytes content, const Inpu
         ANATOMESH_TRY(const std::vector<Region> in, reader.regions_of_indices(inner));
         ANATOMESH_TRY(const std::vector<Region> out, reader.regions_of_indices(outer));
         for (std::size_t i = 0; i < in.size(); ++i) surface.surface.sides.push_back({in[i], out[i]});
+        ANATOMESH_CHECK_STATUS(check_structure_array(file, cell_of, reader.description(), path,
+                                                     [&](std::size_t t) { return in[t]; }));
     }
     surface.description = reader.finish(context);
     return surface;

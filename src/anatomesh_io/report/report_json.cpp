@@ -168,11 +168,10 @@ Json cuts_json(const ModelReport& report) {
 
 Json field_distance_json(const FieldDistanceReport& distance) {
     if (distance.points == 0) return nullptr;
-    return {{"points", distance.points},
-            {"max_mm", number(distance.max_mm)},
-            {"at_least", distance.at_least},
-            {"at_mm", distance.at},
-            {"structure", distance.structure}};
+    return {{"points", distance.points},          {"max_mm", number(distance.max_mm)},
+            {"at_least", distance.at_least},      {"at_mm", distance.at},
+            {"structure", distance.structure},    {"joined_mm", number(distance.joined_mm)},
+            {"joined_at_mm", distance.joined_at}, {"joined_structure", distance.joined_structure}};
 }
 
 Json crossing_json(const CrossingReport& crossing) {
