@@ -10,10 +10,14 @@
 #include "anatomesh/element/quadratic.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/contour_fidelity.h"
+#include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/model_warnings.h"
+#include "anatomesh/pipeline/tear_warnings.h"
 #include "anatomesh_io/report/report_json.h"
 #include "answer.h"
 #include "command_words.h"
+#include "contours_of_model.h"
 #include "field_of_model.h"
 #include "mesh_input.h"
 #include "option_values.h"
@@ -65,6 +69,14 @@ std::string advice(const CheckOptions& options, const ModelFile& model, const In
             "was made with{}",
             turned ? ", --frame RAS by the look of it" : "");
     }
+    if (broken(1) && contours) {
+        const std::string distances = distance_text(contours->kept, model);
+        if (!distances.empty())
+            return distances +
+                   ": are they mirrored, scaled or shifted, or other contours than those that model "
+                   "--contours "
+                   "writes?";
+    }
     if (broken(4) && !contours) {
         return "the certificate says which and where; with --contours what they force is known and excused";
     }
@@ -97,12 +109,42 @@ void look_at_jacobians(const std::string& path, const ModelFile& model, RunConte
                   "left as they are"});
 }
 
+// Of surfaces that are closed: of others nothing can be said.
+void look_for_tears(const ModelFile& model, const ContourSet& contours, const ModelReport& report,
+                    double size_mm, RunContext& context) {
+    if (report.structures.empty() ||
+        std::any_of(report.certificate.begin(), report.certificate.end(), [](const Clause& clause) {
+            return clause.number == 3 && clause.state == ClauseState::broken;
+        }))
+        return;
+    const TetMesh& mesh = model.mesh;
+    const RegionTable& regions = model.description.regions;
+    const std::vector<std::uint32_t> neighbors =
+        cell_neighbors(mesh.cells, mesh.points.size(), context.threads);
+    std::vector<std::size_t> structure_of;
+    std::vector<std::vector<Triangle>> surfaces(contours.structures.size());
+    for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
+        structure_of.push_back(matching_structure(contours.structures, s, model.description.structures));
+        if (structure_of[s] < report.structures.size())
+            surfaces[s] = structure_surface(mesh, neighbors, regions,
+                                            static_cast<std::uint32_t>(structure_of[s]), context.threads);
+    }
+    const std::vector<std::uint32_t> vertex_of = contour_fidelity(mesh.points, surfaces, contours).vertex_of;
+    const std::vector<SurfaceTear> tears =
+        find_tears({mesh, neighbors, regions, report.structures, contours, structure_of, vertex_of, size_mm},
+                   context.threads);
+    warn_of_tears(tears, contours, size_mm, context);
+}
+
 Status run_check(CheckOptions options, Session& session) {
     options.contours.limits = session.limits;
     if (options.contours.input.empty() &&
-        (!options.contours.frame.empty() || !options.contours.cleaning_given.empty())) {
-        const std::string option =
-            options.contours.frame.empty() ? options.contours.cleaning_given.front() : "--frame";
+        (!options.contours.frame.empty() || !options.contours.structures.empty() ||
+         !options.contours.cleaning_given.empty())) {
+        const std::string option = !options.contours.frame.empty() ? "--frame"
+                                   : !options.contours.structures.empty()
+                                       ? "--structure"
+                                       : options.contours.cleaning_given.front();
         return Error{ErrorKind::usage,
                      "E-CMD-008",
                      option + " does not apply: it says how contours are read, and there is no --contours",
@@ -115,6 +157,8 @@ Status run_check(CheckOptions options, Session& session) {
     if (!options.contours.input.empty()) {
         ANATOMESH_TRY(OpenedInput opened, open_input(options.contours, session.context));
         ANATOMESH_TRY(contours, contours_of(std::move(opened), options.contours, session.context));
+        ANATOMESH_TRY(contours->kept, contours_of_model(std::move(contours->kept), model,
+                                                        options.contours.input, session.context));
         report.inputs = contours->files;
     }
     CertificateInput input{model.mesh, model.description.regions, model.description.structures};
@@ -133,6 +177,7 @@ Status run_check(CheckOptions options, Session& session) {
     report.size_mm = size_of(model.description).value_or(0);
     const double size_mm = report.size_mm > 0 ? report.size_mm : report.quality.edge_mean_mm;
     warn_of_model(report, size_mm, options.contours.input, session.context);
+    if (contours) look_for_tears(model, contours->kept, report, size_mm, session.context);
     look_at_jacobians(options.model, model, session.context);
     report.version = ANATOMESH_VERSION;
     report.command = quoted_command(session.words);
@@ -166,6 +211,10 @@ Work declare_check(CLI::App& verb) {
              "Contours that the model must follow: their vertices, their regions, the volume that they tell");
     add_choice(verb, "--frame", options->contours.frame, {"LPS", "RAS"},
                "Axes of the coordinates in a contour file that does not say");
+    add_texts(
+        verb, "--structure", options->contours.structures, "NAME",
+        "Structure of the contours to compare with, by name or number; may be repeated (default: all that "
+        "the model has)");
     add_cleaning_options(verb, options->contours);
     return [options](Session& session) { return run_check(*options, session); };
 }

@@ -16,36 +16,23 @@ namespace {
 
 constexpr double near_enough = certificate_volume_tolerance / 10;  // no other way is looked for
 
-// The value of an option in the provenance of a model file: "caps half".
+// Overlaps of fewer cells than this do not tell that structures were meant to overlap.
+constexpr double hardly_any = 0.01;
+
 std::optional<std::string> option_of(const MeshDescription& description, const std::string& name) {
-    for (const auto& [key, value] : description.notes) {
-        if (key == "option" && value.starts_with(name + " ")) return value.substr(name.size() + 1);
-    }
-    return std::nullopt;
+    const std::vector<std::string> values = options_of(description, name);
+    return values.empty() ? std::nullopt : std::optional(values.front());
 }
 
-std::optional<double> number_of(const MeshDescription& description, const std::string& name) {
-    const std::optional<std::string> text = option_of(description, name);
-    if (!text) return std::nullopt;
-    double value = 0;
-    const auto [end, fault] = std::from_chars(text->data(), text->data() + text->size(), value);
-    if (fault != std::errc{} || end != text->data() + text->size() || !std::isfinite(value))
-        return std::nullopt;
-    return value;
-}
-
-// The contours' structure of each structure of the model, by number; nothing where they are not the same.
+// The contours' structure of each structure of the model; nothing where they are not the same.
 std::optional<std::vector<std::size_t>> same_structures(const ModelFile& model, const ContourSet& contours) {
     const std::vector<Structure>& structures = model.description.structures;
     if (structures.size() != contours.structures.size()) return std::nullopt;
-    if (structures.size() == 1) return std::vector<std::size_t>{0};
-    std::vector<std::size_t> match;
-    for (const Structure& structure : structures) {
-        const auto found =
-            std::find_if(contours.structures.begin(), contours.structures.end(),
-                         [&](const Structure& drawn) { return drawn.number == structure.number; });
-        if (found == contours.structures.end()) return std::nullopt;
-        match.push_back(static_cast<std::size_t>(found - contours.structures.begin()));
+    std::vector<std::size_t> match(structures.size(), structures.size());
+    for (std::size_t s = 0; s < structures.size(); ++s) {
+        const std::size_t of_model = matching_structure(contours.structures, s, structures);
+        if (of_model == structures.size()) return std::nullopt;
+        match[of_model] = s;
     }
     return match;
 }
@@ -58,8 +45,10 @@ bool has_volume(const TetMesh& mesh) {
 }
 
 bool has_overlaps(const ModelFile& model) {
-    return std::any_of(model.mesh.regions.begin(), model.mesh.regions.end(),
-                       [&](Region region) { return model.description.regions.members[region].size() > 1; });
+    const auto overlaps =
+        std::count_if(model.mesh.regions.begin(), model.mesh.regions.end(),
+                      [&](Region region) { return model.description.regions.members[region].size() > 1; });
+    return static_cast<double>(overlaps) > hardly_any * static_cast<double>(model.mesh.regions.size());
 }
 
 // The largest relative difference of a structure's volume.
@@ -73,6 +62,24 @@ double worst_difference(const std::vector<double>& mesh, const std::vector<doubl
 }
 
 }  // namespace
+
+std::vector<std::string> options_of(const MeshDescription& description, const std::string& name) {
+    std::vector<std::string> values;
+    for (const auto& [key, value] : description.notes) {
+        if (key == "option" && value.starts_with(name + " ")) values.push_back(value.substr(name.size() + 1));
+    }
+    return values;
+}
+
+std::optional<double> number_of(const MeshDescription& description, const std::string& name) {
+    const std::optional<std::string> text = option_of(description, name);
+    if (!text) return std::nullopt;
+    double value = 0;
+    const auto [end, fault] = std::from_chars(text->data(), text->data() + text->size(), value);
+    if (fault != std::errc{} || end != text->data() + text->size() || !std::isfinite(value))
+        return std::nullopt;
+    return value;
+}
 
 std::optional<double> size_of(const MeshDescription& description) {
     const std::optional<double> size = number_of(description, "size_mm");
@@ -99,7 +106,9 @@ Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& co
     // Contour files do not tell whether structures exclude each other, as those of a label map do. A model
     // with overlaps knows that they do not.
     std::vector<bool> exclusions{false};
-    if (model.description.structures.size() > 1 && !has_overlaps(model)) exclusions = {true, false};
+    const bool told_to_exclude = option_of(model.description, "priority").has_value();
+    if (model.description.structures.size() > 1 && (told_to_exclude || !has_overlaps(model)))
+        exclusions = {true, false};
     FieldOfModel best;
     bool exclude = false;
     double least = HUGE_VAL;

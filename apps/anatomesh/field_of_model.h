@@ -18,13 +18,18 @@ struct FieldOfModel {
     std::string note;                 // by which options, or why there is none
 };
 
+// The values of an option in the provenance of a model file: of "priority" "B" and "A", the first first.
+std::vector<std::string> options_of(const MeshDescription& description, const std::string& name);
+// Its number; nothing where there is none.
+std::optional<double> number_of(const MeshDescription& description, const std::string& name);
+
 // The edge length that the model was made with, where its file says so.
 std::optional<double> size_of(const MeshDescription& description);
 
 // Where the file does not say how structures end (--caps), all ways are tried and the one is taken whose
-// volumes are nearest to the model's; so with whether structures exclude each other, where the model has no
-// overlaps. Volumes are compared where model and contours have the same structures.
-// Errors: cancelled.
+// volumes are nearest to the model's; so with whether structures exclude each other, where the model was made
+// with --priority or has hardly any overlaps. Volumes are compared where model and contours have the same
+// structures. Errors: cancelled.
 Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& contours, RunContext& context);
 
 }  // namespace anatomesh

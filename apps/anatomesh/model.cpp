@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "anatomesh/contour/choose_structures.h"
 #include "anatomesh/contour/priority.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/quadratic_model.h"
@@ -300,40 +301,11 @@ ModelVerbOptions options_of_one(ModelVerbOptions options, std::int32_t number) {
     return options;
 }
 
-// A structure by itself. The slices without it stay: they say that it is not there.
-ContourSet structure_alone(const ContourSet& set, std::uint32_t structure) {
-    ContourSet alone = set;
-    alone.structures = {set.structures[structure]};
-    alone.contours.clear();
-    alone.points.clear();
-    for (Slice& slice : alone.slices) {
-        const auto all = set.contours_of(slice);
-        slice.first_contour = static_cast<std::uint32_t>(alone.contours.size());
-        slice.contour_count = 0;
-        for (Contour contour : all) {
-            if (contour.structure != structure) continue;
-            const auto points = set.points_of(contour);
-            contour.structure = 0;
-            contour.first_point = static_cast<std::uint32_t>(alone.points.size());
-            alone.points.insert(alone.points.end(), points.begin(), points.end());
-            alone.contours.push_back(contour);
-            ++slice.contour_count;
-        }
-    }
-    return alone;
-}
-
 Status give_to_first(InputContours& contours, const ModelVerbOptions& options, RunContext& context) {
     if (options.priority.empty()) return Nothing{};
-    std::vector<std::uint32_t> order;
-    for (const std::string& name : options.priority) {
-        ANATOMESH_TRY(const std::vector<std::uint32_t> found,
-                      find_structures(contours.kept.structures, {name}, options.input.input));
-        for (const std::uint32_t structure : found) {
-            if (std::find(order.begin(), order.end(), structure) == order.end()) order.push_back(structure);
-        }
-        contours.options.emplace_back("priority", name);
-    }
+    ANATOMESH_TRY(const std::vector<std::uint32_t> order,
+                  find_in_order(contours.kept.structures, options.priority, options.input.input));
+    for (const std::string& name : options.priority) contours.options.emplace_back("priority", name);
     ANATOMESH_TRY(PriorityResult result, give_overlaps(contours.kept, order, context));
     if (std::all_of(result.given.begin(), result.given.end(),
                     [](const auto& given) { return given.slices == 0; }))
@@ -415,8 +387,8 @@ Status make_separate_models(const InputContours& contours, const CrossingReport&
         begin("model", 0.15 + share * s, 0.15 + share * (s + 1));
         const ModelVerbOptions part = options_of_one(options, contours.kept.structures[s].number);
         warnings.erase(warnings.begin() + of_all, warnings.end());
-        Status made = make_model(structure_alone(contours.kept, s), contours, crossing, stages, part, files,
-                                 answers, session);
+        Status made = make_model(choose_structures(contours.kept, {&s, 1}), contours, crossing, stages, part,
+                                 files, answers, session);
         said.insert(said.end(), warnings.begin() + of_all, warnings.end());
         if (!made.ok()) {
             warnings = std::move(said);

@@ -562,6 +562,19 @@ Result<std::vector<std::uint32_t>> find_structures(const std::vector<Structure>&
     return indices;
 }
 
+Result<std::vector<std::uint32_t>> find_in_order(const std::vector<Structure>& all,
+                                                 const std::vector<std::string>& wanted,
+                                                 const std::string& file) {
+    std::vector<std::uint32_t> order;
+    for (const std::string& name : wanted) {
+        ANATOMESH_TRY(const std::vector<std::uint32_t> found, find_structures(all, {name}, file));
+        for (const std::uint32_t structure : found) {
+            if (std::find(order.begin(), order.end(), structure) == order.end()) order.push_back(structure);
+        }
+    }
+    return order;
+}
+
 ContourSet every_nth_slice(const ContourSet& set, std::uint32_t every, std::uint32_t offset) {
     ContourSet out = set;
     out.slices.clear();

@@ -68,6 +68,11 @@ Result<std::vector<std::uint32_t>> find_structures(const std::vector<Structure>&
                                                    const std::vector<std::string>& wanted,
                                                    const std::string& file);
 
+// The same in the order in which they were named, each once; none when `wanted` is empty.
+Result<std::vector<std::uint32_t>> find_in_order(const std::vector<Structure>& all,
+                                                 const std::vector<std::string>& wanted,
+                                                 const std::string& file);
+
 // The slices offset, offset + every, ... of a set of parallel slices. Requires: a kept set; every >= 1.
 ContourSet every_nth_slice(const ContourSet& set, std::uint32_t every, std::uint32_t offset);
 

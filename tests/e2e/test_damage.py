@@ -1,4 +1,6 @@
 """Damage done to a sound model, and to what it is made of: `check` and `model` must say so."""
+import json
+
 import numpy as np
 
 import harness
@@ -175,9 +177,104 @@ class DamagedModels(harness.TestCase):
         for each in document["slices"]:
             each["contours"] = [c for c in each["contours"] if c["structure"] == 1]
         self.write("one.json", document)
-        states, _, report = self.checked("sound.mesh", "one.json")
+        states, codes, report = self.checked("sound.mesh", "one.json")
+        self.assertIn("W-CMD-010", codes)
+        self.assertNotIn("W-PIP-008", codes)
         self.assertEqual(states[6], "not promised yet")
         self.assertIn("the structures are not the same", report["certificate"][5]["evidence"])
+
+    def test_structures_exchanged_in_the_contours(self):
+        document = self.contours()
+        names = [each["name"] for each in document["structures"]]
+        for each, name in zip(document["structures"], names[::-1]):
+            each["name"] = name
+        self.write("exchanged.json", document)
+        _, codes, report = self.checked("sound.mesh", "exchanged.json")
+        self.assertIn("W-CMD-008", codes)
+        told = next(w for w in report["warnings"] if w["code"] == "W-CMD-008")
+        self.assertIn("inner (1) of the contours is outer (1) of the model", json.dumps(told))
+
+    def test_axes_that_contradict_each_other(self):
+        self.damaged(head=[line.replace("SPACE=LPS", "SPACE=RAS") for line in self.head])
+        self.assertIn("W-CMD-001", self.checked()[1])
+
+    def test_contours_that_are_elsewhere(self):
+        document = self.contours()
+        for each in document["slices"]:
+            for contour in each["contours"]:
+                contour["points"] = [[-x, y, z + 0.25] for x, y, z in contour["points"]]
+            each["plane"]["origin"][2] += 0.25
+        self.write("moved.json", document)
+        told = self.run_program("check", "sound.mesh", "--contours", "moved.json", expect=4).err
+        self.assertIn("mm from the model's surface in the mean", told)
+
+
+class SoundModels(harness.TestCase):
+    """Models checked against the contours that the user drew, which are not always those they are made of."""
+
+    def codes(self, model, contours, *words, expect=0):
+        report = self.run_program("check", model, "--contours", contours, "--json", *words, expect=expect).json()
+        self.report = report
+        return [w["code"] for w in report["warnings"]]
+
+    def overlapping(self):
+        balls = shapes.touching_balls()
+        document = balls.document()
+        for each in document["slices"]:
+            for contour in each["contours"]:
+                shift = 3.0 if contour["structure"] == 1 else -3.0
+                contour["points"] = [[x + shift, y, z] for x, y, z in contour["points"]]
+        return document
+
+    def test_priority(self):
+        self.write("drawn.json", self.overlapping())
+        self.run_program("model", "drawn.json", "-o", "m.vtu", "--priority", "2", "--contours", "used.json")
+        self.assertNotIn("W-CMD-011", self.codes("m.vtu", "used.json"))
+        self.assertEqual(self.report["certificate"][5]["state"], "kept")
+        self.assertIn("W-CMD-011", self.codes("m.vtu", "drawn.json"))
+        self.assertEqual([self.report["certificate"][n]["state"] for n in (0, 5)], ["kept"] * 2)
+
+    def test_separate_models_against_all_contours(self):
+        self.write("drawn.json", self.overlapping())
+        self.run_program("model", "drawn.json", "-o", "m.vtu", "--separate")
+        for number in (1, 2):
+            self.assertIn("W-CMD-009", self.codes(f"m-{number}.vtu", "drawn.json"))
+            self.assertEqual([self.report["certificate"][n]["state"] for n in (0, 5)], ["kept"] * 2)
+            self.assertNotIn("W-CMD-009", self.codes(f"m-{number}.vtu", "drawn.json", "--structure", str(number)))
+        self.assert_refused(("check", "m-1.vtu", "--structure", "1"), 2, "E-CMD-008")
+
+    def test_slices_that_cross(self):
+        """A ball by planes in three directions, each contour a little too large or too small."""
+        document = {"format": "anatomesh-contours", "version": 1, "space": "LPS", "unit": "mm",
+                    "structures": [{"number": 1, "name": "ball"}], "slices": []}
+        turn = np.arange(60) * 2 * np.pi / 60
+        for axis in range(3):
+            for n, at in enumerate(range(-12, 13, 6)):
+                radius = np.sqrt(256 - at * at) * (1.01 if (axis + n) % 2 else 0.99)
+                points = np.roll(np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(60, at)], 1), axis + 1, 1)
+                plane = {"origin": np.roll([0.0, 0.0, at], axis + 1).tolist(), "normal": np.roll([0.0, 0.0, 1.0], axis + 1).tolist()}
+                document["slices"].append({"plane": plane, "contours": [{"structure": 1, "points": points.tolist()}]})
+        self.write("drawn.json", document)
+        self.run_program("model", "drawn.json", "-o", "m.vtu", "--contours", "used.json")
+        self.assertNotIn("W-CMD-011", self.codes("m.vtu", "used.json"))
+        self.assertIn("W-CMD-011", self.codes("m.vtu", "drawn.json"))
+        self.assertEqual(self.report["certificate"][0]["state"], "kept")
+        self.run_program("model", "drawn.json", "-o", "m.vtu", "--reconcile", "0")
+        self.assertNotIn("W-CMD-011", self.codes("m.vtu", "drawn.json", expect=None))
+
+    def test_joints_that_model_tells_of_are_told_again(self):
+        """Two plates with a gap far narrower than the edges."""
+        def slab(low, high):
+            return [(0, low), (20, low), (20, high), (0, high)]
+
+        plates = shapes.Shape({1: "plates"}, 3)
+        for z in range(0, 15, 3):
+            plates.add_slice(z, [(1, slab(0, 3)), (1, slab(3.02, 6))])
+        self.write("plates.json", plates.document())
+        self.run_program("model", "plates.json", "-o", "m.vtu", "--size", "3")
+        told = [w["code"] for w in json.loads((self.folder / "m.report.json").read_text())["warnings"]]
+        self.assertEqual("W-PIP-004" in self.codes("m.vtu", "plates.json"), "W-PIP-004" in told)
+        self.assertIn("W-PIP-004", told)
 
 
 if __name__ == "__main__":

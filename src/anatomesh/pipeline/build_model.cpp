@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <chrono>
+#include <numeric>
 #include <optional>
 
 #include "anatomesh/base/parallel.h"
@@ -21,7 +22,7 @@
 #include "anatomesh/pipeline/labelled_mesh.h"
 #include "anatomesh/pipeline/model_warnings.h"
 #include "anatomesh/pipeline/segment_vertices.h"
-#include "anatomesh/pipeline/surface_tears.h"
+#include "anatomesh/pipeline/tear_warnings.h"
 #include "anatomesh/refine/refine.h"
 #include "anatomesh/sample/sample_points.h"
 
@@ -35,8 +36,7 @@ constexpr double surface_deviation =
     0.06;  // of the middle of an interface facet from the interface, in sizes
 constexpr int max_attempts = 4;               // with a default size; each one finer
 constexpr double finer = 0.7;
-constexpr double too_thin = 0.8;             // a mean thickness below so many sizes is warned of
-constexpr double tears_below = 2;            // a structure this many sizes thick in the mean has no walls that tear
+constexpr double too_thin = 0.8;                 // a mean thickness below so many sizes is warned of
 constexpr double hardly_thicker = 1.3;           // than the size: a structure that a finer one may keep whole,
 constexpr std::size_t build_again_below = 800000;  // where the model has fewer tetrahedra than this
 constexpr int crossing_rounds = 3;
@@ -559,7 +559,7 @@ class Builder {
         measure_model(input, context_, report());
         ANATOMESH_CHECK_STATUS(end_stage("certificate", 1.0));
         warn_of_model(report(), sample_->stats.size_mm, contours_.source, context_);
-        warn_of_tears();
+        look_for_tears();
         warn_of_crowded_cells();
         for (const Clause& clause : report().certificate) {
             if (clause.state != ClauseState::broken) continue;
@@ -609,51 +609,14 @@ class Builder {
     }
 
     // Clauses 1 to 6 hold for a plate with holes as well.
-    void warn_of_tears() {
-        std::vector<std::vector<Triangle>> surfaces(structures_);
-        // Where walls do not tear only what goes on from end to end is sure to be amiss.
-        std::vector<std::uint8_t> thick;
-        for (const double t : mean_thickness(contours_))
-            thick.push_back(t >= tears_below * sample_->stats.size_mm);
-        // Whether a slice shows several contours of a structure: they follow one another.
-        std::vector<std::uint8_t> several(structures_, 0);
-        for (std::size_t c = 1; c < source_.contours.size(); ++c) {
-            const Contour &before = source_.contours[c - 1], &here = source_.contours[c];
-            if (before.slice == here.slice && before.structure == here.structure) several[here.structure] = 1;
-        }
-        for (std::uint32_t s = 0; s < structures_; ++s) {
-            // Without a handle no wall is torn, and where no slice shows two contours no gap is filled.
-            const bool one_shell = report().structures[s].genus <= 0 && report().structures[s].components <= 1;
-            if (one_shell && !several[s]) continue;
-            surfaces[s] = structure_surface(model_.mesh, neighbors_, model_.regions, s, context_.threads);
-        }
-        tears_ = surface_tears(model_.mesh.points, surfaces, source_, model_.contour_vertices, thick);
-        // Where parts branch or vanish the field itself may join them, near the ends of the run.
-        std::erase_if(tears_, [&](const SurfaceTear& t) { return !t.whole && t.euler > t.expected; });
-        for (auto tear = tears_.begin(); tear != tears_.end();) {
-            // All of one structure, the worst named.
-            const auto amiss = [](const SurfaceTear& t) { return std::abs(t.euler - t.expected); };
-            const auto worse = [&](const SurfaceTear& x, const SurfaceTear& y) { return amiss(x) < amiss(y); };
-            const auto end =
-                std::find_if(tear, tears_.end(), [&](const SurfaceTear& t) { return t.structure != tear->structure; });
-            std::int64_t count = 0;
-            for (auto t = tear; t != end; ++t) count += (amiss(*t) + 1) / 2;
-            const SurfaceTear& worst = *std::max_element(tear, end, worse);
-            Place place = place_of(worst.structure);
-            place.slice = source_.slices[worst.low_slice].name;
-            place.value = std::to_string(count) + (count == 1 ? " place" : " places");
-            const std::string where = worst.low_slice == worst.high_slice
-                                          ? "at the end beyond this slice"
-                                          : "between this slice and " + source_.slices[worst.high_slice].name;
-            context_.warn({"W-PIP-004",
-                           "the surface is joined otherwise than the contours show, by holes in a thin wall or bridges over "
-                           "a narrow gap; most " +
-                               where,
-                           place,
-                           "kept; --size " + brief(finer * sample_->stats.size_mm) +
-                               " may resolve it: look at the components and the genus"});
-            tear = end;
-        }
+    void look_for_tears() {
+        std::vector<std::size_t> same(structures_);
+        std::iota(same.begin(), same.end(), std::size_t{0});
+        const double size_mm = sample_->stats.size_mm;
+        tears_ = find_tears({model_.mesh, neighbors_, model_.regions, report().structures, source_, same,
+                             model_.contour_vertices, size_mm},
+                            context_.threads);
+        warn_of_tears(tears_, source_, size_mm, context_);
     }
 
     Place place_of(std::uint32_t structure) const {

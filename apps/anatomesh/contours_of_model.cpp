@@ -1,0 +1,225 @@
+#include "contours_of_model.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/contour/choose_structures.h"
+#include "anatomesh/contour/priority.h"
+#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/hausdorff.h"
+#include "anatomesh/mesh/topology.h"
+#include "field_of_model.h"
+#include "plural.h"
+#include "read_input.h"
+#include "reconcile_step.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double parallel_tolerance_mm = 0.01;
+
+std::string named(const Structure& structure) {
+    return structure.name.empty() ? fmt::format("{}", structure.number)
+                                  : fmt::format("{} ({})", structure.name, structure.number);
+}
+
+// Of how many of the contours' vertices the model has one at the very same place.
+std::size_t shared_vertices(const ContourSet& contours, const std::vector<Vec3>& sorted) {
+    return static_cast<std::size_t>(
+        std::count_if(contours.points.begin(), contours.points.end(), [&](Vec3 p) {
+            return std::binary_search(sorted.begin(), sorted.end(), p,
+                                      [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); });
+        }));
+}
+
+// Those of the contours' structures that the model has.
+std::vector<std::uint32_t> structures_of(const ContourSet& contours, const ModelFile& model) {
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t s = 0; s < contours.structures.size(); ++s) {
+        if (matching_structure(contours.structures, s, model.description.structures) <
+            model.description.structures.size())
+            found.push_back(s);
+    }
+    return found;
+}
+
+ContourSet without_others(const ContourSet& contours, const ModelFile& model) {
+    const std::vector<std::uint32_t> found = structures_of(contours, model);
+    return found.empty() ? contours : choose_structures(contours, found);
+}
+
+// What `model` does to contours before it makes a model of them, by the options in the model's file; nothing
+// where that cannot be done, or is nothing.
+struct Prepared {
+    ContourSet kept;
+    std::vector<std::string> steps;
+};
+
+std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& description, RunContext& apart) {
+    Prepared done{std::move(kept), {}};
+    const auto says = [&](const char* name, const char* value) {
+        const std::vector<std::string> values = options_of(description, name);
+        return !values.empty() && values.front() == value;
+    };
+    if (says("reconcile", "1") && !all_parallel(done.kept, parallel_tolerance_mm)) {
+        ReconcileStepOptions options;
+        options.stage.max_disagreement_mm =
+            number_of(description, "max_disagreement_mm").value_or(options.stage.max_disagreement_mm);
+        options.stage.align = says("align", "yes");
+        if (!reconcile_step(done.kept, options, apart).ok()) return std::nullopt;
+        done.steps.emplace_back("slices that cross were made to agree (reconcile 1)");
+    }
+    if (const std::vector<std::string> names = options_of(description, "priority"); !names.empty()) {
+        const auto order = find_in_order(done.kept.structures, names, "");
+        if (!order.ok()) return std::nullopt;
+        Result<PriorityResult> given = give_overlaps(done.kept, order.value(), apart);
+        if (!given.ok()) return std::nullopt;
+        done.kept = std::move(given).value().kept;
+        done.steps.push_back(
+            fmt::format("overlaps were given to the first of {} (priority)", fmt::join(names, ", ")));
+    }
+    if (done.steps.empty()) return std::nullopt;
+    return done;
+}
+
+// Warns of what the two files say that cannot both be true.
+void compare_names(const ContourSet& contours, const ModelFile& model, const std::string& file,
+                   RunContext& context) {
+    const std::vector<Structure>& structures = model.description.structures;
+    if (const std::string& space = model.description.space;
+        contours.frame == Frame::lps && space != "LPS" && space != "unknown") {
+        context.warn({"W-CMD-001",
+                      "the two files do not state the same axes",
+                      {file, "", "", "", fmt::format("{} of the model, LPS of the contours", space)},
+                      "the coordinates were compared as they are"});
+    }
+    std::vector<std::string> other;
+    std::vector<bool> drawn(structures.size(), false);
+    for (std::size_t s = 0; s < contours.structures.size(); ++s) {
+        const std::size_t match = matching_structure(contours.structures, s, structures);
+        if (match == structures.size()) continue;
+        drawn[match] = true;
+        const Structure &here = contours.structures[s], &there = structures[match];
+        const bool other_name = !here.name.empty() && !there.name.empty() && here.name != there.name;
+        if (other_name || here.number != there.number)
+            other.push_back(fmt::format("{} of the contours is {} of the model", named(here), named(there)));
+    }
+    if (!other.empty()) {
+        context.warn(
+            {"W-CMD-008",
+             "structures of the model and of the contours are not called the same",
+             {file, "", "", "", fmt::format("{}", fmt::join(other, "; "))},
+             "compared by their numbers, one alone with one alone: look whether they were exchanged"});
+    }
+    std::vector<std::string> more;
+    for (std::size_t s = 0; s < structures.size(); ++s) {
+        if (!drawn[s]) more.push_back(named(structures[s]));
+    }
+    if (!more.empty()) {
+        context.warn({"W-CMD-010",
+                      "the model has structures that the contours do not have",
+                      {file, "", "", "", fmt::format("{}", fmt::join(more, ", "))},
+                      "nothing that is drawn tells of them: their surfaces were not compared"});
+    }
+}
+
+}  // namespace
+
+Result<ContourSet> contours_of_model(ContourSet kept, const ModelFile& model, const std::string& file,
+                                     RunContext& context) {
+    std::vector<std::string> left_out;
+    const std::vector<std::uint32_t> found = structures_of(kept, model);
+    for (std::uint32_t s = 0; s < kept.structures.size(); ++s) {
+        if (std::find(found.begin(), found.end(), s) == found.end())
+            left_out.push_back(named(kept.structures[s]));
+    }
+    if (found.empty()) left_out.clear();
+
+    std::vector<Vec3> sorted = model.mesh.points;
+    std::sort(sorted.begin(), sorted.end(), [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); });
+    ContourSet best = without_others(kept, model);
+    const auto missing = [&](const ContourSet& set) {
+        return set.points.size() - shared_vertices(set, sorted);
+    };
+    if (const std::size_t before = missing(best); before > 0) {
+        // Models of single structures are made of contours that all of them have been prepared with, others
+        // of those of their structures alone.
+        for (const bool all_together : {false, true}) {
+            if (all_together && left_out.empty()) break;
+            RunContext apart;  // its warnings were said when the model was made
+            apart.threads = context.threads;
+            apart.cancel = context.cancel;
+            std::optional<Prepared> done =
+                prepared(all_together ? kept : without_others(kept, model), model.description, apart);
+            if (context.cancelled()) return cancelled_error();
+            if (!done) continue;
+            done->kept = without_others(done->kept, model);
+            if (missing(done->kept) >= missing(best)) continue;
+            best = std::move(done->kept);
+            context.warn(
+                {"W-CMD-011",
+                 "the contours are not those that the model was made of, and became so as its file says: " +
+                     fmt::format("{}", fmt::join(done->steps, ", then ")),
+                 {file, "", "", "",
+                  fmt::format("{} of {} vertices not the model's before, {} after", before,
+                              kept.points.size(), missing(best))},
+                 "checked against the contours as moved; model --contours writes them"});
+            if (missing(best) == 0) break;
+        }
+    }
+    compare_names(best, model, file, context);
+    if (!left_out.empty()) {
+        context.warn({"W-CMD-009",
+                      "the model does not have all structures of the contours",
+                      {file, "", "", "", fmt::format("{}", fmt::join(left_out, ", "))},
+                      "left out: nothing is said of them"});
+    }
+    return best;
+}
+
+std::string distance_text(const ContourSet& contours, const ModelFile& model) {
+    const std::vector<Structure>& structures = model.description.structures;
+    double sum = 0, most = 0;
+    std::size_t count = 0;
+    Box3 drawn, made;
+    for (const std::uint32_t s : structures_of(contours, model)) {
+        const auto match = static_cast<std::uint32_t>(matching_structure(contours.structures, s, structures));
+        SurfaceMesh surface;
+        surface.points = model.mesh.points;
+        surface.triangles = structure_surface(model.mesh, model.description.regions, match);
+        if (surface.triangles.empty()) continue;
+        const ClosestPoint closest(surface);
+        for (const Triangle& triangle : surface.triangles) {
+            for (const std::uint32_t v : triangle) made.extend(surface.points[v]);
+        }
+        for (const Contour& contour : contours.contours) {
+            if (contour.structure != s) continue;
+            for (const Vec3& p : contours.points_of(contour)) {
+                const double distance = closest.distance(p);
+                drawn.extend(p);
+                sum += distance;
+                most = std::max(most, distance);
+                ++count;
+            }
+        }
+    }
+    if (count == 0) return "";
+    const auto span = [](const Box3& box) {
+        return fmt::format("x {:.1f} to {:.1f}, y {:.1f} to {:.1f}, z {:.1f} to {:.1f}", box.low.x,
+                           box.high.x, box.low.y, box.high.y, box.low.z, box.high.z);
+    };
+    return fmt::format(
+        "the contours' vertices are {:.3g} mm from the model's surface in the mean, {:.3g} mm at most "
+        "(contours: "
+        "{}; model: {})",
+        sum / static_cast<double>(count), most, span(drawn), span(made));
+}
+
+}  // namespace anatomesh
