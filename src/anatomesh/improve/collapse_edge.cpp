@@ -29,6 +29,11 @@ bool is_surface_facet(Workbench& bench, std::uint32_t a, std::uint32_t b, std::u
 bool may_leave_surface(Workbench& bench, std::uint32_t from, std::uint32_t to) {
     std::vector<std::array<std::uint32_t, 2>> rim;  // of the disc round `from`
     if (!surface_facets_at(bench, from, rim)) return false;
+    const Region side = bench.mesh.region(bench.star[0]);
+    Region other = side;
+    for (const std::uint32_t c : bench.star) {
+        if (bench.mesh.region(c) != side) other = bench.mesh.region(c);
+    }
     double before = 0;
     for (const auto& [u, w] : rim) {
         before = std::max(
@@ -49,7 +54,7 @@ bool may_leave_surface(Workbench& bench, std::uint32_t from, std::uint32_t to) {
         const Vec3 pu = bench.mesh.point(u), pw = bench.mesh.point(w);
         const Vec3 old_normal = cross(pu - p, pw - p), new_normal = cross(pu - q, pw - q);
         if (!(dot(old_normal, new_normal) > 0.5 * length(old_normal) * length(new_normal))) return false;
-        if (!bench.near_interface(to, u, w, before)) return false;
+        if (bench.spoils_cut(to, u, w, side, other) || !bench.near_interface(to, u, w, before)) return false;
     }
     // No edge from `to` to the rest of the rim may lie on an interface yet.
     std::vector<std::uint32_t> across, rest;

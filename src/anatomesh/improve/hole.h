@@ -41,20 +41,34 @@ class Hole {
     template <class NeededSine, class Adjust>
     bool fill(Vec3 p, Vec3 normal, double max_radius_edge, NeededSine&& needed_sine, Adjust&& adjust) {
         if (!adjust(p)) return false;
+        const auto ascend = [&](double here) {
+            return bench_.local.ascend(p, here, bench_.goal, normal, adjust);
+        };
+        return fill(p, max_radius_edge, needed_sine, ascend);
+    }
+
+    // The same with the vertex at p.
+    template <class NeededSine>
+    bool fill_from(Vec3 p, double max_radius_edge, NeededSine&& needed_sine) {
+        return fill(p, max_radius_edge, needed_sine, [](double here) { return here; });
+    }
+
+  private:
+    template <class NeededSine, class Ascend>
+    bool fill(Vec3& p, double max_radius_edge, NeededSine& needed_sine, const Ascend& ascend) {
         Bar bar;
         double reached = 0;
         bool allowed = false;
         for (int round = 0;; ++round) {
             bar = bench_.bar_of(cells_);
             squared_ratio_ = std::max(bar.squared_ratio, max_radius_edge * max_radius_edge);
-            reached = bench_.local.ascend(p, begin_round(p, bar), bench_.goal, normal, adjust);
+            reached = ascend(begin_round(p, bar));
             allowed = bench_.local.worst(p, reached) >= reached;
             if ((allowed && reached >= bench_.goal) || round == rounds || !grow(p)) break;
         }
         return allowed && reached >= needed_sine(bar) && keeps_vertices() && commit(p);
     }
 
-  private:
     static constexpr std::size_t most_facets = 60;
     static constexpr int rounds = 3;
 

@@ -20,7 +20,8 @@ namespace {
 constexpr double radians_per_degree = std::numbers::pi / 180;
 constexpr double margin_degrees = 3;  // how far above the target operations aim
 
-constexpr double lifted_degrees = 10;  // of cells that are made to lift a facet, at least
+constexpr double listed_degrees = 10;  // an angle below it is a blemish: worth ratios above the bound
+constexpr int radius_edge_steps = 3;   // from the bound to the last one
 
 // Tries on a bad cell that scouts make beforehand: its edges, facets and vertices.
 constexpr int edge_tries = 6, facet_tries = 10, scouted_tries = 14;
@@ -57,9 +58,13 @@ class Climber {
         climb(context);
         drop_ears(context.threads);
         const LiftStats lifted =
-            lift_facets(bench_, drawn_, std::sin(lifted_degrees * radians_per_degree), context.threads);
+            lift_facets(bench_, drawn_, std::sin(listed_degrees * radians_per_degree), context.threads);
         bench_.stats.facets_lifted = lifted.facets_lifted;
         bench_.stats.facets_left = lifted.facets_left;
+        all.resize(bench_.mesh.cell_count());
+        std::iota(all.begin(), all.end(), 0u);
+        collect(all, context.threads);
+        climb_at_last(context);
         all.resize(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
         collect(std::move(all), context.threads);
@@ -74,6 +79,27 @@ class Climber {
             collect(std::move(left_), context.threads);
             if (gained * 50 < queue_.size() || gained == 0) break;
         }
+    }
+
+    // With the operations that only the few cells which nothing else helps are worth; at the end angles that
+    // would be listed are raised above that at the price of ratios.
+    void climb_at_last(RunContext& context) {
+        thorough_ = true;
+        bench_.slices = &drawn_;
+        climb(context);
+        const double target = std::exchange(target_, std::sin(listed_degrees * radians_per_degree));
+        const double most = bench_.options.max_radius_edge, last = bench_.options.last_radius_edge;
+        bench_.least_needed_sine = target_;
+        for (int step = 1; step <= radius_edge_steps && last > most; ++step) {
+            std::vector<std::uint32_t> left;
+            for (; !queue_.empty(); queue_.pop()) left.push_back(queue_.top().cell);
+            bench_.options.max_radius_edge = most + step * (last - most) / radius_edge_steps;
+            collect(std::move(left), context.threads);
+            climb(context);
+        }
+        bench_.options.max_radius_edge = most;
+        bench_.least_needed_sine = 0;
+        target_ = target;
     }
 
     // Those of surfaces, for smaller angles between facets; cells that are bad now are queued.
@@ -202,19 +228,31 @@ class Climber {
         for (int n = first_try; n < scouted_tries; ++n) {
             if (attempt(bench_, cell, n)) return true;
         }
-        if (peel_cell(bench_, cell)) return true;
+        if (give_cell(bench_, cell)) return true;
         for (int e = 0; e < 6; ++e) {
             if (collapse_edge(bench_, cell, e, true) || collapse_edge(bench_, cell, e, false)) return true;
         }
         for (int e = 0; e < 6; ++e) {
             if (insert_vertex(bench_, cell, e)) return true;
         }
-        return false;
+        return thorough_ && better_at_last(cell);
+    }
+
+    // What only the few cells that nothing else helps are worth.
+    bool better_at_last(std::uint32_t cell) {
+        for (int e = 0; e < 6; ++e) {
+            if (split_edge(bench_, cell, e)) return true;
+        }
+        for (int i = 0; i < 4; ++i) {
+            if (split_facet(bench_, cell, i)) return true;
+        }
+        return split_cell(bench_, cell);
     }
 
     Workbench& bench_;
     const DrawnSlices& drawn_;
     double target_;
+    bool thorough_ = false;  // the last climb
     std::priority_queue<BadCell> queue_;
     std::vector<std::uint32_t> left_;
     std::vector<std::uint8_t> touched_;  // by vertex, since the scouts: a cell at it has changed
@@ -231,6 +269,7 @@ DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint32_t>& neigh
     assert(std::is_sorted(fixed_edges.begin(), fixed_edges.end()));
     EditMesh edited(std::move(mesh), neighbors);
     Workbench bench(edited, fixed, fixed_edges, field, structures, options);
+    bench.table = drawn.table;
     Climber(bench, drawn).run(context);
     mesh = std::move(edited).take(neighbors);
     return bench.stats;

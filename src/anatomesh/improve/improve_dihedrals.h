@@ -17,11 +17,11 @@ using VertexPair = std::array<std::uint32_t, 2>;  // smaller vertex first
 
 inline constexpr std::uint32_t no_slice = 0xFFFFFFFFu;
 
-// What is drawn on slices, for the facets in their planes. Empty: none are looked at.
+// What is drawn on slices, for the facets in their planes.
 struct DrawnSlices {
-    const RegionTable* table = nullptr;
+    const RegionTable* table = nullptr;       // of the mesh's regions
     std::span<const std::uint32_t> slice_of;  // for every point of the mesh the slice in whose plane it lies
-                                              // as a part of a contour, or no_slice
+                                              // as a part of a contour, or no_slice; empty: no slices
 };
 
 struct DihedralOptions {
@@ -35,6 +35,8 @@ struct DihedralOptions {
         0.1;  // of the middle of a changed interface facet from the field's, or as near as before. > 0
     double last_deviation =
         2;  // the bound grows by this factor for the cells that are still bad after all passes. [1, 10]
+    double last_radius_edge =
+        3.9;  // instead of max_radius_edge, at last, where that leaves an angle below 10 degrees. [1.2, 10]
     double flip_gain_degrees = 2;  // edges of surfaces are flipped where that makes the angles at their
                                    // facets fall by more. (0, 900]
     int passes = 4;                // over the cells that are still bad. [0, 100]
@@ -45,7 +47,7 @@ struct DihedralStats {
     double worst_before_degrees = 90, worst_after_degrees = 90;  // by the least sine
     // Operations that were applied.
     std::uint64_t vertices_moved = 0, surface_vertices_moved = 0, edges_removed = 0, facets_removed = 0,
-                  surface_edges_flipped = 0, surface_edges_smoothed = 0, cells_peeled = 0, ears_dropped = 0,
+                  surface_edges_flipped = 0, surface_edges_smoothed = 0, cells_given = 0, ears_dropped = 0,
                   edges_collapsed = 0, vertices_inserted = 0, facets_lifted = 0, tries = 0;
     std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (lift_facets.h)
 };
@@ -53,20 +55,22 @@ struct DihedralStats {
 // Takes the cells inside (of a region other than 0) with a dihedral angle below the target, worst first, and
 // tries on each in turn: edge removal and facet removal (2-3, 3-2, 4-4 and general), moving its vertices,
 // giving it to the other side of an interface, collapsing its edges, inserting a vertex. What makes the least
-// sine of the dihedral angles of all cells concerned larger is done, nothing else. Before and after, spikes
-// and pits of one cell are taken off the surfaces where the field has none. In between, edges of surfaces are
-// flipped for smaller angles between facets (flip_surface_edges.h), where no angle inside falls below the
-// target or what it was. Guarantees: no cell inside with an angle below the least before; all cells positive
-// by exact orientation; vertices with fixed[v] != 0 do not move and stay on their surfaces; `fixed_edges`
-// (sorted, ends fixed) that lie on an interface stay edges of it; the interfaces keep their topology: each
-// operation replaces a disc of an interface by a disc; junctions of three or more regions do not change. No
-// ratio above the bound arises but in the place of one as large. Cells outside serve as room; they stay
-// positive, and none gets nearly flat but in the place of one as flat. Same result every time. `fixed` grows
-// with the points. Cells keep no order. Points no longer used stay in the list. `neighbors` are those of the
-// mesh before and after, as cell_neighbors() gives them. Requires: the mesh holds the cells outside too, and
-// every vertex on its hull is fixed. Complexity: linear in the cells, and in the operations tried for the bad
-// ones. Follows: Klingner and Shewchuk, Proc. 16th International Meshing Roundtable, 2007; Freitag and
-// Ollivier-Gooch, Int. J. Numer. Methods Eng. 40, 1997.
+// sine of the dihedral angles of all cells concerned larger is done, nothing else. What is left at the end is
+// tried again with new vertices on edges and facets of interfaces too, then, where an angle is below 10
+// degrees and gets above it, with `last_radius_edge`. Before and after, spikes and pits of one cell are taken
+// off the surfaces where the field has none. In between, edges of surfaces are flipped for smaller angles
+// between facets (flip_surface_edges.h), where no angle inside falls below the target or what it was.
+// Guarantees: no cell inside with an angle below the least before; all cells positive by exact orientation;
+// vertices with fixed[v] != 0 do not move and stay on their surfaces; `fixed_edges` (sorted, ends fixed) that
+// lie on an interface stay edges of it, or chains of edges on the same line, whose new vertices are fixed as
+// well; the surfaces of all structures keep their topology: each operation replaces a disc of a surface by a
+// disc. No ratio above the bound (at last the other one) arises but in the place of one as large. Cells
+// outside serve as room; they stay positive, and none gets nearly flat but in the place of one as flat. Same
+// result every time. `fixed` grows with the points. Cells keep no order. Points no longer used stay in the
+// list. `neighbors` are those of the mesh before and after, as cell_neighbors() gives them. Requires: the
+// mesh holds the cells outside too, and every vertex on its hull is fixed. Complexity: linear in the cells,
+// and in the operations tried for the bad ones. Follows: Klingner and Shewchuk, Proc. 16th International
+// Meshing Roundtable, 2007; Freitag and Ollivier-Gooch, Int. J. Numer. Methods Eng. 40, 1997.
 DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint32_t>& neighbors,
                                 std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
                                 const StructureField& field, std::uint32_t structures,

@@ -26,8 +26,8 @@ Improved improved(const LabelledCase& c, std::span<const VertexPair> edges = {},
     RunContext context;
     context.threads = threads;
     std::vector<std::uint32_t> neighbors = neighbors_of(c.mesh);
-    result.stats = improve_dihedrals(result.mesh, neighbors, result.fixed, edges, c.field, c.structures, {},
-                                     options, context);
+    result.stats = improve_dihedrals(result.mesh, neighbors, result.fixed, edges, c.field, c.structures,
+                                     {&c.regions, {}}, options, context);
     EXPECT_EQ(neighbors, neighbors_of(result.mesh));
     return result;
 }
@@ -59,7 +59,13 @@ TEST(ImproveDihedrals, keeps_surfaces_volume_and_fixed_vertices_and_makes_nothin
                 ASSERT_TRUE(!c.fixed[v] || before[v] == after[v]);
         }
         EXPECT_GE(worst_sine(done.mesh), worst_sine(c.mesh));
-        EXPECT_LE(worst_ratio(done.mesh), std::max(2.0, worst_ratio(c.mesh)) * (1 + 1e-9));
+        const DihedralOptions bounds;
+        EXPECT_LE(worst_ratio(done.mesh),
+                  std::max(bounds.last_radius_edge, worst_ratio(c.mesh)) * (1 + 1e-9));
+        DihedralOptions strict;
+        strict.last_radius_edge = strict.max_radius_edge;
+        EXPECT_LE(worst_ratio(improved(c, {}, strict).mesh),
+                  std::max(strict.max_radius_edge, worst_ratio(c.mesh)) * (1 + 1e-9));
         EXPECT_LE(done.stats.bad_after, done.stats.bad_before);
     }
 }
@@ -131,6 +137,27 @@ double mean_angle(const TetMesh& mesh, const RegionTable& regions) {
         }
     }
     return sum / static_cast<double>(count) * 180 / 3.14159265358979;
+}
+
+// Ratios above the bound buy angles of at least 10 degrees.
+TEST(ImproveDihedrals, ratios_rise_above_the_bound_only_where_angles_below_10_degrees_go) {
+    std::size_t bought = 0;
+    for (const LabelledCase& c : labelled_cases()) {
+        SCOPED_TRACE(c.name);
+        DihedralOptions strict;
+        strict.last_radius_edge = strict.max_radius_edge;
+        const auto below = [](const TetMesh& mesh) {
+            std::size_t count = 0;
+            for (std::size_t n = 0; n < mesh.cells.size(); ++n)
+                count += mesh.regions[n] != 0 &&
+                         sine_of(mesh, mesh.cells[n]) < std::sin(10 * 3.14159265358979 / 180);
+            return count;
+        };
+        const std::size_t left = below(improved(c, {}, strict).mesh), after = below(improved(c).mesh);
+        EXPECT_LE(after, left);
+        bought += left - after;
+    }
+    EXPECT_GT(bought, 0u);
 }
 
 // Flips of a surface's edges make it smoother; no angle inside falls below the target for it, and edges that
@@ -246,7 +273,11 @@ TEST(ImproveDihedrals, keeps_fixed_edges_on_the_surface) {
     const Improved kept = improved(c, edges);
     EXPECT_GT(kept.stats.edges_removed, 0u);
     EXPECT_EQ(kept.stats.surface_edges_flipped + kept.stats.surface_edges_smoothed, 0u);
-    EXPECT_EQ(edges_along(kept.mesh, neighbors_of(kept.mesh), edges), edges);
+    // They, or chains along them with a new vertex that is fixed.
+    const auto split =
+        std::count(kept.fixed.begin() + static_cast<std::ptrdiff_t>(c.fixed.size()), kept.fixed.end(), 1);
+    EXPECT_EQ(edges_along(kept.mesh, neighbors_of(kept.mesh), edges).size(),
+              edges.size() + static_cast<std::size_t>(split));
     DihedralOptions loose;
     loose.max_deviation_mm = 10;
     const Improved flipped = improved(c, {}, loose);

@@ -28,9 +28,9 @@ bool remove_facet(Workbench& bench, std::uint32_t cell, int facet);
 // Moves a vertex uphill; on a surface between two regions along it.
 bool move_vertex(Workbench& bench, std::uint32_t v);
 
-// Gives a cell to the region outside beside it, where the surface stays a disc and near the field's
-// interface.
-bool peel_cell(Workbench& bench, std::uint32_t cell);
+// Gives a cell to a region beside it, where the surface of every structure concerned stays a disc and near
+// the field's interface: to the outside, or to where fewer of the cell's facets lie between two regions.
+bool give_cell(Workbench& bench, std::uint32_t cell);
 
 // Gives an ear - a cell with three facets on one surface, whose common vertex is free and off the field's
 // interface - to the region beyond, where the facet that comes to the surface in their place lies nearer to
@@ -46,5 +46,12 @@ bool collapse_edge(Workbench& bench, std::uint32_t cell, int e, bool first_onto_
 // Takes out the cells round edge `e` of a cell, and more where it helps, and joins a new vertex to the hole's
 // facets.
 bool insert_vertex(Workbench& bench, std::uint32_t cell, int e);
+
+// Put a vertex on an edge of an interface, or on a facet of a cell, or into it, take out the cells there, and
+// more where it helps, and join it to the hole's facets. Interfaces keep their place; an edge that is fixed
+// becomes two.
+bool split_edge(Workbench& bench, std::uint32_t cell, int e);
+bool split_facet(Workbench& bench, std::uint32_t cell, int facet);
+bool split_cell(Workbench& bench, std::uint32_t cell);
 
 }  // namespace anatomesh

@@ -116,9 +116,11 @@ int edge_between(const Cell& cell, std::uint32_t u, std::uint32_t v) {
 }
 
 // The facets abc, abd of an interface become acd, bcd: near enough to the field's interface, and not folded?
-bool may_flip(Workbench& bench, std::uint32_t c, std::uint32_t d) {
+bool may_flip(Workbench& bench, std::uint32_t c, std::uint32_t d, Region above, Region below) {
     const std::uint32_t a = bench.ring.a, b = bench.ring.b;
-    if (bench.fixed_edge(a, b)) return false;
+    if (bench.fixed_edge(a, b) || bench.spoils_cut(a, c, d, above, below) ||
+        bench.spoils_cut(b, c, d, above, below))
+        return false;
     const Vec3 pa = bench.mesh.point(a), pb = bench.mesh.point(b), pc = bench.mesh.point(c),
                pd = bench.mesh.point(d);
     const Vec3 old_1 = cross(pb - pa, pc - pa), old_2 = cross(pd - pa, pb - pa);
@@ -155,7 +157,8 @@ bool remove_surface_edge(Workbench& bench, const RingFacets& facets, const Bar& 
                !triangulation.append(to, size - arc + 1, beyond, needed)) {
         return false;
     }
-    return may_flip(bench, c, d) && bench.commit(bench.ring.cells, bench.cells, bench.regions);
+    return may_flip(bench, c, d, between, beyond) &&
+           bench.commit(bench.ring.cells, bench.cells, bench.regions);
 }
 
 }  // namespace

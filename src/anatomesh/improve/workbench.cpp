@@ -1,6 +1,7 @@
 #include "anatomesh/improve/workbench.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/improve/cell_shape.h"
@@ -18,8 +19,35 @@ Workbench::Workbench(EditMesh& mesh_in, std::vector<std::uint8_t>& fixed,
 
 bool Workbench::fixed_edge(std::uint32_t a, std::uint32_t b) const {
     if (!fixed(a) || !fixed(b)) return false;
-    return std::binary_search(fixed_edges_.begin(), fixed_edges_.end(),
-                              VertexPair{std::min(a, b), std::max(a, b)});
+    const VertexPair edge{std::min(a, b), std::max(a, b)};
+    return std::binary_search(fixed_edges_.begin(), fixed_edges_.end(), edge) ||
+           std::binary_search(split_edges_.begin(), split_edges_.end(), edge);
+}
+
+void Workbench::fix_on_edge(std::uint32_t v, std::uint32_t a, std::uint32_t b) {
+    fixed_[v] = 1;
+    if (slices && slice_of(a) != no_slice && slice_of(a) == slice_of(b))
+        points_of_slices_.push_back({v, slice_of(a)});  // points come in order
+    for (const std::uint32_t end : {a, b}) {
+        const VertexPair edge{std::min(v, end), std::max(v, end)};
+        split_edges_.insert(std::upper_bound(split_edges_.begin(), split_edges_.end(), edge), edge);
+    }
+}
+
+std::uint32_t Workbench::slice_of(std::uint32_t v) const {
+    if (v < slices->slice_of.size()) return slices->slice_of[v];
+    const auto found = std::lower_bound(points_of_slices_.begin(), points_of_slices_.end(), VertexPair{v, 0});
+    return found != points_of_slices_.end() && (*found)[0] == v ? (*found)[1] : no_slice;
+}
+
+bool Workbench::spoils_cut(std::uint32_t a, std::uint32_t b, std::uint32_t c, Region above, Region below) {
+    if (!slices) return false;
+    const std::uint32_t slice = slice_of(a);
+    if (slice == no_slice || slice_of(b) != slice || slice_of(c) != slice) return false;
+    const std::vector<std::uint32_t>&one = table->members[above], &other = table->members[below];
+    std::vector<std::uint32_t> both;
+    std::set_union(one.begin(), one.end(), other.begin(), other.end(), std::back_inserter(both));
+    return both != probe.members((1.0 / 3.0) * (mesh.point(a) + mesh.point(b) + mesh.point(c)));
 }
 
 double Workbench::sine(const Cell& c) const {

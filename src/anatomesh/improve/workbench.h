@@ -29,9 +29,13 @@ class Workbench {
     InterfaceProbe probe;
     DihedralOptions options;
     DihedralStats stats;
+    const RegionTable* table = nullptr;  // of the mesh's regions
+    const DrawnSlices* slices =
+        nullptr;  // if any: no operation makes the cuts by them less like what is drawn
     // A copy of a bench that scouts leaves the mesh as it is: removals and moves say true where they may
     // succeed, false only where they would fail. Each thread may have one.
     bool scouts = false;
+    double least_needed_sine = 0;        // of new cells, whatever was there
     double goal = 0;                     // sine that is good enough
     std::vector<std::uint32_t> changed;  // cells that the last operation made or reshaped
 
@@ -42,12 +46,21 @@ class Workbench {
         return mesh.add_point(p);
     }
 
+    // A point on a fixed edge, which becomes two.
+    void fix_on_edge(std::uint32_t v, std::uint32_t a, std::uint32_t b);
+
+    // Whether a facet between two regions lies in the plane of one of `slices`, so that the cut there has the
+    // structures of both, and these are not what is drawn there.
+    bool spoils_cut(std::uint32_t a, std::uint32_t b, std::uint32_t c, Region above, Region below);
+
     double sine(const Cell& c) const;
     double sine(std::uint32_t c) const { return sine(mesh.cell(c)); }
 
     Bar bar_of(std::span<const std::uint32_t> cells) const;
     // What a new cell must reach.
-    double needed_sine(const Bar& bar) const { return bar.sine + min_gain * (0.02 + bar.sine); }
+    double needed_sine(const Bar& bar) const {
+        return std::max(bar.sine + min_gain * (0.02 + bar.sine), least_needed_sine);
+    }
     double needed_outside_sine(const Bar& bar) const { return std::min(bar.outside_sine, flat_outside); }
     double allowed_squared_ratio(const Bar& bar) const {
         return std::max(bar.squared_ratio, options.max_radius_edge * options.max_radius_edge);
@@ -74,11 +87,15 @@ class Workbench {
     std::vector<Region> regions;
 
   private:
+    std::uint32_t slice_of(std::uint32_t v) const;
+
     static constexpr double min_gain = 0.02;
     static constexpr double flat_outside = 0.01;
 
     std::vector<std::uint8_t>& fixed_;
     std::span<const VertexPair> fixed_edges_;
+    std::vector<VertexPair> split_edges_;       // sorted: those that fixed edges were split into
+    std::vector<VertexPair> points_of_slices_;  // sorted: points on such edges in a slice, and the slice
 };
 
 // The facets of the only surface at a vertex, seen from the region of the first cell of `bench.star`, which

@@ -454,7 +454,7 @@ std::string share_text(std::uint64_t part, std::uint64_t total) {
 std::string bad_cells_text(const ShapeFindings& found) {
     std::string text =
         std::to_string(found.bad) +
-        " of the tetrahedra that nothing is known to force are beyond ratio 4 or angle 5 degrees, " +
+        " of the tetrahedra that nothing is known to force are beyond ratio 4 or angle 10 degrees, " +
         std::to_string(found.gross) + " beyond 100 or 0.05 (";
     for (std::size_t n = 0; n < found.worst.size(); ++n) {
         const ListedCell& cell = found.worst[n];
@@ -468,13 +468,11 @@ std::string bad_cells_text(const ShapeFindings& found) {
 Clause clause_shape(const CertificateInput& input, const ShapeFindings& found, const ModelReport& report) {
     const QualityReport& quality = report.quality;
     const std::uint64_t free = found.above - found.forced;
-    Clause clause{
-        4, ClauseState::kept,
-        "Radius-edge ratio at most 2 for every tetrahedron that the input does not force to be "
-        "worse, but for 0.5 % of them while the mean is at most 1.2, and at most 4 for each, with "
-        "dihedral angles of at least 5 degrees; dihedral angles of at least 10 degrees are not promised "
-        "yet.",
-        ""};
+    Clause clause{4, ClauseState::kept,
+                  "Radius-edge ratio at most 2 for every tetrahedron that the input does not force to be "
+                  "worse, but for 0.5 % of them while the mean is at most 1.2, and at most 4 for each, with "
+                  "dihedral angles of at least 10 degrees.",
+                  ""};
     // Negated, so that a mean that is no number breaks the clause.
     const bool tolerable =
         static_cast<double>(free) <= certificate_share_over_bound * static_cast<double>(report.tetrahedra) &&

@@ -5,9 +5,9 @@
 //   2 contour segments are chains of surface edges, cuts by
 //     the slices' planes the drawn regions                    kept where all are; else counted and stated
 //   3 closed oriented 2-manifolds, positive cells, no overlap yes
-//   4 radius-edge ratio at most 2; dihedral angles            the radius-edge half, and gross bounds of both
-//   5 same input, same bytes                                  yes, by construction of the stages
-//   6 volume by mesh equals the field's within 0.2 %          yes, where the field is at hand
+//   4 radius-edge ratio at most 2; dihedral angles            kept where both are met; else counted and
+//   stated 5 same input, same bytes                                  yes, by construction of the stages 6
+//   volume by mesh equals the field's within 0.2 %          yes, where the field is at hand
 //
 // A clause that cannot be checked because its input is not there (contours, field) is `not_promised_yet` and
 // its evidence says "not checked". So are clauses 2 and 4 where they were measured and are not met, within
@@ -49,7 +49,7 @@ inline constexpr double certificate_max_radius_edge = 2.0;
 // that nothing forces is at most this. Without contours nothing is known to force any.
 inline constexpr double certificate_share_over_bound = 0.005;
 // One cell that nothing forces and that is beyond these: the clause is not kept.
-inline constexpr double certificate_bad_radius_edge = 4, certificate_bad_dihedral_deg = 5;
+inline constexpr double certificate_bad_radius_edge = 4, certificate_bad_dihedral_deg = 10;
 // One such cell beyond these breaks it, whatever the shares.
 inline constexpr double certificate_gross_radius_edge = 100, certificate_gross_dihedral_deg = 0.05;
 // A contour vertex nearer to another one, or to a segment, than this share of the mean edge forces its cells.

@@ -11,7 +11,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double radius_edge_bound = 2.0, listed_angle_deg = 5.0;
+constexpr double radius_edge_bound = 2.0, listed_angle_deg = 10.0;
 
 struct Edges {
     double shortest, longest, sum;

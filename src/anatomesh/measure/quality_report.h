@@ -10,7 +10,7 @@ namespace anatomesh {
 struct CellShapes {
     QualityReport report;
     std::vector<std::uint32_t> over_bound;  // cells with radius-edge above 2, worst first; then those with an
-                                            // angle below 5 degrees, worst first
+                                            // angle below 10 degrees, worst first
     std::vector<double> radius_edge, min_dihedral_deg;  // per cell
 };
 

@@ -165,7 +165,7 @@ struct ModelReport {
     std::vector<std::vector<std::uint32_t>> regions;  // members by region, indices into structures; [0] empty
     QualityReport quality;
     std::vector<Clause> certificate;
-    // Radius-edge above 2, worst first, then angles below 5 degrees; at most max_listed_cells.
+    // Radius-edge above 2, worst first, then angles below 10 degrees; at most max_listed_cells.
     std::vector<ListedCell> listed_cells;
     std::uint64_t listed_cells_total = 0,
                   listed_cells_forced = 0;  // forced: by the input, with the reason known

@@ -426,7 +426,7 @@ class Builder {
                     {"facets_removed", static_cast<double>(dihedrals.facets_removed)},
                     {"surface_edges_flipped", static_cast<double>(dihedrals.surface_edges_flipped)},
                     {"surface_edges_smoothed", static_cast<double>(dihedrals.surface_edges_smoothed)},
-                    {"cells_peeled", static_cast<double>(dihedrals.cells_peeled)},
+                    {"cells_given", static_cast<double>(dihedrals.cells_given)},
                     {"ears_dropped", static_cast<double>(dihedrals.ears_dropped)},
                     {"edges_collapsed", static_cast<double>(dihedrals.edges_collapsed)},
                     {"vertices_inserted", static_cast<double>(dihedrals.vertices_inserted)},

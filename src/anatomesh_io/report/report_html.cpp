@@ -305,7 +305,8 @@ std::string listed_cells(const ModelReport& report) {
                     number_cell(grouped(listed.at[2], 2)) +
                     text_cell(listed.forced_by.empty() ? "&ndash;" : outside_html(listed.forced_by)));
     }
-    return folded("Tetrahedra with a radius-edge ratio above 2 or an angle below 5 degrees", report.listed_cells_total,
+    return folded("Tetrahedra with a radius-edge ratio above 2 or an angle below 10 degrees",
+                  report.listed_cells_total,
                   table({"#Cell", "#Ratio", "#Angle", "#x, mm", "#y, mm", "#z, mm", "Forced by"}, rows) +
                       more_rows(shown, report.listed_cells_total));
 }

@@ -133,7 +133,7 @@ Json listed_cells_json(const ModelReport& report) {
                          {"forced_by", cell.forced_by}});
     }
     return {{"radius_edge_above", 2.0},
-            {"dihedral_deg_below", 5.0},
+            {"dihedral_deg_below", 10.0},
             {"total", report.listed_cells_total},
             {"forced_by_input", report.listed_cells_forced},
             {"cells", std::move(cells)}};
