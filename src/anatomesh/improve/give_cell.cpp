@@ -8,24 +8,36 @@ namespace anatomesh {
 
 namespace {
 
-// What a structure's surface gets and loses where a cell changes sides.
+// The cells of a structure, or of a region.
+struct Part {
+    const Workbench& bench;
+    bool is_region;
+    std::uint32_t number;
+    bool holds(std::uint32_t c) const {
+        const Region region = bench.mesh.region(c);
+        return is_region ? region == number : bench.table->contains(region, number);
+    }
+};
+
+// What a part's surface gets and loses where a cell comes to it or leaves it.
 class SurfaceChange {
   public:
-    SurfaceChange(Workbench& bench, std::uint32_t cell, std::uint32_t structure)
-        : bench_(bench), cell_(cell), structure_(structure) {
+    SurfaceChange(Workbench& bench, std::uint32_t cell, Part part) : bench_(bench), cell_(cell), part_(part) {
         for (int i = 0; i < 4; ++i) {
-            on_surface_[i] = in(bench.mesh.neighbor(cell, i)) != in(cell);
+            on_surface_[i] = differs(bench.mesh.neighbor(cell, i));
             count_ += on_surface_[i];
         }
     }
 
     // Whether a disc takes the place of a disc: what the cell's other facets bring to the surface, apart from
-    // its rim, is not on it yet; and what goes is not fixed.
+    // its rim, is not on it yet; and what goes is not fixed. A cell that is all there is of its region may
+    // go.
     bool keeps_surface() const {
         const Cell& c = bench_.mesh.cell(cell_);
         if (count_ == 1) return !vertex_on_surface(c[first(true)]);
         if (count_ == 3) return !bench_.fixed(c[first(false)]);
-        if (count_ != 2) return false;
+        if (count_ == 4) return part_.is_region && part_.holds(cell_);
+        if (count_ == 0) return false;
         // The facets opposite i and j share the edge of the other two vertices; the edge ij comes to the
         // surface.
         int e = 0;
@@ -35,25 +47,42 @@ class SurfaceChange {
     }
 
   private:
-    bool in(std::uint32_t c) const { return bench_.table->contains(bench_.mesh.region(c), structure_); }
+    bool differs(std::uint32_t c) const { return part_.holds(c) != part_.holds(cell_); }
     int first(bool on) const {
         return static_cast<int>(std::find(on_surface_.begin(), on_surface_.end(), on) - on_surface_.begin());
     }
+    bool any_differs(const std::vector<std::uint32_t>& cells) const {
+        return std::any_of(cells.begin(), cells.end(), [&](std::uint32_t c) { return differs(c); });
+    }
     bool vertex_on_surface(std::uint32_t v) const {
         bench_.mesh.star(v, bench_.star);
-        return std::any_of(bench_.star.begin(), bench_.star.end(),
-                           [&](std::uint32_t c) { return in(c) != in(cell_); });
+        return any_differs(bench_.star);
     }
     bool edge_on_surface(int e) const {
         bench_.mesh.ring(cell_, e, bench_.ring);
-        return !bench_.ring.closed || std::any_of(bench_.ring.cells.begin(), bench_.ring.cells.end(),
-                                                  [&](std::uint32_t c) { return in(c) != in(cell_); });
+        return !bench_.ring.closed || any_differs(bench_.ring.cells);
     }
+
     Workbench& bench_;
-    std::uint32_t cell_, structure_;
+    std::uint32_t cell_;
+    Part part_;
     std::array<bool, 4> on_surface_{};
     int count_ = 0;
 };
+
+// The surfaces of the structures concerned and of both regions stay manifolds.
+bool keeps_surfaces(Workbench& bench, std::uint32_t cell, Region from, Region to) {
+    for (const Region region : {from, to}) {
+        if (!SurfaceChange(bench, cell, {bench, true, region}).keeps_surface()) return false;
+    }
+    const std::vector<std::uint32_t>&here = bench.table->members[from], &there = bench.table->members[to];
+    std::vector<std::uint32_t> changed;
+    std::set_symmetric_difference(here.begin(), here.end(), there.begin(), there.end(),
+                                  std::back_inserter(changed));
+    return std::all_of(changed.begin(), changed.end(), [&](std::uint32_t structure) {
+        return SurfaceChange(bench, cell, {bench, false, structure}).keeps_surface();
+    });
+}
 
 int facets_between_regions(const Workbench& bench, std::uint32_t cell, Region own) {
     int count = 0;
@@ -93,14 +122,7 @@ bool give_cell(Workbench& bench, std::uint32_t cell) {
     for (int i = 0; i < 4; ++i) {
         const Region to = bench.mesh.region(bench.mesh.neighbor(cell, i));
         if (to == own || (to != 0 && facets_between_regions(bench, cell, to) >= now)) continue;
-        const std::vector<std::uint32_t>&here = bench.table->members[own], &there = bench.table->members[to];
-        std::vector<std::uint32_t> changed;
-        std::set_symmetric_difference(here.begin(), here.end(), there.begin(), there.end(),
-                                      std::back_inserter(changed));
-        const bool sound = std::all_of(changed.begin(), changed.end(), [&](std::uint32_t structure) {
-            return SurfaceChange(bench, cell, structure).keeps_surface();
-        });
-        if (!sound || !keeps_near(bench, cell, to)) continue;
+        if (!keeps_surfaces(bench, cell, own, to) || !keeps_near(bench, cell, to)) continue;
         bench.mesh.set_region(cell, to);
         bench.changed.assign(1, cell);
         ++bench.stats.cells_given;

@@ -67,6 +67,17 @@ std::vector<std::uint8_t> on_surface(const TetMesh& mesh, const RegionTable& reg
     return on;
 }
 
+// The surfaces of all regions, the outside's too, are manifolds.
+void expect_sound_regions(const TetMesh& mesh, const RegionTable& regions) {
+    for (std::size_t r = 0; r < regions.members.size(); ++r) {
+        RegionTable only;
+        only.members.assign(regions.members.size(), {});
+        only.members[r] = {0};
+        const std::vector<Triangle> surface = structure_surface(mesh, only, 0);
+        EXPECT_TRUE(surface.empty() || surface_topology(surface).closed_manifold()) << r;
+    }
+}
+
 TEST(LastOperations, giving_cells_away_keeps_every_surface_and_the_fixed_vertices_on_it) {
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
@@ -75,6 +86,7 @@ TEST(LastOperations, giving_cells_away_keeps_every_surface_and_the_fixed_vertice
         const TetMesh mesh = bench.take();
         EXPECT_EQ(mesh.cells, c.mesh.cells);
         expect_same_surfaces(mesh, c.mesh, c.regions, c.structures);
+        expect_sound_regions(mesh, c.regions);
         for (std::uint32_t s = 0; s < c.structures; ++s) {
             const auto before = on_surface(c.mesh, c.regions, s), after = on_surface(mesh, c.regions, s);
             for (std::size_t v = 0; v < c.fixed.size(); ++v)

@@ -23,6 +23,8 @@ constexpr double protected_spacing = 0.5;   // of a free point from a contour po
 constexpr double surface_band = 0.45;       // lattice points this near an interface are moved onto it, in sizes
 constexpr double lattice_shift = 0.04;      // of a lattice point from its place, at most, in half steps
 constexpr double size_per_spacing = 1.05;   // of the default size: thin walls get finer points of their own
+constexpr double size_per_thickness =
+    0.49;  // walls two edges thick in the mean have cells with vertices inside
 constexpr double contact_clearance = 0.2;   // of a contact of two contours from the ends of its segments, in sizes
 constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
 constexpr double position_tolerance = 2e-3; // surface points lie on the interface to within this, in sizes
@@ -430,7 +432,9 @@ double default_size(const ContourSet& contours, const StructureField& field) {
         spacing *= std::min(denser * denser, dense_spacing * dense_spacing * denser);
     }
     const double size = std::clamp(size_per_spacing * std::sqrt(vertex_spacing * spacing), 0.5 * spacing, 2 * spacing);
-    return thick > 0 ? std::min(size, thick / total) : size;
+    if (!(thick > 0)) return size;
+    const double mean = thick / total;
+    return std::min({size, mean, std::max(spacing, size_per_thickness * mean)});
 }
 
 Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field, const SampleOptions& options,

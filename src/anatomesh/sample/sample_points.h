@@ -51,10 +51,12 @@ bool dense_planes(const ContourSet& contours, const StructureField& field);
 // planes.
 double plane_density(const ContourSet& contours, const StructureField& field);
 
-// The edge length that suits the data: the geometric mean of the slice spacing and the mean spacing of the vertices
-// along the contours, that is about the side of a square with the surface's area per contour vertex; between 0.5
-// and 2 spacings (of planes that cross and lie closer than two thirds of the vertex spacing, larger by the square of
-// what is missing, up to 1.3 vertex spacings), and not above the mean thickness of what is drawn: a wall needs an edge length across it.
+// The edge length that suits the data: the geometric mean of the slice spacing and the mean spacing of the
+// vertices along the contours, that is about the side of a square with the surface's area per contour vertex;
+// between 0.5 and 2 spacings (of planes that cross and lie closer than two thirds of the vertex spacing,
+// larger by the square of what is missing, up to 1.3 vertex spacings), and not above the mean thickness of
+// what is drawn: a wall needs an edge length across it, and two where slices are as close: at most 0.49 of
+// the thickness, or a spacing.
 double default_size(const ContourSet& contours, const StructureField& field);
 
 // Contour vertices are kept exactly. Long segments get intermediate points. A body-centred cubic lattice fills

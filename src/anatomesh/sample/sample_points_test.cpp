@@ -168,6 +168,19 @@ TEST(SamplePoints, the_default_size_is_about_the_side_of_a_square_a_contour_vert
     EXPECT_NEAR(default_size(dense.set, *dense.field), 1, 1e-12);
 }
 
+// Plates of several thicknesses, slices 2 mm apart, corners far apart.
+TEST(SamplePoints, the_default_size_goes_twice_into_the_mean_thickness_or_is_a_spacing) {
+    for (const double thickness : {1.0, 3.0, 5.0, 6.5, 40.0}) {
+        Drawing drawing;
+        for (int z = 0; z < 4; ++z) drawing.add(0, 2 * z, rectangle({0, 0}, {1000, thickness}));
+        const Case given = case_of(kept(drawing.raw));
+        const double mean = mean_thickness(given.set)[0];
+        EXPECT_NEAR(default_size(given.set, *given.field), std::min({4.0, mean, std::max(2.0, 0.49 * mean)}),
+                    1e-12)
+            << thickness;
+    }
+}
+
 TEST(SamplePoints, planes_that_cross_close_to_each_other_do_not_make_the_size_small) {
     // Planes turned a little against each other, vertices 2 mm apart.
     const auto with_planes = [](int count) {
