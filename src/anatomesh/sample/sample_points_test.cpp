@@ -156,14 +156,14 @@ TEST(SamplePoints, depth_makes_the_lattice_coarser) {
 TEST(SamplePoints, the_default_size_is_about_the_side_of_a_square_a_contour_vertex) {
     const auto with_corners = [](double corner_spacing) {
         Drawing drawing;
-        for (int z = 0; z < 4; ++z) drawing.add(0, 2 * z, divided(rectangle({0, 0}, {16, 16}), corner_spacing));
+        for (int z = 0; z < 4; ++z) drawing.add(0, 2 * z, divided(rectangle({0, 0}, {20, 20}), corner_spacing));
         return case_of(kept(drawing.raw));
     };
     const Case given = with_corners(4);
     EXPECT_NEAR(default_size(given.set, *given.field), 1.05 * std::sqrt(8), 1e-12);
     EXPECT_EQ(sample_of(given, 0).stats.size_mm, default_size(given.set, *given.field));
     // Bounded by the slice spacing.
-    const Case sparse = with_corners(16), dense = with_corners(0.1);
+    const Case sparse = with_corners(20), dense = with_corners(0.1);
     EXPECT_NEAR(default_size(sparse.set, *sparse.field), 4, 1e-12);
     EXPECT_NEAR(default_size(dense.set, *dense.field), 1, 1e-12);
 }
