@@ -82,7 +82,10 @@ def torus(ring=20.0, tube=8.0, spacing=2.0):
     for z in heights(tube, spacing):
         r = math.sqrt(tube ** 2 - z ** 2)
         shape.add_slice(z, [(1, circle(ring + r, points_on(ring + r))), (1, circle(ring - r, points_on(ring - r)))])
-    shape.volume = {1: 2 * math.pi ** 2 * ring * tube ** 2}
+    # Between the outer slices the torus, beyond them half a slice of their sections.
+    last = heights(tube, spacing)[-1]
+    half_width = math.sqrt(tube ** 2 - last ** 2)
+    shape.volume = {1: 4 * math.pi * ring * (last * half_width + tube ** 2 * math.asin(last / tube) + spacing * half_width)}
     shape.genus, shape.shells = {1: 1}, {1: 1}
     shape.distance = lambda p: np.abs(np.hypot(np.hypot(p[:, 0], p[:, 1]) - ring, p[:, 2]) - tube)
     return shape

@@ -37,6 +37,11 @@ std::string slice_text(const ContourSet& set, std::uint32_t slice) {
     return set.slices[slice].name.empty() ? "slice " + std::to_string(slice) : set.slices[slice].name;
 }
 
+// A bow moves a surface by no more than this beyond nine tenths of the distances, in gaps; so by no more than
+// ten times as much.
+constexpr double most_bow = 0.025;
+constexpr double much_bowed = 0.05;  // gaps: a column through such a bow is integrated in finer steps
+
 // What the bends of a path add to the distance, before the bound of blend_distances().
 double bow_of(double t, const SliceMotion::Path& path) {
     return t * (1 - t) * ((1 - t) * path.bend_below - t * path.bend_above);
@@ -49,11 +54,10 @@ double bow_of(double t, const SliceMotion::Path& path) {
 // the other way round: a bend moves the surface by a share of the gap at most.
 double blend_distances(double a, double b, double t, double gap, double softness,
                        const SliceMotion::Path& path) {
-    constexpr double largest_bow = 0.025;
     const double weight_a = (1 - t) * (softness + std::abs(b)), weight_b = t * (softness + std::abs(a));
     const double inverse = 1 / (weight_a + weight_b), ease = t * (1 - t);
     const double most =
-        0.9 * (weight_a * std::abs(a) + weight_b * std::abs(b)) * inverse + 4 * ease * largest_bow * gap;
+        0.9 * (weight_a * std::abs(a) + weight_b * std::abs(b)) * inverse + 4 * ease * most_bow * gap;
     const double bow = bow_of(t, path);
     return (weight_a * a + weight_b * b) * inverse + std::clamp(bow, -most, most);
 }
@@ -491,19 +495,22 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
         return map == empty_level ? clamp_ : maps_[static_cast<std::size_t>(map)]->value(q);
     };
     const double a = distance(pair.below), b = distance(pair.above);
-    // Where the boundary is further away on both levels than it moves between them, nothing changes.
+    // Where the boundary is further away on both levels than it moves and bows between them, nothing changes.
     const double nearest = std::min(std::abs(a), std::abs(b));
     const bool alike = (a < 0) == (b < 0) && (a < 0 || !partition_);
     if (alike && nearest > 0.99 * clamp_) return 0;
-    const double move = std::min(2 * length(pair.motion->at(q, 0.5).move), pair.motion->max_move());
-    if (alike && nearest > move) return 0;
-    const double by_slices = 0.5 * (a < 0) + 0.5 * (b < 0);
     const double gap = pair.above_low - pair.below_high;
+    const SliceMotion::Path path = pair.motion->at(q, 0.5);
+    const double move = std::min(2 * length(path.move), pair.motion->max_move());
+    const double bow =
+        std::min({2 * SliceMotion::largest_bow(path), pair.motion->max_bow(), 10 * most_bow * gap});
+    if (alike && nearest > move + bow) return 0;
+    const double by_slices = 0.5 * (a < 0) + 0.5 * (b < 0);
     if (!partition_ || is_alone(structure, pair, q)) {
         if (pair.below == empty_level || pair.above == empty_level)
             return pair.rounded ? rounded_height(std::min(a, b), 0.5 * gap) / gap - by_slices : 0;
         const Vec3 foot = frame_.to_space(q) + pair.below_high * frame_.normal;
-        constexpr int parts = 6;
+        const int parts = bow > much_bowed * gap ? 24 : 6;
         double inside = 0, last = a;
         for (int k = 1; k <= parts; ++k) {
             const double next =
@@ -517,7 +524,7 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
         }
         return inside / parts - by_slices;
     }
-    if (std::min(a, b) > 0.25 * clamp_ + move) return 0;  // what others leave between them is thinner
+    if (std::min(a, b) > 0.25 * clamp_ + move + bow) return 0;  // what others leave between them is thinner
     constexpr int sections = 12;
     int inside = 0;
     std::vector<std::uint32_t> owners;
@@ -547,7 +554,8 @@ StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Track:
     StructureVolume volume{gap * area + thickness, gap * area + thickness};
     const bool is_prism = !pair.rounded && (pair.below == empty_level || pair.above == empty_level);
     if (box.empty() || (!partition_ && is_prism)) return volume;
-    box = box.grown(pair.motion->max_move() + (partition_ ? 0.25 * clamp_ : 0));
+    box = box.grown(pair.motion->max_move() + std::min(pair.motion->max_bow(), 10 * most_bow * gap) +
+                    (partition_ ? 0.25 * clamp_ : 0));
     const double correction =
         lattice_integral(box, points, layer, [&](Vec2 q) { return inside_share(structure, pair, q); });
     volume.by_field += gap * correction;

@@ -399,6 +399,7 @@ SliceMotion::SliceMotion(const DistanceMap& below, const DistanceMap& above, dou
                 static_cast<float>(move.x), static_cast<float>(move.y), static_cast<float>(bend_below),
                 static_cast<float>(bend_above)};
             max_move_ = std::max(max_move_, length(move));
+            max_bow_ = std::max(max_bow_, largest_bow({move, bend_below, bend_above}));
         }
     }
     overlaps_ = regions_overlap(below_side, below, above_side, above);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -48,6 +49,11 @@ class SliceMotion {
     }
 
     double max_move() const { return max_move_; }  // no path moves further, mm
+    // No bow t (1 - t) ((1 - t) bend_below - t bend_above) of a path is larger, mm; of those with its bends.
+    double max_bow() const { return max_bow_; }
+    static double largest_bow(const Path& path) {
+        return 4.0 / 27 * (std::abs(path.bend_below) + std::abs(path.bend_above));
+    }
     bool overlaps() const {
         return overlaps_;
     }  // whether the two regions have a common point, as seen from above
@@ -73,7 +79,7 @@ class SliceMotion {
     }
 
     Vec2 low_;
-    double step_ = 1, inverse_step_ = 1, max_move_ = 0;
+    double step_ = 1, inverse_step_ = 1, max_move_ = 0, max_bow_ = 0;
     std::uint32_t cells_x_ = 0, cells_y_ = 0;
     bool overlaps_ = true;
     std::vector<Node> nodes_;

@@ -1,9 +1,12 @@
 #include "anatomesh/field/structure_field.h"
 
 #include <cassert>
+#include <optional>
+#include <utility>
 
 #include "anatomesh/field/general_field.h"
 #include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/swept_field.h"
 
 namespace anatomesh {
 
@@ -18,8 +21,10 @@ Result<std::shared_ptr<const StructureField>> make_structure_field(const Contour
                      {set.source, "", "", "", ""},
                      "choose a structure that has contours"};
     }
-    return is_parallel(set) ? make_parallel_field(set, options, context)
-                            : make_general_field(set, options, context);
+    if (is_parallel(set)) return make_parallel_field(set, options, context);
+    if (std::optional<Sweep> sweep = Sweep::of(set))
+        return make_swept_field(std::move(*sweep), set, options, context);
+    return make_general_field(set, options, context);
 }
 
 }  // namespace anatomesh

@@ -112,6 +112,16 @@ TEST(FieldVolumes, equals_brute_force_counting_of_the_field) {
                 1, 3e-4);
 }
 
+// Two equal contours one above the other, between which the surface bulges: nothing moves, but it bows.
+TEST(FieldVolumes, count_the_bulge_between_equal_contours) {
+    for (const double spacing : {8.0, 12.0}) {
+        const double first = -1.5 * spacing;
+        const ContourSet set = ball(20, first, spacing, 120);
+        ASSERT_EQ(set.slices.size(), static_cast<std::size_t>(std::ceil((20 - first) / spacing)));
+        EXPECT_NEAR(volumes_of(set).front().by_field / by_counting(set, 0.5).front(), 1, 2e-3) << spacing;
+    }
+}
+
 ContourSet leaning_blocks(bool exclusive) {
     SetBuilder builder(exclusive);
     for (int k = 0; k < 6; ++k) {
