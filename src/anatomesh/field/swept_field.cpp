@@ -43,6 +43,8 @@ class SweptField final : public StructureField {
     double interface_distance(Vec3 p) const override {
         return straight_->interface_distance(sweep_.straight(p));
     }
+    bool exclusive() const override { return straight_->exclusive(); }
+    double union_value(Vec3 p) const override { return straight_->union_value(sweep_.straight(p)); }
     double members_and_distance(Vec3 p, std::vector<std::uint32_t>& out) const override {
         return straight_->members_and_distance(sweep_.straight(p), out);
     }
