@@ -20,7 +20,8 @@ struct Case {
 };
 
 // Random points in a ball inside a large box; cells of the ball get random regions, the rest is outside.
-Case random_case(std::uint32_t seed, std::size_t count, const std::vector<std::vector<std::uint32_t>>& sets) {
+Case random_case(std::uint32_t seed, std::size_t count, const std::vector<std::vector<std::uint32_t>>& sets,
+                 bool exclusive = false) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> coordinate(-1, 1);
     std::vector<Vec3> points;
@@ -35,6 +36,7 @@ Case random_case(std::uint32_t seed, std::size_t count, const std::vector<std::v
     EXPECT_TRUE(made.ok());
     const DelaunaySnapshot& snapshot = made.value().snapshot();
     Case result;
+    result.registry = RegionRegistry(exclusive);
     result.mesh.points = made.value().points();
     result.mesh.cells = snapshot.cells;
     result.neighbors = snapshot.neighbors;
@@ -132,6 +134,34 @@ TEST(Cut, contour_vertices_are_brought_onto_the_surface) {
         }
         for (const auto& pair : pairs) EXPECT_TRUE(on_surface[pair[0]]);
     }
+}
+
+// Contour vertices and pieces of contour segments that labels lose are brought back without a cell in both.
+TEST(Cut, structures_that_exclude_each_other_never_share_a_cell) {
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+        Case random = random_case(seed, 60, {{}, {}, {0}, {1}}, true);
+        std::vector<std::array<std::uint32_t, 2>> pairs;
+        for (std::uint32_t v = 0; v < 40; v += 2) pairs.push_back({v, v / 2 % 2});
+        std::vector<std::array<std::uint32_t, 3>> pieces;
+        for (std::size_t c = 0; c < random.mesh.cells.size(); c += 9) {
+            const auto [low, high] = std::minmax(random.mesh.cells[c][0], random.mesh.cells[c][1]);
+            if (high < 60) pieces.push_back({low, high, static_cast<std::uint32_t>(c % 2)});
+        }
+        cut_and_check(random, 2, ContourOwners(pairs, random.mesh.points.size(), pieces), true);
+        for (const auto& members : random.registry.table().members) EXPECT_LE(members.size(), 1u) << seed;
+    }
+}
+
+TEST(Cut, the_other_side_of_a_structure) {
+    RegionRegistry overlapping, exclusive(true);
+    for (RegionRegistry* registry : {&overlapping, &exclusive}) {
+        const Region first = registry->with_other_side(0, 3);
+        EXPECT_EQ(registry->table().members[first], (std::vector<std::uint32_t>{3}));
+        EXPECT_EQ(registry->with_other_side(first, 3), 0);
+    }
+    const Region both = overlapping.with_other_side(overlapping.intern({3}), 1);
+    EXPECT_EQ(overlapping.table().members[both], (std::vector<std::uint32_t>{1, 3}));
+    EXPECT_EQ(exclusive.with_other_side(exclusive.intern({3}), 1), exclusive.intern({1}));
 }
 
 // Edges near a ball's surface, all of it inside: relabelling brings some onto the surface and never loses the manifold for it.

@@ -110,7 +110,7 @@ class Relabeler {
     void try_regain(std::uint32_t vertex, std::uint32_t structure) {
         const bool was_inside = registry_.table().contains(regions_[stars_.at(vertex)[0]], structure);
         for (const std::uint32_t c : stars_.at(vertex)) {
-            const Region region = other_side(regions_[c], structure, was_inside);
+            const Region region = registry_.with_other_side(regions_[c], structure);
             const int own = static_cast<int>(std::find(cells_[c].begin(), cells_[c].end(), vertex) - cells_[c].begin());
             const std::uint32_t behind = neighbors_[c][own];
             if (behind == no_cell) continue;
@@ -132,7 +132,7 @@ class Relabeler {
         for (const std::uint32_t c : stars_.at(vertex)) {
             if (std::find(cells_[c].begin(), cells_[c].end(), piece.other) == cells_[c].end()) continue;
             const bool was_inside = inside(c, piece.structure);
-            consider({{c}, other_side(regions_[c], piece.structure, was_inside), 0, 0});
+            consider({{c}, registry_.with_other_side(regions_[c], piece.structure), 0, 0});
             for (const std::uint32_t next : neighbors_[c]) {
                 if (next == no_cell) continue;
                 if (inside(next, piece.structure) != was_inside) {
@@ -149,17 +149,6 @@ class Relabeler {
 
     bool inside(std::uint32_t cell, std::uint32_t structure) const {
         return registry_.table().contains(regions_[cell], structure);
-    }
-
-    // The set of a region with one structure added or taken away.
-    Region other_side(Region region, std::uint32_t structure, bool was_inside) {
-        std::vector<std::uint32_t> members = registry_.table().members[region];
-        if (was_inside) {
-            members.erase(std::find(members.begin(), members.end(), structure));
-        } else {
-            members.insert(std::lower_bound(members.begin(), members.end(), structure), structure);
-        }
-        return registry_.intern(members);
     }
 
     std::optional<Region> region_beside(const std::vector<std::uint32_t>& piece, Body body, bool is_inside) {

@@ -233,11 +233,11 @@ class Splitter {
                 return true;
             }
         }
-        return start_piece(vertex, structure, was_inside);
+        return start_piece(vertex, structure);
     }
 
     // Nothing of the other side is near: the largest cell at the vertex starts a piece of it.
-    bool start_piece(std::uint32_t vertex, std::uint32_t structure, bool was_inside) {
+    bool start_piece(std::uint32_t vertex, std::uint32_t structure) {
         std::uint32_t largest = no_cell;
         double most = 0;
         for (const std::uint32_t c : stars_->at(vertex)) {
@@ -248,13 +248,7 @@ class Splitter {
             largest = c;
         }
         if (largest == no_cell) return false;
-        std::vector<std::uint32_t> members = registry_.table().members[patch_.regions[largest]];
-        if (was_inside) {
-            members.erase(std::find(members.begin(), members.end(), structure));
-        } else {
-            members.insert(std::lower_bound(members.begin(), members.end(), structure), structure);
-        }
-        patch_.regions[largest] = registry_.intern(members);
+        patch_.regions[largest] = registry_.with_other_side(patch_.regions[largest], structure);
         ++stats_.vertices_joined;
         return true;
     }

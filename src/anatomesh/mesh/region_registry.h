@@ -1,6 +1,7 @@
 // RegionRegistry: numbers the sets of structures that occur.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -13,7 +14,10 @@ namespace anatomesh {
 // Regions are numbered in the order in which their sets are first asked for; the empty set is region 0.
 class RegionRegistry {
   public:
-    RegionRegistry() { numbers_.emplace(std::vector<std::uint32_t>{}, Region{0}); }
+    // `exclusive`: no set that with_other_side() asks for has more than one structure.
+    explicit RegionRegistry(bool exclusive = false) : exclusive_(exclusive) {
+        numbers_.emplace(std::vector<std::uint32_t>{}, Region{0});
+    }
 
     // Requires: members sorted. Once max_regions sets are known, a further one gives region 0 and full() is true.
     Region intern(const std::vector<std::uint32_t>& members) {
@@ -27,6 +31,20 @@ class RegionRegistry {
         table_.members.push_back(members);
         return static_cast<Region>(table_.members.size() - 1);
     }
+    // The region with the structure taken away, or added: where structures exclude each other it takes the
+    // place of the one that was there.
+    Region with_other_side(Region region, std::uint32_t structure) {
+        std::vector<std::uint32_t> members = table_.members[region];
+        const auto place = std::lower_bound(members.begin(), members.end(), structure);
+        if (place != members.end() && *place == structure) {
+            members.erase(place);
+        } else if (exclusive_) {
+            members = {structure};
+        } else {
+            members.insert(place, structure);
+        }
+        return intern(members);
+    }
     // Whether a set found no number: the regions can not be trusted then.
     bool full() const { return full_; }
     const RegionTable& table() const { return table_; }
@@ -34,6 +52,7 @@ class RegionRegistry {
     static constexpr std::size_t max_regions = 65000;
 
   private:
+    bool exclusive_;
     bool full_ = false;
     RegionTable table_;
     std::map<std::vector<std::uint32_t>, Region> numbers_;

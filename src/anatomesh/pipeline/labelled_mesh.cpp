@@ -13,7 +13,11 @@ constexpr std::size_t few = 20;  // one cell in so many is sorted sooner than al
 
 LabelledMesh::LabelledMesh(Tetrahedralization delaunay, const StructureField& field, std::uint32_t structures,
                            double size_mm, double tolerance_mm)
-    : delaunay_(std::move(delaunay)), field_(field), structures_(structures), tolerance_mm_(tolerance_mm),
+    : delaunay_(std::move(delaunay)),
+      field_(field),
+      structures_(structures),
+      tolerance_mm_(tolerance_mm),
+      registry_(field.exclusive()),
       grid_(size_mm, 2 * delaunay_.points().size()) {
     for (const Vec3& p : delaunay_.points()) grid_.add(p);
 }
