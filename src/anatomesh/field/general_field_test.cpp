@@ -82,6 +82,24 @@ ContourSet freehand_planes(int planes) {
     return builder.set;
 }
 
+TEST(GeneralField, says_where_a_structure_is_thinner_than_the_planes_are_apart) {
+    for (const double thickness : {1.0, 3.0, 40.0}) {
+        SetBuilder builder;
+        for (int k = 0; k < 12; ++k) {
+            const double angle = k * std::numbers::pi / 12;
+            const Vec3 along{std::cos(angle), std::sin(angle), 0};
+            builder.slice({{}, along, {0, 0, 1}, cross(along, {0, 0, 1})});
+            builder.ring(
+                0, {{-30, -thickness / 2}, {30, -thickness / 2}, {30, thickness / 2}, {-30, thickness / 2}});
+        }
+        RunContext context;
+        ASSERT_TRUE(make_structure_field(builder.set, {}, context).ok());
+        const bool told = std::any_of(context.warnings.begin(), context.warnings.end(),
+                                      [](const Warning& warning) { return warning.code == "W-FLD-007"; });
+        EXPECT_EQ(told, thickness < 10) << thickness;
+    }
+}
+
 TEST(GeneralField, gaps_between_freehand_planes_are_no_bubbles) {
     for (const int planes : {60, 240}) {
         std::mt19937 random(8);

@@ -15,7 +15,8 @@ namespace anatomesh {
 class RegionRegistry {
   public:
     // `exclusive`: no set that with_other_side() asks for has more than one structure.
-    explicit RegionRegistry(bool exclusive = false) : exclusive_(exclusive) {
+    RegionRegistry() : RegionRegistry(false) {}
+    explicit RegionRegistry(bool exclusive) : exclusive_(exclusive) {
         numbers_.emplace(std::vector<std::uint32_t>{}, Region{0});
     }
 
