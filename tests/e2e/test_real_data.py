@@ -33,6 +33,16 @@ class Pelvis(harness.JudgedTestCase):
         self.assertGreater(total, 29000)
 
 
+class FetalBrain(harness.JudgedTestCase):
+    """Three stacks that cross."""
+
+    def test_contour_list(self):
+        self.judged(harness.data("contours", "fetal_brain_mr_3orient_aligned.csl"), "--frame", "RAS")
+        missed, total = missed_segments(self.folder)
+        self.assertGreater(total, 13000)
+        self.assertLess(missed, 0.03 * total)
+
+
 class Spine(harness.JudgedTestCase):
     def test_contour_list(self):
         self.judged(harness.data("contours", "spine_ct_axial_1mm_simplified.csl"), "--frame", "RAS")

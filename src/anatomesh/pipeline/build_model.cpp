@@ -87,8 +87,8 @@ class Builder {
     FieldAndVolumes field_and_volumes() const { return {field_, volumes_mm3_, warnings_of_field_}; }
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
-    // That to try next: where less was done for the shape of cells, the same size with all that can be done.
-    double next_size_mm() const { return dense_ ? size_mm() : finer * size_mm(); }
+    // Whether less was done for the shape of cells than can be: the same size is to be tried again.
+    bool spared_shapes() const { return dense_ || (pieces_ && pieces_->are_short()); }
 
     // Whether a structure that is hardly thicker than the size was torn.
     bool tore_a_thin_structure() const {
@@ -194,7 +194,7 @@ class Builder {
             pieces.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
         }
         pieces_.emplace(*mesh_, sample_->guard, *field_, std::move(pieces),
-                        ContourPieceOptions{sample_->stats.size_mm, dense_});
+                        ContourPieceOptions{sample_->stats.size_mm, dense_, is_first_});
         given_.assign(mesh_->points().size(), 0);
         for (std::size_t n = 0; n < sample_->stats.contour_points; ++n) given_[vertices[n]] = 1;
         return end_stage("delaunay", 0.35);
@@ -269,12 +269,15 @@ class Builder {
         for (int round = 0; round < (mesh_->points().size() < small_mesh ? small_mesh_rounds : last_rounds);
              ++round) {
             std::vector<Vec3> found;
-            const RefineStats stats = find_shapes(found);
-            if (found.empty()) break;
+            RefineStats stats = find_shapes(found);
+            if (!pieces_->are_short()) stats.balls.clear();
+            if (found.empty() && stats.balls.empty()) break;
             circumcenters += static_cast<double>(stats.circumcenters);
             surface_points += static_cast<double>(stats.surface_points);
-            ANATOMESH_CHECK_STATUS(pieces_->grow(found, {}, context_));
+            const std::size_t before = mesh_->points().size();
+            ANATOMESH_CHECK_STATUS(pieces_->grow(found, stats.balls, context_, SplitLimits::beside_short()));
             ANATOMESH_CHECK_STATUS(pieces_->finish(context_));
+            if (mesh_->points().size() == before) break;
         }
         if (dense_) {
             ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
@@ -703,17 +706,22 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
         Result<Model> model = builder.run();
         const bool too_coarse = !model.ok() && (model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001");
         const bool torn = model.ok() && model.value().mesh.cells.size() < build_again_below && builder.tore_a_thin_structure();
-        if (builder.next_size_mm() == builder.size_mm()) ++most_attempts;  // one that is no finer
-        if (!(too_coarse || torn) || options.size_mm > 0 || attempt == most_attempts) return model;
+        const bool same_size = builder.spared_shapes() && (too_coarse || options.size_mm == 0);
+        if (same_size) ++most_attempts;
+        if (!(too_coarse || torn) || (options.size_mm > 0 && !same_size) || attempt == most_attempts)
+            return model;
         // A default size that is too coarse for the smallest parts: once more, finer.
-        tried.size_mm = builder.next_size_mm();
+        tried.size_mm = (same_size ? 1 : finer) * builder.size_mm();
         known = builder.field_and_volumes();
         if (!warnings_before) warnings_before = known.warnings;
         context.warnings.resize(*warnings_before);
-        context.warn({"W-PIP-001",
-                      "the default edge length was too coarse for the smallest parts: " +
-                          (torn ? "a thin wall had holes" : model.error().message),
-                      {}, "built again with " + brief(tried.size_mm) + " mm"});
+        context.warn(
+            {"W-PIP-001",
+             std::string(same_size ? "what was tried first did not keep the contract: "
+                                   : "the default edge length was too coarse for the smallest parts: ") +
+                 (torn ? "a thin wall had holes" : model.error().message),
+             {},
+             "built again with " + brief(tried.size_mm) + " mm"});
     }
 }
 

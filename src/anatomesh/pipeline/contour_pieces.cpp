@@ -18,8 +18,24 @@ constexpr double free_share =
     0.25;  // of a piece that is split: no other contour vertex is this near to its middle
 constexpr double shortest_piece = 0.3;    // of a contour segment that is still split, in sizes
 constexpr double dense_free_share = 0.5;  // the whole ball of a piece that is split
+// Where more than a few are missing, as where planes cross: no other contour vertex, nor an end of the piece,
+// is this near to its middle, in sizes.
+constexpr double piece_clearance = 0.05;
+constexpr double lone_room = 1.9;  // in shares as above: nearly the whole ball of the piece
 
 }  // namespace
+
+SplitLimits SplitLimits::scaled(double scale) {
+    return {scale * shortest_piece, scale, 0, scale < 1};
+}
+
+SplitLimits SplitLimits::lone() {
+    return {0, lone_room, piece_clearance, false};
+}
+
+SplitLimits SplitLimits::beside_short() {
+    return {0, 1, piece_clearance, false};
+}
 
 ContourPieces::ContourPieces(LabelledMesh& mesh, SegmentGuard& guard, const StructureField& field,
                              std::vector<SegmentPiece> pieces, const ContourPieceOptions& options)
@@ -31,13 +47,13 @@ ContourPieces::ContourPieces(LabelledMesh& mesh, SegmentGuard& guard, const Stru
       acute_(acute_vertices(mesh.points(), pieces_)) {}
 
 Status ContourPieces::grow(std::vector<Vec3> found, const std::vector<std::uint32_t>& balls,
-                           RunContext& context, double scale) {
+                           RunContext& context, const SplitLimits& limits) {
     if (context.cancelled()) return cancelled_error();
     std::vector<SegmentPiece> split;
     std::vector<SegmentPiece> kept;
     for (const SegmentPiece& piece : pieces_) {
         const bool wanted =
-            std::binary_search(balls.begin(), balls.end(), piece.ball) && may_split(piece, scale);
+            std::binary_search(balls.begin(), balls.end(), piece.ball) && may_split(piece, limits);
         (wanted ? split : kept).push_back(piece);
     }
     std::stable_sort(split.begin(), split.end(), [](auto& x, auto& y) { return x.ball < y.ball; });
@@ -82,14 +98,15 @@ void ContourPieces::add_halves(const std::vector<SegmentPiece>& split,
 }
 
 // Not where a contour runs close beside it, which would have to be split in its turn, and so on.
-bool ContourPieces::may_split(const SegmentPiece& piece, double scale) const {
+bool ContourPieces::may_split(const SegmentPiece& piece, const SplitLimits& limits) const {
     const double span = length(mesh_.points()[piece.b] - mesh_.points()[piece.a]);
     const Vec3 middle = 0.5 * (mesh_.points()[piece.a] + mesh_.points()[piece.b]);
-    return span > scale * shortest_piece * options_.size_mm &&
-           !guard_.any_point_within(middle, scale * (options_.dense ? dense_free_share : free_share) * span);
+    const double room = limits.room * (options_.dense ? dense_free_share : free_share) * span;
+    return span > limits.shortest * options_.size_mm &&
+           !guard_.any_point_within(middle, std::max(room, limits.clearance * options_.size_mm));
 }
 
-Status ContourPieces::recover(std::size_t share, RunContext& context, double scale) {
+Status ContourPieces::recover(std::size_t share, RunContext& context, const SplitLimits& limits) {
     std::size_t last = pieces_.size();
     for (int round = 0; round < segment_rounds; ++round) {
         std::vector<std::uint32_t> balls;
@@ -98,27 +115,40 @@ Status ContourPieces::recover(std::size_t share, RunContext& context, double sca
             missing_.find(mesh_.cells(), mesh_.points().size(), pieces_, search_.cells, context.threads);
         search_.cells.clear();
         for (const std::uint32_t n : missing) {
-            if (may_split(pieces_[n], scale)) balls.push_back(pieces_[n].ball);
+            if (may_split(pieces_[n], limits)) balls.push_back(pieces_[n].ball);
         }
-        if (scale < 1 && balls.size() > a_few &&
+        if (limits.few_alone && balls.size() > a_few &&
             (balls.size() >= last || balls.size() * last_few > pieces_.size()))
             break;
         last = balls.size();
         if (balls.empty() || (share > 0 && balls.size() * share < pieces_.size())) break;
         std::sort(balls.begin(), balls.end());
-        ANATOMESH_CHECK_STATUS(grow({}, balls, context, scale));
+        ANATOMESH_CHECK_STATUS(grow({}, balls, context, limits));
     }
     return Nothing{};
 }
 
 Status ContourPieces::finish(RunContext& context) {
     if (options_.dense) return recover(0, context);
-    for (const double scale : {1.0, 0.5, 0.25, 0.125}) {
-        ANATOMESH_CHECK_STATUS(recover(0, context, scale));
+    ANATOMESH_CHECK_STATUS(recover_few(context));
+    if (options_.to_short) {
+        const std::size_t before = pieces_.size();
+        ANATOMESH_CHECK_STATUS(recover(0, context, SplitLimits::lone()));
+        if (pieces_.size() > before) {
+            are_short_ = true;
+            ANATOMESH_CHECK_STATUS(recover_few(context));
+        }
     }
     for (int round = 0; round < side_rounds; ++round) {
         ANATOMESH_TRY(const bool opened, open_sides(context));
         if (!opened) break;
+    }
+    return Nothing{};
+}
+
+Status ContourPieces::recover_few(RunContext& context) {
+    for (const double scale : {1.0, 0.5, 0.25, 0.125}) {
+        ANATOMESH_CHECK_STATUS(recover(0, context, SplitLimits::scaled(scale)));
     }
     return Nothing{};
 }
@@ -136,7 +166,7 @@ Result<bool> ContourPieces::open_sides(RunContext& context, std::vector<std::uin
     side_points_ += found.size();
     ANATOMESH_CHECK_STATUS(grow(found, {}, context));
     for (const double scale : {1.0, 0.25}) {
-        ANATOMESH_CHECK_STATUS(recover(0, context, scale));
+        ANATOMESH_CHECK_STATUS(recover(0, context, SplitLimits::scaled(scale)));
     }
     return true;
 }

@@ -17,6 +17,20 @@ namespace anatomesh {
 struct ContourPieceOptions {
     double size_mm = 0;  // the edge length aimed at: pieces are split to 0.3 of it, the last few further. > 0
     bool dense = false;  // the planes lie closer than the contours' vertices: the last few are left
+    bool to_short = true;  // finish() splits to short ones however many are missing, where it may help
+};
+
+// How far pieces may be split.
+struct SplitLimits {
+    double shortest = 0;     // no piece below so many sizes
+    double room = 1;         // a share of its length that other contour vertices keep from its middle
+    double clearance = 0;    // and in sizes, its ends too
+    bool few_alone = false;  // not where many are missing, or no fewer than in the round before
+
+    static SplitLimits scaled(double scale);  // 1: wherever a piece is to be split; below, the last few
+    // Shorter ones, however many are missing, if free vertices alone are in their way.
+    static SplitLimits lone();
+    static SplitLimits beside_short();  // those in whose balls circumcentres of cells at short ones lie
 };
 
 // Every insertion into the mesh goes through it, since a point beside a piece may ask for its split. A piece
@@ -30,16 +44,15 @@ class ContourPieces {
     ContourPieces(LabelledMesh& mesh, SegmentGuard& guard, const StructureField& field,
                   std::vector<SegmentPiece> pieces, const ContourPieceOptions& options);
 
-    // Inserts the points, and splits the pieces with these diametral balls (rising) that may be. With a scale
-    // below 1 shorter pieces may, and nearer to other contours. Complexity: that of the insertions, and
-    // linear in the pieces.
+    // Inserts the points, and splits the pieces with these diametral balls (rising) that may be. Complexity:
+    // that of the insertions, and linear in the pieces.
     Status grow(std::vector<Vec3> found, const std::vector<std::uint32_t>& balls, RunContext& context,
-                double scale = 1);
+                const SplitLimits& limits = SplitLimits::scaled(1));
 
     // Splits pieces that are no edges until all are, or, with a share above 0, fewer than one in so many is
-    // missing. With a scale below 1: as long as fewer are missing from round to round, and not where many
-    // are, which lie too close beside each other.
-    Status recover(std::size_t share, RunContext& context, double scale = 1);
+    // missing; a bounded number of rounds.
+    Status recover(std::size_t share, RunContext& context,
+                   const SplitLimits& limits = SplitLimits::scaled(1));
 
     // The last few: pieces that only shorter ones resolve, and pieces that are edges off their structure's
     // surface.
@@ -48,6 +61,9 @@ class ContourPieces {
     // Puts points beside the pieces that are edges off their structure's surface, whose ends are appended to
     // `ends`. Says whether there were any.
     Result<bool> open_sides(RunContext& context, std::vector<std::uint32_t>* ends = nullptr);
+
+    // Whether finish() had to split more than a few to short ones: then what lies beside them must follow.
+    bool are_short() const { return are_short_; }
 
     const std::vector<SegmentPiece>& pieces() const { return pieces_; }
     const std::vector<std::uint32_t>& vertices() const { return vertices_; }  // where pieces were split here
@@ -58,7 +74,8 @@ class ContourPieces {
   private:
     Vec3 split_point(const SegmentPiece& piece) const;
     void add_halves(const std::vector<SegmentPiece>& split, const std::vector<std::uint32_t>& middles);
-    bool may_split(const SegmentPiece& piece, double scale) const;
+    bool may_split(const SegmentPiece& piece, const SplitLimits& limits) const;
+    Status recover_few(RunContext& context);
 
     LabelledMesh& mesh_;
     SegmentGuard& guard_;
@@ -70,6 +87,7 @@ class ContourPieces {
     CellSearch search_;                 // the cells that missing_ has not seen
     std::vector<std::uint32_t> vertices_;
     std::size_t side_points_ = 0;
+    bool are_short_ = false;
 };
 
 // Error limit E-PIP-003 where the mesh has as many regions as there is room for.

@@ -1,0 +1,114 @@
+#include "anatomesh/pipeline/contour_pieces.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "anatomesh/pipeline/random_solids_for_test.h"
+#include "anatomesh/sample/analytic_field_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+using random_solids::Random;
+
+constexpr double size = 1;
+constexpr double clearance = 0.05;  // of what splits a piece from the points of others, in sizes
+
+double distance_of_segments(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+    double least = HUGE_VAL;
+    constexpr int steps = 64;
+    for (int i = 0; i <= steps; ++i) {
+        const Vec3 p = a + (static_cast<double>(i) / steps) * (b - a), way = d - c;
+        const double t = std::clamp(dot(p - c, way) / dot(way, way), 0.0, 1.0);
+        least = std::min(least, length(p - (c + t * way)));
+    }
+    return least;
+}
+
+// Segments that keep a distance from each other, with vertices close beside most of them.
+struct Drawn {
+    std::vector<Vec3> points;
+    std::vector<SegmentPiece> pieces;
+    SegmentGuard guard{size, 1000};
+
+    Drawn(std::uint32_t seed, double apart, double beside) {
+        Random random(seed);
+        std::vector<std::array<Vec3, 2>> segments;
+        const auto in_box = [&] {
+            return Vec3{random.between(-4, 4), random.between(-4, 4), random.between(-4, 4)};
+        };
+        for (int tries = 0; tries < 4000 && segments.size() < 150; ++tries) {
+            const Vec3 a = in_box(), b = a + random.between(0.3, 1.2) * random.direction();
+            const bool free = std::all_of(segments.begin(), segments.end(), [&](const auto& s) {
+                return distance_of_segments(a, b, s[0], s[1]) > apart;
+            });
+            if (free) segments.push_back({a, b});
+        }
+        for (const auto& [a, b] : segments) {
+            const auto first = static_cast<std::uint32_t>(points.size());
+            points.insert(points.end(), {a, b});
+            guard.add_point(a);
+            guard.add_point(b);
+            pieces.push_back({first, first + 1, 0, guard.add_segment(a, b)});
+        }
+        for (const auto& [a, b] : segments) {
+            // Rings round it.
+            for (int k = 0; k < 3; ++k) {
+                const Vec3 middle = a + random.between(0.1, 0.9) * (b - a);
+                const Vec3 u = normalized(cross(b - a, random.direction())), v = normalized(cross(b - a, u));
+                for (const Vec3& way : {u, v, -1.0 * u, -1.0 * v}) points.push_back(middle + beside * way);
+            }
+        }
+        for (int corner = 0; corner < 8; ++corner) {
+            points.push_back(30 *
+                             Vec3{corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0});
+        }
+    }
+};
+
+// However many are missing: with no other piece nearer than their own lengths come to, all become edges.
+TEST(ContourPieces, that_are_well_apart_all_become_edges_beside_any_vertices) {
+    for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+        SCOPED_TRACE(seed);
+        Drawn drawn(seed, 0.2 * size, 0.05 * size);
+        const fixtures::AnalyticField field({fixtures::ball({}, 3)}, 30);
+        auto delaunay = Tetrahedralization::create(drawn.points);
+        ASSERT_TRUE(delaunay.ok());
+        LabelledMesh mesh(std::move(delaunay).value(), field, 1, size, 0.02 * size);
+        RunContext context;
+        mesh.update(context);
+        const std::size_t missing =
+            missing_pieces(mesh.cells().cells, mesh.points().size(), drawn.pieces).size();
+        EXPECT_GT(missing, 10u);
+        ContourPieces pieces(mesh, drawn.guard, field, drawn.pieces, {size, false});
+        ASSERT_TRUE(pieces.finish(context).ok());
+        EXPECT_TRUE(pieces.are_short());
+        EXPECT_TRUE(missing_pieces(mesh.cells().cells, mesh.points().size(), pieces.pieces()).empty());
+    }
+}
+
+// Nothing is split to crumbs where pieces lie too close to each other: it ends, and what is made keeps its
+// distance.
+TEST(ContourPieces, that_crowd_each_other_are_not_split_to_crumbs) {
+    for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+        SCOPED_TRACE(seed);
+        Drawn drawn(seed, 1e-4 * size, 1e-4 * size);
+        const fixtures::AnalyticField field({fixtures::ball({}, 3)}, 30);
+        auto delaunay = Tetrahedralization::create(drawn.points);
+        ASSERT_TRUE(delaunay.ok());
+        LabelledMesh mesh(std::move(delaunay).value(), field, 1, size, 0.02 * size);
+        RunContext context;
+        mesh.update(context);
+        ContourPieces pieces(mesh, drawn.guard, field, drawn.pieces, {size, false});
+        ASSERT_TRUE(pieces.recover(0, context, SplitLimits::beside_short()).ok());
+        for (const SegmentPiece& piece : pieces.pieces()) {
+            const double span = length(mesh.points()[piece.b] - mesh.points()[piece.a]);
+            EXPECT_GE(span, clearance * size * (1 - 1e-12));
+        }
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh
