@@ -26,7 +26,7 @@ struct VolumeOptions {
 // between it and the field, which is not zero only where the two contours differ; along the normal by
 // seven values, 25 where the surface bows much (where structures of an exclusive set meet: 12 sections), in
 // the plane on a lattice that no straight wall runs along. Planes in any position: a lattice in space over
-// the box of each. Error: some 0.01 % for organs, 0.02 % for a skull; it falls with points^-3/4. Guarantees:
+// the box of each. Error: some 0.01 % for organs, 0.07 % for a skull; it falls with points^-3/4. Guarantees:
 // the same at any thread count. Errors: cancelled.
 inline Result<std::vector<StructureVolume>> field_volumes(const StructureField& field,
                                                           std::uint32_t structures,
