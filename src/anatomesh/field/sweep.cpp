@@ -29,12 +29,17 @@ struct Candidate {
     std::uint32_t slice = 0;
 };
 
-Candidate candidate_of(const ContourSet& set, std::uint32_t s) {
+// `middle`: of the set; of a slice without contours the point nearest to it counts.
+Candidate candidate_of(const ContourSet& set, std::uint32_t s, Vec3 middle) {
     Candidate made;
     made.slice = s;
     made.plane = set.slices[s].plane;
     Box2 box;
-    made.low = HUGE_VAL, made.high = -HUGE_VAL;
+    if (set.slices[s].contour_count == 0) {
+        box.extend(made.plane.to_plane(middle));
+    } else {
+        made.low = HUGE_VAL, made.high = -HUGE_VAL;
+    }
     for (const Contour& contour : set.contours_of(set.slices[s])) {
         for (const Vec3& p : set.points_of(contour)) {
             box.extend(made.plane.to_plane(p));
@@ -121,13 +126,10 @@ Plane mirrored(const Plane& from, const Plane& to) {
 
 std::optional<Sweep> Sweep::of(const ContourSet& set) {
     if (set.slices.size() < 2) return std::nullopt;
-    std::vector<Candidate> slices;
-    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        if (set.slices[s].contour_count == 0) return std::nullopt;
-        slices.push_back(candidate_of(set, s));
-    }
     const Box3 box = set.box();
     const Vec3 middle = 0.5 * (box.low + box.high);
+    std::vector<Candidate> slices;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) slices.push_back(candidate_of(set, s, middle));
     if (!sort_along_mean(middle, slices)) return std::nullopt;
     std::vector<double> gaps;
     for (std::size_t i = 0; i + 1 < slices.size(); ++i) {
@@ -150,7 +152,8 @@ std::optional<Sweep> Sweep::of(const ContourSet& set) {
         } else {
             plane.origin = middle - plane.signed_distance(middle) * plane.normal;
         }
-        Layer layer{plane, HUGE_VAL, -HUGE_VAL, height, slices[i].slice};
+        Layer layer{plane, 0, 0, height, slices[i].slice};
+        if (set.slices[layer.slice].contour_count > 0) layer.low = HUGE_VAL, layer.high = -HUGE_VAL;
         // As straight() will find them.
         for (const Contour& contour : set.contours_of(set.slices[layer.slice])) {
             for (const Vec3& p : set.points_of(contour)) {

@@ -22,7 +22,8 @@ class Sweep {
     // Nothing unless the slices can be put in an order such that the boxes of all contours before a slice lie
     // below its plane and those of all after it above; neighbours lean by 10 degrees at most against each
     // other and all of them by 60 against their mean; and the distance of two neighbours, over the boxes of
-    // their contours, is nowhere less than a fifth of its mean. Complexity: O(points + slices^2).
+    // their contours, is nowhere less than a fifth of its mean. (Of a slice without contours: at the point of
+    // it nearest to the middle of the set.) Requires: a contour. Complexity: O(points + slices^2).
     static std::optional<Sweep> of(const ContourSet& set);
 
     // Complexity: logarithmic in the slices.

@@ -152,13 +152,22 @@ TEST(Sweep, slices_that_cross_or_turn_too_far_are_none) {
         about_axis.push_back(make_plane({0, 0, 16}, {std::cos(k * pi / 18), std::sin(k * pi / 18), 0.5}));
     EXPECT_FALSE(of(about_axis));
     EXPECT_FALSE(of({good[0]}));
+}
 
-    SetBuilder empty;
-    for (const Plane& plane : good) {
-        empty.slice(plane);
-        if (empty.set.slices.size() != 4) empty.ring(0, circle({}, 8, 30));
+// A slice on which a structure is not drawn says that it is not there, as among parallel ones.
+TEST(Sweep, a_slice_without_contours_is_one_of_them) {
+    std::mt19937 random(2);
+    SetBuilder builder;
+    for (const Plane& plane : leaning_planes(12, 1, random)) {
+        builder.slice(plane);
+        if (builder.set.slices.size() <= 8) builder.ring(0, circle({}, 8, 30));
     }
-    EXPECT_FALSE(Sweep::of(empty.set));
+    ASSERT_TRUE(Sweep::of(builder.set));
+    RunContext context;
+    const auto field = make_structure_field(builder.set, {}, context).value();
+    EXPECT_LT(field->value(0, {0, 0, 22}), 0);
+    EXPECT_GT(field->value(0, {0, 0, 23}), 0);
+    for (const Vec3& p : builder.set.points) ASSERT_EQ(field->value(0, p), 0.0);
 }
 
 TEST(SweptField, zero_exactly_at_every_contour_vertex_and_of_the_drawn_side_on_the_slices) {

@@ -32,16 +32,6 @@ Improved improved(const LabelledCase& c, std::span<const VertexPair> edges = {},
     return result;
 }
 
-// Vertices on the surface of a structure.
-std::vector<std::uint8_t> on_surface(const TetMesh& mesh, const RegionTable& regions,
-                                     std::uint32_t structure) {
-    std::vector<std::uint8_t> on(mesh.points.size(), 0);
-    for (const Triangle& f : structure_surface(mesh, regions, structure)) {
-        for (const std::uint32_t v : f) on[v] = 1;
-    }
-    return on;
-}
-
 TEST(ImproveDihedrals, keeps_surfaces_volume_and_fixed_vertices_and_makes_nothing_worse) {
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);

@@ -183,4 +183,14 @@ inline TetMesh octahedron_round(Vec3 vertex, double top, double bottom) {
     return mesh;
 }
 
+// Vertices on the surface of a structure.
+inline std::vector<std::uint8_t> on_surface(const TetMesh& mesh, const RegionTable& regions,
+                                            std::uint32_t structure) {
+    std::vector<std::uint8_t> on(mesh.points.size(), 0);
+    for (const Triangle& f : structure_surface(mesh, regions, structure)) {
+        for (const std::uint32_t v : f) on[v] = 1;
+    }
+    return on;
+}
+
 }  // namespace anatomesh::fixtures

@@ -58,15 +58,6 @@ double volume_of(const TetMesh& mesh, const RegionTable& regions, std::uint32_t 
     return sum;
 }
 
-std::vector<std::uint8_t> on_surface(const TetMesh& mesh, const RegionTable& regions,
-                                     std::uint32_t structure) {
-    std::vector<std::uint8_t> on(mesh.points.size(), 0);
-    for (const Triangle& f : structure_surface(mesh, regions, structure)) {
-        for (const std::uint32_t v : f) on[v] = 1;
-    }
-    return on;
-}
-
 // The surfaces of all regions, the outside's too, are manifolds.
 void expect_sound_regions(const TetMesh& mesh, const RegionTable& regions) {
     for (std::size_t r = 0; r < regions.members.size(); ++r) {
