@@ -68,17 +68,20 @@ struct Drawn {
     }
 };
 
+LabelledMesh labelled(const Drawn& drawn, const StructureField& field, RunContext& context) {
+    LabelledMesh mesh(Tetrahedralization::create(drawn.points).value(), field, 1, size, 0.02 * size);
+    mesh.update(context);
+    return mesh;
+}
+
 // However many are missing: with no other piece nearer than their own lengths come to, all become edges.
 TEST(ContourPieces, that_are_well_apart_all_become_edges_beside_any_vertices) {
     for (std::uint32_t seed = 1; seed <= 12; ++seed) {
         SCOPED_TRACE(seed);
         Drawn drawn(seed, 0.2 * size, 0.05 * size);
         const fixtures::AnalyticField field({fixtures::ball({}, 3)}, 30);
-        auto delaunay = Tetrahedralization::create(drawn.points);
-        ASSERT_TRUE(delaunay.ok());
-        LabelledMesh mesh(std::move(delaunay).value(), field, 1, size, 0.02 * size);
         RunContext context;
-        mesh.update(context);
+        LabelledMesh mesh = labelled(drawn, field, context);
         const std::size_t missing =
             missing_pieces(mesh.cells().cells, mesh.points().size(), drawn.pieces).size();
         EXPECT_GT(missing, 10u);
@@ -96,11 +99,8 @@ TEST(ContourPieces, that_crowd_each_other_are_not_split_to_crumbs) {
         SCOPED_TRACE(seed);
         Drawn drawn(seed, 1e-4 * size, 1e-4 * size);
         const fixtures::AnalyticField field({fixtures::ball({}, 3)}, 30);
-        auto delaunay = Tetrahedralization::create(drawn.points);
-        ASSERT_TRUE(delaunay.ok());
-        LabelledMesh mesh(std::move(delaunay).value(), field, 1, size, 0.02 * size);
         RunContext context;
-        mesh.update(context);
+        LabelledMesh mesh = labelled(drawn, field, context);
         ContourPieces pieces(mesh, drawn.guard, field, drawn.pieces, {size, false});
         ASSERT_TRUE(pieces.recover(0, context, SplitLimits::beside_short()).ok());
         for (const SegmentPiece& piece : pieces.pieces()) {
