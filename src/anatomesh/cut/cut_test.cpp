@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "anatomesh/cut/crumbs.h"
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
@@ -200,6 +201,75 @@ TEST(Cut, pieces_of_contour_segments_are_brought_onto_the_surface) {
     }
     EXPECT_GT(before, 10u);
     EXPECT_LT(2 * after, before);
+}
+
+// Facet-connected pieces of one region: their volumes, and whether a vertex of theirs is marked.
+struct Piece {
+    double volume = 0;
+    bool marked = false;
+};
+std::vector<Piece> pieces_of(const TetMesh& mesh, const std::vector<std::uint8_t>& marks) {
+    const std::vector<std::uint32_t> neighbors = cell_neighbors(mesh.cells, mesh.points.size());
+    std::vector<std::uint8_t> seen(mesh.cells.size(), 0);
+    std::vector<Piece> pieces;
+    for (std::uint32_t first = 0; first < mesh.cells.size(); ++first) {
+        if (seen[first]) continue;
+        Piece piece;
+        std::vector<std::uint32_t> stack{first};
+        seen[first] = 1;
+        while (!stack.empty()) {
+            const std::uint32_t c = stack.back();
+            stack.pop_back();
+            const Cell& v = mesh.cells[c];
+            piece.volume +=
+                signed_volume(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]);
+            for (int i = 0; i < 4; ++i) {
+                piece.marked |= marks[v[i]] != 0;
+                const std::uint32_t next = neighbors[4 * std::size_t{c} + i];
+                if (next == no_cell || seen[next] || mesh.regions[next] != mesh.regions[c]) continue;
+                seen[next] = 1;
+                stack.push_back(next);
+            }
+        }
+        pieces.push_back(piece);
+    }
+    return pieces;
+}
+
+// Specks and cavities of no contour go to what is round them; manifolds stay, and marked vertices keep
+// theirs.
+TEST(Cut, crumbs_are_given_away) {
+    std::uint64_t crumbs = 0, marked_crumbs = 0;
+    for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+        const bool two = seed % 2 == 0;
+        Case random = two ? random_case(seed, 80, {{}, {}, {}, {0}, {0}, {0}, {0, 1}, {1}})
+                          : random_case(seed, 80, {{}, {}, {}, {0}});
+        cut_and_check(random, two ? 2 : 1, {}, true);
+        std::vector<std::uint8_t> marks(random.mesh.points.size(), 0);
+        for (std::uint32_t v = 0; v < 80; v += 10) marks[v] = 1;
+        for (std::uint32_t corner = 80; corner < 88; ++corner) marks[corner] = 1;
+        const double most = 0.02;
+        const auto small = [&](bool marked) {
+            const std::vector<Piece> pieces = pieces_of(random.mesh, marks);
+            return std::count_if(pieces.begin(), pieces.end(), [&](const Piece& piece) {
+                return piece.volume <= most && piece.marked == marked;
+            });
+        };
+        const auto before = small(false), marked_before = small(true);
+        const std::vector<std::uint32_t> neighbors =
+            cell_neighbors(random.mesh.cells, random.mesh.points.size());
+        const CrumbStats stats = give_crumbs_away(random.mesh, neighbors, marks, {most});
+        expect_manifold(random, two ? 2 : 1);
+        if (!two) {
+            EXPECT_EQ(small(false), 0) << seed;
+            EXPECT_EQ(stats.pieces, static_cast<std::uint64_t>(before)) << seed;
+        }
+        EXPECT_EQ(small(true), marked_before) << seed;
+        crumbs += stats.pieces;
+        marked_crumbs += static_cast<std::uint64_t>(marked_before);
+    }
+    EXPECT_GT(crumbs, 20u);
+    EXPECT_GT(marked_crumbs, 5u);
 }
 
 }  // namespace

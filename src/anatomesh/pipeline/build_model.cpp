@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cassert>
 #include <chrono>
+#include <cmath>
 #include <numeric>
 #include <optional>
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/message_text.h"
+#include "anatomesh/cut/crumbs.h"
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/field/volume.h"
@@ -46,6 +48,7 @@ constexpr int protected_rounds = 4;           // of these, the first keep out of
 constexpr int small_mesh_rounds = 60;         // tiny segments need a round for each doubling of the size,
 constexpr std::size_t small_mesh = 20000;     // in meshes of fewer points than this
 constexpr int last_rounds = 1;                // after the last segments
+constexpr double crumb_share = 0.003;  // of a cube of the size: less is no piece of a structure by itself
 constexpr int relabel_rounds = 4;             // after the first, with such points where a piece was given up
 // Where freehand planes lie closer than the vertices along them, contours tell the surface without more
 // points.
@@ -358,6 +361,9 @@ class Builder {
         segment_vertices_ = pieces_->vertices();
         segment_vertices_.insert(segment_vertices_.end(), split.on_segments.begin(), split.on_segments.end());
         find_neighbors(unsound.empty());
+        given_.resize(mesh.points.size(), 0);
+        const CrumbStats crumbs =
+            give_crumbs_away(mesh, neighbors_, given_, {crumb_share * std::pow(sample_->stats.size_mm, 3)});
         model_.regions = mesh_->registry().table();
         figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
@@ -367,7 +373,8 @@ class Builder {
                     {"unsound_after_relabelling", static_cast<double>(relabelled.unsound_after)},
                     {"edges_split", static_cast<double>(split.edges_split)},
                     {"vertices_split", static_cast<double>(split.vertices_split)},
-                    {"vertices_joined", static_cast<double>(split.vertices_joined)}};
+                    {"vertices_joined", static_cast<double>(split.vertices_joined)},
+                    {"crumbs_given_away", static_cast<double>(crumbs.pieces)}};
         return end_stage("cut", 0.75);
     }
 
@@ -684,7 +691,7 @@ class Builder {
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
     std::optional<ContourPieces> pieces_;          // of contour segments
     bool dense_ = false;                           // dense_planes(), and the first try
-    std::vector<std::uint8_t> given_;              // by vertex of the first mesh: one of a contour
+    std::vector<std::uint8_t> given_;              // by vertex: one of a contour
     std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on
     std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling, by the cut too
     Model model_;

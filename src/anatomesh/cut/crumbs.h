@@ -1,0 +1,30 @@
+// give_crumbs_away: pieces of a region far smaller than a cell, which no contour has drawn, go to the region
+// round them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "anatomesh/mesh/tet_mesh.h"
+
+namespace anatomesh {
+
+struct CrumbOptions {
+    double most_mm3 = 0;  // of a piece that is given away. >= 0
+};
+
+struct CrumbStats {
+    std::uint64_t pieces = 0, cells = 0;
+};
+
+// A crumb is a facet-connected piece of one region, the outside included, of at most `most_mm3` and 64 cells,
+// with no vertex of a contour (`given`, by vertex), whose facets all lie between it and one other region: a
+// cavity or a speck that is left of a place thinner than the cells. It takes the region beyond. Guarantees: a
+// mesh whose vertices are all sound (star.h) stays so, since at every vertex the crumb was one piece and the
+// region beyond the other; no contour vertex leaves its surface, nor a segment that is a chain of its edges,
+// since the ends of that are contour vertices of the same piece of surface. Requires:
+// `neighbors` as cell_neighbors() gives them. Complexity: O(cells). Same result at any number of threads.
+CrumbStats give_crumbs_away(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
+                            std::span<const std::uint8_t> given, const CrumbOptions& options);
+
+}  // namespace anatomesh
