@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "anatomesh/geom/box.h"
 
@@ -60,13 +61,34 @@ void turn_round(Candidate& slice) {
     slice.low = low;
 }
 
+// By which sign each normal runs the way of the first: passed on from slice to slice, always to the one that
+// leans least against one that has it (Prim, Bell Syst. Tech. J. 36, 1957), so that the ends of a fan may
+// look apart.
+std::vector<double> signs_of(const std::vector<Candidate>& slices) {
+    std::vector<double> sign(slices.size(), 1), nearest(slices.size(), -1);
+    std::vector<std::uint32_t> left(slices.size() - 1);
+    std::iota(left.begin(), left.end(), 1u);
+    for (std::size_t from = 0; !left.empty();) {
+        std::size_t next = 0;
+        for (std::size_t i = 0; i < left.size(); ++i) {
+            const double along = dot(slices[left[i]].plane.normal, slices[from].plane.normal);
+            if (std::abs(along) > nearest[left[i]]) {
+                nearest[left[i]] = std::abs(along);
+                sign[left[i]] = along < 0 ? -sign[from] : sign[from];
+            }
+            if (nearest[left[i]] > nearest[left[next]]) next = i;
+        }
+        from = left[next];
+        left.erase(left.begin() + static_cast<std::ptrdiff_t>(next));
+    }
+    return sign;
+}
+
 // All normals the same way, sorted along their mean; false where that cannot be.
 bool sort_along_mean(const Vec3& middle, std::vector<Candidate>& slices) {
+    const std::vector<double> sign = signs_of(slices);
     Vec3 sum{};
-    for (const Candidate& slice : slices) {
-        const double side = dot(slice.plane.normal, slices.front().plane.normal) < 0 ? -1 : 1;
-        sum = sum + side * slice.plane.normal;
-    }
+    for (std::size_t i = 0; i < slices.size(); ++i) sum = sum + sign[i] * slices[i].plane.normal;
     if (!(squared_length(sum) > 0)) return false;
     const Vec3 mean = normalized(sum);
     for (Candidate& slice : slices) {

@@ -154,6 +154,31 @@ TEST(Sweep, slices_that_cross_or_turn_too_far_are_none) {
     EXPECT_FALSE(of({good[0]}));
 }
 
+// A thin vessel that runs obliquely through a fan of up to 120 degrees, its planes either way round and in
+// any order.
+TEST(Sweep, C28_the_ends_of_a_fan_may_look_almost_120_degrees_apart) {
+    for (const double degrees : {80.0, 95.0, 118.0}) {
+        std::mt19937 random(static_cast<unsigned>(degrees));
+        const std::vector<Plane> planes = fan_planes(49, degrees);
+        std::vector<std::size_t> order(planes.size());
+        std::iota(order.begin(), order.end(), 0u);
+        std::shuffle(order.begin(), order.end(), random);
+        SetBuilder builder;
+        for (const std::size_t k : order) {
+            const Vec3 middle = (60 + 0.6 * static_cast<double>(k)) / 100 * planes[k].origin +
+                                Vec3{0, 0.9 * static_cast<double>(k), 0};
+            Plane plane = planes[k];
+            if (k % 2) plane.normal = -1.0 * plane.normal, plane.v = -1.0 * plane.v;
+            builder.slice(plane);
+            builder.ring(0, circle(plane.to_plane(middle), 2, 40));
+        }
+        ASSERT_TRUE(Sweep::of(builder.set)) << degrees;
+        RunContext context;
+        const auto field = make_structure_field(builder.set, {}, context).value();
+        EXPECT_EQ(Voxels(*field, 0.8).topology(), (Topology{1, 0, 0})) << degrees;
+    }
+}
+
 // A slice on which a structure is not drawn says that it is not there, as among parallel ones.
 TEST(Sweep, a_slice_without_contours_is_one_of_them) {
     std::mt19937 random(2);
