@@ -61,7 +61,7 @@ class Hole {
         bool allowed = false;
         for (int round = 0;; ++round) {
             bar = bench_.bar_of(cells_);
-            squared_ratio_ = std::max(bar.squared_ratio, max_radius_edge * max_radius_edge);
+            squared_ratio_ = bench_.allowed_squared_ratio(bar, max_radius_edge);
             reached = ascend(begin_round(p, bar));
             allowed = bench_.local.worst(p, reached) >= reached;
             if ((allowed && reached >= bench_.goal) || round == rounds || !grow(p)) break;

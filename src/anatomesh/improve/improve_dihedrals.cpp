@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 #include <queue>
@@ -61,10 +62,12 @@ class Climber {
             lift_facets(bench_, drawn_, std::sin(listed_degrees * radians_per_degree), context.threads);
         bench_.stats.facets_lifted = lifted.facets_lifted;
         bench_.stats.facets_left = lifted.facets_left;
+        bench_.moves_junctions = true;
         all.resize(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
         collect(all, context.threads);
         climb_at_last(context);
+        lower_ratios(context);
         all.resize(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
         collect(std::move(all), context.threads);
@@ -100,6 +103,34 @@ class Climber {
         bench_.options.max_radius_edge = most;
         bench_.least_needed_sine = 0;
         target_ = target;
+    }
+
+    // Of the few cells above what climb_at_last() allows, at the price of angles above those listed.
+    void lower_ratios(RunContext& context) {
+        const double most = bench_.options.last_radius_edge;
+        if (!(most > bench_.options.max_radius_edge)) return;
+        const auto is_high = [&](std::uint32_t c) {
+            if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return false;
+            return bench_.bar_of({&c, 1}).squared_ratio > most * most;
+        };
+        std::vector<std::uint32_t> high = parallel_collect<std::uint32_t>(
+            bench_.mesh.cell_count(), 16384, context.threads,
+            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
+                for (std::size_t c = first; c < last; ++c) {
+                    if (is_high(static_cast<std::uint32_t>(c)))
+                        found.push_back(static_cast<std::uint32_t>(c));
+                }
+            });
+        const double before = std::exchange(bench_.options.max_radius_edge, most);
+        bench_.lowers_ratios = true;
+        bench_.least_needed_sine = std::sin(listed_degrees * radians_per_degree);
+        for (std::size_t n = 0; n < high.size() && !context.cancelled(); ++n) {
+            if (!is_high(high[n]) || !better(high[n], 0)) continue;
+            std::copy_if(bench_.changed.begin(), bench_.changed.end(), std::back_inserter(high), is_high);
+        }
+        bench_.lowers_ratios = false;
+        bench_.least_needed_sine = 0;
+        bench_.options.max_radius_edge = before;
     }
 
     // Those of surfaces, for smaller angles between facets; cells that are bad now are queued.

@@ -104,6 +104,7 @@ TEST(ImproveDihedrals, repeats_bit_for_bit_and_leaves_what_is_good) {
     DihedralOptions easy;
     easy.target_degrees = 0;
     easy.flip_gain_degrees = 900;
+    easy.last_radius_edge = 1e9;
     const Improved untouched = improved(c, {}, easy);
     EXPECT_EQ(untouched.mesh.points, c.mesh.points);
     EXPECT_EQ(untouched.mesh.cells, c.mesh.cells);

@@ -202,5 +202,86 @@ TEST(LastOperations, new_vertices_keep_surfaces_in_place_and_fixed_edges_as_chai
     }
 }
 
+std::size_t regions_at(EditMesh& mesh, std::uint32_t v) {
+    std::vector<std::uint32_t> star;
+    mesh.star(v, star);
+    std::vector<Region> regions;
+    for (const std::uint32_t c : star) regions.push_back(mesh.region(c));
+    std::sort(regions.begin(), regions.end());
+    return static_cast<std::size_t>(std::unique(regions.begin(), regions.end()) - regions.begin());
+}
+
+// Vertices where three regions meet move, when they may, by no more than surfaces may leave the field's.
+TEST(LastOperations, junctions_move_within_the_bound_and_only_uphill) {
+    std::size_t moved = 0;
+    for (const LabelledCase& c : labelled_cases()) {
+        SCOPED_TRACE(c.name);
+        for (const bool allowed : {false, true}) {
+            Bench bench(c);
+            bench.bench.options.max_deviation_mm = 0.2;
+            bench.bench.moves_junctions = allowed;
+            const double before = worst_sine(c.mesh);
+            const std::size_t tried = bench.try_all([&](Workbench& on, std::uint32_t cell) {
+                if (on.sine(cell) >= 0.25) return false;
+                std::size_t done = 0;
+                for (const std::uint32_t v : Cell(on.mesh.cell(cell)))
+                    done += regions_at(on.mesh, v) > 2 && move_vertex(on, v);
+                return done > 0;
+            });
+            if (!allowed) {
+                EXPECT_EQ(tried, 0u);
+                continue;
+            }
+            moved += tried;
+            const TetMesh mesh = bench.take();
+            expect_sound_mesh(mesh, c.mesh);
+            expect_same_surfaces(mesh, c.mesh, c.regions, c.structures);
+            EXPECT_GE(worst_sine(mesh), before);
+            for (std::size_t v = 0; v < c.fixed.size(); ++v) {
+                EXPECT_TRUE(!c.fixed[v] || mesh.points[v] == c.mesh.points[v]);
+                // Each vertex is in a few bad cells, and is tried with each.
+                EXPECT_LT(length(mesh.points[v] - c.mesh.points[v]), 20 * 0.2);
+            }
+        }
+    }
+    EXPECT_GT(moved, 10u);
+}
+
+// Judged by ratios, operations leave fewer of the high ones, and no angle below the bound that was above it.
+TEST(LastOperations, those_for_ratios_lower_them_and_spare_good_angles) {
+    constexpr double most = 2.5, least_sine = 0.17;
+    std::size_t before = 0, after = 0;
+    for (const LabelledCase& c : labelled_cases()) {
+        SCOPED_TRACE(c.name);
+        Bench bench(c);
+        bench.bench.options.max_radius_edge = most;
+        bench.bench.lowers_ratios = true;
+        bench.bench.least_needed_sine = least_sine;
+        const auto is_high = [&](std::uint32_t cell) {
+            return bench.mesh.alive(cell) && bench.mesh.region(cell) != 0 &&
+                   bench.bench.bar_of({&cell, 1}).squared_ratio > most * most;
+        };
+        std::vector<std::uint32_t> high;
+        for (std::uint32_t cell = 0; cell < bench.mesh.cell_count(); ++cell) {
+            if (is_high(cell)) high.push_back(cell);
+        }
+        before += high.size();
+        for (const std::uint32_t cell : high) {
+            for (int e = 0; e < 6 && is_high(cell); ++e) remove_edge(bench.bench, cell, e);
+            for (int i = 0; i < 4 && is_high(cell); ++i) remove_facet(bench.bench, cell, i);
+            for (int i = 0; i < 4 && is_high(cell); ++i) move_vertex(bench.bench, bench.mesh.cell(cell)[i]);
+            for (int e = 0; e < 12 && is_high(cell); ++e) collapse_edge(bench.bench, cell, e / 2, e % 2 == 0);
+            for (int e = 0; e < 6 && is_high(cell); ++e) insert_vertex(bench.bench, cell, e);
+        }
+        for (std::uint32_t cell = 0; cell < bench.mesh.cell_count(); ++cell) after += is_high(cell);
+        const TetMesh mesh = bench.take();
+        expect_sound_mesh(mesh, c.mesh);
+        expect_same_surfaces(mesh, c.mesh, c.regions, c.structures);
+        EXPECT_GE(worst_sine(mesh), std::min(worst_sine(c.mesh), least_sine));
+    }
+    EXPECT_GT(before, 500u);
+    EXPECT_LT(8 * after, before) << before << " before, " << after << " after";
+}
+
 }  // namespace
 }  // namespace anatomesh

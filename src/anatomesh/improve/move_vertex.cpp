@@ -71,6 +71,46 @@ class Slide {
     double distance_ = 0;
 };
 
+// Moves a vertex where three or more regions meet: there is no one surface to slide along. It keeps near to
+// where it was; the facets between regions may not turn over nor leave the field's interfaces.
+class Shift {
+  public:
+    Shift(Workbench& bench, std::uint32_t v) : bench_(bench), start_(bench.mesh.point(v)) {
+        for (const std::uint32_t c : bench.star) {
+            const Cell& cell = bench.mesh.cell(c);
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t n = bench.mesh.neighbor(c, i);
+                if (cell[i] == v || n == no_cell || n < c || bench.mesh.region(n) == bench.mesh.region(c))
+                    continue;
+                std::array<std::uint32_t, 3> f{cell[facet_vertices[i][0]], cell[facet_vertices[i][1]],
+                                               cell[facet_vertices[i][2]]};
+                while (f[0] != v) f = {f[1], f[2], f[0]};
+                const Vec3 b = bench.mesh.point(f[1]), c1 = bench.mesh.point(f[2]);
+                facets_.push_back(
+                    {b, c1, std::max(bench.facet_distance(start_, b, c1), bench.options.max_deviation_mm)});
+            }
+        }
+    }
+
+    bool operator()(Vec3& q) const {
+        if (length(q - start_) > bench_.options.max_deviation_mm) return false;
+        return std::all_of(facets_.begin(), facets_.end(), [&](const Facet& f) {
+            const Vec3 before = cross(f.b - start_, f.c - start_), after = cross(f.b - q, f.c - q);
+            return dot(before, after) > 0.5 * length(before) * length(after) &&
+                   bench_.facet_distance(q, f.b, f.c) <= f.most;
+        });
+    }
+
+  private:
+    struct Facet {
+        Vec3 b, c;
+        double most;  // distance of its middle from the field's interfaces
+    };
+    Workbench& bench_;
+    Vec3 start_;
+    std::vector<Facet> facets_;
+};
+
 }  // namespace
 
 bool move_vertex(Workbench& bench, std::uint32_t v) {
@@ -95,14 +135,16 @@ bool move_vertex(Workbench& bench, std::uint32_t v) {
                         bench.mesh.point(cell[f[2]]), bench.mesh.region(c) != 0);
     }
     SurfaceFan fan;
-    if (surface && !surface_fan(bench, v, fan)) return false;
+    const bool junction = surface && !surface_fan(bench, v, fan);
+    if (junction && !bench.moves_junctions) return false;
     const Vec3 from = bench.mesh.point(v);
     Vec3 p = from;
     const auto always = [](Vec3&) { return true; };
-    const double reached = surface
+    const double reached = junction ? bench.local.ascend(p, bar.sine, bench.goal, {}, Shift(bench, v))
+                           : surface
                                ? bench.local.ascend(p, bar.sine, bench.goal, fan.normal, Slide(bench, v, fan))
                                : bench.local.ascend(p, bar.sine, bench.goal, {}, always);
-    if (reached < needed) return false;
+    if (reached < needed || p == from) return false;
     if (bench.scouts) return true;
     bench.mesh.move_point(v, p);
     if (!bench.positive(bench.star)) {

@@ -35,7 +35,9 @@ class Workbench {
     // A copy of a bench that scouts leaves the mesh as it is: removals and moves say true where they may
     // succeed, false only where they would fail. Each thread may have one.
     bool scouts = false;
-    double least_needed_sine = 0;        // of new cells, whatever was there
+    bool moves_junctions = false;  // vertices where three or more regions meet may move
+    bool lowers_ratios = false;    // operations are judged by the largest ratio, not by the least sine
+    double least_needed_sine = 0;  // of new cells, whatever was there; of those judged by ratio, or as before
     double goal = 0;                     // sine that is good enough
     std::vector<std::uint32_t> changed;  // cells that the last operation made or reshaped
 
@@ -59,11 +61,15 @@ class Workbench {
     Bar bar_of(std::span<const std::uint32_t> cells) const;
     // What a new cell must reach.
     double needed_sine(const Bar& bar) const {
+        if (lowers_ratios) return std::min(bar.sine, least_needed_sine);
         return std::max(bar.sine + min_gain * (0.02 + bar.sine), least_needed_sine);
     }
     double needed_outside_sine(const Bar& bar) const { return std::min(bar.outside_sine, flat_outside); }
     double allowed_squared_ratio(const Bar& bar) const {
-        return std::max(bar.squared_ratio, options.max_radius_edge * options.max_radius_edge);
+        return allowed_squared_ratio(bar, options.max_radius_edge);
+    }
+    double allowed_squared_ratio(const Bar& bar, double most) const {
+        return std::max((lowers_ratios ? lower_ratio : 1) * bar.squared_ratio, most * most);
     }
     // The sine of a new cell, negative if it may not be; cells outside that may be count as perfect.
     double value(const Cell& c, Region region, const Bar& bar) const;
@@ -91,6 +97,7 @@ class Workbench {
 
     static constexpr double min_gain = 0.02;
     static constexpr double flat_outside = 0.01;
+    static constexpr double lower_ratio = 0.8;  // squared
 
     std::vector<std::uint8_t>& fixed_;
     std::span<const VertexPair> fixed_edges_;
