@@ -35,6 +35,10 @@ struct Scatter {
         xx += other.xx, xy += other.xy, xz += other.xz;
         yy += other.yy, yz += other.yz, zz += other.zz;
     }
+    Vec3 times(Vec3 d) const {
+        return {xx * d.x + xy * d.y + xz * d.z, xy * d.x + yy * d.y + yz * d.z,
+                xz * d.x + yz * d.y + zz * d.z};
+    }
 };
 
 // Unit eigenvector of the smallest eigenvalue, by Jacobi rotations (Golub and Van Loan, Matrix Computations,
@@ -69,10 +73,14 @@ Vec3 least_direction(const Scatter& s) {
     return canonical(normalized(Vec3{v[0][least], v[1][least], v[2][least]}));
 }
 
-Scatter scatter_of(std::span<const Vec3> points) {
+Vec3 mean_of(std::span<const Vec3> points) {
     Vec3 mean;
     for (const Vec3& p : points) mean += p - points[0];
-    mean = points[0] + (1.0 / static_cast<double>(points.size())) * mean;
+    return points[0] + (1.0 / static_cast<double>(points.size())) * mean;
+}
+
+Scatter scatter_of(std::span<const Vec3> points) {
+    const Vec3 mean = mean_of(points);
     Scatter scatter;
     for (const Vec3& p : points) scatter.add(p - mean);
     return scatter;
@@ -119,21 +127,154 @@ int axis_position(std::span<const Vec3> points, double allowed, std::vector<doub
     return -1;
 }
 
+// How far rounding to decimals has moved the points off their planes at most; 0 where it cannot be seen.
+double rounding_of(std::span<const ContourToPlace> contours) {
+    for (const double step : {0.1, 0.01, 0.001}) {
+        const auto is_multiple = [&](double v) {
+            return std::abs(v - step * std::round(v / step)) <= 1e-12 * (1 + std::abs(v));
+        };
+        const bool all = std::all_of(contours.begin(), contours.end(), [&](const ContourToPlace& contour) {
+            return contour.plane >= 0 ||
+                   std::all_of(contour.points.begin(), contour.points.end(), [&](const Vec3& p) {
+                       return is_multiple(p.x) && is_multiple(p.y) && is_multiple(p.z);
+                   });
+        });
+        if (all) return 0.5 * std::sqrt(3.0) * step;
+    }
+    return 0;
+}
+
+constexpr double fitted = 1.25;       // times the noise, what points may be off a plane fitted to them
+constexpr double least_noise = 1e-5;  // of the contours' extent
+
+// Contours that lie on one plane as well as each of them lies on its own.
+struct Sheet {
+    std::vector<std::uint32_t> contours;
+    double area = 0;   // of all of them
+    double noise = 0;  // how far points of one of them lie off that one's own plane
+    // Of all points.
+    double count = 0;
+    Vec3 mean, normal;
+    Scatter scatter;
+
+    // How much further off the plane may be at p than at the sheet's own points, for what is known of them.
+    double leverage(Vec3 p) const {
+        const Vec3 way = p - mean, inside = way - dot(way, normal) * normal;
+        const double spread = dot(inside, scatter.times(inside)) / count, square = squared_length(inside);
+        return spread > 0 ? square / std::sqrt(spread) : square > 0 ? infinity : 0;
+    }
+};
+
+Sheet joined(const Sheet& large, const Sheet& small) {
+    Sheet both = large;
+    both.contours.insert(both.contours.end(), small.contours.begin(), small.contours.end());
+    both.area += small.area;
+    both.noise = std::max(large.noise, small.noise);
+    both.count += small.count;
+    const Vec3 way = small.mean - large.mean;
+    both.mean += (small.count / both.count) * way;
+    both.scatter.add(small.scatter);
+    both.scatter.add(std::sqrt(large.count * small.count / both.count) * way);
+    both.normal = least_direction(both.scatter);
+    return both;
+}
+
+// Puts together the contours of one slice, the largest first: a small one alone says little of its plane.
+class SheetFinder {
+  public:
+    // Points of a contour that lie further than `tolerance` off its plane do not show what plane it is.
+    SheetFinder(std::span<const ContourToPlace> contours, double tolerance, double rounding)
+        : contours_(contours), tolerance_(tolerance), rounding_(rounding) {
+        Box3 box;
+        for (const ContourToPlace& contour : contours) {
+            for (const Vec3& p : contour.points) box.extend(p);
+        }
+        floor_ = least_noise * box.diagonal();
+    }
+
+    // Those without a declared plane.
+    std::vector<Sheet> run() const {
+        std::vector<Sheet> singles;
+        for (std::uint32_t c = 0; c < contours_.size(); ++c) {
+            if (contours_[c].plane < 0) singles.push_back(single(c));
+        }
+        std::stable_sort(singles.begin(), singles.end(),
+                         [](const Sheet& p, const Sheet& q) { return p.area > q.area; });
+        std::vector<Sheet> sheets;
+        for (Sheet& one : singles) {
+            const std::size_t host = one.noise <= tolerance_ ? host_of(one, sheets) : sheets.size();
+            if (host < sheets.size()) {
+                sheets[host] = joined(sheets[host], one);
+            } else {
+                sheets.push_back(std::move(one));
+            }
+        }
+        return sheets;
+    }
+
+  private:
+    Sheet single(std::uint32_t c) const {
+        const std::span<const Vec3> points = contours_[c].points;
+        Sheet one;
+        one.contours = {c};
+        one.area = vector_area(points);
+        one.count = static_cast<double>(points.size());
+        one.mean = mean_of(points);
+        one.scatter = scatter_of(points);
+        one.normal = least_direction(one.scatter);
+        one.noise = deviation(one);
+        return one;
+    }
+
+    double deviation(const Sheet& sheet) const {
+        double largest = 0;
+        for (const std::uint32_t c : sheet.contours) {
+            for (const Vec3& p : contours_[c].points)
+                largest = std::max(largest, std::abs(dot(p - sheet.mean, sheet.normal)));
+        }
+        return largest;
+    }
+
+    // The sheet whose plane fits best; their number if none does.
+    std::size_t host_of(const Sheet& one, const std::vector<Sheet>& sheets) const {
+        constexpr double furthest = 10;  // radii of a sheet beside it
+        std::size_t best = sheets.size();
+        double least = 1;
+        for (std::size_t s = 0; s < sheets.size(); ++s) {
+            const Sheet& sheet = sheets[s];
+            if (sheet.noise > tolerance_) continue;
+            const double allowed = fitted * std::max({one.noise, sheet.noise, rounding_}) + floor_;
+            const double reach = 1 + std::min(sheet.leverage(one.mean), furthest);
+            const double off = std::abs(dot(one.mean - sheet.mean, sheet.normal)) / (allowed * reach);
+            if (off >= least) continue;
+            const double worst = std::max(off, deviation(joined(sheet, one)) / allowed);
+            if (worst < least) least = worst, best = s;
+        }
+        return best;
+    }
+
+    std::span<const ContourToPlace> contours_;
+    double tolerance_, rounding_, floor_ = 0;
+};
+
 struct Orientation {
     Vec3 normal;
     bool fixed = false;  // an axis or a declared normal: not to be refined
     Scatter scatter;     // of its fitted members, pooled
 };
 
+struct Own {
+    Orientation orientation;
+    double deviation = infinity;
+};
+
 // Assigns an orientation to every contour without a declared plane.
 class OrientationFinder {
   public:
-    OrientationFinder(std::span<const ContourToPlace> contours, const PlaneGroupingOptions& options)
-        : contours_(contours), options_(options), area_(contours.size()) {
-        for (std::size_t c = 0; c < contours.size(); ++c) {
-            if (contours[c].plane < 0) area_[c] = vector_area(contours[c].points);
-        }
-    }
+    // `noise`: of the points, by rounding.
+    OrientationFinder(std::span<const ContourToPlace> contours, std::vector<double> area,
+                      const PlaneGroupingOptions& options, double noise)
+        : contours_(contours), options_(options), noise_(noise), area_(std::move(area)) {}
 
     void run(std::vector<Orientation>& orientations, std::vector<std::int32_t>& orientation_of) {
         place_axis_parallel(orientations, orientation_of);
@@ -150,6 +291,44 @@ class OrientationFinder {
         for (std::size_t c : damaged) place(c, false, orientations, orientation_of);
         for (Orientation& orientation : orientations) {
             if (!orientation.fixed) orientation.normal = least_direction(orientation.scatter);
+        }
+    }
+
+    // Gives contours orientations of their own which do not lie in the plane of theirs, or which lie in
+    // planes that cross or nearly do.
+    void set_apart(std::vector<Orientation>& orientations, std::vector<std::int32_t>& orientation_of) {
+        struct Placed {
+            std::int32_t orientation;
+            double low, high;
+            std::size_t contour;
+            Own own;
+        };
+        std::vector<Placed> placed;
+        std::vector<bool> leaves(contours_.size(), false);
+        for (std::size_t c = 0; c < contours_.size(); ++c) {
+            const std::span<const Vec3> points = contours_[c].points;
+            if (contours_[c].plane >= 0 || points.size() < least_points) continue;
+            const Own own = fitted_orientation(points);
+            if (own.deviation > tolerance()) continue;
+            const double off = fit_along(points, orientations[orientation_of[c]].normal, buffer_).deviation;
+            leaves[c] = off > tolerance() && is_far_better(own, off, points.size());
+            const auto [low, high] = std::minmax_element(buffer_.begin(), buffer_.end());
+            placed.push_back({orientation_of[c], *low, *high, c, own});
+        }
+        std::stable_sort(placed.begin(), placed.end(), [](const Placed& p, const Placed& q) {
+            return p.orientation != q.orientation ? p.orientation < q.orientation : p.low < q.low;
+        });
+        const Placed* highest = nullptr;
+        for (const Placed& one : placed) {
+            if (highest && highest->orientation == one.orientation && one.low < highest->high)
+                leaves[highest->contour] = leaves[one.contour] = true;
+            if (!highest || highest->orientation != one.orientation || one.high > highest->high)
+                highest = &one;
+        }
+        for (const Placed& one : placed) {
+            if (!leaves[one.contour]) continue;
+            orientation_of[one.contour] = static_cast<std::int32_t>(orientations.size());
+            orientations.push_back(one.own.orientation);
         }
     }
 
@@ -178,21 +357,33 @@ class OrientationFinder {
         }
     }
 
-    struct Own {
-        Orientation orientation;
-        double deviation = infinity;
-    };
+    static constexpr std::size_t least_points = 8;
+
+    // Points so far off a plane still show it.
+    double tolerance() const { return std::max(options_.plane_tolerance_mm, fitted * noise_); }
 
     // The orientation that a contour's own points show when they lie on one plane within the tolerance.
     std::optional<Own> clean_orientation(std::span<const Vec3> points) {
+        const Own own = fitted_orientation(points);
         for (int axis : axis_order) {
             const double deviation = fit_along(points, axes[axis], buffer_).deviation;
-            if (deviation <= options_.plane_tolerance_mm) return Own{{axes[axis], true, {}}, deviation};
+            if (deviation <= noise_ ||
+                (deviation <= options_.plane_tolerance_mm && !is_far_better(own, deviation, points.size())))
+                return Own{{axes[axis], true, {}}, deviation};
         }
+        if (own.deviation > tolerance()) return std::nullopt;
+        return own;
+    }
+
+    Own fitted_orientation(std::span<const Vec3> points) {
         const Vec3 normal = least_direction(scatter_of(points));
-        const double deviation = fit_along(points, normal, buffer_).deviation;
-        if (deviation > options_.plane_tolerance_mm) return std::nullopt;
-        return Own{{normal, false, {}}, deviation};
+        return Own{{normal, false, {}}, fit_along(points, normal, buffer_).deviation};
+    }
+
+    // A few points always lie near some plane: their own one counts only when it fits far better.
+    bool is_far_better(const Own& own, double off, std::size_t points) const {
+        return points >= least_points &&
+               own.deviation <= std::max(0.1 * off, std::min(0.5 * off, fitted * noise_));
     }
 
     // The best guess for a contour with points off its plane.
@@ -213,14 +404,12 @@ class OrientationFinder {
             const double deviation = fit_along(points, orientations[o].normal, buffer_).deviation;
             if (deviation < best) best = deviation, chosen = o;
         }
-        bool shows_plane = best <= options_.plane_tolerance_mm;
+        bool shows_plane = best <= tolerance();
         if (!shows_plane && (clean_only || best > options_.plane_repair_mm)) {
             const std::optional<Own> own =
                 clean_only ? clean_orientation(points) : damaged_orientation(points);
             if (!own) return false;
-            // A few points always lie near some plane: within the repair bound their own one counts only when
-            // it fits far better.
-            const bool far_better = points.size() >= 8 && own->deviation <= 0.1 * best;
+            const bool far_better = is_far_better(*own, best, points.size());
             if (far_better || (best > options_.plane_repair_mm && own->deviation < best)) {
                 chosen = orientations.size();
                 orientations.push_back(own->orientation);
@@ -234,6 +423,7 @@ class OrientationFinder {
 
     std::span<const ContourToPlace> contours_;
     const PlaneGroupingOptions& options_;
+    double noise_;
     std::vector<double> area_;
     std::vector<double> buffer_;
 };
@@ -340,21 +530,17 @@ Plane plane_at(double offset, Vec3 normal) {
     return make_plane({origin.x + 0.0, origin.y + 0.0, origin.z + 0.0}, normal);
 }
 
-}  // namespace
-
-int axis_of(const Plane& plane) {
-    for (int axis : axis_order) {
-        if (plane.normal == axes[axis]) return axis;
-    }
-    return -1;
-}
-
-PlaneGroups group_planes(std::span<const ContourToPlace> contours, std::span<const Plane> declared,
-                         const PlaneGroupingOptions& options) {
+// `area` of each of the contours, `noise` of their points by rounding, `are_sheets`: no two that were not put
+// together lie on one plane.
+PlaneGroups group_placed(std::span<const ContourToPlace> contours, std::vector<double> area,
+                         std::span<const Plane> declared, const PlaneGroupingOptions& options, double noise,
+                         bool are_sheets) {
     std::vector<Orientation> orientations;
     std::vector<std::int32_t> orientation_of(contours.size(), -1);
     place_declared(contours, declared, options, orientations, orientation_of);
-    OrientationFinder(contours, options).run(orientations, orientation_of);
+    OrientationFinder finder(contours, std::move(area), options, noise);
+    finder.run(orientations, orientation_of);
+    if (are_sheets) finder.set_apart(orientations, orientation_of);
 
     // Orientations in a fixed order.
     std::vector<std::int32_t> order(orientations.size()), rank(orientations.size());
@@ -398,6 +584,62 @@ PlaneGroups group_planes(std::span<const ContourToPlace> contours, std::span<con
             groups.spread_mm.push_back(run.back().offset - run.front().offset);
         }
     }
+    return groups;
+}
+
+}  // namespace
+
+int axis_of(const Plane& plane) {
+    for (int axis : axis_order) {
+        if (plane.normal == axes[axis]) return axis;
+    }
+    return -1;
+}
+
+PlaneGroups group_planes(std::span<const ContourToPlace> contours, std::span<const Plane> declared,
+                         const PlaneGroupingOptions& options) {
+    std::vector<double> buffer;
+    const bool are_known = std::all_of(contours.begin(), contours.end(), [&](const ContourToPlace& contour) {
+        return contour.plane >= 0 || axis_position(contour.points, options.plane_repair_mm, buffer) >= 0;
+    });
+    const double noise = are_known ? 0 : rounding_of(contours);
+    std::vector<std::vector<std::uint32_t>> sheets(declared.size());
+    for (std::uint32_t c = 0; c < contours.size(); ++c) {
+        if (contours[c].plane >= 0) {
+            sheets[static_cast<std::size_t>(contours[c].plane)].push_back(c);
+        } else if (are_known) {
+            sheets.push_back({c});
+        }
+    }
+    if (!are_known) {
+        const double tolerance = std::max(options.plane_tolerance_mm, fitted * noise);
+        for (Sheet& sheet : SheetFinder(contours, tolerance, noise).run()) {
+            std::sort(sheet.contours.begin(), sheet.contours.end());
+            sheets.push_back(std::move(sheet.contours));
+        }
+    }
+    std::erase_if(sheets, [](const auto& sheet) { return sheet.empty(); });
+    std::sort(sheets.begin(), sheets.end());
+
+    // The contours of a sheet take their place as one.
+    std::vector<std::vector<Vec3>> points(sheets.size());
+    std::vector<ContourToPlace> joint;
+    std::vector<double> area(sheets.size(), 0);
+    for (std::size_t s = 0; s < sheets.size(); ++s) {
+        const ContourToPlace& first = contours[sheets[s][0]];
+        for (const std::uint32_t c : sheets[s]) {
+            area[s] += vector_area(contours[c].points);
+            if (sheets[s].size() > 1)
+                points[s].insert(points[s].end(), contours[c].points.begin(), contours[c].points.end());
+        }
+        joint.push_back({sheets[s].size() > 1 ? points[s] : first.points, first.plane});
+    }
+    PlaneGroups groups = group_placed(joint, std::move(area), declared, options, noise, !are_known);
+    std::vector<std::uint32_t> slice_of(contours.size());
+    for (std::size_t s = 0; s < sheets.size(); ++s) {
+        for (const std::uint32_t c : sheets[s]) slice_of[c] = groups.slice_of[s];
+    }
+    groups.slice_of = std::move(slice_of);
     return groups;
 }
 

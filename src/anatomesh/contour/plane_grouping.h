@@ -27,16 +27,19 @@ struct PlaneGroups {
     std::vector<std::uint32_t> slice_of;  // per contour
 };
 
-// Declared planes are taken as they are. Otherwise: three quarters of a contour's points at one x, y or z say
-// an axis-parallel plane; else the least-squares plane, refined over all contours of that orientation
-// together, so that a stack that is tilted has one normal. Small or damaged contours join the orientation
-// they fit. Guarantees: every slice's plane is make_plane(origin, normal) with the origin the foot of (0, 0,
-// 0), so that an axial slice has in-plane coordinates equal to x and y; the normal's largest component is
-// positive (ties: z, then y); parallel planes share a slice when they lie within group_tolerance_mm and that
-// is little beside the stack itself: 2 % of its largest gap, or of two planes alone 1e-3 of the contours'
-// extent. A stack of finer slices keeps them all. The result depends on the order of contours only through
-// rounding in the refined normal: give them in a canonical order. Complexity: O(points + contours x
-// orientations).
+// Declared planes are taken as they are: contours of one share a slice. Otherwise: three quarters of a
+// contour's points at one x, y or z say an axis-parallel plane. Where some contours lie otherwise, those that
+// lie on one plane together as well as each of them does alone (within its own deviation and the rounding of
+// the coordinates) are put together first, the largest first, and have the least-squares plane of all their
+// points; planes that agree within the tolerance get one normal, refined over all of them, so that a stack
+// that is tilted has one, but not planes that cross within their contours. Small or damaged contours join the
+// orientation they fit. Guarantees: every slice's plane is make_plane(origin, normal) with the origin the
+// foot of (0, 0, 0), so that an axial slice has in-plane coordinates equal to x and y; the normal's largest
+// component is positive (ties: z, then y); parallel planes share a slice when they lie within
+// group_tolerance_mm and that is little beside the stack itself: 2 % of its largest gap, or of two planes
+// alone 1e-3 of the contours' extent. A stack of finer slices keeps them all. The result depends on the order
+// of contours only through rounding in the refined normal: give them in a canonical order. Complexity:
+// O(points x orientations + contours x slices), and the points of a slice once more for each of its contours.
 PlaneGroups group_planes(std::span<const ContourToPlace> contours, std::span<const Plane> declared,
                          const PlaneGroupingOptions& options);
 
