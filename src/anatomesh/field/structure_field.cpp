@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "anatomesh/field/crossed_field.h"
 #include "anatomesh/field/general_field.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/swept_field.h"
@@ -24,6 +25,8 @@ Result<std::shared_ptr<const StructureField>> make_structure_field(const Contour
     if (is_parallel(set)) return make_parallel_field(set, options, context);
     if (std::optional<Sweep> sweep = Sweep::of(set))
         return make_swept_field(std::move(*sweep), set, options, context);
+    if (const std::optional<StackAndCrossing> slices = stack_and_crossing(set))
+        return make_crossed_field(set, *slices, options, context);
     return make_general_field(set, options, context);
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/reconcile/plane_patches.h"
 #include "anatomesh/uncertainty/evidence.h"
 
@@ -16,27 +17,6 @@ namespace {
 constexpr std::uint32_t samples_per_slice = 16;  // of a slice's points, for its distance from others
 constexpr int steps_to_clamp = 12;               // of a search along a line
 constexpr double spacings_of_reach = 4;
-
-// The chosen slices of a set, in their order.
-ContourSet part_of(const ContourSet& set, const std::vector<std::uint32_t>& slices) {
-    ContourSet part = set;
-    part.slices.clear();
-    part.contours.clear();
-    part.points.clear();
-    for (const std::uint32_t s : slices) {
-        Slice slice = set.slices[s];
-        slice.first_contour = static_cast<std::uint32_t>(part.contours.size());
-        for (Contour contour : set.contours_of(set.slices[s])) {
-            const auto points = set.points_of(contour);
-            contour.slice = static_cast<std::uint32_t>(part.slices.size());
-            contour.first_point = static_cast<std::uint32_t>(part.points.size());
-            part.points.insert(part.points.end(), points.begin(), points.end());
-            part.contours.push_back(contour);
-        }
-        part.slices.push_back(std::move(slice));
-    }
-    return part;
-}
 
 // The `count` slices nearest to slice k, k itself left out, in order.
 std::vector<std::uint32_t> neighbors_of(const ContourSet& set, const std::vector<PlanePatch>& patches,
@@ -131,7 +111,7 @@ Result<LeftOut> leave_slices_out(const ContourSet& set, const LeftOutOptions& op
     parallel_for(set.slices.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
         for (auto k = static_cast<std::uint32_t>(begin); k < end && !context.cancelled(); ++k) {
             if (patches[k].box.empty()) continue;
-            const ContourSet others = part_of(
+            const ContourSet others = chosen_slices(
                 set,
                 neighbors_of(set, patches, k, is_stack ? options.parallel_neighbors : options.neighbors));
             RunContext quiet;

@@ -1,0 +1,302 @@
+#include "anatomesh/field/crossed_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "anatomesh/contour/chosen_slices.h"
+#include "anatomesh/field/distance_map.h"
+#include "anatomesh/field/field_queries.h"
+#include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/slice_regions.h"
+#include "anatomesh/field/sweep.h"
+#include "anatomesh/field/swept_field.h"
+#include "anatomesh/reconcile/plane_patches.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double least_gap = 0.2;             // of two slices that do not nearly cross, of their mean one
+constexpr std::size_t least_stack = 4;        // slices
+constexpr std::size_t stack_to_crossing = 3;  // as many slices at least
+constexpr double leaning_degrees = 30;        // a slice that leans no more against the stack lies in it
+constexpr double reach_spacings = 2;          // of a plane to either side
+constexpr double nearest_share = 1e-9;        // of the reach, from which a plane counts where it fades
+constexpr double most_steep = 10;             // of the stack's value over the plane's own distance
+
+std::array<Vec3, 4> corners_of(const PlanePatch& patch) {
+    const Box2& box = patch.box;
+    return {patch.plane.to_space(box.low), patch.plane.to_space({box.high.x, box.low.y}),
+            patch.plane.to_space(box.high), patch.plane.to_space({box.low.x, box.high.y})};
+}
+
+// Whether the boxes of two slices' contours cross, or come much nearer at one place than at others.
+bool nearly_cross(const PlanePatch& one, const PlanePatch& other) {
+    if (one.box.empty() || other.box.empty()) return false;
+    for (const auto& [plane, corners] :
+         {std::pair{one.plane, corners_of(other)}, std::pair{other.plane, corners_of(one)}}) {
+        double sum = 0, least = HUGE_VAL, most = -HUGE_VAL;
+        for (const Vec3 p : corners) {
+            const double height = plane.signed_distance(p);
+            sum += height / 4;
+            least = std::min(least, height);
+            most = std::max(most, height);
+        }
+        if (std::min(std::abs(least), std::abs(most)) < least_gap * std::abs(sum) ||
+            (least < 0) != (most < 0))
+            return true;
+    }
+    return false;
+}
+
+bool is_stack(const ContourSet& set) {
+    return is_parallel(set) || Sweep::of(set);
+}
+
+// Whether every structure of the set is drawn in two slices of the part.
+bool draws_all(const ContourSet& part, const ContourSet& set) {
+    std::vector<std::uint32_t> drawn(set.structures.size(), 0);
+    std::vector<std::uint32_t> last(set.structures.size(), static_cast<std::uint32_t>(-1));
+    for (const Contour& contour : part.contours) {
+        drawn[contour.structure] += last[contour.structure] != contour.slice;
+        last[contour.structure] = contour.slice;
+    }
+    return std::all_of(set.contours.begin(), set.contours.end(),
+                       [&](const Contour& contour) { return drawn[contour.structure] > 1; });
+}
+
+}  // namespace
+
+std::optional<StackAndCrossing> stack_and_crossing(const ContourSet& set) {
+    if (set.exclusive && set.structures.size() > 1) return std::nullopt;
+    const std::vector<PlanePatch> patches = plane_patches(set);
+    const std::size_t count = patches.size();
+    std::vector<std::vector<std::uint32_t>> crossed(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        for (std::uint32_t j = 0; j < i; ++j) {
+            if (!nearly_cross(patches[i], patches[j])) continue;
+            crossed[i].push_back(j);
+            crossed[j].push_back(i);
+        }
+    }
+    // Of two that cross each other alone the one that leans more against all others.
+    std::vector<double> lean(count, 0);
+    for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t j = 0; j < count; ++j)
+            lean[i] += 1 - std::abs(dot(patches[i].plane.normal, patches[j].plane.normal));
+    }
+    std::vector<std::uint8_t> is_crossing(count, 0);
+    StackAndCrossing made;
+    while (stack_to_crossing * made.crossing.size() <= count) {
+        std::uint32_t worst = 0;
+        for (std::uint32_t i = 1; i < count; ++i) {
+            if (std::pair(crossed[i].size(), lean[i]) > std::pair(crossed[worst].size(), lean[worst]))
+                worst = i;
+        }
+        if (crossed[worst].empty()) break;
+        for (const std::uint32_t j : std::exchange(crossed[worst], {})) std::erase(crossed[j], worst);
+        is_crossing[worst] = 1;
+        made.crossing.push_back(worst);
+    }
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (!is_crossing[i]) made.stack.push_back(i);
+    }
+    if (made.crossing.empty() || made.stack.size() < least_stack ||
+        made.stack.size() < stack_to_crossing * made.crossing.size())
+        return std::nullopt;
+    std::sort(made.crossing.begin(), made.crossing.end());
+    const ContourSet stack = chosen_slices(set, made.stack);
+    if (!draws_all(stack, set) || !is_stack(stack)) return std::nullopt;
+    return made;
+}
+
+namespace {
+
+class CrossedField final : public FieldQueries<CrossedField> {
+  public:
+    CrossedField(std::shared_ptr<const StructureField> stack, const ContourSet& set,
+                 const StackAndCrossing& slices)
+        : stack_(std::move(stack)), reach_(reach_spacings * stack_->slice_spacing()) {
+        clamp_ = stack_->clamp();
+        const std::vector<PlanePatch> patches = plane_patches(set);
+        for (const std::uint32_t s : slices.stack) {
+            if (!patches[s].box.empty()) layers_.push_back(patches[s]);
+        }
+        box_ = stack_->box();
+        for (std::uint32_t s = 0; s < set.structures.size(); ++s) boxes_.push_back(stack_->box_of(s));
+        for (const std::uint32_t s : slices.crossing) {
+            if (patches[s].box.empty()) continue;
+            planes_.push_back({patches[s], {}});
+            planes_.back().maps.resize(set.structures.size());
+            for (SliceRegion& region : slice_regions(set, s, patches[s].plane))
+                planes_.back().maps[region.structure].emplace(std::move(region.edges), clamp_);
+            for (const Contour& contour : set.contours_of(set.slices[s])) {
+                Box3 drawn;
+                for (const Vec3& p : set.points_of(contour)) drawn.extend(p);
+                drawn = drawn.grown(reach_);
+                for (Box3* const box : {&box_, &boxes_[contour.structure]}) {
+                    box->extend(drawn.low);
+                    box->extend(drawn.high);
+                }
+            }
+        }
+    }
+
+    double slice_spacing() const override { return stack_->slice_spacing(); }
+    Box3 box() const override { return box_; }
+    Box3 box_of(std::uint32_t structure) const override { return boxes_[structure]; }
+
+    RawValue raw(std::uint32_t structure, Vec3 p, double reach) const {
+        Sight sight;
+        return {look(p, sight) ? value_at(structure, p, sight) : stack_->value_within(structure, p, reach)};
+    }
+    double raw_union(Vec3 p) const { return union_value(p); }
+
+    template <class Body>
+    void each_raw(Vec3 p, Body body) const {
+        Sight sight;
+        if (!look(p, sight)) {
+            std::vector<Near> near;
+            stack_->values_near(p, near);
+            for (const Near& one : near) body(one.structure, RawValue{one.value});
+            return;
+        }
+        for (std::uint32_t s = 0; s < boxes_.size(); ++s) {
+            const double value = value_at(s, p, sight);
+            if (value < clamp_) body(s, RawValue{value});
+        }
+    }
+
+  private:
+    struct CrossingPlane {
+        PlanePatch patch;
+        std::vector<std::optional<DistanceMap>> maps;  // by structure
+    };
+    // The planes that count at a point.
+    struct Sight {
+        struct Seen {
+            const CrossingPlane* plane;
+            double weight;  // of all together 1 at most; 1 on the plane
+            Vec2 at;        // the point's projection
+        };
+        std::vector<Seen> planes;
+        bool on_plane = false;
+    };
+
+    static double distance_from(const PlanePatch& patch, Vec3 p) {
+        const double height = patch.plane.signed_distance(p);
+        return std::abs(std::clamp(height, patch.low, patch.high) - height);
+    }
+
+    // False where the stack alone counts.
+    bool look(Vec3 p, Sight& sight) const {
+        const double margin = stack_->slice_spacing();
+        double all = 0;
+        for (const CrossingPlane& plane : planes_) {
+            const double distance = distance_from(plane.patch, p);
+            if (distance >= reach_) continue;
+            const Vec2 at = plane.patch.plane.to_plane(p);
+            const Box2& box = plane.patch.box;
+            const Vec2 beside{std::clamp(at.x, box.low.x, box.high.x) - at.x,
+                              std::clamp(at.y, box.low.y, box.high.y) - at.y};
+            const double share = std::clamp(2 - length(beside) / margin, 0.0, 1.0);
+            if (share == 0) continue;
+            if (distance == 0 && share == 1) {
+                // Of several that meet here one will do: what is drawn on them agrees.
+                sight.planes.assign(1, {&plane, 1, at});
+                sight.on_plane = true;
+                break;
+            }
+            // On a plane beside what it draws, where its share fades, it counts as from very near.
+            const double from = std::max(distance, nearest_share * reach_);
+            sight.planes.push_back({&plane, share * (reach_ - from) / (reach_ * from), at});
+            all += sight.planes.back().weight;
+        }
+        if (sight.planes.empty()) return false;
+        double nearest = HUGE_VAL;
+        for (const PlanePatch& layer : layers_) nearest = std::min(nearest, distance_from(layer, p));
+        if (nearest == 0) return false;
+        if (sight.on_plane) return true;
+        all += 1 / nearest;
+        for (auto& seen : sight.planes) seen.weight /= all;
+        return true;
+    }
+
+    double value_at(std::uint32_t structure, Vec3 p, const Sight& sight) const {
+        double value = stack_->value(structure, p);
+        if (sight.on_plane)
+            return drawn_instead(value, *sight.planes.front().plane, structure, sight.planes.front().at);
+        for (const auto& [plane, weight, at] : sight.planes) {
+            const double there = stack_->value(structure, plane->patch.plane.to_space(at));
+            value += weight * (drawn_instead(there, *plane, structure, at) - there);
+        }
+        return std::clamp(value, -clamp_, clamp_);
+    }
+
+    // What takes the place of the stack's value in the plane: its sign is that of what is drawn, and where
+    // they have the same sign and the stack's is the larger, it stays.
+    double drawn_instead(double stack, const CrossingPlane& plane, std::uint32_t structure, Vec2 at) const {
+        const auto& map = plane.maps[structure];
+        const double drawn = map ? map->value(at) : clamp_;
+        return drawn < 0 ? std::max(std::min(stack, drawn), most_steep * drawn)
+                         : std::min(std::max(stack, drawn), most_steep * drawn);
+    }
+
+    std::shared_ptr<const StructureField> stack_;
+    double reach_;
+    std::vector<PlanePatch> layers_;
+    std::vector<CrossingPlane> planes_;
+    Box3 box_;
+    std::vector<Box3> boxes_;  // by structure
+};
+
+}  // namespace
+
+namespace {
+
+// How many slices one after the other were taken out of the stack, those across it left aside.
+std::size_t longest_gap(const ContourSet& set, const StackAndCrossing& slices) {
+    const Plane& first = set.slices[slices.stack.front()].plane;
+    const Box3 box = set.box();
+    const Vec3 middle = 0.5 * (box.low + box.high);
+    std::vector<std::pair<double, bool>> places;  // along the first one's normal; whether taken out
+    const auto add = [&](std::uint32_t s, bool out) {
+        const Plane& plane = set.slices[s].plane;
+        const double along = dot(plane.normal, first.normal);
+        if (out && std::abs(along) < std::cos(leaning_degrees * std::numbers::pi / 180)) return;
+        places.push_back({along == 0 ? 0 : -plane.signed_distance(middle) / along, out});
+    };
+    for (const std::uint32_t s : slices.stack) add(s, false);
+    for (const std::uint32_t s : slices.crossing) add(s, true);
+    std::sort(places.begin(), places.end());
+    std::size_t longest = 0, run = 0;
+    for (const auto& [place, out] : places) longest = std::max(longest, run = out ? run + 1 : 0);
+    return longest;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSet& set,
+                                                                 const StackAndCrossing& slices,
+                                                                 const FieldOptions& options,
+                                                                 RunContext& context) {
+    // Where a slice was taken out there is no gap.
+    const std::size_t gap = longest_gap(set, slices);
+    FieldOptions of_stack = options;
+    of_stack.max_gap_spacings *= 1 + static_cast<double>(gap);
+    const auto before = static_cast<std::ptrdiff_t>(context.warnings.size());
+    ANATOMESH_TRY(std::shared_ptr<const StructureField> stack,
+                  make_structure_field(chosen_slices(set, slices.stack), of_stack, context));
+    if (gap > 0) {
+        const auto bridged = std::remove_if(context.warnings.begin() + before, context.warnings.end(),
+                                            [](const Warning& w) { return w.code == "W-FLD-002"; });
+        context.warnings.erase(bridged, context.warnings.end());
+    }
+    return std::shared_ptr<const StructureField>(
+        std::make_shared<CrossedField>(std::move(stack), set, slices));
+}
+
+}  // namespace anatomesh

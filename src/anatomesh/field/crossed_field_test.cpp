@@ -1,0 +1,170 @@
+// Laws of the field of a stack with a few planes across it.
+#include "anatomesh/field/crossed_field.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/general_field.h"
+#include "anatomesh/field/voxel_topology_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+constexpr double pi = std::numbers::pi;
+
+// Where a ball round the origin meets a plane.
+void add_ball(SetBuilder& builder, const Plane& plane, double radius) {
+    const double h = plane.signed_distance({}), r2 = radius * radius - h * h;
+    if (r2 > 0) builder.ring(0, circle(plane.to_plane({}), std::sqrt(r2), 80));
+}
+
+// Slices 3 mm apart from z = -21 to 21, the fifth leaning by so many degrees, and planes along z.
+std::vector<Plane> stack_planes(double degrees, int along) {
+    std::vector<Plane> planes;
+    for (int k = -7; k <= 7; ++k)
+        planes.push_back(make_plane({0, 0, 3.0 * k}, {k == -3 ? std::tan(degrees * pi / 180) : 0.0, 0, 1}));
+    for (int n = 0; n < along; ++n) {
+        const double angle = 0.3 + pi * n / along;
+        planes.push_back(make_plane({0.4, 0.2, 0}, {std::cos(angle), std::sin(angle), 0.02}));
+    }
+    return planes;
+}
+
+ContourSet ball_on(const std::vector<Plane>& planes, double radius, double inner = 0) {
+    SetBuilder builder;
+    for (const Plane& plane : planes) {
+        builder.slice(plane);
+        add_ball(builder, plane, radius);
+        if (inner > 0 && std::abs(plane.signed_distance({})) < inner) {
+            const double h = plane.signed_distance({});
+            builder.ring(0, reversed(circle(plane.to_plane({}), std::sqrt(inner * inner - h * h), 80)));
+        }
+    }
+    return builder.set;
+}
+
+std::shared_ptr<const StructureField> field_of(const ContourSet& set) {
+    RunContext context;
+    return make_structure_field(set, {}, context).value();
+}
+
+TEST(CrossedField, the_few_that_run_across_or_lean_too_much_are_told_from_the_stack) {
+    const auto of = [](const std::vector<Plane>& planes) {
+        const auto slices = stack_and_crossing(ball_on(planes, 22.5));
+        return slices ? slices->crossing : std::vector<std::uint32_t>{};
+    };
+    EXPECT_EQ(of(stack_planes(0, 1)), (std::vector<std::uint32_t>{15}));
+    EXPECT_EQ(of(stack_planes(0, 3)), (std::vector<std::uint32_t>{15, 16, 17}));
+    EXPECT_EQ(of(stack_planes(12, 0)), (std::vector<std::uint32_t>{4}));
+    EXPECT_EQ(of(stack_planes(12, 2)), (std::vector<std::uint32_t>{4, 15, 16}));
+    // As many across as along, an axis, and one structure that is drawn across alone: none.
+    EXPECT_EQ(of(stack_planes(0, 8)), std::vector<std::uint32_t>{});
+    ContourSet another = ball_on(stack_planes(0, 2), 22.5);
+    another.structures.push_back(another.structures[0]);
+    another.contours.back().structure = 1;
+    EXPECT_FALSE(stack_and_crossing(another));
+}
+
+TEST(CrossedField, zero_exactly_at_every_contour_vertex_and_of_the_drawn_side_on_every_plane) {
+    for (const auto& planes : {stack_planes(0, 2), stack_planes(12, 0), stack_planes(9, 3)}) {
+        const ContourSet set = ball_on(planes, 20.3);
+        ASSERT_TRUE(stack_and_crossing(set));
+        const auto field = field_of(set);
+        for (const Vec3& p : set.points) ASSERT_EQ(field->value(0, p), 0.0);
+        for (const Slice& slice : set.slices) {
+            if (slice.contour_count == 0) continue;
+            const auto ring = set.points_of(set.contours[slice.first_contour]);
+            const Vec3 centre = slice.plane.to_space(slice.plane.to_plane({}));
+            for (const Vec3& p : ring) {
+                EXPECT_LT(field->value(0, centre + 0.96 * (p - centre)), 0);
+                EXPECT_GT(field->value(0, centre + 1.04 * (p - centre)), 0);
+            }
+        }
+    }
+}
+
+// Planes that agree with the stack make it better where they are, and nowhere much worse; planes in any
+// position would do worse.
+TEST(CrossedField, planes_that_agree_leave_the_stack_what_it_is) {
+    const double radius = 22.5;
+    const auto error = [&](const StructureField& field, double& worst) {
+        double sum = 0;
+        int count = 0;
+        worst = 0;
+        for (int n = 0; n < 4000; ++n) {
+            // Along a ray from the origin (Fibonacci's lattice on the sphere).
+            const double z = 1 - (2 * n + 1) / 4000.0, turn = n * pi * (3 - std::sqrt(5.0));
+            const Vec3 way{std::sqrt(1 - z * z) * std::cos(turn), std::sqrt(1 - z * z) * std::sin(turn), z};
+            double low = 0.5 * radius, high = 1.5 * radius;
+            for (int step = 0; step < 20; ++step) {
+                const double middle = 0.5 * (low + high);
+                (field.value(0, middle * way) < 0 ? low : high) = middle;
+            }
+            sum += std::abs(low - radius);
+            worst = std::max(worst, std::abs(low - radius));
+            ++count;
+        }
+        return sum / count;
+    };
+    double worst_alone = 0, worst = 0, worst_general = 0;
+    const double alone = error(*field_of(ball_on(stack_planes(0, 0), radius)), worst_alone);
+    for (const auto& planes : {stack_planes(0, 1), stack_planes(0, 2), stack_planes(12, 0)}) {
+        const ContourSet set = ball_on(planes, radius);
+        const double mean = error(*field_of(set), worst);
+        RunContext context;
+        const double general = error(*make_general_field(set, {}, context).value(), worst_general);
+        EXPECT_LT(mean, 1.15 * alone);
+        EXPECT_LT(worst, 1.15 * worst_alone);
+        EXPECT_LT(mean, 0.7 * general) << worst_general;
+    }
+}
+
+// Thin walls are not torn by one slice that crosses its neighbours, nor by long axes.
+TEST(CrossedField, C28_a_thin_wall_stays_whole) {
+    for (const auto& planes : {stack_planes(12, 0), stack_planes(0, 1), stack_planes(8, 2)}) {
+        const auto field = field_of(ball_on(planes, 22.5, 20));
+        EXPECT_EQ(Voxels(*field, 0.9).topology(), (Topology{1, 0, 1}));
+    }
+}
+
+// Several that lie in the stack one after the other are no gap of it.
+TEST(CrossedField, where_slices_were_taken_out_nothing_ends) {
+    std::vector<Plane> planes = stack_planes(0, 0);
+    for (const int k : {6, 7, 8}) planes[k] = make_plane(planes[k].origin, {k == 7 ? -0.2 : 0.2, 0.05, 1});
+    const ContourSet set = ball_on(planes, 22.5);
+    const auto slices = stack_and_crossing(set);
+    ASSERT_TRUE(slices);
+    ASSERT_GE(slices->crossing.size(), 2u);
+    RunContext context;
+    const auto field = make_structure_field(set, {}, context).value();
+    EXPECT_EQ(Voxels(*field, 1.2).topology(), (Topology{1, 0, 0}));
+    EXPECT_TRUE(context.warnings.empty()) << context.warnings.front().code;
+}
+
+// Beyond the last slice a plane along the axis says where the end is.
+TEST(CrossedField, a_plane_across_bounds_the_end) {
+    std::vector<Plane> planes = stack_planes(0, 1);
+    planes.erase(planes.begin() + 13, planes.begin() + 15);  // the last slice is at z = 15
+    const auto field = field_of(ball_on(planes, 22.5));
+    const auto top = [&](Vec3 p) {
+        double low = 15, high = 30;
+        for (int step = 0; step < 20; ++step) {
+            const double middle = 0.5 * (low + high);
+            (field->value(0, {p.x, p.y, middle}) < 0 ? low : high) = middle;
+        }
+        return low;
+    };
+    const Plane& across = planes.back();
+    const Vec3 on = across.origin + 2.0 * across.u - dot(across.u, Vec3{0, 0, 2}) * across.u;
+    const Vec3 foot = across.to_space(across.to_plane({on.x, on.y, 22}));
+    EXPECT_NEAR(top(foot), std::sqrt(22.5 * 22.5 - foot.x * foot.x - foot.y * foot.y), 0.1);
+}
+
+}  // namespace
+}  // namespace anatomesh
