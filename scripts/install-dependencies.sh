@@ -6,7 +6,7 @@ set -eu
 
 # What compiles the program and what it needs to run.
 build="g++ make cmake ninja-build libboost-dev libtbb-dev libdcmtk-dev libgdcm-dev
-libinsighttoolkit5-dev zlib1g-dev libssl-dev libexpat1-dev nlohmann-json3-dev libfmt-dev libcli11-dev
+libinsighttoolkit5-dev zlib1g-dev libdeflate-dev libssl-dev libexpat1-dev nlohmann-json3-dev libfmt-dev libcli11-dev
 libcpp-httplib-dev"
 # What the tests need besides: the unit tests' framework, and libraries that judge our readers and writers.
 test="libgtest-dev libcgal-dev libgmp-dev libmpfr-dev python3 python3-numpy python3-scipy python3-vtk9

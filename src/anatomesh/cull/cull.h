@@ -26,15 +26,19 @@ void find_sides(const std::vector<Vec3>& points, const StructureField& field, st
                 std::vector<Region>& sides, RegionRegistry& registry, RunContext& context);
 
 // Decides the regions of the cells with the indices `chosen`, each in this order:
-// 1. if the vertices off the interfaces all lie in one region, and no vertex lies on an interface, or at least one of
-//    five points in the cell (its centroid and the four points half-way from there to the vertices) lies in it: that
-//    region;
-// 2. else the region that weighs most, by distance to the interface, among the five points.
-// Rule 1 keeps the surface on vertices that lie on it. The decision of the 2006 method - a cell stays if ten points on
-// its edges and facets are inside - asks the same field, but loses shells thinner than a cell, all of whose vertices lie
-// on contours; rule 2 keeps them.
-// Same result at any thread count. Complexity: at most five field values a cell.
-// Follows: Archip et al., Comput. Methods Programs Biomed. 82, 2006, section 2.4 (culling).
+// 1. if the vertices off the interfaces all lie in one region, and no vertex lies on an interface, or at
+// least one of
+//    five points in the cell (its centroid and the four points half-way from there to the vertices) lies in
+//    it: that region;
+// 2. else the region that weighs most, by distance to the interface, among the five points; of a single
+// structure that
+//    of the centroid alone where no vertices name a region and it is a quarter of its mean distance from them
+//    away from the interfaces.
+// Rule 1 keeps the surface on vertices that lie on it. The decision of the 2006 method - a cell stays if ten
+// points on its edges and facets are inside - asks the same field, but loses shells thinner than a cell, all
+// of whose vertices lie on contours; rule 2 keeps them. Same result at any thread count. Complexity: at most
+// five field values a cell. Follows: Archip et al., Comput. Methods Programs Biomed. 82, 2006, section 2.4
+// (culling).
 CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells, std::span<const std::uint32_t> chosen,
                const std::vector<Region>& sides, const StructureField& field, std::uint32_t structures,
                std::vector<Region>& regions, RegionRegistry& registry, RunContext& context);

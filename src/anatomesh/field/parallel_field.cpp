@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/field/caps.h"
@@ -262,7 +263,7 @@ class ParallelField final : public FieldQueries<ParallelField> {
     }
     StructureVolume pair_volume(std::uint32_t structure, const Track::Pair& pair, double points,
                                 std::size_t layer) const;
-    double inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
+    double inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q, double step) const;
     bool is_alone(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
     Status build_maps(const ContourSet& set, RunContext& context);
     Status find_motions(const ContourSet& set, RunContext& context);
@@ -488,9 +489,49 @@ bool ParallelField::is_alone(std::uint32_t structure, const Track::Pair& pair, V
         [&](const NearEntry& entry) { return entry.structure != structure && entry.box.contains(q); });
 }
 
+// The share of a strip inside whose middle has a signed distance: what a point of a lattice stands for is cut
+// by a boundary nearer than half the strip's width, which spoils the sum less than points wholly in or out.
+struct Strip {
+    double width;  // 0: a point
+
+    double inside(double distance) const {
+        if (width > 0) return std::clamp(0.5 - distance / width, 0.0, 1.0);
+        return distance < 0;
+    }
+    // The mean of inside() over all distances from `a` to `b`.
+    double mean_inside(double a, double b) const {
+        return std::abs(b - a) <= 1e-9 * (std::abs(a) + std::abs(b)) ? inside(a)
+                                                                     : (integral(b) - integral(a)) / (b - a);
+    }
+
+  private:
+    double integral(double distance) const {
+        const double half = 0.5 * width;
+        if (distance <= -half) return distance;
+        return distance >= half ? 0
+                                : 0.5 * (distance - half) - 0.5 * (distance * distance - half * half) / width;
+    }
+};
+
+// The same over a way along which the distances are these at equal steps; between them a cubic has them
+// (Catmull and Rom, 1974).
+double mean_inside(const Strip& strip, std::span<const double> distances) {
+    const std::size_t parts = distances.size() - 1;
+    double sum = 0;
+    for (std::size_t k = 0; k < parts; ++k) {
+        const double from = distances[k], to = distances[k + 1];
+        const double before = k > 0 ? distances[k - 1] : 2 * from - to,
+                     beyond = k + 1 < parts ? distances[k + 2] : 2 * to - from;
+        const double middle = 0.0625 * (9 * (from + to) - before - beyond);
+        sum += 0.5 * (strip.mean_inside(from, middle) + strip.mean_inside(middle, to));
+    }
+    return sum / static_cast<double>(parts);
+}
+
 // The share of the column over q between two levels that is inside, less what slice integration gives it: a
-// half for each level on which q is inside.
-double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const {
+// half for each level on which q is inside. The column is `step` wide, the lattice's.
+double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q,
+                                   double step) const {
     const auto distance = [&](std::int32_t map) {
         return map == empty_level ? clamp_ : maps_[static_cast<std::size_t>(map)]->value(q);
     };
@@ -504,25 +545,22 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
     const double move = std::min(2 * length(path.move), pair.motion->max_move());
     const double bow =
         std::min({2 * SliceMotion::largest_bow(path), pair.motion->max_bow(), 10 * most_bow * gap});
-    if (alike && nearest > move + bow) return 0;
-    const double by_slices = 0.5 * (a < 0) + 0.5 * (b < 0);
+    // Neighbours share what is between them by counted sections, so there a column is a line.
+    const Strip column{partition_ || pair.below == empty_level || pair.above == empty_level ? 0 : step};
+    if (alike && nearest > move + bow + 0.5 * column.width) return 0;
+    const double by_slices = 0.5 * (column.inside(a) + column.inside(b));
     if (!partition_ || is_alone(structure, pair, q)) {
         if (pair.below == empty_level || pair.above == empty_level)
             return pair.rounded ? rounded_height(std::min(a, b), 0.5 * gap) / gap - by_slices : 0;
         const Vec3 foot = frame_.to_space(q) + pair.below_high * frame_.normal;
-        const int parts = bow > much_bowed * gap ? 24 : 6;
-        double inside = 0, last = a;
-        for (int k = 1; k <= parts; ++k) {
-            const double next =
-                k == parts ? b : raw(structure, foot + (k * gap / parts) * frame_.normal, everywhere).value;
-            if (last < 0 || next < 0) {
-                inside += last < 0 && next < 0
-                              ? 1
-                              : std::min(last, next) / (std::min(last, next) - std::max(last, next));
-            }
-            last = next;
+        std::array<double, 9> values{a};
+        const std::size_t parts = bow > much_bowed * gap ? 8 : 4;
+        for (std::size_t k = 1; k < parts; ++k) {
+            const double z = static_cast<double>(k) * gap / static_cast<double>(parts);
+            values[k] = raw(structure, foot + z * frame_.normal, everywhere).value;
         }
-        return inside / parts - by_slices;
+        values[parts] = b;
+        return mean_inside(column, std::span(values).first(parts + 1)) - by_slices;
     }
     if (std::min(a, b) > 0.25 * clamp_ + move + bow) return 0;  // what others leave between them is thinner
     constexpr int sections = 12;
@@ -556,8 +594,8 @@ StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Track:
     if (box.empty() || (!partition_ && is_prism)) return volume;
     box = box.grown(pair.motion->max_move() + std::min(pair.motion->max_bow(), 10 * most_bow * gap) +
                     (partition_ ? 0.25 * clamp_ : 0));
-    const double correction =
-        lattice_integral(box, points, layer, [&](Vec2 q) { return inside_share(structure, pair, q); });
+    const double correction = lattice_integral(
+        box, points, layer, [&](Vec2 q, double step) { return inside_share(structure, pair, q, step); });
     volume.by_field += gap * correction;
     return volume;
 }

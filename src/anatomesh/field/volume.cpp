@@ -109,7 +109,7 @@ double volume_in(const Box3& box, std::uint32_t structure, const StructureField&
             const double z = box.low.z + (static_cast<double>(k) + 0.5) * height;
             const Box2 layer{{box.low.x, box.low.y}, {box.high.x, box.high.y}};
             std::uint64_t points = 0, counted = 0;
-            lattice_integral(layer, points_in_box / static_cast<double>(layers), k, [&](Vec2 q) {
+            lattice_integral(layer, points_in_box / static_cast<double>(layers), k, [&](Vec2 q, double) {
                 ++points;
                 const std::vector<std::uint32_t>* here = blocks.members({q.x, q.y, z});
                 if (!here) {

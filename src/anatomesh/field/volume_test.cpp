@@ -112,6 +112,24 @@ TEST(FieldVolumes, equals_brute_force_counting_of_the_field) {
                 1, 3e-4);
 }
 
+// What a point of the lattice stands for is cut by a boundary near it: few points see that.
+TEST(FieldVolumes, few_points_find_what_many_do) {
+    std::mt19937 random(5);
+    SetBuilder builder;
+    for (int k = 0; k < 16; ++k) {
+        builder.slice(axial(3.0 * k));
+        builder.ring(0, star({1.5 * k, -1.0 * k}, 18, 24, 80, random));
+        builder.ring(0, reversed(star({1.5 * k, -1.0 * k}, 13, 16, 60, random)));
+    }
+    VolumeOptions few, many;
+    few.points_per_slab = 2000;
+    many.points_per_slab = 60000;
+    many.points_in_slabs = 2000000;
+    EXPECT_NEAR(volumes_of(builder.set, {}, few).front().by_field /
+                    volumes_of(builder.set, {}, many).front().by_field,
+                1, 2e-4);
+}
+
 // Two equal contours one above the other, between which the surface bulges: nothing moves, but it bows.
 TEST(FieldVolumes, count_the_bulge_between_equal_contours) {
     for (const double spacing : {8.0, 12.0}) {
@@ -182,7 +200,7 @@ std::vector<double> by_asking_everywhere(const ContourSet& set, double points_in
                 box.low.z + (static_cast<double>(k) + 0.5) * size.z / static_cast<double>(layers);
             std::uint64_t points = 0, counted = 0;
             lattice_integral({{box.low.x, box.low.y}, {box.high.x, box.high.y}},
-                             points_in_box / static_cast<double>(layers), k, [&](Vec2 q) {
+                             points_in_box / static_cast<double>(layers), k, [&](Vec2 q, double) {
                                  ++points;
                                  field->members({q.x, q.y, z}, inside);
                                  counted += std::count(inside.begin(), inside.end(), s);

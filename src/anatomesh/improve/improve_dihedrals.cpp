@@ -65,12 +65,12 @@ class Climber {
         bench_.moves_junctions = true;
         all.resize(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
-        collect(all, context.threads);
+        collect(std::move(all), context.threads);
+        // From here on few cells change: those and the bad ones are all that may be bad in the end.
+        for (auto queue = queue_; !queue.empty(); queue.pop()) watched_.push_back(queue.top().cell);
         climb_at_last(context);
         lower_ratios(context);
-        all.resize(bench_.mesh.cell_count());
-        std::iota(all.begin(), all.end(), 0u);
-        collect(std::move(all), context.threads);
+        collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
     }
@@ -126,6 +126,7 @@ class Climber {
         bench_.least_needed_sine = std::sin(listed_degrees * radians_per_degree);
         for (std::size_t n = 0; n < high.size() && !context.cancelled(); ++n) {
             if (!is_high(high[n]) || !better(high[n], 0)) continue;
+            watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());
             std::copy_if(bench_.changed.begin(), bench_.changed.end(), std::back_inserter(high), is_high);
         }
         bench_.lowers_ratios = false;
@@ -239,6 +240,7 @@ class Climber {
             }
             ++gained;
             touch(before);
+            if (thorough_) watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());
             for (const std::uint32_t c : bench_.changed) {
                 touch(bench_.mesh.cell(c));
                 if (bench_.mesh.region(c) == 0) continue;
@@ -286,6 +288,7 @@ class Climber {
     bool thorough_ = false;  // the last climb
     std::priority_queue<BadCell> queue_;
     std::vector<std::uint32_t> left_;
+    std::vector<std::uint32_t> watched_;  // what may be bad in the end
     std::vector<std::uint8_t> touched_;  // by vertex, since the scouts: a cell at it has changed
 };
 

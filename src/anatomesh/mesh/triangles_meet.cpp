@@ -1,7 +1,10 @@
 #include "anatomesh/mesh/triangles_meet.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "anatomesh/geom/predicates.h"
 
@@ -77,6 +80,32 @@ bool all_on_one_side(const std::array<int, 3>& sides, std::size_t from) {
     return above || below;
 }
 
+// A number and how far it may be off by rounding.
+struct Rounded {
+    double value, error;
+};
+
+// u (p - origin). Differences of coordinates are right to the last bit, whatever the place.
+Rounded along(Vec3 u, Vec3 p, Vec3 origin) {
+    const Vec3 w = p - origin;
+    const double x = u.x * w.x, y = u.y * w.y, z = u.z * w.z;
+    using Limits = std::numeric_limits<double>;
+    return {x + y + z, 4 * Limits::epsilon() * (std::abs(x) + std::abs(y) + std::abs(z)) + Limits::min()};
+}
+
+// Whether a plane square to u, through `origin` where that is the common vertex, has one triangle on each
+// side of it beyond doubt. Any u is right, one from b to a most likely to find it.
+bool is_plane_between(Vec3 u, Vec3 origin, const Corners& a, const Corners& b, std::size_t common) {
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    for (std::size_t i = common; i < 3; ++i) {
+        const Rounded at_a = along(u, a[i], origin), at_b = along(u, b[i], origin);
+        if (!std::isfinite(at_a.error) || !std::isfinite(at_b.error)) return false;
+        least = std::min(least, at_a.value - at_a.error);
+        most = std::max(most, at_b.value + at_b.error);
+    }
+    return common > 0 ? least > 0 && most < 0 : least > most;
+}
+
 // Two triangles without a common vertex: they meet exactly when an edge of one meets the other.
 bool apart_triangles_meet(const Corners& a, const Corners& b) {
     const std::array<int, 3> a_sides = sides_of(b, a, 0);
@@ -127,6 +156,14 @@ bool triangles_meet(std::span<const Vec3> points, const Triangle& a, const Trian
         }
     }
     const Corners pc{points[p[0]], points[p[1]], points[p[2]]}, qc{points[q[0]], points[q[1]], points[q[2]]};
+    // Most pairs lie side by side: that takes no exact sign.
+    if (common < 2) {
+        const Vec3 origin = pc[0];
+        const Vec3 to_a = (pc[1] - origin) + (pc[2] - origin),
+                   to_b = (qc[0] - origin) + (qc[1] - origin) + (qc[2] - origin);
+        const Vec3 u = common == 0 ? to_a - to_b : (1 / length(to_a)) * to_a - (1 / length(to_b)) * to_b;
+        if (is_plane_between(u, origin, pc, qc, common)) return false;
+    }
     switch (common) {
         case 0:
             return apart_triangles_meet(pc, qc);

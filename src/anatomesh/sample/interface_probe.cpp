@@ -27,12 +27,16 @@ InterfaceProbe::Look InterfaceProbe::look(Vec3 p, double reach) {
     const double value = field_.value_within(0, p, reach);
     members_.clear();
     if (value < 0) members_.push_back(0);
+    if (std::abs(value) <= reach) {
+        looked_at_ = p;
+        seen_ = value;
+    }
     return {members_, std::abs(value)};
 }
 
 double InterfaceProbe::fix_side(Vec3 p) {
     if (single_) {
-        const double value = field_.value(0, p);
+        const double value = p == looked_at_ ? seen_ : field_.value(0, p);
         sign_ = value < 0 ? -1 : 1;
         return std::abs(value);
     }

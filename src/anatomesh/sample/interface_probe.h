@@ -1,6 +1,7 @@
 // InterfaceProbe: which region a point is in, how far the nearest change of region is, and where.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -47,6 +48,8 @@ class InterfaceProbe {
     const StructureField& field_;
     bool single_;
     double sign_ = 1;                            // single structure: the sign of the value on this side
+    Vec3 looked_at_{NAN, NAN, NAN};  // single structure: where look() last found the exact value, and that
+    double seen_ = 0;
     std::vector<std::uint32_t> side_, members_;  // members on this side; scratch
 };
 

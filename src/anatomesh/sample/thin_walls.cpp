@@ -48,12 +48,25 @@ std::vector<Vec3> fine_sites(Vec3 low, const std::vector<ThinSpot>& spots, int l
     const std::int64_t i0 = first(box.low.x), j0 = first(box.low.y), k0 = first(box.low.z);
     const auto count = [&](double high, std::int64_t from) { return static_cast<std::int64_t>(std::floor(high + r)) + 1 - from; };
     const std::int64_t nx = count(box.high.x, i0), ny = count(box.high.y, j0);
-    std::vector<std::int64_t> sites;
-    std::size_t look_for_repeats = 4'000'000;
-    const auto drop_repeats = [&] {
-        std::sort(sites.begin(), sites.end());
-        sites.erase(std::unique(sites.begin(), sites.end()), sites.end());
-        look_for_repeats = std::max(look_for_repeats, 2 * sites.size());
+    // A stretch of a row by its first and its last site; every second number between them is a site, too.
+    struct Stretch {
+        std::int64_t first, last;
+        bool operator<(const Stretch& other) const { return first < other.first; }
+    };
+    std::vector<Stretch> stretches;
+    std::size_t look_for_overlaps = 4'000'000;
+    const auto join_overlapping = [&] {
+        std::sort(stretches.begin(), stretches.end());
+        std::size_t joined = 0;
+        for (const Stretch& stretch : stretches) {
+            if (joined > 0 && stretch.first <= stretches[joined - 1].last) {
+                stretches[joined - 1].last = std::max(stretches[joined - 1].last, stretch.last);
+            } else {
+                stretches[joined++] = stretch;
+            }
+        }
+        stretches.resize(joined);
+        look_for_overlaps = std::max(look_for_overlaps, 2 * joined);
     };
     for (const ThinSpot& spot : spots) {
         if (spot.level < level) continue;
@@ -64,19 +77,25 @@ std::vector<Vec3> fine_sites(Vec3 low, const std::vector<ThinSpot>& spots, int l
                 const double in_row = in_layer - (static_cast<double>(j) - p.y) * (static_cast<double>(j) - p.y);
                 if (((j - k) & 1) || in_row < 0) continue;
                 const double half = std::sqrt(in_row);
-                auto i = static_cast<std::int64_t>(std::ceil(p.x - half));
-                for (i += (i - k) & 1; i <= p.x + half; i += 2) sites.push_back(((k - k0) * ny + (j - j0)) * nx + (i - i0));
+                auto from = static_cast<std::int64_t>(std::ceil(p.x - half)),
+                     to = static_cast<std::int64_t>(std::floor(p.x + half));
+                from += (from - k) & 1;
+                to -= (to - k) & 1;
+                const std::int64_t row = ((k - k0) * ny + (j - j0)) * nx - i0;
+                if (from <= to) stretches.push_back({row + from, row + to});
             }
         }
-        // Spots lie close together: drop the repeats before they take much memory.
-        if (sites.size() > look_for_repeats) drop_repeats();
+        // Spots lie close together: join their stretches before they take much memory.
+        if (stretches.size() > look_for_overlaps) join_overlapping();
     }
-    drop_repeats();
+    join_overlapping();
     std::vector<Vec3> points;
-    points.reserve(sites.size());
-    for (const std::int64_t site : sites) {
-        const std::int64_t i = site % nx + i0, j = site / nx % ny + j0, k = site / nx / ny + k0;
-        points.push_back(low + step * Vec3{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+    for (const Stretch& stretch : stretches) {
+        for (std::int64_t site = stretch.first; site <= stretch.last; site += 2) {
+            const std::int64_t i = site % nx + i0, j = site / nx % ny + j0, k = site / nx / ny + k0;
+            points.push_back(
+                low + step * Vec3{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)});
+        }
     }
     return points;
 }
