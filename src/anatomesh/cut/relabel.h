@@ -16,6 +16,15 @@ struct RelabelStats {
     std::uint64_t lost_pieces_before = 0, lost_pieces_after = 0;  // of contour segments, off their structure's surface
     std::uint64_t cells_moved = 0;
     std::uint64_t flat_cells_peeled = 0;                  // nearly flat cells given to the region beside them
+
+    // A call after this one: what is left is what that left.
+    void add(const RelabelStats& later) {
+        cells_moved += later.cells_moved;
+        flat_cells_peeled += later.flat_cells_peeled;
+        unsound_after = later.unsound_after;
+        lost_after = later.lost_after;
+        lost_pieces_after = later.lost_pieces_after;
+    }
 };
 
 // Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect, and the pieces of contour

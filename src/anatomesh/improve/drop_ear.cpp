@@ -1,5 +1,5 @@
-#include "anatomesh/improve/cell_shape.h"
 #include "anatomesh/improve/operations.h"
+#include "anatomesh/mesh/cell_shape.h"
 
 namespace anatomesh {
 

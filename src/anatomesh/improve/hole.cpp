@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "anatomesh/improve/cell_shape.h"
+#include "anatomesh/mesh/cell_shape.h"
 
 namespace anatomesh {
 

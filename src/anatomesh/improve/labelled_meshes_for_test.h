@@ -13,7 +13,7 @@
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/improve/cell_shape.h"
+#include "anatomesh/mesh/cell_shape.h"
 #include "anatomesh/mesh/topology.h"
 
 namespace anatomesh::fixtures {

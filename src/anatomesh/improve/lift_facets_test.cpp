@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/improve/cell_shape.h"
 #include "anatomesh/mesh/brick_mesh_for_test.h"
+#include "anatomesh/mesh/cell_shape.h"
 #include "anatomesh/mesh/quality.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/sample/analytic_field_for_test.h"

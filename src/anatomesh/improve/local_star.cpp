@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "anatomesh/improve/cell_shape.h"
+#include "anatomesh/mesh/cell_shape.h"
 
 namespace anatomesh {
 

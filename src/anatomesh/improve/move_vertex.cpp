@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "anatomesh/improve/cell_shape.h"
 #include "anatomesh/improve/operations.h"
+#include "anatomesh/mesh/cell_shape.h"
 
 namespace anatomesh {
 

@@ -6,7 +6,7 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/improve/cell_shape.h"
+#include "anatomesh/mesh/cell_shape.h"
 
 namespace anatomesh {
 

@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/improve/cell_shape.h"
+#include "anatomesh/mesh/cell_shape.h"
 
 namespace anatomesh {
 

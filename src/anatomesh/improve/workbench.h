@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/improve/edit_mesh.h"
 #include "anatomesh/improve/improve_dihedrals.h"
 #include "anatomesh/improve/local_star.h"
+#include "anatomesh/mesh/edit_mesh.h"
 #include "anatomesh/sample/interface_probe.h"
 
 namespace anatomesh {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/number_text.h"
@@ -296,6 +297,48 @@ TEST(ForcedCells, names_the_contour_vertices_of_the_shortest_edge_and_the_sharp_
     ForcedCells free(mesh, contours, vertices);
     free.find_crowded(std::vector<std::uint32_t>{0}, 0.005);
     EXPECT_EQ(free.reason(0), "");
+}
+
+TEST(ForcedCells, names_contours_that_pass_each_other_or_meet_at_a_small_angle) {
+    TetMesh mesh;
+    mesh.points = {{1, 0, 0}, {0.25, 2, 0}, {0, 3, 0}, {0, 0, 4}};
+    mesh.cells = {{0, 1, 2, 3}};
+    mesh.regions = {1};
+    ContourSet contours;
+    contours.structures = {{1, "s", {}}};
+    contours.slices.resize(2);
+    contours.slices[0].name = "k = 7";
+    contours.slices[1].name = "k = 8";
+    contours.contours = {{0, 0, 0, 3}, {0, 1, 3, 3}};
+    const auto reason = [&](std::vector<Vec3> points, std::vector<std::uint32_t> vertex_of, double distance) {
+        contours.points = std::move(points);
+        ForcedCells forced(mesh, contours, vertex_of);
+        forced.find_crowded(std::vector<std::uint32_t>{0}, distance);
+        return forced.reason(0);
+    };
+    // (1, 0, 0) is no vertex of a contour, but lies on one, and the other one passes at 0.01 mm.
+    const std::vector<std::uint32_t> none(6, no_cell);
+    const std::vector<Vec3> passing{{0, 0, 0}, {9, 0, 0}, {4, -9, 0}, {1, -5, 0.01}, {1, 5, 0.01}, {9, 9, 9}};
+    EXPECT_EQ(
+        reason(passing, none, 0.02),
+        "the contour from vertex 0 in slice k = 7 0.0100 mm from the contour at vertex 3 in slice k = 8");
+    EXPECT_EQ(reason(passing, none, 0.005), "");
+    // Where its own contour goes on it is as near, and that forces nothing.
+    const std::vector<Vec3> going_on{{0.99, 0, 0}, {9, 0, 0}, {0.99, -9, 0},
+                                     {1, -5, 5},   {1, 5, 5}, {9, 9, 9}};
+    EXPECT_EQ(reason(going_on, none, 0.02), "");
+    // Two contours meet in a vertex at 20 or 40 degrees, each turning by more than 60.
+    const auto meeting = [](double degrees) {
+        const double angle = degrees * std::numbers::pi / 180;
+        const Vec3 along{5 * std::cos(angle), 5 * std::sin(angle), 0};
+        return std::vector<Vec3>{{1, 0, 0}, {6, 0, 0}, {1, 0, -5}, {1, 0, 0}, Vec3{1, 0, 0} + along,
+                                 {1, 0, 5}};
+    };
+    const std::vector<std::uint32_t> shared{0, no_cell, no_cell, 0, no_cell, no_cell};
+    EXPECT_EQ(reason(meeting(20), shared, 0.02),
+              "an angle of 20.0 degrees between the contours at vertex 0 in slice k = 7 and at vertex 3 in "
+              "slice k = 8");
+    EXPECT_EQ(reason(meeting(40), shared, 0.02), "");
 }
 
 TEST(Volume, overlapping_structures_get_their_overlap_each) {

@@ -12,7 +12,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double small_angle_deg = 60.0;
+constexpr double small_angle_deg = 60.0;     // at which a contour turns
+constexpr double small_crossing_deg = 30.0;  // between contours that share a vertex
+constexpr double on_segment = 1e-6;          // a vertex within it, in its lengths
 
 // The vertices of a surface in lexicographic order, and for each its neighbours along edges.
 class SurfaceGraph {
@@ -179,46 +181,52 @@ bool ForcedCells::forced(std::uint32_t cell) const {
 
 std::string ForcedCells::crowded_reason(std::uint32_t cell) const {
     for (const std::uint32_t v : mesh_.cells[cell]) {
-        const auto crowded = crowded_.find(point_at_[v]);
+        const auto crowded = crowded_.find(v);
         if (crowded == crowded_.end()) continue;
-        const auto& [point, other] = *crowded;
-        return "contour vertex " + std::to_string(point) + " in slice " + slice_name(point) + " " +
-               fixed_text(other.distance, 4) + " mm from the contour at vertex " +
-               std::to_string(other.segment) + " in slice " + slice_name(other.segment);
+        const Crowded& found = crowded->second;
+        const std::string other =
+            "at vertex " + std::to_string(found.segment) + " in slice " + slice_name(found.segment);
+        if (found.angle_deg < 180) {
+            return "an angle of " + fixed_text(found.angle_deg, 1) +
+                   " degrees between the contours at vertex " + std::to_string(found.own) + " in slice " +
+                   slice_name(found.own) + " and " + other;
+        }
+        return (point_at_[v] != no_cell ? "contour vertex " : "the contour from vertex ") +
+               std::to_string(found.own) + " in slice " + slice_name(found.own) + " " +
+               fixed_text(found.distance, 4) + " mm from the contour " + other;
     }
     return {};
 }
 
+Vec3 ForcedCells::segment_end(std::uint32_t from) const {
+    const Contour& contour = contours_.contours[contour_of_[from]];
+    return contours_.points[contour.first_point + (from - contour.first_point + 1) % contour.point_count];
+}
+
 void ForcedCells::find_crowded(std::span<const std::uint32_t> cells, double distance_mm) {
-    std::vector<std::uint32_t> points;
-    for (const std::uint32_t cell : cells) {
-        for (const std::uint32_t v : mesh_.cells[cell]) {
-            if (point_at_[v] != no_cell) points.push_back(point_at_[v]);
-        }
-    }
-    std::sort(points.begin(), points.end());
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    if (points.empty() || !(distance_mm > 0)) return;
+    std::vector<std::uint32_t> vertices;
+    for (const std::uint32_t cell : cells)
+        vertices.insert(vertices.end(), mesh_.cells[cell].begin(), mesh_.cells[cell].end());
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    if (vertices.empty() || !(distance_mm > 0)) return;
     const double piece_mm = 4 * distance_mm;
-    PointGrid grid(piece_mm, points.size());
-    for (const std::uint32_t p : points) grid.add(contours_.points[p]);
+    PointGrid grid(piece_mm, vertices.size());
+    for (const std::uint32_t v : vertices) grid.add(mesh_.points[v]);
+    std::vector<std::vector<NearSegment>> near(vertices.size());
     for (const Contour& contour : contours_.contours) {
         for (std::uint32_t n = 0; n < contour.point_count; ++n) {
             const std::uint32_t from = contour.first_point + n;
-            const Vec3 a = contours_.points[from],
-                       b = contours_.points[contour.first_point + (n + 1) % contour.point_count];
+            const Vec3 a = contours_.points[from], b = segment_end(from);
             const double span = length(b - a);
+            if (!(span > 0)) continue;
             const double pieces = std::max(1.0, std::ceil(span / piece_mm));
             const auto look_at = [&](std::uint32_t i, double) {
-                const Vec3 p = contours_.points[points[i]];
-                // Its own place, also where several contours share it, does not crowd it.
-                const bool at_a = p == a, at_b = p == b;
-                if (at_a && at_b) return;
-                const double along = span > 0 ? std::clamp(dot(p - a, b - a) / (span * span), 0.0, 1.0) : 0.0;
-                const double distance = at_a || at_b ? span : length(p - (a + along * (b - a)));
-                if (distance > distance_mm) return;
-                Crowded& crowded = crowded_[points[i]];
-                if (crowded.segment == no_cell || distance < crowded.distance) crowded = {from, distance};
+                const Vec3 p = mesh_.points[vertices[i]];
+                const double along = std::clamp(dot(p - a, b - a) / (span * span), 0.0, 1.0);
+                const double distance = length(p - (a + along * (b - a)));
+                if (distance > distance_mm || (!near[i].empty() && near[i].back().from == from)) return;
+                near[i].push_back({from, a, b, distance});
             };
             for (double piece = 0.5; piece < pieces; ++piece) {
                 grid.for_each_within(a + piece / pieces * (b - a), 0.5 * span / pieces + distance_mm,
@@ -226,6 +234,61 @@ void ForcedCells::find_crowded(std::span<const std::uint32_t> cells, double dist
             }
         }
     }
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        const std::uint32_t v = vertices[i];
+        const Crowded found = point_at_[v] != no_cell ? crowded_vertex(point_at_[v], near[i], distance_mm)
+                                                      : crowded_segment(near[i]);
+        if (found.segment != no_cell) crowded_[v] = found;
+    }
+}
+
+// Other segments near a contour vertex, or two there that make a small angle.
+ForcedCells::Crowded ForcedCells::crowded_vertex(std::uint32_t point, const std::vector<NearSegment>& near,
+                                                 double distance_mm) const {
+    const Vec3 p = contours_.points[point];
+    Crowded crowded;
+    for (const NearSegment& s : near) {
+        // Its own place, also where several contours share it, does not crowd it.
+        const double distance = p == s.a || p == s.b ? length(s.b - s.a) : s.distance;
+        if (distance <= distance_mm && (crowded.segment == no_cell || distance < crowded.distance))
+            crowded = {point, s.from, distance};
+    }
+    if (crowded.segment != no_cell) return crowded;
+    for (const NearSegment& s : near) {
+        for (const NearSegment& t : near) {
+            const double angle = angle_between(s, t, p);
+            if (angle > 0 && angle < small_crossing_deg && angle < crowded.angle_deg)
+                crowded = {s.from, t.from, 0, angle};
+        }
+    }
+    return crowded;
+}
+
+// Other segments near a vertex within one, but for those that go on from it without turning back.
+ForcedCells::Crowded ForcedCells::crowded_segment(const std::vector<NearSegment>& near) const {
+    std::vector<NearSegment> own;
+    for (const NearSegment& s : near) {
+        if (s.distance <= on_segment * length(s.b - s.a)) own.push_back(s);
+    }
+    Crowded crowded;
+    for (const NearSegment& s : near) {
+        const bool goes_on = std::any_of(own.begin(), own.end(), [&](const NearSegment& o) {
+            return o.from == s.from ||
+                   std::max(angle_between(o, s, o.a), angle_between(o, s, o.b)) >= small_angle_deg ||
+                   s.distance <= on_segment * length(s.b - s.a);
+        });
+        if (own.empty() || goes_on) continue;
+        if (crowded.segment == no_cell || s.distance < crowded.distance)
+            crowded = {own.front().from, s.from, s.distance};
+    }
+    return crowded;
+}
+
+// At p, in degrees; 0 where they do not both end there.
+double ForcedCells::angle_between(const NearSegment& s, const NearSegment& t, Vec3 p) {
+    if ((p != s.a && p != s.b) || (p != t.a && p != t.b)) return 0;
+    const Vec3 u = (p == s.a ? s.b : s.a) - p, w = (p == t.a ? t.b : t.a) - p;
+    return std::atan2(length(cross(u, w)), dot(u, w)) * 180.0 / std::numbers::pi;
 }
 
 std::string ForcedCells::reason(std::uint32_t cell) const {

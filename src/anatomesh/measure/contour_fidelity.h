@@ -34,8 +34,9 @@ ContourFidelity contour_fidelity(std::span<const Vec3> points,
                                  std::span<const std::vector<Triangle>> surfaces, const ContourSet& contours);
 
 // What in the contours forces a badly shaped cell, as text: its shortest edge joins two contour vertices, it
-// has a contour vertex at which the contour turns by an angle below 60 degrees, or one that lies far nearer
-// to another vertex or segment of a contour than edges are long. "" when none of these.
+// has a contour vertex at which the contour turns by an angle below 60 degrees or meets another one at less
+// than 30, or a vertex on a contour that lies far nearer to another vertex or segment of a contour than edges
+// are long. "" when none of these.
 class ForcedCells {
   public:
     // Requires: mesh and contours outlive this.
@@ -46,8 +47,8 @@ class ForcedCells {
     // Whether one of the first two reasons holds.
     bool forced(std::uint32_t cell) const;
 
-    // Looks for the third reason at the vertices of these cells: another contour vertex or segment nearer
-    // than `distance_mm`. Complexity: O(segments + cells).
+    // Looks for the other reasons at the vertices of these cells: another contour vertex or segment nearer
+    // than `distance_mm`, or another contour at a small angle. Complexity: O(segments + cells).
     void find_crowded(std::span<const std::uint32_t> cells, double distance_mm);
 
   private:
@@ -59,7 +60,24 @@ class ForcedCells {
     ShortestEdge shortest_edge(std::uint32_t cell) const;
     // The first contour vertex of the cell with a small angle, or no_cell.
     std::uint32_t sharp_vertex(std::uint32_t cell) const;
+    // A segment, and how far from a vertex it passes.
+    struct NearSegment {
+        std::uint32_t from;
+        Vec3 a, b;
+        double distance;
+    };
+    // What crowds a vertex: the starts of the contour segment that it is on and of the one that comes
+    // nearest, and its distance; or their angle.
+    struct Crowded {
+        std::uint32_t own = no_cell, segment = no_cell;
+        double distance = 0, angle_deg = 180;
+    };
     std::string crowded_reason(std::uint32_t cell) const;
+    Vec3 segment_end(std::uint32_t from) const;
+    Crowded crowded_vertex(std::uint32_t point, const std::vector<NearSegment>& near,
+                           double distance_mm) const;
+    Crowded crowded_segment(const std::vector<NearSegment>& near) const;
+    static double angle_between(const NearSegment& s, const NearSegment& t, Vec3 p);
     std::string slice_name(std::uint32_t point) const;
     double contour_angle(std::uint32_t point) const;
 
@@ -67,12 +85,7 @@ class ForcedCells {
     const ContourSet& contours_;
     std::vector<std::uint32_t> point_at_;    // by mesh vertex: the first contour point there, or no_cell
     std::vector<std::uint32_t> contour_of_;  // by contour point
-    // Contour points that others crowd: the start of the segment that comes nearest, and its distance.
-    struct Crowded {
-        std::uint32_t segment = no_cell;
-        double distance = 0;
-    };
-    std::map<std::uint32_t, Crowded> crowded_;
+    std::map<std::uint32_t, Crowded> crowded_;  // by mesh vertex
 };
 
 }  // namespace anatomesh

@@ -1,6 +1,7 @@
 #include "anatomesh/pipeline/build_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <chrono>
 #include <cmath>
@@ -23,6 +24,7 @@
 #include "anatomesh/pipeline/contour_pieces.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
 #include "anatomesh/pipeline/model_warnings.h"
+#include "anatomesh/pipeline/recovered_pieces.h"
 #include "anatomesh/pipeline/segment_vertices.h"
 #include "anatomesh/pipeline/tear_warnings.h"
 #include "anatomesh/refine/refine.h"
@@ -58,6 +60,9 @@ constexpr double crowded_crossing_spacing =
 constexpr int dense_deviation_rounds = 2;
 // Contour vertices nearer to each other than this may spoil cells, in sizes: more where planes are denser.
 constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
+// Of the cells inside, so many may come above the bound for contour pieces' sake at the first tries;
+// at further ones none.
+constexpr std::array<double, 2> most_more_bad{0.003, 0.001};
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
 // What does not depend on the size.
@@ -71,16 +76,18 @@ struct FieldAndVolumes {
 // contours' box: far from (0, 0, 0) coordinates are coarse, and a model must not depend on where the patient lay.
 class Builder {
   public:
-    // `size_given`: by the user; else it is the default, or one tried after it. `is_first`: nothing was tried before.
-    // `known`: of the run before, or empty.
-    Builder(const ContourSet& contours, const ModelOptions& options, bool size_given, bool is_first,
-            RunContext& context, const StageObserver& observer, FieldAndVolumes known)
+    // `size_given`: by the user; else it is the default, or one tried after it. `tries_before`: so many
+    // times. `known`: of the run before, or empty.
+    Builder(const ContourSet& contours, const ModelOptions& options, bool size_given,
+            std::size_t tries_before, RunContext& context, const StageObserver& observer,
+            FieldAndVolumes known)
         : source_(contours),
           origin_(contours.points.empty() ? Vec3{} : contours.box().low),
           contours_(relative_to(origin_, contours)),
           options_(options),
           size_given_(size_given),
-          is_first_(is_first),
+          tries_before_(tries_before),
+          is_first_(tries_before == 0),
           context_(context),
           observer_(observer),
           structures_(static_cast<std::uint32_t>(contours.structures.size())),
@@ -91,7 +98,7 @@ class Builder {
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
-    bool spared_shapes() const { return dense_ || (pieces_ && pieces_->are_short()); }
+    bool spared_shapes() const { return dense_ || recovered_ || (pieces_ && pieces_->are_short()); }
 
     // Whether a structure that is hardly thicker than the size was torn.
     bool tore_a_thin_structure() const {
@@ -314,11 +321,10 @@ class Builder {
     // The last few points.
     bool not_worth_a_round(std::size_t count, std::size_t share) const { return count * share < mesh_->points().size(); }
 
-    ContourOwners contour_owners() const {
+    ContourOwners contour_owners(const std::vector<SegmentPiece>& all, std::size_t point_count) const {
         std::vector<std::array<std::uint32_t, 3>> pieces;
-        for (const SegmentPiece& piece : pieces_->pieces())
-            pieces.push_back({piece.a, piece.b, piece.structure});
-        return {owner_pairs_, mesh_->points().size(), pieces};
+        for (const SegmentPiece& piece : all) pieces.push_back({piece.a, piece.b, piece.structure});
+        return {owner_pairs_, point_count, pieces};
     }
 
     // `look`: empty, or the vertices that may have a defect.
@@ -326,7 +332,8 @@ class Builder {
                                const std::vector<std::uint32_t>& look = {}) {
         const VertexStars stars(mesh_->cells().cells, mesh_->points().size(), context_.threads);
         return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, stars,
-                       contour_owners(), mesh_->sides(), mesh_->regions(), mesh_->registry(), unsound, look, context_.threads);
+                       contour_owners(pieces_->pieces(), mesh_->points().size()), mesh_->sides(),
+                       mesh_->regions(), mesh_->registry(), unsound, look, context_.threads);
     }
 
     Status cut_cells() {
@@ -346,21 +353,22 @@ class Builder {
             }
             std::sort(look.begin(), look.end());
             look.erase(std::unique(look.begin(), look.end()), look.end());
-            const RelabelStats again = relabel_cells(unsound, look);
-            relabelled.cells_moved += again.cells_moved;
-            relabelled.flat_cells_peeled += again.flat_cells_peeled;
-            relabelled.unsound_after = again.unsound_after;
-            relabelled.lost_pieces_after = again.lost_pieces_after;
+            relabelled.add(relabel_cells(unsound, look));
         }
         TetMesh& mesh = model_.mesh;
         mesh.points = mesh_->points();
-        const ContourOwners owners = contour_owners();
         mesh.cells = mesh_->cells().cells;
         mesh.regions = mesh_->regions();
-        ANATOMESH_TRY(const SplitStats split, split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
         segment_vertices_ = pieces_->vertices();
+        piece_list_ = pieces_->pieces();
+        find_neighbors(true);
+        RecoverStats recovered;
+        if (!dense_ && tries_before_ < most_more_bad.size()) recovered = recover_pieces(unsound, relabelled);
+        const ContourOwners owners = contour_owners(piece_list_, mesh.points.size());
+        ANATOMESH_TRY(const SplitStats split,
+                      split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
         segment_vertices_.insert(segment_vertices_.end(), split.on_segments.begin(), split.on_segments.end());
-        find_neighbors(unsound.empty());
+        if (!unsound.empty()) find_neighbors(false);
         given_.resize(mesh.points.size(), 0);
         const CrumbStats crumbs =
             give_crumbs_away(mesh, neighbors_, given_, {crumb_share * std::pow(sample_->stats.size_mm, 3)});
@@ -370,12 +378,34 @@ class Builder {
                     {"flat_cells_peeled", static_cast<double>(relabelled.flat_cells_peeled)},
                     {"lost_pieces", static_cast<double>(relabelled.lost_pieces_before)},
                     {"lost_pieces_after_relabelling", static_cast<double>(relabelled.lost_pieces_after)},
+                    {"missing_pieces", static_cast<double>(recovered.missing_before)},
+                    {"missing_pieces_after", static_cast<double>(recovered.missing_after)},
+                    {"recovered_by_vertices", static_cast<double>(recovered.vertices_added)},
                     {"unsound_after_relabelling", static_cast<double>(relabelled.unsound_after)},
                     {"edges_split", static_cast<double>(split.edges_split)},
                     {"vertices_split", static_cast<double>(split.vertices_split)},
                     {"vertices_joined", static_cast<double>(split.vertices_joined)},
                     {"crumbs_given_away", static_cast<double>(crumbs.pieces)}};
         return end_stage("cut", 0.75);
+    }
+
+    // What the Delaunay mesh does not have, by exchanging cells.
+    RecoverStats recover_pieces(std::vector<std::uint32_t>& unsound, RelabelStats& relabelled) {
+        std::vector<std::uint8_t> held(model_.mesh.points.size(), 0);
+        const auto vertices = mesh_->first_vertices();
+        for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
+            held[vertices[n]] = 1;
+        RecoveredPieces recovered(
+            model_.mesh, neighbors_, *mesh_, *field_,
+            {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
+            {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
+             most_more_bad[tries_before_]});
+        recovered.run(unsound, relabelled, context_);
+        piece_list_ = recovered.pieces();
+        segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
+                                 recovered.vertices().end());
+        recovered_ = recovered.stats().missing_after < recovered.stats().missing_before;
+        return recovered.stats();
     }
 
     std::vector<std::uint32_t> vertices_of_contours() const {
@@ -475,8 +505,8 @@ class Builder {
             options.passes = 1;
             options.last_deviation = 1;  // the one pass is the last
         }
-        const std::vector<std::uint32_t> slice_of = slices_of_vertices(
-            contours_, vertices_of_contours(), pieces_->pieces(), model_.mesh.points.size());
+        const std::vector<std::uint32_t> slice_of =
+            slices_of_vertices(contours_, vertices_of_contours(), piece_list_, model_.mesh.points.size());
         return improve_dihedrals(model_.mesh, neighbors_, fixed,
                                  edges_along(model_.mesh, neighbors_, segments), *field_, structures_,
                                  {&model_.regions, slice_of}, options, context_);
@@ -678,7 +708,9 @@ class Builder {
     const Vec3 origin_;
     const ContourSet contours_;  // relative to it
     const ModelOptions& options_;
-    const bool size_given_, is_first_;
+    const bool size_given_;
+    const std::size_t tries_before_;
+    const bool is_first_;
     RunContext& context_;
     const StageObserver& observer_;
     std::uint32_t structures_;
@@ -689,8 +721,10 @@ class Builder {
     std::optional<PointSample> sample_;
     std::optional<LabelledMesh> mesh_;
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
-    std::optional<ContourPieces> pieces_;          // of contour segments
+    std::optional<ContourPieces> pieces_;          // of contour segments, in mesh_
     bool dense_ = false;                           // dense_planes(), and the first try
+    std::vector<SegmentPiece> piece_list_;         // those of pieces_, and where the cut split them further
+    bool recovered_ = false;                       // some of them, by exchanging cells
     std::vector<std::uint8_t> given_;              // by vertex: one of a contour
     std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on
     std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling, by the cut too
@@ -709,7 +743,8 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
     std::optional<std::size_t> warnings_before;  // of the contours and their field
     int most_attempts = max_attempts;
     for (int attempt = 1;; ++attempt) {
-        Builder builder(contours, tried, options.size_mm > 0, attempt == 1, context, observer, known);
+        Builder builder(contours, tried, options.size_mm > 0, static_cast<std::size_t>(attempt - 1), context,
+                        observer, known);
         Result<Model> model = builder.run();
         const bool too_coarse = !model.ok() && (model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001");
         const bool torn = model.ok() && model.value().mesh.cells.size() < build_again_below && builder.tore_a_thin_structure();

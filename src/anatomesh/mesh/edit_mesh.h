@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/cut/star.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
 namespace anatomesh {
@@ -75,7 +74,7 @@ class EditMesh {
     std::vector<Vec3> points_;
     std::vector<Cell> cells_;
     std::vector<Region> regions_;
-    std::vector<CellNeighbors> neighbors_;
+    std::vector<std::array<std::uint32_t, 4>> neighbors_;
     std::vector<std::uint32_t> cell_of_;  // by vertex: one cell at it, no_cell if none
     std::vector<std::uint32_t> free_;     // numbers of removed cells
     std::vector<std::uint32_t> mark_;     // by cell; equal to stamp_ = seen

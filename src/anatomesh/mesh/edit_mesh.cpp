@@ -1,4 +1,4 @@
-#include "anatomesh/improve/edit_mesh.h"
+#include "anatomesh/mesh/edit_mesh.h"
 
 #include <algorithm>
 #include <cassert>

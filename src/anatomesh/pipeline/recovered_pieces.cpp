@@ -1,0 +1,162 @@
+#include "anatomesh/pipeline/recovered_pieces.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "anatomesh/cull/cull.h"
+#include "anatomesh/geom/point_grid.h"
+#include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/contour_fidelity.h"
+#include "anatomesh/mesh/cell_shape.h"
+#include "anatomesh/recover/insert_beside.h"
+#include "anatomesh/refine/missing_segments.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::array<double, 5> least_shapes{0.99, 0.8, 0.6, 0.4, 0.2};  // of cells, as in recover/cavity.h
+constexpr int splits_of_the_last = 5;         // of pieces that nothing else recovers
+constexpr double most_more_forced = 0.03;     // a share of the cells inside
+constexpr double most_more_far_above = 2e-5;  // a share of the cells inside
+constexpr double side_shape = 0.5;            // of the cells at points beside pieces
+constexpr int side_rounds = 2;
+
+}  // namespace
+
+RecoveredPieces::RecoveredPieces(TetMesh& mesh, std::vector<std::uint32_t>& neighbors, LabelledMesh& delaunay,
+                                 const StructureField& field, DrawnInMesh drawn,
+                                 const RecoveryOptions& options)
+    : mesh_(mesh),
+      neighbors_(neighbors),
+      registry_(delaunay.registry()),
+      field_(field),
+      drawn_(std::move(drawn)),
+      options_(options),
+      structures_(static_cast<std::uint32_t>(drawn_.contours.structures.size())),
+      sides_(delaunay.sides()) {}
+
+void RecoveredPieces::run(std::vector<std::uint32_t>& unsound, RelabelStats& relabelled,
+                          RunContext& context) {
+    stats_.missing_before =
+        missing_pieces(mesh_.cells, mesh_.points.size(), drawn_.pieces, context.threads).size();
+    std::vector<std::uint32_t> look;
+    if (stats_.missing_before > 0) recover(look, context);
+    if (!look.empty()) relabel_at(look, unsound, relabelled, context);
+    for (int round = 0; round < side_rounds && relabelled.lost_pieces_after > 0; ++round) {
+        look.clear();
+        if (!open_sides(look, context)) break;
+        relabel_at(look, unsound, relabelled, context);
+    }
+}
+
+// What spoils too many cells is undone.
+void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& context) {
+    const BadShares bad_before = shares_of_bad();
+    stats_.missing_after = stats_.missing_before;
+    for (std::size_t n = 0; n < least_shapes.size() && stats_.missing_after > 0; ++n) {
+        auto before = std::make_tuple(mesh_, neighbors_, drawn_.pieces, sides_);
+        RecoverOptions options;
+        options.least_shape = least_shapes[n];
+        options.most_splits = n + 1 == least_shapes.size() ? splits_of_the_last : 0;
+        const RecoverResult recovered =
+            recover_pieces(mesh_, neighbors_, drawn_.pieces, drawn_.held, options);
+        std::vector<std::uint32_t> here;
+        decide(recovered.undecided, here, context);
+        const BadShares bad = shares_of_bad();
+        if (bad.above_bound > bad_before.above_bound + options_.most_more_bad ||
+            bad.far_above > bad_before.far_above + most_more_far_above ||
+            bad.forced > bad_before.forced + most_more_forced) {
+            std::tie(mesh_, neighbors_, drawn_.pieces, sides_) = std::move(before);
+            return;
+        }
+        look.insert(look.end(), here.begin(), here.end());
+        vertices_.insert(vertices_.end(), recovered.vertices.begin(), recovered.vertices.end());
+        stats_.missing_after = recovered.stats.missing_after;
+        stats_.without_vertex += recovered.stats.without_vertex;
+        stats_.vertices_added += recovered.stats.vertices_added;
+        stats_.vertices_dropped += recovered.stats.vertices_dropped;
+    }
+}
+
+RecoveredPieces::BadShares RecoveredPieces::shares_of_bad() const {
+    std::vector<std::uint32_t> bad;
+    std::size_t inside = 0;
+    double edges = 0;
+    const auto squared_ratio = [&](std::uint32_t c) {
+        const Cell& v = mesh_.cells[c];
+        return squared_radius_edge(mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]],
+                                   mesh_.points[v[3]]);
+    };
+    for (std::uint32_t c = 0; c < mesh_.cells.size(); ++c) {
+        if (mesh_.regions[c] == 0) continue;
+        const Cell& v = mesh_.cells[c];
+        ++inside;
+        edges += 0.5 * (length(mesh_.points[v[1]] - mesh_.points[v[0]]) +
+                        length(mesh_.points[v[3]] - mesh_.points[v[2]]));
+        if (!(squared_ratio(c) <= options_.max_radius_edge * options_.max_radius_edge)) bad.push_back(c);
+    }
+    if (bad.empty()) return {};
+    ForcedCells forced(mesh_, drawn_.contours, drawn_.vertex_of);
+    forced.find_crowded(bad, certificate_crowded_share * edges / static_cast<double>(inside));
+    const double share = 1 / static_cast<double>(inside);
+    BadShares shares;
+    for (const std::uint32_t c : bad) {
+        if (!forced.reason(c).empty()) {
+            shares.forced += share;
+            continue;
+        }
+        shares.above_bound += share;
+        if (!(squared_ratio(c) <= certificate_bad_radius_edge * certificate_bad_radius_edge))
+            shares.far_above += share;
+    }
+    return shares;
+}
+
+bool RecoveredPieces::open_sides(std::vector<std::uint32_t>& look, RunContext& context) {
+    const std::vector<PieceSides> all_sides = piece_sides(
+        mesh_.cells, mesh_.regions, registry_.table(), mesh_.points.size(), drawn_.pieces, context.threads);
+    PointGrid grid(options_.size_mm, mesh_.points.size());
+    for (const Vec3& p : mesh_.points) grid.add(p);
+    std::vector<Vec3> points;
+    std::vector<std::uint32_t> beside;
+    for (std::size_t n = 0; n < all_sides.size(); ++n) {
+        if (all_sides[n].inside == all_sides[n].outside) continue;
+        const SegmentPiece& piece = drawn_.pieces[n];
+        find_side_points(mesh_.points, {piece}, {all_sides[n]}, field_, grid, {}, points, context);
+        beside.resize(points.size(), piece.a);
+        look.insert(look.end(), {piece.a, piece.b});
+    }
+    const std::vector<std::uint32_t> undecided =
+        insert_beside(mesh_, neighbors_, points, beside, drawn_.pieces, drawn_.held, side_shape);
+    decide(undecided, look, context);
+    return !undecided.empty();
+}
+
+// Gives new cells their regions; their vertices are appended to `look`.
+void RecoveredPieces::decide(const std::vector<std::uint32_t>& undecided, std::vector<std::uint32_t>& look,
+                             RunContext& context) {
+    find_sides(mesh_.points, field_, structures_, options_.tolerance_mm, sides_, registry_, context);
+    cull(mesh_.points, mesh_.cells, undecided, sides_, field_, structures_, mesh_.regions, registry_,
+         context);
+    for (const std::uint32_t c : undecided)
+        look.insert(look.end(), mesh_.cells[c].begin(), mesh_.cells[c].end());
+}
+
+void RecoveredPieces::relabel_at(std::vector<std::uint32_t>& look, std::vector<std::uint32_t>& unsound,
+                                 RelabelStats& relabelled, RunContext& context) {
+    look.insert(look.end(), unsound.begin(), unsound.end());
+    std::sort(look.begin(), look.end());
+    look.erase(std::unique(look.begin(), look.end()), look.end());
+    std::vector<CellNeighbors> neighbors(mesh_.cells.size());
+    for (std::size_t n = 0; n < neighbors_.size(); ++n) neighbors[n / 4][n % 4] = neighbors_[n];
+    std::vector<std::array<std::uint32_t, 3>> pieces;
+    for (const SegmentPiece& piece : drawn_.pieces) pieces.push_back({piece.a, piece.b, piece.structure});
+    const VertexStars stars(mesh_.cells, mesh_.points.size(), context.threads);
+    relabelled.add(relabel(mesh_.points, mesh_.cells, neighbors, stars,
+                           {drawn_.owners, mesh_.points.size(), pieces}, sides_, mesh_.regions, registry_,
+                           unsound, look, context.threads));
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,294 @@
+#include "anatomesh/recover/recover_pieces.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "anatomesh/geom/predicates.h"
+#include "anatomesh/recover/cavity.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::size_t most_pierced = 100;                           // cells
+constexpr std::array<double, 5> shares{0.5, 0.35, 0.65, 0.2, 0.8};  // of the way along a piece
+constexpr double near_share = 0.45;  // in lengths of a piece: free vertices nearer to it may go,
+constexpr double from_ends = 0.1;    // this far from its ends,
+constexpr std::size_t most_near = 3;
+constexpr double drop_gain = 1.25;  // where that makes cells so much better
+constexpr double enough = 0.8;      // a shape that is not looked further for
+
+struct Missing {
+    std::uint32_t a, b;
+    int splits = 0;
+};
+
+class Recoverer {
+  public:
+    Recoverer(EditMesh& mesh, KeptEdges kept, const RecoverOptions& options)
+        : mesh_(mesh), kept_(std::move(kept)), options_(options), cavity_(mesh_, kept_) {}
+
+    bool is_edge(std::uint32_t a, std::uint32_t b) {
+        mesh_.star(a, star_);
+        return std::any_of(star_.begin(), star_.end(), [&](std::uint32_t c) {
+            return std::find(mesh_.cell(c).begin(), mesh_.cell(c).end(), b) != mesh_.cell(c).end();
+        });
+    }
+
+    // Looks for a way to make the piece an edge, or two.
+    bool recover(const Missing& piece) {
+        best_.reset();
+        pierce(piece.a, piece.b);
+        if (pierced_.empty() || pierced_.size() > most_pierced) return false;
+        find_near(piece);
+        try_without(piece, {});
+        for (std::size_t n = 0; n < near_.size(); ++n) {
+            const std::span<const Near> near = near_;
+            try_without(piece, near.first(n + 1));
+            if (n > 0) try_without(piece, near.subspan(n, 1));
+        }
+        return best_.has_value();
+    }
+
+    // Looks for a place for a vertex on the piece; the halves may be missing.
+    bool split(const Missing& piece) {
+        best_.reset();
+        pierce(piece.a, piece.b);
+        for (const double share : shares) {
+            const Vec3 p = point(piece, share);
+            base_.clear();
+            for (const std::uint32_t c : pierced_) {
+                if (holds(c, p)) base_.push_back(c);
+            }
+            if (!base_.empty()) try_apex({no_cell, p}, 1);
+        }
+        return best_.has_value();
+    }
+
+    // Does what recover() or split() found best. Returns the new vertex, or no_cell.
+    std::uint32_t commit() {
+        cavity_.reset(best_->base, best_->apex);
+        cavity_.open();
+        std::vector<std::uint32_t> vertices;
+        for (const std::uint32_t c : cavity_.cells())
+            vertices.insert(vertices.end(), mesh_.cell(c).begin(), mesh_.cell(c).end());
+        std::sort(vertices.begin(), vertices.end());
+        vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+        const std::uint32_t v = cavity_.fill();
+        for (const std::uint32_t u : vertices) {
+            mesh_.star(u, star_);
+            dropped_ += star_.empty();
+        }
+        return best_->apex.vertex == no_cell ? v : no_cell;
+    }
+
+    void keep(std::uint32_t a, std::uint32_t b) { kept_.add(a, b); }
+    std::uint64_t dropped() const { return dropped_; }
+
+  private:
+    struct Choice {
+        std::vector<std::uint32_t> base;
+        Cavity::Apex apex;
+        double shape;
+    };
+    // A free vertex beside a piece.
+    struct Near {
+        double distance, share;
+        std::uint32_t vertex;
+    };
+
+    Vec3 point(const Missing& piece, double share) const {
+        const Vec3 a = mesh_.point(piece.a), b = mesh_.point(piece.b);
+        return a + share * (b - a);
+    }
+
+    // The cells that the piece passes through, and the stars of these vertices, give way to those of an end
+    // or of a new vertex.
+    void try_without(const Missing& piece, std::span<const Near> gone) {
+        base_ = pierced_;
+        for (const Near& near : gone) add_star(near.vertex);
+        const double factor = gone.empty() ? 1 : 1 / drop_gain;
+        try_apex({piece.a, {}}, factor);
+        try_apex({piece.b, {}}, factor);
+        for (const Near& near : gone) try_apex({no_cell, point(piece, near.share)}, factor);
+        for (const double share : shares) try_apex({no_cell, point(piece, share)}, factor);
+    }
+
+    void try_apex(const Cavity::Apex& apex, double factor) {
+        const double bar = best_ ? best_->shape : options_.least_shape;
+        if (bar >= factor || (best_ && best_->shape >= enough)) return;
+        cavity_.reset(base_, apex);
+        if (!cavity_.open()) return;
+        const double shape = factor * cavity_.worst();
+        if (shape > bar) best_ = Choice{base_, apex, shape};
+    }
+
+    // All cells that the piece passes through or touches between its ends.
+    void pierce(std::uint32_t a, std::uint32_t b) {
+        const Vec3 p = mesh_.point(a), q = mesh_.point(b);
+        pierced_.clear();
+        mesh_.star(a, star_);
+        for (const std::uint32_t c : star_) {
+            if (touches(c, p, q)) pierced_.push_back(c);
+        }
+        for (std::size_t n = 0; n < pierced_.size() && pierced_.size() <= most_pierced; ++n) {
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t next = mesh_.neighbor(pierced_[n], i);
+                const bool known = std::find(pierced_.begin(), pierced_.end(), next) != pierced_.end();
+                if (next != no_cell && !known && touches(next, p, q)) pierced_.push_back(next);
+            }
+        }
+    }
+
+    bool touches(std::uint32_t c, Vec3 p, Vec3 q) const {
+        return meets(c, 0, p, q) || meets(c, 1, p, q) || meets(c, 2, p, q) || meets(c, 3, p, q);
+    }
+
+    // Whether the open segment from p to q meets the closed facet, and does not lie in its plane.
+    bool meets(std::uint32_t c, int i, Vec3 p, Vec3 q) const {
+        const auto [u, v, w] = corners(c, i);
+        if (orient3d(u, v, w, p) * orient3d(u, v, w, q) >= 0) return false;
+        const int r = orient3d(p, q, u, v), s = orient3d(p, q, v, w), t = orient3d(p, q, w, u);
+        return (r >= 0 && s >= 0 && t >= 0) || (r <= 0 && s <= 0 && t <= 0);
+    }
+
+    bool holds(std::uint32_t c, Vec3 p) const {
+        for (int i = 0; i < 4; ++i) {
+            const auto [u, v, w] = corners(c, i);
+            if (orient3d(p, u, v, w) < 0) return false;
+        }
+        return true;
+    }
+
+    std::array<Vec3, 3> corners(std::uint32_t c, int i) const {
+        const Cell& cell = mesh_.cell(c);
+        const auto& f = facet_vertices[i];
+        return {mesh_.point(cell[f[0]]), mesh_.point(cell[f[1]]), mesh_.point(cell[f[2]])};
+    }
+
+    // Free vertices of the cells that it passes through, the nearest first.
+    void find_near(const Missing& piece) {
+        near_.clear();
+        const Vec3 a = mesh_.point(piece.a), way = mesh_.point(piece.b) - a;
+        const double span = length(way);
+        for (const std::uint32_t c : pierced_) {
+            for (const std::uint32_t v : mesh_.cell(c)) {
+                if (kept_.fixed(v)) continue;
+                const Vec3 offset = mesh_.point(v) - a;
+                const double share = dot(offset, way) / (span * span);
+                const double distance = length(offset - share * way);
+                if (share < from_ends || share > 1 - from_ends || distance > near_share * span) continue;
+                near_.push_back({distance, share, v});
+            }
+        }
+        std::sort(near_.begin(), near_.end(), [](const Near& x, const Near& y) {
+            return x.distance != y.distance ? x.distance < y.distance : x.vertex < y.vertex;
+        });
+        const auto same = [](const Near& x, const Near& y) { return x.vertex == y.vertex; };
+        near_.erase(std::unique(near_.begin(), near_.end(), same), near_.end());
+        if (near_.size() > most_near) near_.resize(most_near);
+    }
+
+    void add_star(std::uint32_t v) {
+        mesh_.star(v, star_);
+        for (const std::uint32_t c : star_) {
+            if (std::find(base_.begin(), base_.end(), c) == base_.end()) base_.push_back(c);
+        }
+    }
+
+    EditMesh& mesh_;
+    KeptEdges kept_;
+    RecoverOptions options_;
+    Cavity cavity_;
+    std::optional<Choice> best_;
+    std::vector<std::uint32_t> star_, pierced_, base_;
+    std::vector<Near> near_;
+    std::uint64_t dropped_ = 0;
+};
+
+// A piece that got a vertex between its ends.
+struct Halved {
+    std::uint32_t a, b, middle;
+};
+
+// Goes over the missing pieces until none is left or nothing helps; those left stay in `missing`.
+std::vector<Halved> recover_all(Recoverer& recoverer, std::vector<Missing>& missing,
+                                const RecoverOptions& options, RecoverStats& stats) {
+    std::vector<Halved> halved;
+    const auto halve = [&](const Missing& piece) {
+        const std::uint32_t v = recoverer.commit();
+        if (v == no_cell) return v;
+        recoverer.keep(piece.a, v);
+        recoverer.keep(v, piece.b);
+        halved.push_back({piece.a, piece.b, v});
+        return v;
+    };
+    // Every other pass splits what the one before could not do.
+    for (int pass = 0; pass < 2 * options.passes && !missing.empty(); ++pass) {
+        const bool splits = pass % 2 == 1 && options.most_splits > 0;
+        std::vector<Missing> left;
+        bool done = false;
+        for (const Missing& piece : missing) {
+            if (recoverer.is_edge(piece.a, piece.b)) continue;
+            if (recoverer.recover(piece)) {
+                stats.without_vertex += halve(piece) == no_cell;
+                done = true;
+            } else if (splits && piece.splits < options.most_splits && recoverer.split(piece)) {
+                const std::uint32_t v = halve(piece);
+                left.push_back({piece.a, v, piece.splits + 1});
+                left.push_back({v, piece.b, piece.splits + 1});
+                done = true;
+            } else {
+                left.push_back(piece);
+            }
+        }
+        missing = std::move(left);
+        if (!done && (splits || options.most_splits == 0)) break;
+    }
+    std::erase_if(missing, [&](const Missing& piece) { return recoverer.is_edge(piece.a, piece.b); });
+    return halved;
+}
+
+// Pieces of several structures may have the same ends. `halved` in the order in which it happened.
+void add_halves(const std::vector<Halved>& halved, std::vector<SegmentPiece>& pieces) {
+    for (const auto& [a, b, middle] : halved) {
+        const std::size_t count = pieces.size();
+        for (std::size_t n = 0; n < count; ++n) {
+            const SegmentPiece piece = pieces[n];
+            if (std::minmax(piece.a, piece.b) != std::minmax(a, b)) continue;
+            pieces[n].b = middle;
+            pieces.push_back({middle, piece.b, piece.structure, piece.ball});
+        }
+    }
+}
+
+}  // namespace
+
+RecoverResult recover_pieces(TetMesh& mesh, std::vector<std::uint32_t>& neighbors,
+                             std::vector<SegmentPiece>& pieces, const std::vector<std::uint8_t>& fixed,
+                             const RecoverOptions& options) {
+    RecoverResult result;
+    std::vector<MeshEdge> edges;
+    for (const SegmentPiece& piece : pieces)
+        edges.push_back({std::min(piece.a, piece.b), std::max(piece.a, piece.b)});
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    EditMesh edit(std::move(mesh), neighbors);
+    Recoverer recoverer(edit, kept_edges(fixed, pieces), options);
+    std::vector<Missing> missing;
+    for (const MeshEdge& e : edges) {
+        if (!recoverer.is_edge(e[0], e[1])) missing.push_back({e[0], e[1]});
+    }
+    result.stats.missing_before = missing.size();
+    const std::vector<Halved> halved = recover_all(recoverer, missing, options, result.stats);
+    result.stats.missing_after = missing.size();
+    result.stats.vertices_added = halved.size();
+    result.stats.vertices_dropped = recoverer.dropped();
+    for (const Halved& piece : halved) result.vertices.push_back(piece.middle);
+    add_halves(halved, pieces);
+    result.undecided = take_with_undecided(std::move(edit), mesh, neighbors);
+    return result;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,229 @@
+#include "anatomesh/recover/recover_pieces.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "anatomesh/delaunay/tetrahedralize.h"
+#include "anatomesh/geom/predicates.h"
+#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/topology.h"
+#include "anatomesh/recover/cavity.h"
+#include "anatomesh/recover/insert_beside.h"
+
+namespace anatomesh {
+namespace {
+
+// A Delaunay mesh of random points in a box, and random segments between some of them that pass by others.
+struct Drawn {
+    TetMesh mesh;
+    std::vector<std::uint32_t> neighbors;
+    std::vector<SegmentPiece> pieces;
+    std::vector<std::uint8_t> fixed;
+
+    explicit Drawn(std::uint32_t seed, int count = 600, int segments = 60) {
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> across(-4, 4);
+        std::vector<Vec3> points;
+        for (int corner = 0; corner < 8; ++corner)
+            points.push_back(20 *
+                             Vec3{corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0});
+        for (int n = 0; n < count; ++n) points.push_back({across(random), across(random), across(random)});
+        auto delaunay = Tetrahedralization::create(points).value();
+        const DelaunaySnapshot& cells = delaunay.snapshot();
+        mesh = {delaunay.points(), cells.cells, std::vector<Region>(cells.cells.size(), 1)};
+        neighbors = cell_neighbors(mesh.cells, mesh.points.size());
+        fixed.assign(mesh.points.size(), 0);
+        std::fill_n(fixed.begin(), 8, 1);
+        // No two share an end.
+        std::uniform_int_distribution<std::uint32_t> any(8,
+                                                         static_cast<std::uint32_t>(mesh.points.size()) - 1);
+        std::set<std::uint32_t> used;
+        for (int tries = 0; tries < 100000 && static_cast<int>(pieces.size()) < segments; ++tries) {
+            const std::uint32_t a = any(random), b = any(random);
+            const double span = length(mesh.points[b] - mesh.points[a]);
+            if (a == b || span < 0.5 || span > 2 || used.count(a) || used.count(b)) continue;
+            used.insert({a, b});
+            pieces.push_back({a, b, 0, 0});
+        }
+    }
+};
+
+std::set<MeshEdge> edges_of(const TetMesh& mesh) {
+    std::set<MeshEdge> edges;
+    for (const Cell& c : mesh.cells) {
+        for (const auto& [i, j] : cell_edges) edges.insert({std::min(c[i], c[j]), std::max(c[i], c[j])});
+    }
+    return edges;
+}
+
+bool is_edge(const std::set<MeshEdge>& edges, const SegmentPiece& piece) {
+    return edges.count({std::min(piece.a, piece.b), std::max(piece.a, piece.b)}) > 0;
+}
+
+double volume_of(const TetMesh& mesh) {
+    double volume = 0;
+    for (const Cell& c : mesh.cells)
+        volume += signed_volume(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]], mesh.points[c[3]]);
+    return volume;
+}
+
+// Positive cells that match facet for facet and fill the same box fill it once.
+void expect_same_domain(const TetMesh& before, const TetMesh& mesh,
+                        const std::vector<std::uint32_t>& neighbors) {
+    for (const Cell& c : mesh.cells)
+        ASSERT_GT(orient3d(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]], mesh.points[c[3]]), 0);
+    EXPECT_EQ(neighbors, cell_neighbors(mesh.cells, mesh.points.size()));
+    EXPECT_EQ(std::count(neighbors.begin(), neighbors.end(), no_cell), 12);
+    EXPECT_NEAR(volume_of(mesh), volume_of(before), 1e-9 * volume_of(before));
+    for (std::size_t v = 0; v < before.points.size(); ++v) ASSERT_EQ(mesh.points[v], before.points[v]);
+}
+
+void expect_kept(const Drawn& drawn, const TetMesh& mesh) {
+    std::vector<std::uint8_t> used(mesh.points.size(), 0);
+    for (const Cell& c : mesh.cells) {
+        for (const std::uint32_t v : c) used[v] = 1;
+    }
+    for (std::size_t v = 0; v < 8; ++v) EXPECT_TRUE(used[v]);
+    for (const SegmentPiece& piece : drawn.pieces) EXPECT_TRUE(used[piece.a] && used[piece.b]);
+}
+
+TEST(RecoverPieces, become_edges_and_those_that_were_stay) {
+    std::uint64_t before = 0, after = 0;
+    for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+        SCOPED_TRACE(seed);
+        const Drawn drawn(seed);
+        Drawn now = drawn;
+        RecoverOptions options;
+        options.least_shape = 0.01;
+        const RecoverResult result = recover_pieces(now.mesh, now.neighbors, now.pieces, now.fixed, options);
+        expect_same_domain(drawn.mesh, now.mesh, now.neighbors);
+        expect_kept(drawn, now.mesh);
+        const std::set<MeshEdge> old_edges = edges_of(drawn.mesh), edges = edges_of(now.mesh);
+        const auto missing = [](const std::set<MeshEdge>& all, const std::vector<SegmentPiece>& pieces) {
+            return static_cast<std::uint64_t>(
+                std::count_if(pieces.begin(), pieces.end(),
+                              [&](const SegmentPiece& piece) { return !is_edge(all, piece); }));
+        };
+        EXPECT_EQ(result.stats.missing_before, missing(old_edges, drawn.pieces));
+        EXPECT_EQ(result.stats.missing_after, missing(edges, now.pieces));
+        EXPECT_EQ(now.pieces.size(), drawn.pieces.size() + result.vertices.size());
+        for (std::size_t n = 0; n < drawn.pieces.size(); ++n) {
+            if (is_edge(old_edges, drawn.pieces[n])) {
+                EXPECT_TRUE(is_edge(edges, drawn.pieces[n])) << n;
+                EXPECT_EQ(now.pieces[n], drawn.pieces[n]);
+            }
+        }
+        before += result.stats.missing_before;
+        after += result.stats.missing_after;
+    }
+    EXPECT_GT(before, 500u);
+    EXPECT_LT(after, before / 50);
+}
+
+TEST(RecoverPieces, with_new_vertices_are_chains_along_the_piece) {
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+        SCOPED_TRACE(seed);
+        const Drawn drawn(seed);
+        Drawn now = drawn;
+        const RecoverResult result = recover_pieces(now.mesh, now.neighbors, now.pieces, now.fixed, {});
+        for (const SegmentPiece& piece : drawn.pieces) {
+            const Vec3 a = now.mesh.points[piece.a], b = now.mesh.points[piece.b];
+            std::uint32_t at = piece.a;
+            for (double reached = 0; at != piece.b;) {
+                const auto next =
+                    std::find_if(now.pieces.begin(), now.pieces.end(), [&](auto& p) { return p.a == at; });
+                ASSERT_NE(next, now.pieces.end());
+                at = next->b;
+                const Vec3 offset = now.mesh.points[at] - a;
+                EXPECT_LT(length(cross(offset, b - a)), 1e-12 * squared_length(b - a));
+                EXPECT_GT(dot(offset, b - a), reached);
+                reached = dot(offset, b - a);
+            }
+        }
+        // What was made is to be decided; what was not kept its region.
+        EXPECT_TRUE(std::is_sorted(result.undecided.begin(), result.undecided.end()));
+        for (std::uint32_t c = 0; c < now.mesh.cells.size(); ++c) {
+            const bool listed = std::binary_search(result.undecided.begin(), result.undecided.end(), c);
+            EXPECT_EQ(now.mesh.regions[c], listed ? undecided_region : Region{1});
+        }
+    }
+}
+
+// The segment that lies in the plane of cells, through their edges, as where all points lie on a lattice.
+TEST(RecoverPieces, in_the_plane_of_facets_become_edges) {
+    std::vector<Vec3> points;
+    for (int k = 0; k < 5; ++k) {
+        for (int j = 0; j < 5; ++j) {
+            for (int i = 0; i < 5; ++i) points.push_back({double(i), double(j), double(k)});
+        }
+    }
+    auto delaunay = Tetrahedralization::create(points).value();
+    const auto at = [&](double x, double y, double z) {
+        return static_cast<std::uint32_t>(
+            std::find(delaunay.points().begin(), delaunay.points().end(), Vec3{x, y, z}) -
+            delaunay.points().begin());
+    };
+    std::vector<SegmentPiece> pieces{
+        {at(1, 1, 2), at(2, 3, 2), 0, 0}, {at(2, 1, 2), at(1, 3, 3), 0, 0}, {at(3, 1, 1), at(3, 2, 3), 0, 0}};
+    const DelaunaySnapshot& cells = delaunay.snapshot();
+    TetMesh mesh{delaunay.points(), cells.cells, std::vector<Region>(cells.cells.size(), 1)};
+    std::vector<std::uint32_t> neighbors = cell_neighbors(mesh.cells, mesh.points.size());
+    const std::vector<std::uint8_t> fixed(points.size(), 1);
+    RecoverOptions options;
+    options.least_shape = 0.01;
+    const RecoverResult result = recover_pieces(mesh, neighbors, pieces, fixed, options);
+    EXPECT_GT(result.stats.missing_before, 0u);
+    EXPECT_EQ(result.stats.missing_after, 0u);
+    for (const SegmentPiece& piece : pieces) EXPECT_TRUE(is_edge(edges_of(mesh), piece));
+}
+
+TEST(RecoverPieces, ask_for_no_worse_cells_than_allowed) {
+    for (const double least : {0.2, 0.6}) {
+        const Drawn drawn(3);
+        Drawn now = drawn;
+        RecoverOptions options;
+        options.least_shape = least;
+        options.most_splits = 0;
+        const RecoverResult result = recover_pieces(now.mesh, now.neighbors, now.pieces, now.fixed, options);
+        EXPECT_LT(result.stats.missing_after, result.stats.missing_before);
+        for (const std::uint32_t c : result.undecided) {
+            const Cell& v = now.mesh.cells[c];
+            const Vec3 p = now.mesh.points[v[0]], q = now.mesh.points[v[1]], r = now.mesh.points[v[2]],
+                       s = now.mesh.points[v[3]];
+            EXPECT_LE(radius_edge_ratio(p, q, r, s), 2 / least * (1 + 1e-9));
+        }
+    }
+}
+
+TEST(InsertBeside, keeps_pieces_and_the_domain) {
+    for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+        SCOPED_TRACE(seed);
+        const Drawn drawn(seed);
+        Drawn now = drawn;
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> across(-0.2, 0.2);
+        std::vector<Vec3> points;
+        std::vector<std::uint32_t> beside;
+        for (const SegmentPiece& piece : now.pieces) {
+            const Vec3 middle = 0.5 * (now.mesh.points[piece.a] + now.mesh.points[piece.b]);
+            points.push_back(middle + Vec3{across(random), across(random), across(random)});
+            beside.push_back(piece.a);
+        }
+        const std::vector<std::uint32_t> made =
+            insert_beside(now.mesh, now.neighbors, points, beside, now.pieces, now.fixed, 0.05);
+        expect_same_domain(drawn.mesh, now.mesh, now.neighbors);
+        expect_kept(drawn, now.mesh);
+        EXPECT_GT(now.mesh.points.size(), drawn.mesh.points.size() + points.size() / 2);
+        EXPECT_FALSE(made.empty());
+        const std::set<MeshEdge> old_edges = edges_of(drawn.mesh), edges = edges_of(now.mesh);
+        for (const SegmentPiece& piece : drawn.pieces) {
+            EXPECT_TRUE(is_edge(edges, piece) || !is_edge(old_edges, piece));
+        }
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh
