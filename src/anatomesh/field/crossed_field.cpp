@@ -108,6 +108,8 @@ std::optional<StackAndCrossing> stack_and_crossing(const ContourSet& set) {
         made.stack.size() < stack_to_crossing * made.crossing.size())
         return std::nullopt;
     std::sort(made.crossing.begin(), made.crossing.end());
+    // Planes closer than the vertices along them have no need of it.
+    if (mean_vertex_spacing(set) > dense_spacing * plane_spacings(set, patches).median) return std::nullopt;
     const ContourSet stack = chosen_slices(set, made.stack);
     if (!draws_all(stack, set) || !is_stack(stack)) return std::nullopt;
     return made;

@@ -23,6 +23,7 @@ constexpr double margin_degrees = 3;  // how far above the target operations aim
 
 constexpr double listed_degrees = 10;  // an angle below it is a blemish: worth ratios above the bound
 constexpr int radius_edge_steps = 3;   // from the bound to the last one
+constexpr std::size_t few_high = 2000;  // one cell in so many may be above it to be worked on
 
 // Tries on a bad cell that scouts make beforehand: its edges, facets and vertices.
 constexpr int edge_tries = 6, facet_tries = 10, scouted_tries = 14;
@@ -121,6 +122,8 @@ class Climber {
                         found.push_back(static_cast<std::uint32_t>(c));
                 }
             });
+        // Many are of planes that crowd each other: there the cells in their place spoil the rest.
+        if (high.size() > bench_.mesh.cell_count() / few_high) return;
         const double before = std::exchange(bench_.options.max_radius_edge, most);
         bench_.lowers_ratios = true;
         bench_.least_needed_sine = std::sin(listed_degrees * radians_per_degree);

@@ -13,6 +13,7 @@
 #include "anatomesh/cut/crumbs.h"
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
+#include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/volume.h"
 #include "anatomesh/improve/balance_volumes.h"
 #include "anatomesh/improve/improve.h"
@@ -363,7 +364,10 @@ class Builder {
         piece_list_ = pieces_->pieces();
         find_neighbors(true);
         RecoverStats recovered;
-        if (!dense_ && tries_before_ < most_more_bad.size()) recovered = recover_pieces(unsound, relabelled);
+        // On parallel slices the few that are missing belong to structures whose contours cross at small
+        // angles: the cells there would pay too much.
+        if (!dense_ && tries_before_ < most_more_bad.size() && !is_parallel(contours_))
+            recovered = recover_pieces(unsound, relabelled);
         const ContourOwners owners = contour_owners(piece_list_, mesh.points.size());
         ANATOMESH_TRY(const SplitStats split,
                       split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
@@ -747,10 +751,16 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
                         observer, known);
         Result<Model> model = builder.run();
         const bool too_coarse = !model.ok() && (model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001");
-        const bool torn = model.ok() && model.value().mesh.cells.size() < build_again_below && builder.tore_a_thin_structure();
+        const bool small = model.ok() && model.value().mesh.cells.size() < build_again_below;
+        const bool torn = small && builder.tore_a_thin_structure();
+        // Also where contours force them: at a finer size they may not.
+        const bool ill_shaped =
+            small && options.size_mm == 0 && !builder.spared_shapes() &&
+            model.value().report.quality.radius_edge_share_over_2 > certificate_share_over_bound;
         const bool same_size = builder.spared_shapes() && (too_coarse || options.size_mm == 0);
         if (same_size) ++most_attempts;
-        if (!(too_coarse || torn) || (options.size_mm > 0 && !same_size) || attempt == most_attempts)
+        if (!(too_coarse || torn || ill_shaped) || (options.size_mm > 0 && !same_size) ||
+            attempt == most_attempts)
             return model;
         // A default size that is too coarse for the smallest parts: once more, finer.
         tried.size_mm = (same_size ? 1 : finer) * builder.size_mm();
@@ -761,7 +771,9 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
             {"W-PIP-001",
              std::string(same_size ? "what was tried first did not keep the contract: "
                                    : "the default edge length was too coarse for the smallest parts: ") +
-                 (torn ? "a thin wall had holes" : model.error().message),
+                 (torn         ? "a thin wall had holes"
+                  : ill_shaped ? "too many tetrahedra were above radius-edge ratio 2"
+                               : model.error().message),
              {},
              "built again with " + brief(tried.size_mm) + " mm"});
     }
