@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
+#include <numeric>
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/sample/interface_probe.h"
@@ -39,23 +41,51 @@ constexpr double deep = 0.25;
 class Judge {
   public:
     Judge(const StructureField& field, std::uint32_t structures)
-        : probe_(field, structures), single_(structures == 1) {}
-
-    // The members at p; nullptr when p lies within tolerance of an interface.
-    const Members* side(Vec3 p, double tolerance) {
-        const InterfaceProbe::Look there = probe_.look(p, tolerance);
-        return there.distance <= tolerance ? nullptr : &there.members;
+        : field_(field), probe_(field, structures), single_(structures == 1), all_(structures) {
+        std::iota(all_.begin(), all_.end(), 0u);
     }
 
-    // The winner is copied to `members`. `preferred` is the one region of the vertices off the interfaces, or null.
-    void decide(const std::array<Vec3, 4>& p, const Members* preferred, Members& members) {
+    // Which side of every structure the point lies on, within the tolerance.
+    struct Side {
+        Members in, may;
+        double depth = 0;
+    };
+    const Side& side(Vec3 p, double tolerance) {
+        const InterfaceProbe::Look there = single_ ? probe_.look(p, tolerance) : probe_.look(p);
+        side_.depth = there.distance;
+        if (there.distance > tolerance) {
+            side_.in = side_.may = there.members;
+            return side_;
+        }
+        side_.in.clear();
+        side_.may.clear();
+        near_.clear();
+        field_.values_near(p, near_);
+        side_.depth = field_.clamp();
+        for (const StructureField::Near& near : near_) {
+            if (std::abs(near.value) > tolerance) side_.depth = std::min(side_.depth, std::abs(near.value));
+            if (near.value < -tolerance) side_.in.push_back(near.structure);
+            if (near.value <= tolerance) side_.may.push_back(near.structure);
+        }
+        if (field_.exclusive()) {
+            // Their surfaces meet in walls: cells of any may.
+            side_.in.clear();
+            side_.may = all_;
+            side_.depth = 0;
+        }
+        return side_;
+    }
+
+    // The winner is copied to `members`. `allowed`: whether all vertices may belong to a region.
+    template <class Allowed>
+    void decide(const std::array<Vec3, 4>& p, bool one_allowed, const Allowed& allowed, Members& members) {
         const Vec3 centroid = 0.25 * (p[0] + p[1] + p[2] + p[3]);
-        if (preferred && probe_.members(centroid) == *preferred) {
-            members = *preferred;
+        if (one_allowed && allowed(probe_.members(centroid))) {
+            members = probe_.members(centroid);
             return;
         }
         const InterfaceProbe::Look centre = probe_.look(centroid);
-        if (single_ && !preferred && is_deep(centre.distance, centroid, p)) {
+        if (single_ && !one_allowed && is_deep(centre.distance, centroid, p)) {
             members = centre.members;
             return;
         }
@@ -64,8 +94,8 @@ class Judge {
         // Adds the vote of a point; whether it settles the matter.
         const auto settles = [&](Vec3 q) {
             const InterfaceProbe::Look there = probe_.look(q);
-            if (preferred && there.members == *preferred) {
-                members = *preferred;
+            if (one_allowed && allowed(there.members)) {
+                members = there.members;
                 return true;
             }
             add_vote(votes_, used, there.members, there.distance);
@@ -74,9 +104,13 @@ class Judge {
         for (const Vec3& q : p) {
             if (settles(0.5 * (centroid + q))) return;
         }
-        std::size_t winner = 0;
-        for (std::size_t n = 1; n < used; ++n) {
-            if (votes_[n].weight > votes_[winner].weight) winner = n;
+        std::size_t winner = used;
+        for (const bool any : {false, true}) {
+            for (std::size_t n = 0; n < used; ++n) {
+                if (winner != used && !(votes_[n].weight > votes_[winner].weight)) continue;
+                if (any || allowed(votes_[n].members)) winner = n;
+            }
+            if (winner != used) break;
         }
         members = votes_[winner].members;
     }
@@ -88,19 +122,22 @@ class Judge {
         return distance >= deep * spread;
     }
 
+    const StructureField& field_;
     InterfaceProbe probe_;
     bool single_;
+    Members all_;
     std::vector<Vote> votes_;
+    std::vector<StructureField::Near> near_;
+    Side side_;
 };
 
 constexpr std::size_t grain = 4096;
-constexpr std::uint16_t unset = 0xFFFF;
 
 // Numbers of regions that are the same at any thread count: each piece of the work numbers the sets it meets, and the
 // pieces' numbers are joined in order.
 class PieceNumbers {
   public:
-    explicit PieceNumbers(std::size_t count) : sets_((count + grain - 1) / grain), local_(count, unset) {}
+    explicit PieceNumbers(std::size_t count) : sets_((count + grain - 1) / grain), local_(count) {}
 
     void set(std::size_t index, const Members& members) {
         std::vector<Members>& known = sets_[index / grain];
@@ -114,7 +151,6 @@ class PieceNumbers {
             for (const Members& members : piece) numbers_.back().push_back(registry.intern(members));
         }
     }
-    bool known(std::size_t index) const { return local_[index] != unset; }
     Region region(std::size_t index) const { return numbers_[index / grain][local_[index]]; }
 
   private:
@@ -123,38 +159,53 @@ class PieceNumbers {
     std::vector<std::vector<Region>> numbers_;
 };
 
-constexpr Region no_region = 0xFFFF;
+// How the sides of a cell's vertices bind its region.
+struct Bounds {
+    bool settled = false;      // all vertices are off the interfaces and lie in one region
+    bool one_allowed = false;  // those off the interfaces do, and there are some
+    Region region = 0;         // which
+};
 
-// The one region of the vertices off the interfaces; no_region when there is none, or more than one.
-Region common_side(const Cell& cell, const std::vector<Region>& sides) {
-    Region common = no_region;
+Bounds bounds_of(const Cell& cell, const std::vector<VertexSide>& sides) {
+    Bounds bounds;
+    int off = 0;
     for (const std::uint32_t v : cell) {
-        if (sides[v] == on_interface || sides[v] == common) continue;
-        if (common != no_region) return no_region;
-        common = sides[v];
+        if (!sides[v].off_interfaces()) continue;
+        if (off > 0 && sides[v].in != bounds.region) return {};
+        bounds.region = sides[v].in;
+        ++off;
     }
-    return common;
+    bounds.one_allowed = off > 0;
+    bounds.settled = off == 4;
+    return bounds;
 }
 
 }  // namespace
 
-void find_sides(const std::vector<Vec3>& points, const StructureField& field, std::uint32_t structures, double tolerance,
-                std::vector<Region>& sides, RegionRegistry& registry, RunContext& context) {
+void find_sides(const std::vector<Vec3>& points, const StructureField& field, std::uint32_t structures,
+                double tolerance, std::vector<VertexSide>& sides, RegionRegistry& registry,
+                RunContext& context) {
     const std::size_t first_new = sides.size(), count = points.size() - first_new;
-    PieceNumbers numbers(count);
+    PieceNumbers in(count), may(count);
+    std::vector<double> depth(count);
     parallel_for(count, grain, context.threads, [&](std::size_t first, std::size_t last) {
         Judge judge(field, structures);
         for (std::size_t n = first; n < last; ++n) {
-            if (const Members* members = judge.side(points[first_new + n], tolerance)) numbers.set(n, *members);
+            const Judge::Side& side = judge.side(points[first_new + n], tolerance);
+            in.set(n, side.in);
+            may.set(n, side.may);
+            depth[n] = side.depth;
         }
     });
-    numbers.join(registry);
-    for (std::size_t n = 0; n < count; ++n) sides.push_back(numbers.known(n) ? numbers.region(n) : on_interface);
+    in.join(registry);
+    may.join(registry);
+    for (std::size_t n = 0; n < count; ++n) sides.push_back({in.region(n), may.region(n), depth[n]});
 }
 
-CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells, std::span<const std::uint32_t> chosen,
-               const std::vector<Region>& sides, const StructureField& field, std::uint32_t structures,
-               std::vector<Region>& regions, RegionRegistry& registry, RunContext& context) {
+CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
+               std::span<const std::uint32_t> chosen, const std::vector<VertexSide>& sides,
+               const StructureField& field, std::uint32_t structures, std::vector<Region>& regions,
+               RegionRegistry& registry, RunContext& context) {
     assert(regions.size() == cells.size() && sides.size() == points.size());
     CullStats stats;
     PieceNumbers numbers(chosen.size());
@@ -164,14 +215,17 @@ CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells, 
         Members members;
         for (std::size_t n = first; n < last; ++n) {
             const Cell& cell = cells[chosen[n]];
-            const Region side = common_side(cell, sides);
-            const bool all_off = std::none_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return sides[v] == on_interface; });
-            if (all_off && side != no_region) {
-                numbers.set(n, table.members[side]);
+            const Bounds bounds = bounds_of(cell, sides);
+            if (bounds.settled) {
+                numbers.set(n, table.members[bounds.region]);
                 continue;
             }
+            const auto allowed = [&](const Members& there) {
+                return std::all_of(cell.begin(), cell.end(),
+                                   [&](std::uint32_t v) { return allows(table, sides[v], there); });
+            };
             judge.decide({points[cell[0]], points[cell[1]], points[cell[2]], points[cell[3]]},
-                         side == no_region ? nullptr : &table.members[side], members);
+                         bounds.one_allowed, allowed, members);
             numbers.set(n, members);
         }
     });

@@ -18,7 +18,8 @@ namespace anatomesh::fixtures {
 struct CulledMesh {
     Tetrahedralization delaunay;
     DelaunaySnapshot cells;
-    std::vector<Region> sides, regions;
+    std::vector<VertexSide> sides;
+    std::vector<Region> regions;
     RegionRegistry registry;
     CullStats stats;
     PointGrid grid;

@@ -87,7 +87,7 @@ void cut_and_check(Case& random, std::uint32_t structures, const ContourOwners& 
     if (relabel_first) {
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());
         const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars,
-                                           owners, {}, random.mesh.regions, random.registry, unsound);
+                                           owners, {}, 0, random.mesh.regions, random.registry, unsound);
         EXPECT_LT(stats.unsound_after, stats.unsound_before);
     } else {
         for (std::uint32_t v = 0; v + 8 < random.mesh.points.size(); ++v) unsound.push_back(v);
@@ -180,7 +180,7 @@ TEST(Cut, pieces_of_contour_segments_are_brought_onto_the_surface) {
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());
         std::vector<std::uint32_t> unsound;
         const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars,
-                                           owners, {}, random.mesh.regions, random.registry, unsound);
+                                           owners, {}, 0, random.mesh.regions, random.registry, unsound);
         before += stats.lost_pieces_before;
         after += stats.lost_pieces_after;
         // Counted anew from the regions.

@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/cull/cull.h"
 #include "anatomesh/mesh/quality.h"
 
 namespace anatomesh {
@@ -21,6 +20,7 @@ struct Move {
     Region region = 0;
     int change = 0;     // of the sum of defects; negative is better
     int misplaced = 0;  // change of the number of vertices, cell by cell, that the field has on another side
+    int spikes = 0;     // change of the number of vertices deep in a region that have a cell of another one
 };
 
 bool nearly_flat(const std::vector<Vec3>& points, const Cell& cell) {
@@ -33,15 +33,19 @@ bool nearly_flat(const std::vector<Vec3>& points, const Cell& cell) {
 class Relabeler {
   public:
     Relabeler(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
-              const VertexStars& stars, const ContourOwners& owners, const std::vector<Region>& sides,
-              std::vector<Region>& regions, RegionRegistry& registry)
+              const VertexStars& stars, const ContourOwners& owners, const std::vector<VertexSide>& sides,
+              double deep_mm, std::vector<Region>& regions, RegionRegistry& registry)
         : cells_(cells),
           neighbors_(neighbors),
           stars_(stars),
           sides_(sides),
+          deep_mm_(deep_mm),
           regions_(regions),
           registry_(registry),
           analyzer_(cells, neighbors, stars, regions, registry.table(), owners) {}
+
+    // Whether moves that bring a deep vertex onto a surface are made.
+    void allow_spikes(bool allowed) { may_spike_ = allowed; }
 
     int defect(std::uint32_t vertex) { return analyzer_.defect(vertex); }
     int lost_pieces(std::uint32_t vertex) { return analyzer_.lost_piece_count(vertex); }
@@ -188,8 +192,31 @@ class Relabeler {
     int misplaced(std::uint32_t cell, Region region) const {
         if (sides_.empty()) return 0;
         return static_cast<int>(std::count_if(cells_[cell].begin(), cells_[cell].end(), [&](std::uint32_t v) {
-            return sides_[v] != on_interface && sides_[v] != region;
+            return !allows(registry_.table(), sides_[v], region);
         }));
+    }
+
+    // Of the vertices of its cells that lie deep in a region: those with a cell that they do not allow, after
+    // the move less before it.
+    int spikes(const Move& move) {
+        if (sides_.empty()) return 0;
+        int sum = 0;
+        around_.clear();
+        for (const std::uint32_t c : move.cells)
+            around_.insert(around_.end(), cells_[c].begin(), cells_[c].end());
+        std::sort(around_.begin(), around_.end());
+        around_.erase(std::unique(around_.begin(), around_.end()), around_.end());
+        for (const std::uint32_t v : around_) {
+            if (!(sides_[v].depth_mm > deep_mm_)) continue;
+            bool was = false, is = false;
+            for (const std::uint32_t c : stars_.at(v)) {
+                const bool moved = std::find(move.cells.begin(), move.cells.end(), c) != move.cells.end();
+                was = was || !allows(registry_.table(), sides_[v], regions_[c]);
+                is = is || !allows(registry_.table(), sides_[v], moved ? move.region : regions_[c]);
+            }
+            sum += is - was;
+        }
+        return sum;
     }
 
     void consider(Move move) {
@@ -198,14 +225,20 @@ class Relabeler {
         for (const std::uint32_t c : move.cells)
             move.misplaced += misplaced(c, move.region) - misplaced(c, regions_[c]);
         if (move.misplaced > 0 && move.change > -defect_weight / 2) return;
-        const auto key = [](const Move& m) { return std::make_tuple(m.change, m.misplaced, m.cells.size()); };
+        move.spikes = spikes(move);
+        if (move.spikes > 0 && !may_spike_) return;
+        const auto key = [](const Move& m) {
+            return std::make_tuple(m.change, m.spikes, m.misplaced, m.cells.size());
+        };
         if (!best_ || key(move) < key(*best_)) best_ = std::move(move);
     }
 
     const std::vector<Cell>& cells_;
     const std::vector<CellNeighbors>& neighbors_;
     const VertexStars& stars_;
-    const std::vector<Region>& sides_;
+    const std::vector<VertexSide>& sides_;
+    const double deep_mm_;
+    bool may_spike_ = false;
     std::vector<Region>& regions_;
     RegionRegistry& registry_;
     StarAnalyzer analyzer_;
@@ -267,9 +300,10 @@ std::vector<std::uint32_t> nearly_flat_cells(const std::vector<Vec3>& points, co
 
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-                     const ContourOwners& owners, const std::vector<Region>& sides,
+                     const ContourOwners& owners, const std::vector<VertexSide>& sides, double deep_mm,
                      std::vector<Region>& regions, RegionRegistry& registry,
-                     std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look, int threads) {
+                     std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look,
+                     int threads) {
     RelabelStats stats;
     std::vector<std::uint32_t> queue;
     for (const Suspect& suspect : find_suspects(cells, neighbors, stars, owners, regions, registry.table(),
@@ -281,7 +315,10 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
     }
     stats.lost_pieces_before /= 2;
 
-    Relabeler relabeler(cells, neighbors, stars, owners, sides, regions, registry);
+    Relabeler relabeler(cells, neighbors, stars, owners, sides, deep_mm, regions, registry);
+    // Of one structure the pieces of contour segments that this would cost are worth more.
+    bool spikes = registry.table().members.size() <= 2;
+    relabeler.allow_spikes(spikes);
     while (!queue.empty()) {
         std::vector<std::uint32_t> next;
         bool moved = false;
@@ -298,7 +335,11 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
         for (const std::uint32_t v : next) {
             if (relabeler.total(v) > 0) queue.push_back(v);
         }
-        if (!moved) break;
+        if (!moved) {
+            if (spikes) break;
+            spikes = true;
+            relabeler.allow_spikes(true);
+        }
     }
     for (const std::uint32_t c : nearly_flat_cells(points, cells, threads)) stats.flat_cells_peeled += relabeler.peel(c);
     unsound.clear();

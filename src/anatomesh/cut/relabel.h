@@ -7,8 +7,11 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/cut/star.h"
 #include "anatomesh/mesh/region_registry.h"
+#include "anatomesh/mesh/vertex_side.h"
 
 namespace anatomesh {
+
+inline constexpr double spike_share = 0.3;  // of a size: a vertex so far from interfaces would be a spike
 
 struct RelabelStats {
     std::uint64_t unsound_before = 0, unsound_after = 0;  // vertices
@@ -32,19 +35,20 @@ struct RelabelStats {
 // where a contour vertex is off its surface, one or two cells at it change sides, or, where a piece of a
 // contour segment is, one or two cells at that edge, whenever the sum falls. Vertices are taken in rising
 // order, round by round, until nothing falls. Among moves of one effect that with the fewest vertices left on
-// a side where the field does not have them: `sides` holds the region of every vertex off the interfaces
-// (find_sides() of cull/cull.h; empty: not looked at). A piece of a contour segment is not brought back at
-// the price of such a vertex: that would be a spike. Guarantees: the sum never rises; same result every time, at any number of threads.
-// Does not always reach 0: what is left is for split_unsound(). `unsound` receives the vertices left, in
-// rising order. Last, nearly flat cells at an interface (six volumes below a millionth of the cube of the
-// longest edge: four vertices of two contours one above the other) go to the other side where no defect
-// rises: that moves the surface by less than a millionth of an edge. `look`: the vertices that may have a
-// defect, those of cells new since the last call among them; empty: all. The figures before are of these
-// alone.
+// a side where the field does not have them (`sides`, by find_sides() of cull/cull.h; empty: not looked at).
+// A piece of a contour segment is not brought back at the price of such a vertex: that would be a spike. With
+// several structures, moves that bring a vertex deeper than `deep_mm` onto a surface are made only when no
+// others are left. Guarantees: the sum never rises; same result every time, at any number of threads. Does
+// not always reach 0: what is left is for split_unsound(). `unsound` receives the vertices left, in rising
+// order. Last, nearly flat cells at an interface (six volumes below a millionth of the cube of the longest
+// edge: four vertices of two contours one above the other) go to the other side where no defect rises: that
+// moves the surface by less than a millionth of an edge. `look`: the vertices that may have a defect, those
+// of cells new since the last call among them; empty: all. The figures before are of these alone.
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-                     const ContourOwners& owners, const std::vector<Region>& sides,
+                     const ContourOwners& owners, const std::vector<VertexSide>& sides, double deep_mm,
                      std::vector<Region>& regions, RegionRegistry& registry,
-                     std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look = {}, int threads = 1);
+                     std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look = {},
+                     int threads = 1);
 
 }  // namespace anatomesh

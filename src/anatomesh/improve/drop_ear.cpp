@@ -47,6 +47,7 @@ bool drop_ear(Workbench& bench, std::uint32_t cell, double least_sine_inside) {
     const auto& base = facet_vertices[ear.tip];
     const Vec3 tip = bench.mesh.point(c[ear.tip]), p = bench.mesh.point(c[base[0]]),
                q = bench.mesh.point(c[base[1]]), r = bench.mesh.point(c[base[2]]);
+    bench.look_between(bench.mesh.region(cell), ear.beyond);
     const double before = bench.probe.distance(tip);
     if (before <= bench.options.max_deviation_mm || bench.facet_distance(p, q, r) >= before) return false;
     const double most = bench.options.max_radius_edge;

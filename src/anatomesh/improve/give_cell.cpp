@@ -97,6 +97,7 @@ bool keeps_near(Workbench& bench, std::uint32_t cell, Region to) {
         for (int i = 0; i < 4; ++i) {
             const Region beyond = bench.mesh.region(bench.mesh.neighbor(cell, i));
             const auto& f = facet_vertices[i];
+            bench.look_between(beyond, was ? bench.mesh.region(cell) : to);
             if (was && beyond != bench.mesh.region(cell)) {
                 before = std::max(before,
                                   bench.facet_distance(bench.mesh.point(c[f[0]]), bench.mesh.point(c[f[1]]),

@@ -20,11 +20,12 @@ namespace {
 class Improver {
   public:
     Improver(TetMesh& mesh, const std::vector<std::uint8_t>& fixed, const StructureField& field,
-             std::uint32_t structures, const ImproveOptions& options, int threads)
+             std::uint32_t structures, const RegionTable& regions, const ImproveOptions& options, int threads)
         : mesh_(mesh),
           fixed_(fixed),
           field_(field),
           structures_(structures),
+          regions_(regions),
           options_(options),
           mover_(mesh, options.max_radius_edge, 0, threads),
           probe_(field, structures) {
@@ -39,9 +40,9 @@ class Improver {
         stats_.above_bound_before = bad_of(all_cells(), context.threads).size();
         for (int round = 0; round < 3; ++round) {
             off = chosen_of(off, context.threads, [&](std::uint32_t v) {
-                return InterfaceProbe(field_, structures_)
-                           .look(mesh_.points[v], options_.tolerance_mm)
-                           .distance > options_.tolerance_mm;
+                InterfaceProbe probe(field_, structures_);
+                look_at_surfaces_of(v, probe);
+                return probe.distance(mesh_.points[v], options_.tolerance_mm) > options_.tolerance_mm;
             });
             pull_onto_interface(off, context.threads);
         }
@@ -66,6 +67,24 @@ class Improver {
         });
     }
 
+    // All that pass through the vertex.
+    void look_at_surfaces_of(std::uint32_t v, InterfaceProbe& probe) const {
+        if (structures_ == 1) return;
+        const std::vector<std::uint32_t>& first = regions_.members[mesh_.regions[mover_.star(v)[0]]];
+        std::vector<std::uint32_t> all = first, common = first, joined;
+        for (const std::uint32_t c : mover_.star(v)) {
+            const std::vector<std::uint32_t>& here = regions_.members[mesh_.regions[c]];
+            joined.clear();
+            std::set_union(all.begin(), all.end(), here.begin(), here.end(), std::back_inserter(joined));
+            all.swap(joined);
+            joined.clear();
+            std::set_intersection(common.begin(), common.end(), here.begin(), here.end(),
+                                  std::back_inserter(joined));
+            common.swap(joined);
+        }
+        probe.focus_between(all, common);
+    }
+
     std::vector<std::uint32_t> all_cells() const {
         std::vector<std::uint32_t> all(mesh_.cells.size());
         std::iota(all.begin(), all.end(), 0u);
@@ -86,6 +105,7 @@ class Improver {
         parallel_for(off.size(), 256, threads, [&](std::size_t first, std::size_t last) {
             InterfaceProbe probe(field_, structures_);
             for (std::size_t n = first; n < last; ++n) {
+                look_at_surfaces_of(off[n], probe);
                 targets[n] = probe.project(mesh_.points[off[n]], 2.0 * mover_.shortest_edge(off[n]),
                                            0.1 * options_.tolerance_mm);
             }
@@ -141,6 +161,7 @@ class Improver {
                 Vec3 to = mesh_.points[v] + Vec3{direction / 2 == 0 ? d : 0, direction / 2 == 1 ? d : 0,
                                                  direction / 2 == 2 ? d : 0};
                 if (on_interface_[v]) {
+                    look_at_surfaces_of(v, probe_);
                     const auto onto = probe_.project(to, 2 * step, 0.1 * options_.tolerance_mm);
                     if (onto) to = *onto;
                     if (!onto && probe_.distance(to) > options_.tolerance_mm) continue;
@@ -155,6 +176,7 @@ class Improver {
     const std::vector<std::uint8_t>& fixed_;
     const StructureField& field_;
     std::uint32_t structures_;
+    const RegionTable& regions_;
     ImproveOptions options_;
     VertexMover mover_;
     InterfaceProbe probe_;
@@ -165,9 +187,10 @@ class Improver {
 }  // namespace
 
 ImproveStats improve(TetMesh& mesh, const std::vector<std::uint8_t>& fixed, const StructureField& field,
-                     std::uint32_t structures, const ImproveOptions& options, RunContext& context) {
+                     std::uint32_t structures, const RegionTable& regions, const ImproveOptions& options,
+                     RunContext& context) {
     assert(fixed.size() == mesh.points.size());
-    return Improver(mesh, fixed, field, structures, options, context.threads).run(context);
+    return Improver(mesh, fixed, field, structures, regions, options, context.threads).run(context);
 }
 
 }  // namespace anatomesh

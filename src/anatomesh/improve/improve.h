@@ -22,16 +22,17 @@ struct ImproveStats {
     std::uint64_t above_bound_before = 0, above_bound_after = 0;  // cells inside
 };
 
-// Two passes. First every vertex of the mesh's interfaces that is off the field's interface is moved towards
-// it, as far as the cells round it allow. Then every free vertex of a cell inside whose radius-edge ratio is
-// above the bound is moved to where the worst ratio round it is least (compass search), on an interface
-// within the tolerance. Guarantees: vertices with fixed[v] != 0 do not move; connectivity and regions do not
-// change, so neither does the topology of any surface; every cell stays positive by exact orientation; no
-// move makes the worst ratio of the cells inside round it worse, unless all of them stay below the bound.
-// Requires: the mesh holds the cells outside too, round every interface, so that no move can fold the
-// outside. Complexity: linear in the vertices moved and their stars. Follows: Freitag and Ollivier-Gooch,
-// Int. J. Numer. Methods Eng. 40, 1997 (optimisation-based smoothing).
+// Two passes. First every vertex of the mesh's surfaces that is off one of these in the field is moved
+// towards it, as far as the cells round it allow (`regions`: the structures of each). Then every free vertex
+// of a cell inside whose radius-edge ratio is above the bound is moved to where the worst ratio round it is
+// least (compass search), on an interface within the tolerance. Guarantees: vertices with fixed[v] != 0 do
+// not move; connectivity and regions do not change, so neither does the topology of any surface; every cell
+// stays positive by exact orientation; no move makes the worst ratio of the cells inside round it worse,
+// unless all of them stay below the bound. Requires: the mesh holds the cells outside too, round every
+// interface, so that no move can fold the outside. Complexity: linear in the vertices moved and their stars.
+// Follows: Freitag and Ollivier-Gooch, Int. J. Numer. Methods Eng. 40, 1997 (optimisation-based smoothing).
 ImproveStats improve(TetMesh& mesh, const std::vector<std::uint8_t>& fixed, const StructureField& field,
-                     std::uint32_t structures, const ImproveOptions& options, RunContext& context);
+                     std::uint32_t structures, const RegionTable& regions, const ImproveOptions& options,
+                     RunContext& context);
 
 }  // namespace anatomesh

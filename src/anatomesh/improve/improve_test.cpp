@@ -77,11 +77,13 @@ TEST(Improve, keeps_fixed_vertices_orientation_and_connectivity_and_makes_nothin
     for (const Solid& solid : solids()) {
         SCOPED_TRACE(solid.name);
         const auto structures = static_cast<std::uint32_t>(solid.volumes.size());
-        const TetMesh before = culled_mesh(solid.field, structures, 1).mesh();
+        const CulledMesh culled = culled_mesh(solid.field, structures, 1);
+        const TetMesh before = culled.mesh();
         TetMesh mesh = before;
         const std::vector<std::uint8_t> fixed = some_fixed(mesh);
         RunContext context;
-        const ImproveStats stats = improve(mesh, fixed, solid.field, structures, {}, context);
+        const ImproveStats stats =
+            improve(mesh, fixed, solid.field, structures, culled.registry.table(), {}, context);
         expect_positive(mesh);
         EXPECT_EQ(mesh.cells, before.cells);
         EXPECT_EQ(mesh.regions, before.regions);
@@ -106,7 +108,7 @@ TEST(Improve, brings_vertices_of_the_surface_back_onto_the_interface) {
     ASSERT_GT(surface.size(), 100u);
     RunContext context;
     const ImproveStats stats =
-        improve(mesh, std::vector<std::uint8_t>(mesh.points.size(), 0), field, 1, {}, context);
+        improve(mesh, std::vector<std::uint8_t>(mesh.points.size(), 0), field, 1, {{{}, {0}}}, {}, context);
     EXPECT_GT(stats.vertices_onto_interface, 0u);
     std::size_t off = 0;
     for (const std::uint32_t v : surface) off += std::abs(length(mesh.points[v]) - 5) > 0.06;

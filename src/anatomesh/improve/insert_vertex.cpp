@@ -56,11 +56,15 @@ bool insert_vertex(Workbench& bench, std::uint32_t cell, int e) {
     bench.mesh.ring(cell, e, bench.ring);
     if (!bench.ring.closed) return false;
     std::array<std::uint32_t, 2> across{};
+    std::array<Region, 2> sides{};
     int changes = 0;
     for (std::size_t n = 0; n < bench.ring.cells.size(); ++n) {
         const std::uint32_t before = bench.ring.cells[n == 0 ? bench.ring.cells.size() - 1 : n - 1];
         if (bench.mesh.region(bench.ring.cells[n]) == bench.mesh.region(before)) continue;
-        if (changes < 2) across[static_cast<std::size_t>(changes)] = bench.ring.ring[n];
+        if (changes < 2) {
+            across[static_cast<std::size_t>(changes)] = bench.ring.ring[n];
+            sides[static_cast<std::size_t>(changes)] = bench.mesh.region(bench.ring.cells[n]);
+        }
         ++changes;
     }
     if (changes > 2 || (changes == 2 && bench.fixed_edge(bench.ring.a, bench.ring.b))) return false;
@@ -70,6 +74,7 @@ bool insert_vertex(Workbench& bench, std::uint32_t cell, int e) {
     Hole hole(bench, bench.ring);
     bool done = false;
     if (changes == 2) {
+        bench.look_between(sides[0], sides[1]);
         const OnSurface surface(bench, across);
         done = hole.fill(middle, surface.normal, most, better, surface);
     } else {

@@ -86,8 +86,10 @@ class Shift {
                                                cell[facet_vertices[i][2]]};
                 while (f[0] != v) f = {f[1], f[2], f[0]};
                 const Vec3 b = bench.mesh.point(f[1]), c1 = bench.mesh.point(f[2]);
-                facets_.push_back(
-                    {b, c1, std::max(bench.facet_distance(start_, b, c1), bench.options.max_deviation_mm)});
+                const Region here = bench.mesh.region(c), there = bench.mesh.region(n);
+                bench.look_between(here, there);
+                const double now = bench.facet_distance(start_, b, c1);
+                facets_.push_back({b, c1, here, there, std::max(now, bench.options.max_deviation_mm)});
             }
         }
     }
@@ -96,14 +98,16 @@ class Shift {
         if (length(q - start_) > bench_.options.max_deviation_mm) return false;
         return std::all_of(facets_.begin(), facets_.end(), [&](const Facet& f) {
             const Vec3 before = cross(f.b - start_, f.c - start_), after = cross(f.b - q, f.c - q);
-            return dot(before, after) > 0.5 * length(before) * length(after) &&
-                   bench_.facet_distance(q, f.b, f.c) <= f.most;
+            if (!(dot(before, after) > 0.5 * length(before) * length(after))) return false;
+            bench_.look_between(f.here, f.there);
+            return bench_.facet_distance(q, f.b, f.c) <= f.most;
         });
     }
 
   private:
     struct Facet {
         Vec3 b, c;
+        Region here, there;
         double most;  // distance of its middle from the field's interfaces
     };
     Workbench& bench_;

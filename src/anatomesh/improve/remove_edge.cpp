@@ -130,6 +130,7 @@ bool may_flip(Workbench& bench, std::uint32_t c, std::uint32_t d, Region above, 
         !(dot(new_2, mean) > 0.5 * length(new_2) * length(mean))) {
         return false;
     }
+    bench.look_between(above, below);
     const double now = std::max(bench.facet_distance(pa, pd, pc), bench.facet_distance(pd, pb, pc));
     if (now <= bench.options.max_deviation_mm) return true;
     return now <= bench.facet_distance(pa, pb, pc) || now <= bench.facet_distance(pa, pb, pd);

@@ -36,12 +36,14 @@ constexpr double turned_cosine = 0.8;  // the same after it slid
 class Smoother {
   public:
     Smoother(TetMesh& mesh, std::span<const std::uint32_t> neighbors, const std::vector<std::uint8_t>& fixed,
-             const StructureField& field, std::uint32_t structures, const SmoothOptions& options, int threads)
+             const StructureField& field, std::uint32_t structures, const RegionTable& regions,
+             const SmoothOptions& options, int threads)
         : mesh_(mesh),
           neighbors_(neighbors),
           fixed_(fixed),
           field_(field),
           structures_(structures),
+          regions_(regions),
           options_(options),
           min_sine_(std::sin(options.min_dihedral_degrees * std::numbers::pi / 180)),
           mover_(mesh, options.max_radius_edge, min_sine_, threads),
@@ -83,23 +85,28 @@ class Smoother {
     }
 
     void slide_along_interface(std::uint32_t v) {
-        std::vector<InterfaceFacet> facets;
-        if (find_interface(v, facets) && slide(v, facets))
+        Interface interface;
+        if (find_interface(v, interface) && slide(v, interface))
             surface_moves_.fetch_add(1, std::memory_order_relaxed);
     }
 
-    // The facets of the interface at v; false where three or more regions meet.
-    bool find_interface(std::uint32_t v, std::vector<InterfaceFacet>& facets) const {
+    // The interface at a vertex: its facets, and the regions on both sides.
+    struct Interface {
+        std::vector<InterfaceFacet> facets;
+        Region side = 0, other = 0;
+    };
+
+    // False where three or more regions meet.
+    bool find_interface(std::uint32_t v, Interface& found) const {
         const auto star = mover_.star(v);
-        const Region side = mesh_.regions[star[0]];
-        Region other = side;
+        found.side = found.other = mesh_.regions[star[0]];
         for (const std::uint32_t c : star) {
-            if (mesh_.regions[c] == side) continue;
-            if (other != side && mesh_.regions[c] != other) return false;
-            other = mesh_.regions[c];
+            if (mesh_.regions[c] == found.side) continue;
+            if (found.other != found.side && mesh_.regions[c] != found.other) return false;
+            found.other = mesh_.regions[c];
         }
         for (const std::uint32_t c : star) {
-            if (mesh_.regions[c] == side) add_facets_of(c, v, facets);
+            if (mesh_.regions[c] == found.side) add_facets_of(c, v, found.facets);
         }
         return true;
     }
@@ -196,7 +203,8 @@ class Smoother {
     }
 
     // Along the interface, if that is smooth at v.
-    bool slide(std::uint32_t v, const std::vector<InterfaceFacet>& facets) {
+    bool slide(std::uint32_t v, const Interface& interface) {
+        const std::vector<InterfaceFacet>& facets = interface.facets;
         Vec3 direction{};
         for (const InterfaceFacet& facet : facets) direction = direction + normal(v, facet);
         if (!(squared_length(direction) > 0)) return false;
@@ -208,6 +216,7 @@ class Smoother {
         if (!better(step.sum, before)) return false;
         const Vec3 from = mesh_.points[v];
         InterfaceProbe probe(field_, structures_);
+        probe.focus_between(regions_.members[interface.side], regions_.members[interface.other]);
         for (const double share : {1.0, 0.5}) {
             const auto onto = probe.project(from + share * ratios.mean_edge() * step.move,
                                             step_share * ratios.mean_edge(), 0.1 * options_.tolerance_mm);
@@ -248,6 +257,7 @@ class Smoother {
     const std::vector<std::uint8_t>& fixed_;
     const StructureField& field_;
     std::uint32_t structures_;
+    const RegionTable& regions_;
     SmoothOptions options_;
     double min_sine_;
     VertexMover mover_;
@@ -259,10 +269,12 @@ class Smoother {
 
 SmoothStats smooth_vertices(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
                             const std::vector<std::uint8_t>& fixed, const StructureField& field,
-                            std::uint32_t structures, const SmoothOptions& options, RunContext& context) {
+                            std::uint32_t structures, const RegionTable& regions,
+                            const SmoothOptions& options, RunContext& context) {
     assert(fixed.size() == mesh.points.size());
     assert(neighbors.size() == 4 * mesh.cells.size());
-    return Smoother(mesh, neighbors, fixed, field, structures, options, context.threads).run(context);
+    return Smoother(mesh, neighbors, fixed, field, structures, regions, options, context.threads)
+        .run(context);
 }
 
 }  // namespace anatomesh

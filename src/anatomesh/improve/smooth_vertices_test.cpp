@@ -38,7 +38,7 @@ SmoothStats smoothed(LabelledCase& made, int passes, int threads = 1) {
     SmoothOptions options;
     options.passes = passes;
     return smooth_vertices(made.mesh, cell_neighbors(made.mesh.cells, made.mesh.points.size()), made.fixed,
-                           made.field, made.structures, options, context);
+                           made.field, made.structures, made.regions, options, context);
 }
 
 TEST(SmoothVertices, lowers_the_mean_ratio_and_keeps_what_must_stay) {
@@ -101,8 +101,8 @@ TEST(SmoothVertices, a_vertex_off_the_middle_of_its_neighbours_goes_there) {
         SmoothOptions options;
         options.passes = 20;
         const AnalyticField field({ball({}, 50)}, 60);
-        smooth_vertices(mesh, cell_neighbors(mesh.cells, 7), {1, 1, 1, 1, 1, 1, 0}, field, 1, options,
-                        context);
+        smooth_vertices(mesh, cell_neighbors(mesh.cells, 7), {1, 1, 1, 1, 1, 1, 0}, field, 1, {{{}, {0}}},
+                        options, context);
         EXPECT_LT(length(mesh.points[6]), 0.12);
     }
 }

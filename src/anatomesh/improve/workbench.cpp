@@ -97,12 +97,16 @@ bool Workbench::positive(std::span<const std::uint32_t> cells_in) const {
     });
 }
 
+void Workbench::look_between(Region here, Region there) {
+    if (table) probe.focus_between(table->members[here], table->members[there]);
+}
+
 bool Workbench::near_interface(std::uint32_t a, std::uint32_t b, std::uint32_t c, double before) {
     return facet_distance(mesh.point(a), mesh.point(b), mesh.point(c)) <=
            std::max(before, options.max_deviation_mm);
 }
 
-bool surface_facets_at(const Workbench& bench, std::uint32_t vertex,
+bool surface_facets_at(Workbench& bench, std::uint32_t vertex,
                        std::vector<std::array<std::uint32_t, 2>>& facets) {
     const Region side = bench.mesh.region(bench.star[0]);
     Region other = side;
@@ -125,6 +129,7 @@ bool surface_facets_at(const Workbench& bench, std::uint32_t vertex,
             facets.push_back({f[1], f[2]});
         }
     }
+    bench.look_between(side, other);
     return true;
 }
 

@@ -80,8 +80,10 @@ class Workbench {
 
     bool positive(std::span<const std::uint32_t> cells) const;  // exactly
 
-    // Whether a facet of an interface lies near enough to the field's: its centroid within the bound, or not
-    // farther than `before`.
+    // From now on the probe knows the surfaces between these regions alone.
+    void look_between(Region here, Region there);
+    // Whether a facet of these surfaces lies near enough to the field's: its centroid within the bound, or
+    // not farther than `before`.
     bool near_interface(std::uint32_t a, std::uint32_t b, std::uint32_t c, double before);
     double facet_distance(Vec3 a, Vec3 b, Vec3 c) { return probe.distance((1.0 / 3.0) * (a + b + c)); }
 
@@ -106,9 +108,9 @@ class Workbench {
 };
 
 // The facets of the only surface at a vertex, seen from the region of the first cell of `bench.star`, which
-// is the vertex's star: of each the two other vertices, in the facet's order. False where three or more
-// regions meet, or the mesh ends.
-bool surface_facets_at(const Workbench& bench, std::uint32_t vertex,
+// is the vertex's star: of each the two other vertices, in the facet's order; the bench looks between the two
+// regions. False where three or more regions meet, or the mesh ends.
+bool surface_facets_at(Workbench& bench, std::uint32_t vertex,
                        std::vector<std::array<std::uint32_t, 2>>& facets);
 
 }  // namespace anatomesh

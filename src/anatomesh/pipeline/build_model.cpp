@@ -44,6 +44,7 @@ constexpr double finer = 0.7;
 constexpr double too_thin = 0.8;                 // a mean thickness below so many sizes is warned of
 constexpr double hardly_thicker = 1.3;           // than the size: a structure that a finer one may keep whole,
 constexpr std::size_t build_again_below = 800000;  // where the model has fewer tetrahedra than this
+constexpr double shortest_spike = 0.4;  // an edge across a surface, with an end on another one, in sizes
 constexpr int crossing_rounds = 3;
 constexpr int deviation_rounds = 5;
 constexpr int refinement_rounds = 12;
@@ -225,13 +226,15 @@ class Builder {
         double crossing_points = 0, deviation_points = 0, circumcenters = 0, surface_points = 0;
         CellSearch crossings, deviations, shapes;
         CrossingOptions crossing;
+        crossing.shortest_mm = shortest_spike * sample_->stats.size_mm;
         ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
         DeviationOptions deviation;
         deviation.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
         for (int round = 0; round < (dense_ ? dense_deviation_rounds : deviation_rounds); ++round) {
             std::vector<Vec3> found;
             mesh_->look_again(deviations);
-            find_deviation_points(mesh_->points(), mesh_->cells(), mesh_->regions(), *field_, structures_, mesh_->grid(),
+            find_deviation_points(mesh_->points(), mesh_->cells(), mesh_->regions(),
+                                  mesh_->registry().table(), *field_, structures_, mesh_->grid(),
                                   sample_->guard, deviation, deviations.cells, found, context_);
             if (not_worth_a_round(found.size(), 500)) break;
             deviation_points += static_cast<double>(found.size());
@@ -308,9 +311,9 @@ class Builder {
         for (int round = 0; round < crossing_rounds; ++round) {
             std::vector<Vec3> found;
             mesh_->look_again(search);
-            const CrossingStats stats =
-                find_crossing_points(mesh_->points(), mesh_->cells(), mesh_->sides(), *field_, structures_,
-                                     mesh_->grid(), sample_->guard, options, search.cells, found, context_);
+            const CrossingStats stats = find_crossing_points(
+                mesh_->points(), mesh_->cells(), mesh_->sides(), mesh_->registry().table(), *field_,
+                structures_, mesh_->grid(), sample_->guard, options, search.cells, found, context_);
             if (found.empty() && (options.protected_share == 1 || stats.balls.empty())) break;
             points += static_cast<double>(found.size());
             ANATOMESH_CHECK_STATUS(pieces_->grow(
@@ -334,6 +337,7 @@ class Builder {
         const VertexStars stars(mesh_->cells().cells, mesh_->points().size(), context_.threads);
         return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, stars,
                        contour_owners(pieces_->pieces(), mesh_->points().size()), mesh_->sides(),
+                       spike_share * sample_->stats.size_mm,
                        mesh_->regions(), mesh_->registry(), unsound, look, context_.threads);
     }
 
@@ -443,7 +447,8 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * stats.size_mm;
         if (dense_) options.rounds = 0;
-        const ImproveStats improved = improve(model_.mesh, fixed, *field_, structures_, options, context_);
+        const ImproveStats improved =
+            improve(model_.mesh, fixed, *field_, structures_, model_.regions, options, context_);
         // Before, so that fewer angles are bad; after, since flips leave room.
         SmoothStats smoothed = smooth_all(fixed);
         const DihedralStats dihedrals = improve_angles(fixed);
@@ -488,7 +493,8 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
-        return smooth_vertices(model_.mesh, neighbors_, fixed, *field_, structures_, options, context_);
+        return smooth_vertices(model_.mesh, neighbors_, fixed, *field_, structures_, model_.regions, options,
+                               context_);
     }
 
     // Contour segments that are edges of the surface stay edges of it.

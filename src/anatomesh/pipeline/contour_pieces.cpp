@@ -57,6 +57,7 @@ Status ContourPieces::grow(std::vector<Vec3> found, const std::vector<std::uint3
         (wanted ? split : kept).push_back(piece);
     }
     std::stable_sort(split.begin(), split.end(), [](auto& x, auto& y) { return x.ball < y.ball; });
+    keep_apart(split, kept, limits);
     const std::size_t others = found.size();
     for (const SegmentPiece& piece : split) found.push_back(split_point(piece));
     const std::vector<std::uint32_t> vertices = mesh_.insert(found, context.threads);
@@ -64,6 +65,25 @@ Status ContourPieces::grow(std::vector<Vec3> found, const std::vector<std::uint3
     add_halves(split, {vertices.begin() + static_cast<std::ptrdiff_t>(others), vertices.end()});
     mesh_.update(context);
     return check_region_count(mesh_);
+}
+
+// Contours of two structures that run together want points at next to the same place: of those of one round
+// the first has its way, the other piece stays as it is.
+void ContourPieces::keep_apart(std::vector<SegmentPiece>& split, std::vector<SegmentPiece>& kept,
+                               const SplitLimits& limits) const {
+    PointGrid chosen(options_.size_mm, split.size() + 1);
+    std::vector<SegmentPiece> apart;
+    for (const SegmentPiece& piece : split) {
+        const bool shares_ball = !apart.empty() && apart.back().ball == piece.ball;
+        const Vec3 point = split_point(piece);
+        if (!shares_ball && chosen.any_within(point, room_of(piece, limits))) {
+            kept.push_back(piece);
+            continue;
+        }
+        if (!shares_ball) chosen.add(point);
+        apart.push_back(piece);
+    }
+    split = std::move(apart);
 }
 
 // The middle; but pieces that meet at an acute angle are split at one distance from where they meet, a
@@ -97,13 +117,18 @@ void ContourPieces::add_halves(const std::vector<SegmentPiece>& split,
     }
 }
 
+double ContourPieces::room_of(const SegmentPiece& piece, const SplitLimits& limits) const {
+    const double span = length(mesh_.points()[piece.b] - mesh_.points()[piece.a]);
+    const double room = limits.room * (options_.dense ? dense_free_share : free_share) * span;
+    return std::max(room, limits.clearance * options_.size_mm);
+}
+
 // Not where a contour runs close beside it, which would have to be split in its turn, and so on.
 bool ContourPieces::may_split(const SegmentPiece& piece, const SplitLimits& limits) const {
     const double span = length(mesh_.points()[piece.b] - mesh_.points()[piece.a]);
     const Vec3 middle = 0.5 * (mesh_.points()[piece.a] + mesh_.points()[piece.b]);
-    const double room = limits.room * (options_.dense ? dense_free_share : free_share) * span;
     return span > limits.shortest * options_.size_mm &&
-           !guard_.any_point_within(middle, std::max(room, limits.clearance * options_.size_mm));
+           !guard_.any_point_within(middle, room_of(piece, limits));
 }
 
 Status ContourPieces::recover(std::size_t share, RunContext& context, const SplitLimits& limits) {

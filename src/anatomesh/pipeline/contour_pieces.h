@@ -74,6 +74,10 @@ class ContourPieces {
   private:
     Vec3 split_point(const SegmentPiece& piece) const;
     void add_halves(const std::vector<SegmentPiece>& split, const std::vector<std::uint32_t>& middles);
+    // How near another vertex may be to where a piece is split.
+    double room_of(const SegmentPiece& piece, const SplitLimits& limits) const;
+    void keep_apart(std::vector<SegmentPiece>& split, std::vector<SegmentPiece>& kept,
+                    const SplitLimits& limits) const;
     bool may_split(const SegmentPiece& piece, const SplitLimits& limits) const;
     Status recover_few(RunContext& context);
 

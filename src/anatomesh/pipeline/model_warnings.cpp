@@ -10,6 +10,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double widest_cut = 0.01;  // more of a drawn region's area amiss on its slice is warned of
+constexpr double widest_distance = 0.5;  // of the edge length: a surface further from the field
 constexpr double widest_joint = 0.5;  // of the edge length: surfaces further apart that meet in the mesh
 
 std::string counted(std::uint64_t count, const std::string& noun) {
@@ -75,7 +76,7 @@ void warn_of_shells(const StructureReport& structure, const std::string& file, R
 void warn_of_distance(const ModelReport& report, double size_mm, const std::string& file,
                       RunContext& context) {
     const FieldDistanceReport& distance = report.field_distance;
-    if (distance.points == 0 || (distance.max_mm <= size_mm && !distance.at_least)) return;
+    if (distance.points == 0 || (distance.max_mm <= widest_distance * size_mm && !distance.at_least)) return;
     Place place;
     place.file = file;
     place.structure = distance.structure;
@@ -83,8 +84,9 @@ void warn_of_distance(const ModelReport& report, double size_mm, const std::stri
                   at_text(distance.at);
     context.warn({"W-PIP-008",
                   "the surface leaves the one that the contours tell by more than " +
-                      (distance.max_mm > size_mm ? "the edge length of " + brief(size_mm) + " mm"
-                                                 : std::string("distances reach in the field")) +
+                      (distance.max_mm > widest_distance * size_mm
+                           ? "half the edge length of " + brief(size_mm) + " mm"
+                           : std::string("distances reach in the field")) +
                       "; the farthest point is named",
                   place, "kept; look there, it may be a spike, or a crumb that no contour has"});
 }

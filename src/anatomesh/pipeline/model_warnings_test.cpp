@@ -21,10 +21,10 @@ std::size_t warnings_of_distance(double max_mm, bool at_least, std::uint64_t poi
 }
 
 TEST(ModelWarnings, a_surface_far_from_the_field) {
-    EXPECT_EQ(warnings_of_distance(2.1, false), 1u);
-    EXPECT_EQ(warnings_of_distance(1.9, false), 0u);
+    EXPECT_EQ(warnings_of_distance(1.1, false), 1u);
+    EXPECT_EQ(warnings_of_distance(0.9, false), 0u);
     // The field tells no more than this: it may be any distance.
-    EXPECT_EQ(warnings_of_distance(1.5, true), 1u);
+    EXPECT_EQ(warnings_of_distance(0.5, true), 1u);
     EXPECT_EQ(warnings_of_distance(3, true, 0), 0u);  // not measured
 }
 

@@ -155,7 +155,8 @@ void RecoveredPieces::relabel_at(std::vector<std::uint32_t>& look, std::vector<s
     for (const SegmentPiece& piece : drawn_.pieces) pieces.push_back({piece.a, piece.b, piece.structure});
     const VertexStars stars(mesh_.cells, mesh_.points.size(), context.threads);
     relabelled.add(relabel(mesh_.points, mesh_.cells, neighbors, stars,
-                           {drawn_.owners, mesh_.points.size(), pieces}, sides_, mesh_.regions, registry_,
+                           {drawn_.owners, mesh_.points.size(), pieces}, sides_,
+                           spike_share * options_.size_mm, mesh_.regions, registry_,
                            unsound, look, context.threads));
 }
 

@@ -73,7 +73,7 @@ class RecoveredPieces {
     DrawnInMesh drawn_;
     RecoveryOptions options_;
     std::uint32_t structures_;
-    std::vector<Region> sides_;  // by vertex, as find_sides() has them
+    std::vector<VertexSide> sides_;  // by vertex, as find_sides() has them
     std::vector<std::uint32_t> vertices_;
     RecoverStats stats_;
 };

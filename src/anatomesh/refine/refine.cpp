@@ -15,6 +15,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double spread = 0.7;       // of the points of one round, in circumradii
+constexpr double far_off = 5;        // from a facet's own surface, near another one's, in bounds
 constexpr double far = 8;            // circumradii of so many shortest edges
 constexpr std::size_t batch = 2048;  // cells that choose their points without knowing of each other
 
@@ -145,7 +146,7 @@ std::vector<InterfaceFacet> interface_facets(const DelaunaySnapshot& mesh, const
 }  // namespace
 
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<Region>& regions, const std::vector<Region>& sides,
+                                   const std::vector<Region>& regions, const std::vector<VertexSide>& sides,
                                    const StructureField& field, std::uint32_t structures,
                                    const PointGrid& all_points, const SegmentGuard& guard,
                                    const RefineOptions& options, std::vector<std::uint32_t>& look,
@@ -167,7 +168,7 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
                 const Cell& cell = mesh.cells[c];
                 const bool is_inside = regions[c] != 0;
                 if (!is_inside && std::none_of(cell.begin(), cell.end(),
-                                               [&](std::uint32_t v) { return sides[v] == on_interface; })) {
+                                               [&](std::uint32_t v) { return !sides[v].off_interfaces(); })) {
                     continue;
                 }
                 const Vec3 p = points[cell[0]], q = points[cell[1]], r = points[cell[2]], s = points[cell[3]];
@@ -241,15 +242,17 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
 }
 
 CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<Region>& sides, const StructureField& field,
-                                   std::uint32_t structures, const PointGrid& all_points,
-                                   const SegmentGuard& guard, const CrossingOptions& options,
-                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
-                                   RunContext& context) {
+                                   const std::vector<VertexSide>& sides, const RegionTable& table,
+                                   const StructureField& field, std::uint32_t structures,
+                                   const PointGrid& all_points, const SegmentGuard& guard,
+                                   const CrossingOptions& options, std::vector<std::uint32_t>& look,
+                                   std::vector<Vec3>& found, RunContext& context) {
     CrossingStats stats;
     using Edge = std::array<std::uint32_t, 2>;
     const auto crosses = [&](std::uint32_t a, std::uint32_t b) {
-        return sides[a] != sides[b] && sides[a] != on_interface && sides[b] != on_interface;
+        if (sides[a].off_interfaces() && sides[b].off_interfaces()) return sides[a].in != sides[b].in;
+        return parted_by(table, sides[a], sides[b]).has_value() &&
+               length(points[b] - points[a]) >= options.shortest_mm;
     };
     look = parallel_collect<std::uint32_t>(
         look.size(), 16384, context.threads,
@@ -281,10 +284,18 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
         for (std::size_t n = first; n < last; ++n) {
             const Vec3 p = points[edges[n][0]], q = points[edges[n][1]];
             const double span = length(q - p);
+            const VertexSide &from = sides[edges[n][0]], &to = sides[edges[n][1]];
+            const bool off = from.off_interfaces() && to.off_interfaces();
+            if (off) {
+                probe.focus({});
+            } else {
+                probe.focus(std::array{*parted_by(table, from, to)});
+            }
             const std::optional<Vec3> crossing = probe.first_crossing(p, q, 0.25 * span, 1e-3 * span);
             if (!crossing || all_points.any_within(*crossing, options.min_spacing * span)) continue;
-            balls[n] = guard.ball_at(*crossing, options.protected_share);
-            if (balls[n] == SegmentGuard::no_ball) crossings[n] = crossing;
+            const std::uint32_t ball = guard.ball_at(*crossing, options.protected_share);
+            if (ball == SegmentGuard::no_ball) crossings[n] = crossing;
+            if (off) balls[n] = ball;
         }
     });
     double total = 0;
@@ -309,11 +320,11 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
 }
 
 DeviationStats find_deviation_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                     const std::vector<Region>& regions, const StructureField& field,
-                                     std::uint32_t structures, const PointGrid& all_points,
-                                     const SegmentGuard& guard, const DeviationOptions& options,
-                                     std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
-                                     RunContext& context) {
+                                     const std::vector<Region>& regions, const RegionTable& table,
+                                     const StructureField& field, std::uint32_t structures,
+                                     const PointGrid& all_points, const SegmentGuard& guard,
+                                     const DeviationOptions& options, std::vector<std::uint32_t>& look,
+                                     std::vector<Vec3>& found, RunContext& context) {
     DeviationStats stats;
     const std::vector<InterfaceFacet> facets = interface_facets(mesh, regions, look, context.threads);
     struct Candidate {
@@ -330,7 +341,14 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
             const Cell& cell = mesh.cells[owner];
             const Vec3 a = points[cell[f[0]]], b = points[cell[f[1]]], c = points[cell[f[2]]];
             const Vec3 middle = (1.0 / 3.0) * (a + b + c);
-            if (probe.look(middle, options.max_deviation_mm).distance <= options.max_deviation_mm) continue;
+            const std::uint32_t beyond = mesh.neighbors[owner][index];
+            // Near another structure's surface than its own only a facet far off is worth a point.
+            probe.focus({});
+            if (probe.distance(middle, options.max_deviation_mm) <= options.max_deviation_mm) {
+                if (structures == 1) continue;
+                probe.focus_between(table.members[regions[owner]], table.members[regions[beyond]]);
+                if (probe.distance(middle) <= far_off * options.max_deviation_mm) continue;
+            }
             Candidate& candidate = candidates[n];
             candidate.deviates = true;
             candidate.longest =
@@ -342,7 +360,6 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
             };
             keep_if_free(probe.project(middle, candidate.longest, tolerance), 1);
             // The vertices opposite the facet in its two cells.
-            const std::uint32_t beyond = mesh.neighbors[owner][index];
             const auto& back = mesh.neighbors[beyond];
             const auto across =
                 static_cast<std::size_t>(std::find(back.begin(), back.end(), owner) - back.begin());

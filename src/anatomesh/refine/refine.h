@@ -14,6 +14,7 @@
 #include "anatomesh/field/structure_field.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/vertex_side.h"
 #include "anatomesh/sample/segment_guard.h"
 
 namespace anatomesh {
@@ -49,15 +50,17 @@ struct RefineStats {
 // Complexity: linear in the cells looked at. Same result at any thread count.
 // Follows: Shewchuk, Delaunay refinement mesh generation, 1997, chapter 4; Boissonnat and Oudot, Graph. Models 67, 2005.
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<Region>& regions, const std::vector<Region>& sides,
-                                   const StructureField& field, std::uint32_t structures, const PointGrid& all_points,
-                                   const SegmentGuard& guard, const RefineOptions& options,
-                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found, RunContext& context);
+                                   const std::vector<Region>& regions, const std::vector<VertexSide>& sides,
+                                   const StructureField& field, std::uint32_t structures,
+                                   const PointGrid& all_points, const SegmentGuard& guard,
+                                   const RefineOptions& options, std::vector<std::uint32_t>& look,
+                                   std::vector<Vec3>& found, RunContext& context);
 
 struct CrossingOptions {
     double min_spacing = 0.3;  // of a crossing point from others, in lengths of its edge. (0, 1]
     double protected_share =
         1;  // of the diametral balls of contour segments, kept free of points, by radius. [0, 1]
+    double shortest_mm = 0;  // edges with an end on another surface count from this length on. >= 0
 };
 
 struct CrossingStats {
@@ -68,16 +71,19 @@ struct CrossingStats {
         balls;  // of the guard: pieces of contour segments to split instead; rising, distinct
 };
 
-// Points where mesh edges between vertices of two different regions cross the interface: the contour crosses
+// Points where mesh edges cross the surface of a structure that has one end inside and the other one outside,
+// also where one end lies on that of another structure: the contour crosses
 // a cell there, and a cell must have a vertex there before it can be split along it (the cut of the 2006
 // method). A point keeps min_spacing lengths of its edge from every other one, and out of the protected share
 // of the diametral ball of a piece of a contour segment: that piece is to be split. Requires: sides as
-// find_sides() (cull/cull.h) gives them. Complexity: O(n log n) in the cells looked at. Same result at any thread count.
+// find_sides() (cull/cull.h) gives them. Complexity: O(n log n) in the cells looked at. Same result at any
+// thread count.
 CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<Region>& sides, const StructureField& field,
-                                   std::uint32_t structures, const PointGrid& all_points,
-                                   const SegmentGuard& guard, const CrossingOptions& options,
-                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found, RunContext& context);
+                                   const std::vector<VertexSide>& sides, const RegionTable& table,
+                                   const StructureField& field, std::uint32_t structures,
+                                   const PointGrid& all_points, const SegmentGuard& guard,
+                                   const CrossingOptions& options, std::vector<std::uint32_t>& look,
+                                   std::vector<Vec3>& found, RunContext& context);
 
 struct DeviationOptions {
     double max_deviation_mm = 0.1;  // of the middle of an interface facet from the field's interface. > 0
@@ -98,8 +104,9 @@ struct DeviationStats {
 // vertex of the cell on the wrong side crosses it. Complexity: linear in the cells looked at. Same result at
 // any thread count. Follows: the distance criterion of Boissonnat and Oudot, Graph. Models 67, 2005.
 DeviationStats find_deviation_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                     const std::vector<Region>& regions, const StructureField& field,
-                                     std::uint32_t structures, const PointGrid& all_points, const SegmentGuard& guard,
+                                     const std::vector<Region>& regions, const RegionTable& table,
+                                     const StructureField& field, std::uint32_t structures,
+                                     const PointGrid& all_points, const SegmentGuard& guard,
                                      const DeviationOptions& options, std::vector<std::uint32_t>& look,
                                      std::vector<Vec3>& found, RunContext& context);
 

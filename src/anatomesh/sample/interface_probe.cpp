@@ -2,8 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace anatomesh {
+
+namespace {
+
+// Onto several surfaces: one after the other, so often, until none is farther than so many tolerances.
+constexpr int focus_rounds = 6;
+constexpr double focus_slack = 10;
+
+}  // namespace
 
 const std::vector<std::uint32_t>& InterfaceProbe::members(Vec3 p) {
     members_.clear();
@@ -15,8 +24,20 @@ const std::vector<std::uint32_t>& InterfaceProbe::members(Vec3 p) {
     return members_;
 }
 
-double InterfaceProbe::distance(Vec3 p) {
-    return single_ ? std::abs(field_.value(0, p)) : field_.interface_distance(p);
+void InterfaceProbe::focus_between(const std::vector<std::uint32_t>& here,
+                                   const std::vector<std::uint32_t>& there) {
+    focus_.clear();
+    if (single_ || field_.exclusive()) return;
+    std::set_symmetric_difference(here.begin(), here.end(), there.begin(), there.end(),
+                                  std::back_inserter(focus_));
+}
+
+double InterfaceProbe::distance(Vec3 p, double reach) {
+    if (single_) return std::abs(field_.value_within(0, p, reach));
+    if (focus_.empty()) return field_.interface_distance(p);
+    double farthest = 0;
+    for (const std::uint32_t s : focus_) farthest = std::max(farthest, std::abs(field_.value(s, p)));
+    return farthest;
 }
 
 InterfaceProbe::Look InterfaceProbe::look(Vec3 p, double reach) {
@@ -35,8 +56,8 @@ InterfaceProbe::Look InterfaceProbe::look(Vec3 p, double reach) {
 }
 
 double InterfaceProbe::fix_side(Vec3 p) {
-    if (single_) {
-        const double value = p == looked_at_ ? seen_ : field_.value(0, p);
+    if (single_ || !focus_.empty()) {
+        const double value = single_ && p == looked_at_ ? seen_ : field_.value(surface_, p);
         sign_ = value < 0 ? -1 : 1;
         return std::abs(value);
     }
@@ -46,7 +67,7 @@ double InterfaceProbe::fix_side(Vec3 p) {
 }
 
 double InterfaceProbe::side_distance(Vec3 p) {
-    if (single_) return sign_ * field_.value(0, p);
+    if (single_ || !focus_.empty()) return sign_ * field_.value(surface_, p);
     const Look there = look(p);
     return there.members == side_ ? there.distance : -there.distance;
 }
@@ -74,6 +95,24 @@ Vec3 InterfaceProbe::crossing_between(Vec3 p, Vec3 q, double at_p, double at_q, 
 }
 
 std::optional<Vec3> InterfaceProbe::project(Vec3 p, double max_move, double tolerance) {
+    if (single_ || focus_.empty()) return project_one(p, max_move, tolerance);
+    Vec3 at = p;
+    for (int round = 0; round < focus_rounds; ++round) {
+        for (const std::uint32_t surface : focus_) {
+            if (focus_.size() > 1 && std::abs(field_.value(surface, at)) <= tolerance) continue;
+            surface_ = surface;
+            const std::optional<Vec3> onto = project_one(at, max_move, tolerance);
+            if (!onto) return std::nullopt;
+            at = *onto;
+        }
+        if (focus_.size() == 1) return at;
+        if (distance(at) <= tolerance) break;
+    }
+    if (distance(at) > focus_slack * tolerance || length(at - p) > max_move) return std::nullopt;
+    return at;
+}
+
+std::optional<Vec3> InterfaceProbe::project_one(Vec3 p, double max_move, double tolerance) {
     const double here = fix_side(p);
     // Where the distance falls fastest, by differences over a step that stays on this side where it can.
     const double delta = std::max(tolerance, 0.25 * here);
@@ -97,6 +136,7 @@ std::optional<Vec3> InterfaceProbe::project(Vec3 p, double max_move, double tole
 }
 
 std::optional<Vec3> InterfaceProbe::first_crossing(Vec3 p, Vec3 q, double step, double tolerance) {
+    if (!single_ && !focus_.empty()) surface_ = focus_.front();
     double at_near = fix_side(p);
     const int steps = static_cast<int>(std::clamp(std::ceil(length(q - p) / step), 1.0, 64.0));
     Vec3 near = p;

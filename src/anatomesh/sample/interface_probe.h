@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "anatomesh/field/structure_field.h"
@@ -17,14 +18,27 @@ class InterfaceProbe {
     explicit InterfaceProbe(const StructureField& field, std::uint32_t structure_count)
         : field_(field), single_(structure_count == 1) {}
 
+    // From now on only the surfaces of these structures count for distance(), which is that of the farthest,
+    // project(), which ends on all of them, and first_crossing(), for one of them alone. None: all
+    // interfaces.
+    void focus(std::span<const std::uint32_t> structures) {
+        focus_.assign(structures.begin(), structures.end());
+    }
+
+    // On those of the structures that one of two regions has and the other has not, given by their structures
+    // in rising order; on all interfaces where structures exclude each other.
+    void focus_between(const std::vector<std::uint32_t>& here, const std::vector<std::uint32_t>& there);
+
     // Sorted structures at p; valid until the next call.
     const std::vector<std::uint32_t>& members(Vec3 p);
 
-    // Distance-like, >= 0, clamped to the field's clamp.
-    double distance(Vec3 p);
+    // Distance-like, >= 0, clamped to the field's clamp. One above `reach` may be any number above it, which
+    // costs less.
+    double distance(Vec3 p, double reach = std::numeric_limits<double>::infinity());
 
-    // Both at once, at about the price of one; the members are valid until the next call. A distance above `reach` may
-    // be any number above it, which costs less.
+    // Members and the distance from the nearest interface of all at once, at about the price of one; the
+    // members are valid until the next call. A distance above `reach` may be any number above it, which costs
+    // less.
     struct Look {
         const std::vector<std::uint32_t>& members;
         double distance;
@@ -43,11 +57,14 @@ class InterfaceProbe {
     // fix_side returns its value there.
     double fix_side(Vec3 p);
     double side_distance(Vec3 p);
+    std::optional<Vec3> project_one(Vec3 p, double max_move, double tolerance);
     Vec3 crossing_between(Vec3 p, Vec3 q, double at_p, double at_q, double tolerance);
 
     const StructureField& field_;
     bool single_;
-    double sign_ = 1;                            // single structure: the sign of the value on this side
+    double sign_ = 1;                // one surface alone: the sign of the value on this side
+    std::vector<std::uint32_t> focus_;  // structures, if not all
+    std::uint32_t surface_ = 0;         // that of the structure looked at
     Vec3 looked_at_{NAN, NAN, NAN};  // single structure: where look() last found the exact value, and that
     double seen_ = 0;
     std::vector<std::uint32_t> side_, members_;  // members on this side; scratch
