@@ -188,6 +188,12 @@ std::optional<Sweep> Sweep::of(const ContourSet& set) {
     return sweep;
 }
 
+std::vector<std::uint32_t> Sweep::order() const {
+    std::vector<std::uint32_t> slices;
+    for (const Layer& layer : layers_) slices.push_back(layer.slice);
+    return slices;
+}
+
 Vec3 Sweep::straight(Vec3 p) const {
     const auto next = std::partition_point(layers_.begin(), layers_.end(), [&](const Layer& layer) {
         return layer.plane.signed_distance(p) >= layer.low;

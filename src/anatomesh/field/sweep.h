@@ -26,6 +26,9 @@ class Sweep {
     // it nearest to the middle of the set.) Requires: a contour. Complexity: O(points + slices^2).
     static std::optional<Sweep> of(const ContourSet& set);
 
+    // The slices in the order of the sweep, from below.
+    std::vector<std::uint32_t> order() const;
+
     // Complexity: logarithmic in the slices.
     Vec3 straight(Vec3 p) const;
 

@@ -5,7 +5,13 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
 
+#include "anatomesh/contour/chosen_slices.h"
+#include "anatomesh/field/crossed_field.h"
+#include "anatomesh/field/sweep.h"
 #include "anatomesh/mesh/buckets.h"
 #include "anatomesh/mesh/tet_mesh.h"
 #include "anatomesh/pipeline/drawn_parts.h"
@@ -392,24 +398,21 @@ class TearSearch {
 
 }  // namespace
 
-std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
-                                       std::span<const std::vector<Triangle>> surfaces,
-                                       const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
-                                       std::span<const std::uint8_t> whole_only) {
-    assert(surfaces.size() == contours.structures.size() && vertex_of.size() == contours.points.size());
-    assert(whole_only.size() == surfaces.size());
+namespace {
+
+// Of slices side by side, in their order; `heights` of the points along the first one's normal.
+std::vector<SurfaceTear> tears_of_stack(const std::vector<double>& heights,
+                                        std::span<const std::vector<Triangle>> surfaces,
+                                        const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
+                                        std::span<const std::uint8_t> whole_only) {
     std::vector<SurfaceTear> tears;
-    if (contours.slices.empty() || !all_parallel(contours, parallel_mm)) return tears;
-    const Vec3 normal = contours.slices.front().plane.normal;
-    std::vector<double> heights;
-    for (const Vec3& p : points) heights.push_back(dot(p, normal));
     double tolerance = on_plane_share * contours.box().diagonal();
     for (const Contour& contour : contours.contours) {
         const Plane& plane = contours.slices[contour.slice].plane;
         for (const Vec3& p : contours.points_of(contour))
             tolerance = std::max(tolerance, 1.001 * std::abs(plane.signed_distance(p)));
     }
-    std::vector<std::uint32_t> contour_of(points.size(), no_cell);
+    std::vector<std::uint32_t> contour_of(heights.size(), no_cell);
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         const auto mark = [&](bool on) {
             for (std::uint32_t c = 0; c < contours.contours.size(); ++c) {
@@ -427,6 +430,66 @@ std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
             TearSearch(contours, s, tolerance, surface).find(whole_only[s] != 0);
         tears.insert(tears.end(), found.begin(), found.end());
         mark(false);
+    }
+    return tears;
+}
+
+// The slices of a sweep, or of the stack of a set that has a few planes across it.
+struct Stacked {
+    Sweep sweep;
+    ContourSet straight;                // in the order of the sweep
+    std::vector<std::uint32_t> slices;  // of the set as given, in this order
+};
+
+std::optional<Stacked> stacked_slices(const ContourSet& contours) {
+    std::vector<std::uint32_t> chosen(contours.slices.size());
+    std::iota(chosen.begin(), chosen.end(), 0u);
+    std::optional<Sweep> sweep = Sweep::of(contours);
+    if (!sweep) {
+        std::optional<StackAndCrossing> parts = stack_and_crossing(contours);
+        if (!parts) return std::nullopt;
+        chosen = std::move(parts->stack);
+        sweep = Sweep::of(chosen_slices(contours, chosen));
+        if (!sweep) return std::nullopt;
+    }
+    const std::vector<std::uint32_t> order = sweep->order();
+    ContourSet straight = chosen_slices(sweep->straight(chosen_slices(contours, chosen)), order);
+    Stacked made{std::move(*sweep), std::move(straight), {}};
+    for (const std::uint32_t s : order) made.slices.push_back(chosen[s]);
+    return made;
+}
+
+}  // namespace
+
+std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
+                                       std::span<const std::vector<Triangle>> surfaces,
+                                       const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
+                                       std::span<const std::uint8_t> whole_only) {
+    assert(surfaces.size() == contours.structures.size() && vertex_of.size() == contours.points.size());
+    assert(whole_only.size() == surfaces.size());
+    const bool asked =
+        std::any_of(surfaces.begin(), surfaces.end(), [](const auto& s) { return !s.empty(); });
+    if (contours.slices.empty() || !asked) return {};
+    std::vector<double> heights;
+    if (all_parallel(contours, parallel_mm)) {
+        for (const Vec3& p : points) heights.push_back(dot(p, contours.slices.front().plane.normal));
+        return tears_of_stack(heights, surfaces, contours, vertex_of, whole_only);
+    }
+    const std::optional<Stacked> stacked = stacked_slices(contours);
+    if (!stacked) return {};
+    for (const Vec3& p : points) heights.push_back(stacked->sweep.straight(p).z);
+    std::vector<std::uint32_t> vertices;
+    for (const std::uint32_t s : stacked->slices) {
+        for (const Contour& contour : contours.contours_of(contours.slices[s])) {
+            const auto first = vertex_of.begin() + contour.first_point;
+            vertices.insert(vertices.end(), first, first + contour.point_count);
+        }
+    }
+    std::vector<SurfaceTear> tears =
+        tears_of_stack(heights, surfaces, stacked->straight, vertices, whole_only);
+    for (SurfaceTear& tear : tears) {
+        tear.low_slice = stacked->slices[tear.low_slice];
+        tear.high_slice = stacked->slices[tear.high_slice];
     }
     return tears;
 }

@@ -24,7 +24,9 @@ struct SurfaceTear {
 // one of the next slice: its Euler number is 0. Before the first slice and beyond the last one it closes
 // without a handle. A hole through a wall takes two from the number, and so does a bridge to another wall; a
 // gap that is filled may leave cavities, which add two. Where parts branch, vanish or slip past each other
-// nothing is said; nor for slices that are not parallel, or further apart than 1.5 median gaps. `surfaces[s]`
+// nothing is said; nor between slices further apart than 1.5 median gaps. Slices of a sweep are judged in its
+// straight coordinates (sweep.h), of a stack with a few planes across it those of the stack
+// (crossed_field.h), of planes in any position none. `surfaces[s]`
 // is the closed surface of the contour set's structure s as triangles of `points`; `vertex_of` the mesh
 // vertex of every contour point, or no_cell. Of a structure with whole_only[s] != 0 those runs alone are
 // asked for that are whole: the search ends where none is left. By structure, then by slice. Complexity: O(t

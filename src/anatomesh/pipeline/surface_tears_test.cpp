@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -26,7 +29,58 @@ class CubeSolid {
         for_each(low, high, [&](const Cube& cube) { cubes_.erase(cube); });
     }
 
+    // As it is; the same is to be found where it is bent, so that its slices lean against each other, and
+    // where a plane that is no part of it runs across them.
     std::vector<SurfaceTear> tears(const Drawing& drawing) {
+        const auto as_it_is = [](Vec3 p) { return p; };
+        const std::vector<SurfaceTear> found = tears(drawing, as_it_is);
+        EXPECT_EQ(found_in(tears(drawing, bend)), found_in(found)) << "bent";
+        const Box3 box = kept(drawing.raw).box();
+        Drawing finer;
+        for (const RawContour& contour : drawing.raw.contours) {
+            Polygon polygon;
+            for (std::uint32_t n = 0; n < contour.point_count; ++n) {
+                const Vec3 p = drawing.raw.points[contour.first_point + n];
+                polygon.push_back({p.x, p.y});
+            }
+            // Planes closer than the vertices along them are not told from those across.
+            finer.add(0, drawing.raw.points[contour.first_point].z, divided(polygon, 1));
+        }
+        const auto as_finer = found_in(tears(finer, as_it_is));
+        EXPECT_EQ(as_finer.empty(), found.empty());
+        Drawing crossed = finer;
+        const double y = 0.5 * (box.low.y + box.high.y) + 0.1;
+        RawContour across = crossed.raw.contours.front();
+        across.first_point = static_cast<std::uint32_t>(crossed.raw.points.size());
+        across.point_count = 4;
+        across.name = "across";
+        crossed.raw.contours.push_back(across);
+        for (const auto& [x, z] : rectangle({box.low.x, box.low.z - 2}, {box.high.x, box.high.z + 2}))
+            crossed.raw.points.push_back({x, y, z});
+        EXPECT_EQ(found_in(tears(crossed, as_it_is)), as_finer) << "crossed";
+        EXPECT_EQ(found_in(tears(crossed, bend)), as_finer) << "bent and crossed";
+        return found;
+    }
+
+  private:
+    // Round an axis along y, 60 mm off: planes of equal z turn by a degree a mm.
+    static Vec3 bend(Vec3 p) {
+        const double angle = p.z * pi / 180, reach = 60 + p.x;
+        return {reach * std::cos(angle) - 60, p.y, reach * std::sin(angle)};
+    }
+
+    // What was found, whatever the slices' numbers are: a set across them may be numbered otherwise.
+    static std::vector<std::array<std::int64_t, 3>> found_in(const std::vector<SurfaceTear>& tears) {
+        std::vector<std::array<std::int64_t, 3>> found;
+        for (const SurfaceTear& tear : tears) found.push_back({tear.euler, tear.expected, tear.whole});
+        std::sort(found.begin(), found.end());
+        return found;
+    }
+
+    // With all points put elsewhere.
+    template <class Place>
+    std::vector<SurfaceTear> tears(Drawing drawing, const Place& place) {
+        drawing.move(place);
         const ContourSet set = kept(drawing.raw);
         std::vector<Triangle> triangles;
         for (const Cube& cube : cubes_) {
@@ -38,21 +92,28 @@ class CubeSolid {
                 }
             }
         }
-        std::vector<std::uint32_t> vertex_of;
-        for (const Vec3& p : set.points) {
-            const auto at =
-                vertices_.find(Cube{static_cast<int>(p.x), static_cast<int>(p.y), static_cast<int>(p.z)});
-            EXPECT_NE(at, vertices_.end());
-            vertex_of.push_back(at == vertices_.end() ? no_cell : at->second);
+        std::vector<Vec3> points;
+        std::map<std::array<long long, 3>, std::uint32_t> at;
+        const auto key = [](Vec3 p) {
+            return std::array{std::llround(1e6 * p.x), std::llround(1e6 * p.y), std::llround(1e6 * p.z)};
+        };
+        for (const Vec3& p : points_) {
+            at[key(place(p))] = static_cast<std::uint32_t>(points.size());
+            points.push_back(place(p));
         }
+        std::vector<std::uint32_t> vertex_of;  // none of a contour across, nor where a hole is
+        for (const Vec3& p : set.points) {
+            const auto found = at.find(key(p));
+            vertex_of.push_back(found == at.end() ? no_cell : found->second);
+        }
+        EXPECT_LT(2 * std::count(vertex_of.begin(), vertex_of.end(), no_cell), std::ssize(vertex_of));
         const std::vector<std::vector<Triangle>> surfaces{triangles};
         const std::uint8_t all[] = {0}, whole_only[] = {1};
-        std::vector<SurfaceTear> tears = surface_tears(points_, surfaces, set, vertex_of, all);
-        expect_whole_ones(surface_tears(points_, surfaces, set, vertex_of, whole_only), tears);
+        std::vector<SurfaceTear> tears = surface_tears(points, surfaces, set, vertex_of, all);
+        expect_whole_ones(surface_tears(points, surfaces, set, vertex_of, whole_only), tears);
         return tears;
     }
 
-  private:
     // A search for whole runs alone finds those of `all` that are whole.
     static void expect_whole_ones(const std::vector<SurfaceTear>& found, std::vector<SurfaceTear> all) {
         std::erase_if(all, [](const SurfaceTear& tear) { return !tear.whole; });
