@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/contour/clean.h"
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/slice_regions.h"
@@ -241,24 +242,13 @@ Result<std::string> errors_of_model(const Truth& truth, const std::vector<Surfac
                        mean_and_p95(std::move(to_truth)), model.mesh.cells.size(), seconds);
 }
 
-// Takes every n-th slice out of the set.
-void leave_out(std::uint32_t every, ContourSet& set) {
-    const ContourSet all = std::exchange(set, ContourSet{});
-    set.structures = all.structures;
-    set.source = all.source;
-    for (std::uint32_t s = 0; s < all.slices.size(); ++s) {
-        if (s % every == every - 1) continue;
-        Slice slice = all.slices[s];
-        slice.first_contour = static_cast<std::uint32_t>(set.contours.size());
-        for (Contour contour : all.contours_of(all.slices[s])) {
-            const auto points = all.points_of(contour);
-            contour.slice = static_cast<std::uint32_t>(set.slices.size());
-            contour.first_point = static_cast<std::uint32_t>(set.points.size());
-            set.points.insert(set.points.end(), points.begin(), points.end());
-            set.contours.push_back(contour);
-        }
-        set.slices.push_back(std::move(slice));
+// Without every n-th slice.
+ContourSet leave_out(std::uint32_t every, const ContourSet& set) {
+    std::vector<std::uint32_t> kept;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        if (s % every != every - 1) kept.push_back(s);
     }
+    return chosen_slices(set, kept);
 }
 
 std::string name_of(const InputOptions& options) {
@@ -300,12 +290,11 @@ Status leave_out_planes(const InputOptions& options, const ReconcileStepOptions&
     ANATOMESH_TRY(OpenedInput opened, open_input(options, context));
     ANATOMESH_TRY(const InputContours all, contours_of(std::move(opened), options, context));
     std::vector<SurfacePlace> places;
-    ContourSet kept = all.kept;
     for (std::uint32_t s = every - 1; s < all.kept.slices.size(); s += every) {
         for (const Contour& contour : all.kept.contours_of(all.kept.slices[s]))
             add_places(all.kept, contour, places);
     }
-    leave_out(every, kept);
+    ContourSet kept = leave_out(every, all.kept);
     ANATOMESH_CHECK_STATUS(reconcile_step(kept, reconcile, context));
     ANATOMESH_TRY(const auto field, make_structure_field(kept, {}, context));
     if (header) {

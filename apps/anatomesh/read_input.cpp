@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <initializer_list>
 
+#include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/contour/clean.h"
 #include "anatomesh/contour/close_gaps.h"
 #include "anatomesh/contour/simplify.h"
@@ -576,23 +577,10 @@ Result<std::vector<std::uint32_t>> find_in_order(const std::vector<Structure>& a
 }
 
 ContourSet every_nth_slice(const ContourSet& set, std::uint32_t every, std::uint32_t offset) {
-    ContourSet out = set;
-    out.slices.clear();
-    out.contours.clear();
-    out.points.clear();
-    for (std::size_t s = offset; s < set.slices.size(); s += every) {
-        Slice slice = set.slices[s];
-        slice.first_contour = static_cast<std::uint32_t>(out.contours.size());
-        for (Contour contour : set.contours_of(set.slices[s])) {
-            const auto points = set.points_of(contour);
-            contour.slice = static_cast<std::uint32_t>(out.slices.size());
-            contour.first_point = static_cast<std::uint32_t>(out.points.size());
-            out.points.insert(out.points.end(), points.begin(), points.end());
-            out.contours.push_back(contour);
-        }
-        out.slices.push_back(std::move(slice));
-    }
-    return out;
+    std::vector<std::uint32_t> slices;
+    for (std::size_t s = offset; s < set.slices.size(); s += every)
+        slices.push_back(static_cast<std::uint32_t>(s));
+    return chosen_slices(set, slices);
 }
 
 }  // namespace anatomesh

@@ -255,10 +255,6 @@ class CrossedField final : public FieldQueries<CrossedField> {
     std::vector<Box3> boxes_;  // by structure
 };
 
-}  // namespace
-
-namespace {
-
 // How many slices one after the other were taken out of the stack, those across it left aside.
 std::size_t longest_gap(const ContourSet& set, const StackAndCrossing& slices) {
     const Plane& first = set.slices[slices.stack.front()].plane;

@@ -260,17 +260,23 @@ TEST(Certificate, coarse_cells_within_the_bound_keep_clause_4_whatever_their_mea
     EXPECT_EQ(report.certificate[3].state, ClauseState::kept);
 }
 
-TEST(ForcedCells, names_the_contour_vertices_of_the_shortest_edge_and_the_sharp_angle) {
-    TetMesh mesh;
-    mesh.points = {{0, 0, 0}, {0.25, 0, 0}, {0, 3, 0}, {0, 0, 4}};
-    mesh.cells = {{0, 1, 2, 3}};
-    mesh.regions = {1};
+// In slices of their own, their points to be given.
+ContourSet two_triangles() {
     ContourSet contours;
     contours.structures = {{1, "s", {}}};
     contours.slices.resize(2);
     contours.slices[0].name = "k = 7";
     contours.slices[1].name = "k = 8";
     contours.contours = {{0, 0, 0, 3}, {0, 1, 3, 3}};
+    return contours;
+}
+
+TEST(ForcedCells, names_the_contour_vertices_of_the_shortest_edge_and_the_sharp_angle) {
+    TetMesh mesh;
+    mesh.points = {{0, 0, 0}, {0.25, 0, 0}, {0, 3, 0}, {0, 0, 4}};
+    mesh.cells = {{0, 1, 2, 3}};
+    mesh.regions = {1};
+    ContourSet contours = two_triangles();
     contours.points = {{0, 0, 0}, {0.25, 0, 0}, {9, 9, 0}, {0, 0, 4}, {9, 0, 4}, {9, 1, 4}};
 
     EXPECT_EQ(
@@ -304,12 +310,7 @@ TEST(ForcedCells, names_contours_that_pass_each_other_or_meet_at_a_small_angle) 
     mesh.points = {{1, 0, 0}, {0.25, 2, 0}, {0, 3, 0}, {0, 0, 4}};
     mesh.cells = {{0, 1, 2, 3}};
     mesh.regions = {1};
-    ContourSet contours;
-    contours.structures = {{1, "s", {}}};
-    contours.slices.resize(2);
-    contours.slices[0].name = "k = 7";
-    contours.slices[1].name = "k = 8";
-    contours.contours = {{0, 0, 0, 3}, {0, 1, 3, 3}};
+    ContourSet contours = two_triangles();
     const auto reason = [&](std::vector<Vec3> points, std::vector<std::uint32_t> vertex_of, double distance) {
         contours.points = std::move(points);
         ForcedCells forced(mesh, contours, vertex_of);
