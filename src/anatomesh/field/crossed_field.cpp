@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "anatomesh/contour/chosen_slices.h"
+#include "anatomesh/contour/message_text.h"
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/parallel_field.h"
@@ -275,6 +276,33 @@ std::size_t longest_gap(const ContourSet& set, const StackAndCrossing& slices) {
     return longest;
 }
 
+// A structure that is drawn thinner than the stack's slices are apart: what the planes across it tell of it
+// holds near them alone.
+void warn_about_thin_structures(const ContourSet& set, double spacing, RunContext& context) {
+    std::vector<double> area(set.structures.size(), 0), length_of(set.structures.size(), 0);
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        for (const SliceRegion& region : slice_regions(set, s, set.slices[s].plane)) {
+            for (const Edge2& edge : region.edges) {
+                area[region.structure] +=
+                    0.5 * cross(edge.a - region.edges.front().a, edge.b - region.edges.front().a);
+                length_of[region.structure] += length(edge.b - edge.a);
+            }
+        }
+    }
+    for (std::size_t s = 0; s < area.size(); ++s) {
+        if (!(length_of[s] > 0)) continue;
+        const double thickness = 2 * area[s] / length_of[s];
+        if (thickness >= spacing) continue;
+        const Structure& structure = set.structures[s];
+        context.warn(
+            {"W-FLD-007",
+             "drawn thinner than its planes are apart, on planes that cross or nearly do",
+             {set.source, "", structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
+              brief(thickness) + " mm thick in the mean, planes " + brief(spacing) + " mm apart"},
+             "kept; between the planes it may be torn or missing: draw more planes, or parallel ones"});
+    }
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSet& set,
@@ -293,6 +321,7 @@ Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSe
                                             [](const Warning& w) { return w.code == "W-FLD-002"; });
         context.warnings.erase(bridged, context.warnings.end());
     }
+    warn_about_thin_structures(set, stack->slice_spacing(), context);
     return std::shared_ptr<const StructureField>(
         std::make_shared<CrossedField>(std::move(stack), set, slices));
 }

@@ -133,6 +133,17 @@ TEST(CrossedField, C28_a_thin_wall_stays_whole) {
     }
 }
 
+// What the planes across tell of it holds near them alone.
+TEST(CrossedField, a_structure_thinner_than_the_slices_are_apart_is_warned_of) {
+    for (const double inner : {22.0, 0.0}) {
+        RunContext context;
+        ASSERT_TRUE(make_structure_field(ball_on(stack_planes(0, 1), 22.5, inner), {}, context).ok());
+        const auto warned = std::count_if(context.warnings.begin(), context.warnings.end(),
+                                          [](const Warning& w) { return w.code == "W-FLD-007"; });
+        EXPECT_EQ(warned, inner > 0 ? 1 : 0);
+    }
+}
+
 // Several that lie in the stack one after the other are no gap of it.
 TEST(CrossedField, where_slices_were_taken_out_nothing_ends) {
     std::vector<Plane> planes = stack_planes(0, 0);
