@@ -7,13 +7,13 @@
 #include <utility>
 
 #include "anatomesh/contour/chosen_slices.h"
-#include "anatomesh/contour/message_text.h"
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/slice_regions.h"
 #include "anatomesh/field/sweep.h"
 #include "anatomesh/field/swept_field.h"
+#include "anatomesh/field/thin_structures.h"
 #include "anatomesh/reconcile/plane_patches.h"
 
 namespace anatomesh {
@@ -274,33 +274,6 @@ std::size_t longest_gap(const ContourSet& set, const StackAndCrossing& slices) {
     std::size_t longest = 0, run = 0;
     for (const auto& [place, out] : places) longest = std::max(longest, run = out ? run + 1 : 0);
     return longest;
-}
-
-// A structure that is drawn thinner than the stack's slices are apart: what the planes across it tell of it
-// holds near them alone.
-void warn_about_thin_structures(const ContourSet& set, double spacing, RunContext& context) {
-    std::vector<double> area(set.structures.size(), 0), length_of(set.structures.size(), 0);
-    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        for (const SliceRegion& region : slice_regions(set, s, set.slices[s].plane)) {
-            for (const Edge2& edge : region.edges) {
-                area[region.structure] +=
-                    0.5 * cross(edge.a - region.edges.front().a, edge.b - region.edges.front().a);
-                length_of[region.structure] += length(edge.b - edge.a);
-            }
-        }
-    }
-    for (std::size_t s = 0; s < area.size(); ++s) {
-        if (!(length_of[s] > 0)) continue;
-        const double thickness = 2 * area[s] / length_of[s];
-        if (thickness >= spacing) continue;
-        const Structure& structure = set.structures[s];
-        context.warn(
-            {"W-FLD-007",
-             "drawn thinner than its planes are apart, on planes that cross or nearly do",
-             {set.source, "", structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
-              brief(thickness) + " mm thick in the mean, planes " + brief(spacing) + " mm apart"},
-             "kept; between the planes it may be torn or missing: draw more planes, or parallel ones"});
-    }
 }
 
 }  // namespace

@@ -8,11 +8,11 @@
 #include <span>
 
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/contour/message_text.h"
 #include "anatomesh/field/caps.h"
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/slice_regions.h"
+#include "anatomesh/field/thin_structures.h"
 #include "anatomesh/reconcile/plane_patches.h"
 
 namespace anatomesh {
@@ -144,7 +144,6 @@ class GeneralField final : public FieldQueries<GeneralField> {
     double blend(std::uint32_t structure, const Sight& sight) const;
     std::uint32_t next_structure(const Sight& sight, std::uint32_t from) const;
     Status build_maps(const ContourSet& set, RunContext& context);
-    void warn_about_thin_structures(const ContourSet& set, RunContext& context) const;
     void find_open_sides();
     bool is_before(Vec3 p, double reach, const PlanePatch& patch) const;
     bool is_hidden(const Beside& far, const Beside& near, double half) const;
@@ -410,28 +409,6 @@ Status GeneralField::build_maps(const ContourSet& set, RunContext& context) {
     return Nothing{};
 }
 
-// A structure that is drawn thinner than the planes are apart: what joins its sections is not known.
-void GeneralField::warn_about_thin_structures(const ContourSet& set, RunContext& context) const {
-    std::vector<double> area(set.structures.size(), 0), length_of(set.structures.size(), 0);
-    for (std::size_t m = 0; m < maps_.size(); ++m) {
-        if (structure_of_[m] == union_) continue;
-        area[structure_of_[m]] += maps_[m]->area();
-        for (const Edge2& edge : maps_[m]->edges()) length_of[structure_of_[m]] += length(edge.b - edge.a);
-    }
-    for (std::size_t s = 0; s < area.size(); ++s) {
-        if (!(length_of[s] > 0)) continue;
-        const double thickness = 2 * area[s] / length_of[s];
-        if (thickness >= spacing_) continue;
-        const Structure& structure = set.structures[s];
-        context.warn(
-            {"W-FLD-007",
-             "drawn thinner than its planes are apart, on planes that cross or nearly do",
-             {set.source, "", structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
-              brief(thickness) + " mm thick in the mean, planes " + brief(spacing_) + " mm apart"},
-             "kept; between the planes it may be torn or missing: draw more planes, or parallel ones"});
-    }
-}
-
 // A side of a patch is open when all patches within the radius keep to the other one.
 void GeneralField::find_open_sides() {
     std::vector<std::array<Vec3, 4>> corners;
@@ -588,7 +565,7 @@ void GeneralField::build_grid(int threads) {
 Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patches, RunContext& context) {
     for (PlanePatch& patch : patches) patches_.push_back({std::move(patch), 0, 0, false, false});
     ANATOMESH_CHECK_STATUS(build_maps(set, context));
-    warn_about_thin_structures(set, context);
+    warn_about_thin_structures(set, spacing_, context);
     box_ = set.box().grown(reach_);
     boxes_.resize(set.structures.size());
     for (const Contour& contour : set.contours) {

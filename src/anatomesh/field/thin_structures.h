@@ -1,0 +1,13 @@
+// warn_about_thin_structures: what planes that cross cannot tell.
+#pragma once
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/contour/contour_set.h"
+
+namespace anatomesh {
+
+// W-FLD-007 for every structure that is drawn thinner in the mean (twice its area over its outline's length)
+// than `spacing` mm, which its planes are apart: what joins its sections is not known. Complexity: O(points).
+void warn_about_thin_structures(const ContourSet& set, double spacing, RunContext& context);
+
+}  // namespace anatomesh
