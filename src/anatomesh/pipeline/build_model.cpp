@@ -21,6 +21,7 @@
 #include "anatomesh/improve/smooth_vertices.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/mesh/topology.h"
+#include "anatomesh/pipeline/attempts.h"
 #include "anatomesh/pipeline/contour_field.h"
 #include "anatomesh/pipeline/contour_pieces.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
@@ -39,11 +40,9 @@ constexpr double interface_tolerance = 0.02;  // points this near an interface c
 constexpr double balance_reach = 0.25;        // no vertex moves further than this for the volume's sake, in sizes
 constexpr double surface_deviation =
     0.06;  // of the middle of an interface facet from the interface, in sizes
-constexpr int max_attempts = 4;               // with a default size; each one finer
-constexpr double finer = 0.7;
+constexpr double finer = 0.7;                    // a further try's edge length, in those of the one before
 constexpr double too_thin = 0.8;                 // a mean thickness below so many sizes is warned of
-constexpr double hardly_thicker = 1.3;           // than the size: a structure that a finer one may keep whole,
-constexpr std::size_t build_again_below = 800000;  // where the model has fewer tetrahedra than this
+constexpr double hardly_thicker = 1.3;  // than the size: a structure that a finer one may keep whole,
 constexpr double shortest_spike = 0.4;  // an edge across a surface, with an end on another one, in sizes
 constexpr int crossing_rounds = 3;
 constexpr int deviation_rounds = 5;
@@ -744,6 +743,33 @@ class Builder {
     Clock::time_point stage_start_ = Clock::now();
 };
 
+// A model that keeps the contract, while another one is tried.
+struct KeptModel {
+    Model model;
+    std::vector<Warning> warnings;
+
+    double over_bound() const { return model.report.quality.radius_edge_share_over_2; }
+};
+
+// Up to the figures, which are of a model that nobody gets.
+std::string brief_reason(const std::string& message) {
+    return message.substr(0, message.find(" ("));
+}
+
+TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
+    TryOutcome outcome;
+    outcome.kept_contract = model.ok();
+    outcome.spared_work = builder.spared_shapes();
+    if (!model.ok()) {
+        outcome.size_matters = model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001";
+        return outcome;
+    }
+    outcome.tore_thin = builder.tore_a_thin_structure();
+    outcome.over_bound = model.value().report.quality.radius_edge_share_over_2;
+    outcome.cells = model.value().mesh.cells.size();
+    return outcome;
+}
+
 }  // namespace
 
 Result<Model> build_model(const ContourSet& contours, const ModelOptions& options, RunContext& context,
@@ -751,37 +777,37 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
     ModelOptions tried = options;
     FieldAndVolumes known;
     std::optional<std::size_t> warnings_before;  // of the contours and their field
-    int most_attempts = max_attempts;
-    for (int attempt = 1;; ++attempt) {
-        Builder builder(contours, tried, options.size_mm > 0, static_cast<std::size_t>(attempt - 1), context,
-                        observer, known);
+    std::optional<KeptModel> kept;
+    Attempts attempts(options.size_mm > 0);
+    for (std::size_t tries_before = 0;; ++tries_before) {
+        Builder builder(contours, tried, options.size_mm > 0, tries_before, context, observer, known);
         Result<Model> model = builder.run();
-        const bool too_coarse = !model.ok() && (model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001");
-        const bool small = model.ok() && model.value().mesh.cells.size() < build_again_below;
-        const bool torn = small && builder.tore_a_thin_structure();
-        // Also where contours force them: at a finer size they may not.
-        const bool ill_shaped =
-            small && options.size_mm == 0 && !builder.spared_shapes() &&
-            model.value().report.quality.radius_edge_share_over_2 > certificate_share_over_bound;
-        const bool same_size = builder.spared_shapes() && (too_coarse || options.size_mm == 0);
-        if (same_size) ++most_attempts;
-        if (!(too_coarse || torn || ill_shaped) || (options.size_mm > 0 && !same_size) ||
-            attempt == most_attempts)
-            return model;
-        // A default size that is too coarse for the smallest parts: once more, finer.
-        tried.size_mm = (same_size ? 1 : finer) * builder.size_mm();
+        if (!model.ok() && model.error().kind == ErrorKind::cancelled) return model;
+        const TryOutcome outcome = outcome_of(model, builder);
+        const NextTry next = attempts.next(outcome);
+        if (next == NextTry::none) {
+            const bool worse =
+                kept &&
+                (!model.ok() || (attempts.finer_for_shape() && outcome.over_bound >= kept->over_bound()));
+            if (!worse) return model;
+            context.warnings = std::move(kept->warnings);
+            return std::move(kept->model);
+        }
+        const std::string reason = !model.ok()         ? brief_reason(model.error().message)
+                                   : outcome.tore_thin ? "a thin wall had holes"
+                                                       : "too many tetrahedra were above radius-edge ratio 2";
+        if (model.ok()) kept.emplace(KeptModel{std::move(model.value()), context.warnings});
+        tried.size_mm = (next == NextTry::same_size ? 1 : finer) * builder.size_mm();
         known = builder.field_and_volumes();
         if (!warnings_before) warnings_before = known.warnings;
         context.warnings.resize(*warnings_before);
-        context.warn(
-            {"W-PIP-001",
-             std::string(same_size ? "what was tried first did not keep the contract: "
-                                   : "the default edge length was too coarse for the smallest parts: ") +
-                 (torn         ? "a thin wall had holes"
-                  : ill_shaped ? "too many tetrahedra were above radius-edge ratio 2"
-                               : model.error().message),
-             {},
-             "built again with " + brief(tried.size_mm) + " mm"});
+        context.warn({"W-PIP-001",
+                      std::string(next == NextTry::same_size
+                                      ? "what was tried first did not keep the contract: "
+                                      : "the default edge length was too coarse for the smallest parts: ") +
+                          reason,
+                      {},
+                      "built again with " + brief(tried.size_mm) + " mm"});
     }
 }
 

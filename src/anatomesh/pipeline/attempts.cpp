@@ -1,0 +1,23 @@
+#include "anatomesh/pipeline/attempts.h"
+
+#include "anatomesh/measure/certificate.h"
+
+namespace anatomesh {
+
+NextTry Attempts::next(const TryOutcome& last) {
+    const bool refused = !last.kept_contract && last.size_matters;
+    const bool small = last.kept_contract && last.cells < again_below;
+    const bool torn = small && last.tore_thin;
+    const bool ill_shaped = small && !size_given_ && !last.spared_work && !finer_for_shape_ &&
+                            last.over_bound > certificate_share_over_bound;
+    // What a finer size only made worse stays as it was.
+    if (!(refused || torn || ill_shaped) || (refused && finer_for_shape_)) return NextTry::none;
+    if (last.spared_work && (refused || !size_given_))
+        return same_++ < most_same ? NextTry::same_size : NextTry::none;
+    if (size_given_ || finer_ == most_finer) return NextTry::none;
+    ++finer_;
+    finer_for_shape_ = finer_for_shape_ || (ill_shaped && !torn);
+    return NextTry::finer;
+}
+
+}  // namespace anatomesh

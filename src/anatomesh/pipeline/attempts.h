@@ -1,0 +1,48 @@
+// Whether a model is built again: by what came of it, and of those before.
+//
+// A default edge length may be too coarse for the smallest parts, and the first tries spare work that most
+// inputs do not need (dense planes, recovered pieces of contours, pieces left short). So a model that breaks
+// the contract is built again, first with all the work, then finer. One that keeps the contract is built
+// again too, where walls came out torn that are hardly thicker than the cells, or where many cells are
+// ill-shaped; but for the shapes only once: where two contours lie a hundredth of an edge from each other,
+// any size has such cells, and each try costs three times the one before it.
+//
+// Guarantees: at most `most_finer` finer tries, and `most_same` of one size. O(1).
+#pragma once
+
+#include <cstddef>
+
+namespace anatomesh {
+
+enum class NextTry { none, same_size, finer };
+
+// What came of a try.
+struct TryOutcome {
+    bool kept_contract = false;
+    bool size_matters = false;  // where not kept: what is broken may hold with another edge length
+    bool spared_work = false;   // less was done for the shape of cells than can be
+    bool tore_thin = false;     // a structure that is hardly thicker than the edge length
+    double over_bound = 0;      // share of the tetrahedra above the radius-edge ratio, in [0, 1]
+    std::size_t cells = 0;
+};
+
+class Attempts {
+  public:
+    static constexpr std::size_t most_finer = 3, most_same = 4;
+    static constexpr std::size_t again_below = 800000;  // cells of a model that keeps the contract
+
+    // `size_given`: the edge length is the user's, and stays.
+    explicit Attempts(bool size_given) : size_given_(size_given) {}
+
+    // `last`: of the latest try.
+    NextTry next(const TryOutcome& last);
+
+    // Whether a model of too many ill-shaped cells is why the latest try was finer.
+    bool finer_for_shape() const { return finer_for_shape_; }
+
+  private:
+    bool size_given_, finer_for_shape_ = false;
+    std::size_t finer_ = 0, same_ = 0;
+};
+
+}  // namespace anatomesh
