@@ -20,6 +20,7 @@
 #include "anatomesh/improve/improve_dihedrals.h"
 #include "anatomesh/improve/smooth_vertices.h"
 #include "anatomesh/measure/certificate.h"
+#include "anatomesh/mesh/drop_outside.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/attempts.h"
 #include "anatomesh/pipeline/contour_field.h"
@@ -117,7 +118,7 @@ class Builder {
         ANATOMESH_CHECK_STATUS(refine_cells());
         ANATOMESH_CHECK_STATUS(cut_cells());
         ANATOMESH_CHECK_STATUS(improve_cells());
-        drop_outside();
+        drop_outside_cells();
         ANATOMESH_CHECK_STATUS(certify());
         return std::move(model_);
     }
@@ -521,46 +522,14 @@ class Builder {
                                  {&model_.regions, slice_of}, options, context_);
     }
 
-    // Keeps the cells of a region, and the points that they use, in their order.
-    void drop_outside() {
+    void drop_outside_cells() {
         TetMesh& mesh = model_.mesh;
-        std::vector<std::uint32_t> vertex(mesh.points.size(), no_cell), number(mesh.cells.size(), no_cell);
-        std::uint32_t kept = 0;
-        for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-            if (mesh.regions[c] == 0) continue;
-            for (const std::uint32_t v : mesh.cells[c]) vertex[v] = 0;
-            for (std::size_t i = 0; i < 4; ++i) neighbors_[4 * std::size_t{kept} + i] = neighbors_[4 * c + i];
-            mesh.cells[kept] = mesh.cells[c];
-            mesh.regions[kept] = mesh.regions[c];
-            number[c] = kept++;
-        }
-        mesh.cells.resize(kept);
-        mesh.regions.resize(kept);
-        neighbors_.resize(4 * std::size_t{kept});
-        constexpr std::size_t grain = 65536;
-        parallel_for(neighbors_.size(), grain, context_.threads, [&](std::size_t first, std::size_t last) {
-            for (std::size_t n = first; n < last; ++n) {
-                if (neighbors_[n] != no_cell) neighbors_[n] = number[neighbors_[n]];
-            }
-        });
-        assert(neighbors_ == cell_neighbors(mesh.cells, mesh.points.size()));
-        std::uint32_t used = 0;
-        for (std::size_t v = 0; v < vertex.size(); ++v) {
-            if (vertex[v] == no_cell) continue;
-            mesh.points[used] = mesh.points[v];
-            vertex[v] = used++;
-        }
-        mesh.points.resize(used);
-        parallel_for(mesh.cells.size(), grain, context_.threads, [&](std::size_t first, std::size_t last) {
-            for (std::size_t c = first; c < last; ++c) {
-                for (std::uint32_t& v : mesh.cells[c]) v = vertex[v];
-            }
-        });
+        const std::vector<std::uint32_t> vertex = drop_outside(mesh, neighbors_, context_.threads);
         model_.contour_vertices.reserve(sample_->contour_vertices.size());
         for (const std::uint32_t n : sample_->contour_vertices) {
             model_.contour_vertices.push_back(vertex[mesh_->first_vertices()[n]]);
         }
-        compact_regions();
+        compact_regions(mesh, model_.regions);
         move_back(mesh.points);
         // Contour vertices keep the coordinates that they came with, bit for bit.
         for (std::size_t n = 0; n < model_.contour_vertices.size(); ++n) {
@@ -574,29 +543,6 @@ class Builder {
 
     void move_back(std::vector<Vec3>& points) const {
         for (Vec3& p : points) p = p + origin_;
-    }
-
-    // Keeps the regions that a cell lies in, ordered by their structures, so that their numbers do not depend on the
-    // order in which the method met them.
-    void compact_regions() {
-        std::vector<std::uint8_t> used(model_.regions.members.size(), 0);
-        for (const Region region : model_.mesh.regions) used[region] = 1;
-        std::vector<Region> order;
-        for (std::size_t r = 1; r < used.size(); ++r) {
-            if (used[r]) order.push_back(static_cast<Region>(r));
-        }
-        std::sort(order.begin(), order.end(), [&](Region a, Region b) {
-            const auto &x = model_.regions.members[a], &y = model_.regions.members[b];
-            return x.size() != y.size() ? x.size() < y.size() : x < y;
-        });
-        RegionTable table;
-        std::vector<Region> number(used.size(), 0);
-        for (const Region region : order) {
-            number[region] = static_cast<Region>(table.members.size());
-            table.members.push_back(model_.regions.members[region]);
-        }
-        for (Region& region : model_.mesh.regions) region = number[region];
-        model_.regions = std::move(table);
     }
 
     Status certify() {
