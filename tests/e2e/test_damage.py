@@ -128,6 +128,21 @@ class DamagedModels(harness.TestCase):
         self.assertEqual(report["field_distance"]["joined_structure"], "outer")
         self.assertGreater(report["field_distance"]["joined_mm"], 1)
 
+    def test_a_piece_of_a_thin_wall_that_is_not_there(self):
+        """No vertex is far from the field, for the wall has surfaces on both sides of what is gone."""
+        wall = shapes.shell(16, 14.5, 2)
+        self.write("wall.json", wall.document())
+        self.run_program("model", "wall.json", "-o", "sound.mesh", "--size", "2")
+        self.assertNotIn("W-PIP-010", self.checked("sound.mesh", "wall.json")[1])
+        head, points, cells = self.read("sound.mesh")
+        centres = points[cells[:, :4]].mean(1)
+        near = np.linalg.norm(centres - np.array([15, 0, 1]), axis=1) < 4
+        self.damaged(points, cells[~near], head)
+        _, codes, report = self.checked(contours="wall.json", expect=None)
+        self.assertIn("W-PIP-010", codes)
+        self.assertTrue(report["field_difference"]["missing"])
+        self.assertLess(np.linalg.norm(np.array(report["field_difference"]["at_mm"]) - np.array([15, 0, 1])), 4)
+
     def test_a_structure_array_that_says_otherwise_than_the_regions(self):
         self.run_program("convert", "sound.mesh", "-o", "model.vtu")
         import vtk

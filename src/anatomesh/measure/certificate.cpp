@@ -10,6 +10,7 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/measure/contour_fidelity.h"
+#include "anatomesh/measure/field_difference.h"
 #include "anatomesh/measure/field_distance.h"
 #include "anatomesh/measure/number_text.h"
 #include "anatomesh/measure/quality_report.h"
@@ -588,10 +589,13 @@ void measure_model(const CertificateInput& input, const RunContext& context, Mod
         report.surface_triangles = count_interface_facets(mesh, neighbors, context.threads);
         const ShellNumbers shells = measure_structures(input, surfaces, neighbors, context.threads, report);
         if (input.contours) findings = measure_contours(input, surfaces, shells, report);
-        if (input.field)
-            report.field_distance = farthest_from_field(mesh, neighbors, input.regions, input.structures,
-                                                        structures_of_field(input), *input.field,
-                                                        input.field_origin, context.threads);
+        if (!input.field) return;
+        const std::vector<std::uint32_t> of_field = structures_of_field(input);
+        report.field_distance =
+            farthest_from_field(mesh, neighbors, input.regions, input.structures, of_field, *input.field,
+                                input.field_origin, context.threads);
+        report.field_difference = field_difference(mesh.points, surfaces, input.structures, of_field,
+                                                   *input.field, input.field_origin, context.threads);
     };
     parallel_tasks(context.threads, {measure_surfaces, [&] {
                                          if (measurable) shapes = measure_shapes(mesh, context);

@@ -104,6 +104,15 @@ struct FieldDistanceReport {
     std::string joined_structure;  // whose surface is not there
 };
 
+// Where the model and the field hold different space farthest from the model's surface.
+struct FieldDifferenceReport {
+    std::uint64_t points = 0, differing = 0;  // of lattices over all structures; 0: no field
+    double max_mm = 0;
+    std::array<double, 3> at{};
+    std::string structure;
+    bool missing = false;  // there: the field is inside and the model is not; else the other way round
+};
+
 struct StageReport {
     std::string name;
     double seconds = 0;                   // the only kind of figure that may differ between runs
@@ -175,6 +184,7 @@ struct ModelReport {
     std::vector<SliceCutReport> cuts;
     std::uint64_t cuts_not_drawn = 0;  // measured on slices where a structure is not drawn
     FieldDistanceReport field_distance;
+    FieldDifferenceReport field_difference;
     CrossingReport crossing;
     std::vector<StageReport> stages;
     std::vector<Warning> warnings;

@@ -105,6 +105,23 @@ void warn_of_joints(const ModelReport& report, double size_mm, const std::string
                   place, "kept; a smaller --size keeps thin walls whole"});
 }
 
+// What farthest_from_field() cannot see: of a part that is not there no vertex is far off.
+void warn_of_difference(const ModelReport& report, double size_mm, const std::string& file,
+                        RunContext& context) {
+    const FieldDifferenceReport& difference = report.field_difference;
+    if (difference.points == 0 || difference.max_mm <= widest_distance * size_mm) return;
+    Place place;
+    place.file = file;
+    place.structure = difference.structure;
+    place.value = brief(difference.max_mm) + " mm at " + at_text(difference.at);
+    context.warn({"W-PIP-010",
+                  std::string(difference.missing ? "a part that the contours tell is missing in the model"
+                                                 : "the model has a part that the contours do not tell") +
+                      ", deeper than half the edge length of " + brief(size_mm) +
+                      " mm; the deepest point found is named",
+                  place, "kept; a smaller --size keeps thin parts"});
+}
+
 }  // namespace
 
 void warn_of_model(const ModelReport& report, double size_mm, const std::string& file, RunContext& context) {
@@ -112,6 +129,7 @@ void warn_of_model(const ModelReport& report, double size_mm, const std::string&
     for (const StructureReport& structure : report.structures) warn_of_shells(structure, file, context);
     warn_of_distance(report, size_mm, file, context);
     warn_of_joints(report, size_mm, file, context);
+    warn_of_difference(report, size_mm, file, context);
 }
 
 }  // namespace anatomesh

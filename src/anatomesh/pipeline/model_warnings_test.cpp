@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
+#include <tuple>
 #include <utility>
 
 namespace anatomesh {
@@ -38,6 +40,25 @@ TEST(ModelWarnings, surfaces_that_meet_and_should_not) {
         EXPECT_EQ(std::count_if(context.warnings.begin(), context.warnings.end(),
                                 [](const Warning& warning) { return warning.code == "W-PIP-009"; }),
                   expected);
+    }
+}
+
+TEST(ModelWarnings, a_part_that_is_missing_and_one_too_many) {
+    for (const bool missing : {true, false}) {
+        for (const auto& [max_mm, points, expected] :
+             {std::tuple{1.1, 10, true}, {0.9, 10, false}, {1.1, 0, false}}) {
+            ModelReport report;
+            report.field_difference.points = static_cast<std::uint64_t>(points);
+            report.field_difference.max_mm = max_mm;
+            report.field_difference.missing = missing;
+            RunContext context;
+            warn_of_model(report, 2.0, "drawn.json", context);
+            ASSERT_EQ(context.warnings.size(), expected ? 1u : 0u);
+            if (!expected) continue;
+            EXPECT_EQ(context.warnings[0].code, "W-PIP-010");
+            EXPECT_EQ(context.warnings[0].message.find("is missing in the model") != std::string::npos,
+                      missing);
+        }
     }
 }
 

@@ -68,6 +68,8 @@ TEST(SurfaceNearField, structures_that_cross_touch_or_lie_in_each_other_have_no_
                 ASSERT_TRUE(made.ok()) << to_line(made.error());
                 const ModelReport& report = made.value().report;
                 EXPECT_LT(report.field_distance.max_mm, 0.55 * report.size_mm);
+                EXPECT_GT(report.field_difference.points, 1000u);
+                EXPECT_LT(report.field_difference.max_mm, 0.4 * report.size_mm);
             }
         }
     }

@@ -174,6 +174,13 @@ Json field_distance_json(const FieldDistanceReport& distance) {
             {"joined_at_mm", distance.joined_at}, {"joined_structure", distance.joined_structure}};
 }
 
+Json field_difference_json(const FieldDifferenceReport& difference) {
+    if (difference.points == 0) return nullptr;
+    return {{"points", difference.points},         {"differing", difference.differing},
+            {"max_mm", number(difference.max_mm)}, {"at_mm", difference.at},
+            {"structure", difference.structure},   {"missing", difference.missing}};
+}
+
 Json crossing_json(const CrossingReport& crossing) {
     Json pairs = Json::array(), slices = Json::array();
     for (const CrossingPairReport& pair : crossing.pairs) {
@@ -289,6 +296,7 @@ std::string report_json(const ModelReport& report) {
         {"contour_log", contour_log_json(report)},
         {"cuts", cuts_json(report)},
         {"field_distance", field_distance_json(report.field_distance)},
+        {"field_difference", field_difference_json(report.field_difference)},
         {"stages", stages_json(report)},
         {"timing", timing_json(report)},
     };
