@@ -14,6 +14,7 @@
 #include "anatomesh/field/sweep.h"
 #include "anatomesh/field/swept_field.h"
 #include "anatomesh/field/thin_structures.h"
+#include "anatomesh/field/unsaid.h"
 #include "anatomesh/reconcile/plane_patches.h"
 
 namespace anatomesh {
@@ -121,19 +122,25 @@ namespace {
 class CrossedField final : public FieldQueries<CrossedField> {
   public:
     CrossedField(std::shared_ptr<const StructureField> stack, const ContourSet& set,
-                 const StackAndCrossing& slices)
+                 const StackAndCrossing& slices, const Unsaid& unsaid)
         : stack_(std::move(stack)), reach_(reach_spacings * stack_->slice_spacing()) {
         clamp_ = stack_->clamp();
+        const auto count = static_cast<std::uint32_t>(set.structures.size());
         const std::vector<PlanePatch> patches = plane_patches(set);
         for (const std::uint32_t s : slices.stack) {
-            if (!patches[s].box.empty()) layers_.push_back(patches[s]);
+            if (patches[s].box.empty()) continue;
+            layers_.push_back({patches[s], {}});
+            for (std::uint32_t n = 0; n < count; ++n) {
+                if (unsaid.contains(s, n)) layers_.back().unsaid.push_back(n);
+            }
+            layers_tell_all_ &= layers_.back().unsaid.empty();
         }
         box_ = stack_->box();
-        for (std::uint32_t s = 0; s < set.structures.size(); ++s) boxes_.push_back(stack_->box_of(s));
+        for (std::uint32_t s = 0; s < count; ++s) boxes_.push_back(stack_->box_of(s));
         for (const std::uint32_t s : slices.crossing) {
             if (patches[s].box.empty()) continue;
             planes_.push_back({patches[s], {}});
-            planes_.back().maps.resize(set.structures.size());
+            planes_.back().maps.resize(count);
             for (SliceRegion& region : slice_regions(set, s, patches[s].plane))
                 planes_.back().maps[region.structure].emplace(std::move(region.edges), clamp_);
             for (const Contour& contour : set.contours_of(set.slices[s])) {
@@ -174,19 +181,24 @@ class CrossedField final : public FieldQueries<CrossedField> {
     }
 
   private:
+    struct Layer {
+        PlanePatch patch;
+        std::vector<std::uint32_t> unsaid;  // structures of which it says nothing
+    };
     struct CrossingPlane {
         PlanePatch patch;
-        std::vector<std::optional<DistanceMap>> maps;  // by structure
+        std::vector<std::optional<DistanceMap>> maps;  // by structure; of others it says nothing
     };
-    // The planes that count at a point.
+    // The planes near a point, and the nearest slice of the stack.
     struct Sight {
         struct Seen {
             const CrossingPlane* plane;
-            double weight;  // of all together 1 at most; 1 on the plane
+            double weight;  // grows beyond all bounds towards the plane
             Vec2 at;        // the point's projection
+            bool on_plane;
         };
         std::vector<Seen> planes;
-        bool on_plane = false;
+        double nearest = 0;  // distance of the nearest layer
     };
 
     static double distance_from(const PlanePatch& patch, Vec3 p) {
@@ -194,10 +206,19 @@ class CrossedField final : public FieldQueries<CrossedField> {
         return std::abs(std::clamp(height, patch.low, patch.high) - height);
     }
 
+    // The nearest slice of the stack that says something of the structure.
+    double nearest_layer(std::uint32_t structure, Vec3 p) const {
+        double nearest = HUGE_VAL;
+        for (const Layer& layer : layers_) {
+            if (std::find(layer.unsaid.begin(), layer.unsaid.end(), structure) == layer.unsaid.end())
+                nearest = std::min(nearest, distance_from(layer.patch, p));
+        }
+        return nearest;
+    }
+
     // False where the stack alone counts.
     bool look(Vec3 p, Sight& sight) const {
         const double margin = stack_->slice_spacing();
-        double all = 0;
         for (const CrossingPlane& plane : planes_) {
             const double distance = distance_from(plane.patch, p);
             if (distance >= reach_) continue;
@@ -207,50 +228,46 @@ class CrossedField final : public FieldQueries<CrossedField> {
                               std::clamp(at.y, box.low.y, box.high.y) - at.y};
             const double share = std::clamp(2 - length(beside) / margin, 0.0, 1.0);
             if (share == 0) continue;
-            if (distance == 0 && share == 1) {
-                // Of several that meet here one will do: what is drawn on them agrees.
-                sight.planes.assign(1, {&plane, 1, at});
-                sight.on_plane = true;
-                break;
-            }
             // On a plane beside what it draws, where its share fades, it counts as from very near.
             const double from = std::max(distance, nearest_share * reach_);
-            sight.planes.push_back({&plane, share * (reach_ - from) / (reach_ * from), at});
-            all += sight.planes.back().weight;
+            sight.planes.push_back(
+                {&plane, share * (reach_ - from) / (reach_ * from), at, distance == 0 && share == 1});
         }
         if (sight.planes.empty()) return false;
-        double nearest = HUGE_VAL;
-        for (const PlanePatch& layer : layers_) nearest = std::min(nearest, distance_from(layer, p));
-        if (nearest == 0) return false;
-        if (sight.on_plane) return true;
-        all += 1 / nearest;
-        for (auto& seen : sight.planes) seen.weight /= all;
-        return true;
+        sight.nearest = HUGE_VAL;
+        for (const Layer& layer : layers_)
+            sight.nearest = std::min(sight.nearest, distance_from(layer.patch, p));
+        return sight.nearest > 0 || !layers_tell_all_;
     }
 
     double value_at(std::uint32_t structure, Vec3 p, const Sight& sight) const {
-        double value = stack_->value(structure, p);
-        if (sight.on_plane)
-            return drawn_instead(value, *sight.planes.front().plane, structure, sight.planes.front().at);
-        for (const auto& [plane, weight, at] : sight.planes) {
+        const double stack = stack_->value(structure, p);
+        const double nearest = layers_tell_all_ ? sight.nearest : nearest_layer(structure, p);
+        if (nearest == 0) return stack;
+        double all = 1 / nearest, sum = 0;
+        for (const auto& [plane, weight, at, on_plane] : sight.planes) {
+            if (!plane->maps[structure]) continue;
+            // Of several that meet here one will do: what is drawn on them agrees.
+            if (on_plane) return drawn_instead(stack, *plane, structure, at);
             const double there = stack_->value(structure, plane->patch.plane.to_space(at));
-            value += weight * (drawn_instead(there, *plane, structure, at) - there);
+            sum += weight * (drawn_instead(there, *plane, structure, at) - there);
+            all += weight;
         }
-        return std::clamp(value, -clamp_, clamp_);
+        return std::clamp(stack + sum / all, -clamp_, clamp_);
     }
 
     // What takes the place of the stack's value in the plane: its sign is that of what is drawn, and where
     // they have the same sign and the stack's is the larger, it stays.
     double drawn_instead(double stack, const CrossingPlane& plane, std::uint32_t structure, Vec2 at) const {
-        const auto& map = plane.maps[structure];
-        const double drawn = map ? map->value(at) : clamp_;
+        const double drawn = plane.maps[structure]->value(at);
         return drawn < 0 ? std::max(std::min(stack, drawn), most_steep * drawn)
                          : std::min(std::max(stack, drawn), most_steep * drawn);
     }
 
     std::shared_ptr<const StructureField> stack_;
     double reach_;
-    std::vector<PlanePatch> layers_;
+    std::vector<Layer> layers_;
+    bool layers_tell_all_ = true;
     std::vector<CrossingPlane> planes_;
     Box3 box_;
     std::vector<Box3> boxes_;  // by structure
@@ -296,7 +313,7 @@ Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSe
     }
     warn_about_thin_structures(set, stack->slice_spacing(), context);
     return std::shared_ptr<const StructureField>(
-        std::make_shared<CrossedField>(std::move(stack), set, slices));
+        std::make_shared<CrossedField>(std::move(stack), set, slices, Unsaid::of(set, context)));
 }
 
 }  // namespace anatomesh

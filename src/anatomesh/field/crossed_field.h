@@ -29,8 +29,9 @@ std::optional<StackAndCrossing> stack_and_crossing(const ContourSet& set);
 // a weight that falls from 1 on the plane to 0 on the stack's slices and at two spacings from the plane
 // (inverse distances: Shepard, Proc. 23rd ACM National Conference, 1968). So each plane's contours lie on the
 // surface, and where the planes agree with the stack it stays what the stack says. A plane says nothing more
-// than one spacing beside its contours. Requires: the slices of stack_and_crossing(set). Complexity of a
-// query: that of the stack's field for each plane near, and O(slices) there.
+// than one spacing beside its contours, and nothing of structures that it does not draw. Requires: the slices
+// of stack_and_crossing(set). Complexity of a query: that of the stack's field for each plane near, and
+// O(slices) there.
 Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSet& set,
                                                                  const StackAndCrossing& slices,
                                                                  const FieldOptions& options,

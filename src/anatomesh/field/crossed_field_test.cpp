@@ -144,6 +144,43 @@ TEST(CrossedField, a_structure_thinner_than_the_slices_are_apart_is_warned_of) {
     }
 }
 
+// A ball in a ball; the planes from `first` on draw one of the two alone.
+ContourSet two_balls(const std::vector<Plane>& planes, std::size_t first, std::uint32_t drawn) {
+    SetBuilder builder;
+    for (std::size_t n = 0; n < planes.size(); ++n) {
+        builder.slice(planes[n]);
+        for (const std::uint32_t s : {0u, 1u}) {
+            const Vec3 centre{s * 3.0, 0, s * 2.0};
+            const double h = planes[n].signed_distance(centre), radius = s == 0 ? 22.5 : 10,
+                         r2 = radius * radius - h * h;
+            if (r2 > 0 && (n < first || s == drawn))
+                builder.ring(s, circle(planes[n].to_plane(centre), std::sqrt(r2), 80));
+        }
+    }
+    return builder.set;
+}
+
+// Of a structure that it does not draw a plane across says nothing: the field is that without the plane.
+TEST(CrossedField, a_plane_across_says_nothing_of_what_it_does_not_draw) {
+    const std::vector<Plane> planes = stack_planes(0, 2);
+    for (const std::uint32_t drawn : {0u, 1u}) {
+        const auto alone = field_of(two_balls(stack_planes(0, 0), 99, 0)),
+                   all = field_of(two_balls(planes, 99, 0));
+        for (const std::size_t first : {15u, 16u}) {
+            const auto field = field_of(two_balls(planes, first, drawn));
+            std::mt19937 random(7);
+            std::uniform_real_distribution<double> unit(-22, 22);
+            for (int n = 0; n < 2000; ++n) {
+                const Vec3 p{unit(random), unit(random), unit(random)};
+                if (first == 15) {
+                    EXPECT_EQ(field->value(1 - drawn, p), alone->value(1 - drawn, p));
+                }
+                EXPECT_NEAR(field->value(drawn, p), all->value(drawn, p), 0.01);  // its box is smaller
+            }
+        }
+    }
+}
+
 // Several that lie in the stack one after the other are no gap of it.
 TEST(CrossedField, where_slices_were_taken_out_nothing_ends) {
     std::vector<Plane> planes = stack_planes(0, 0);

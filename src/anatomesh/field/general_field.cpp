@@ -13,6 +13,7 @@
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/slice_regions.h"
 #include "anatomesh/field/thin_structures.h"
+#include "anatomesh/field/unsaid.h"
 #include "anatomesh/reconcile/plane_patches.h"
 
 namespace anatomesh {
@@ -126,7 +127,9 @@ class GeneralField final : public FieldQueries<GeneralField> {
         }
     }
 
-    Status build(const ContourSet& set, std::vector<PlanePatch> patches, RunContext& context);
+    // Without the slices that are left out, if any are.
+    Status build(const ContourSet& set, std::vector<PlanePatch> patches, const std::vector<bool>& left_out,
+                 RunContext& context);
 
   private:
     Sight look(Vec3 p) const;
@@ -143,7 +146,7 @@ class GeneralField final : public FieldQueries<GeneralField> {
     double distance(std::uint32_t structure, const Seen& near) const;
     double blend(std::uint32_t structure, const Sight& sight) const;
     std::uint32_t next_structure(const Sight& sight, std::uint32_t from) const;
-    Status build_maps(const ContourSet& set, RunContext& context);
+    Status build_maps(const ContourSet& set, const std::vector<bool>& left_out, RunContext& context);
     void find_open_sides();
     bool is_before(Vec3 p, double reach, const PlanePatch& patch) const;
     bool is_hidden(const Beside& far, const Beside& near, double half) const;
@@ -376,10 +379,12 @@ bool GeneralField::slices_may_differ(Vec3 p, double radius) const {
     return false;
 }
 
-Status GeneralField::build_maps(const ContourSet& set, RunContext& context) {
+Status GeneralField::build_maps(const ContourSet& set, const std::vector<bool>& left_out,
+                                RunContext& context) {
     union_ = static_cast<std::uint32_t>(set.structures.size());
     std::vector<SliceRegion> jobs;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        if (!left_out.empty() && left_out[s]) continue;
         std::vector<SliceRegion> regions = slice_regions(set, s, set.slices[s].plane);
         if (partition_ && !regions.empty()) {
             std::vector<Edge2> boundary = union_boundary(regions);
@@ -562,10 +567,10 @@ void GeneralField::build_grid(int threads) {
     }
 }
 
-Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patches, RunContext& context) {
+Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patches,
+                           const std::vector<bool>& left_out, RunContext& context) {
     for (PlanePatch& patch : patches) patches_.push_back({std::move(patch), 0, 0, false, false});
-    ANATOMESH_CHECK_STATUS(build_maps(set, context));
-    warn_about_thin_structures(set, spacing_, context);
+    ANATOMESH_CHECK_STATUS(build_maps(set, left_out, context));
     box_ = set.box().grown(reach_);
     boxes_.resize(set.structures.size());
     for (const Contour& contour : set.contours) {
@@ -578,6 +583,59 @@ Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patche
     build_grid(context.threads);
     return Nothing{};
 }
+
+// Where slices say nothing of a structure it has a field without them.
+class PartlySaidField final : public FieldQueries<PartlySaidField> {
+  public:
+    // fields[of[s]] is that of structure s, fields[0] that of all slices.
+    PartlySaidField(std::vector<std::shared_ptr<const GeneralField>> fields, std::vector<std::uint32_t> of)
+        : fields_(std::move(fields)), of_(std::move(of)) {
+        clamp_ = all().clamp();
+        partition_ = all().exclusive();
+    }
+
+    double slice_spacing() const override { return all().slice_spacing(); }
+    Box3 box() const override { return all().box(); }
+    Box3 box_of(std::uint32_t structure) const override { return all().box_of(structure); }
+    bool slices_may_differ(Vec3 p, double radius) const override {
+        return all().slices_may_differ(p, radius);
+    }
+
+    RawValue raw(std::uint32_t structure, Vec3 p, double reach) const {
+        return fields_[of_[structure]]->raw(structure, p, reach);
+    }
+    // With what the slices that draw it say of a structure beside what is drawn on the others.
+    double raw_union(Vec3 p) const {
+        double least = all().raw_union(p);
+        for (std::uint32_t s = 0; s < of_.size(); ++s) {
+            if (of_[s] > 0) least = std::min(least, fields_[of_[s]]->raw(s, p, everywhere).value);
+        }
+        return least;
+    }
+
+    template <class Body>
+    void each_raw(Vec3 p, Body body) const {
+        std::uint32_t next = 0;
+        const auto up_to = [&](std::uint32_t end) {
+            for (; next < end; ++next) {
+                if (of_[next] == 0) continue;
+                const RawValue value = raw(next, p, everywhere);
+                if (value.value < clamp_) body(next, value);
+            }
+        };
+        all().each_raw(p, [&](std::uint32_t s, RawValue value) {
+            up_to(s);
+            if (of_[s] == 0) body(s, value);
+        });
+        up_to(static_cast<std::uint32_t>(of_.size()));
+    }
+
+  private:
+    const GeneralField& all() const { return *fields_.front(); }
+
+    std::vector<std::shared_ptr<const GeneralField>> fields_;
+    std::vector<std::uint32_t> of_;
+};
 
 }  // namespace
 
@@ -595,10 +653,29 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
     std::vector<bool> used(set.structures.size(), false);
     for (const Contour& contour : set.contours) used[contour.structure] = true;
     const bool several = std::count(used.begin(), used.end(), true) > 1;
-    auto field = std::make_shared<GeneralField>(spacings, dense, margin, clamp, set.exclusive && several,
-                                                options.caps);
-    ANATOMESH_CHECK_STATUS(field->build(set, std::move(patches), context));
-    return std::shared_ptr<const StructureField>(std::move(field));
+    // One field for all structures of which the same slices say nothing; the first for those of which all do.
+    const Unsaid unsaid = Unsaid::of(set, context);
+    std::vector<std::vector<bool>> left_out(1);
+    std::vector<std::uint32_t> field_of(set.structures.size(), 0);
+    for (std::uint32_t s = 0; s < field_of.size() && !unsaid.empty(); ++s) {
+        std::vector<bool> silent(set.slices.size());
+        for (std::uint32_t k = 0; k < silent.size(); ++k) silent[k] = unsaid.contains(k, s);
+        if (std::find(silent.begin(), silent.end(), true) == silent.end()) continue;
+        const auto at = std::find(left_out.begin(), left_out.end(), silent);
+        field_of[s] = static_cast<std::uint32_t>(at - left_out.begin());
+        if (at == left_out.end()) left_out.push_back(std::move(silent));
+    }
+    std::vector<std::shared_ptr<const GeneralField>> fields;
+    for (const std::vector<bool>& slices : left_out) {
+        auto field = std::make_shared<GeneralField>(spacings, dense, margin, clamp, set.exclusive && several,
+                                                    options.caps);
+        ANATOMESH_CHECK_STATUS(field->build(set, patches, slices, context));
+        fields.push_back(std::move(field));
+    }
+    warn_about_thin_structures(set, spacings.median, context);
+    if (fields.size() == 1) return std::shared_ptr<const StructureField>(std::move(fields.front()));
+    return std::shared_ptr<const StructureField>(
+        std::make_shared<PartlySaidField>(std::move(fields), std::move(field_of)));
 }
 
 }  // namespace anatomesh

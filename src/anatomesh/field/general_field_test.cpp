@@ -280,6 +280,47 @@ TEST(GeneralField, changes_by_little_over_short_ways) {
     }
 }
 
+// A ball in a ball on stacks that cross and on planes about an axis; one plane in four, or all of one
+// direction, leave the inner one out: it stays whole, and where all planes draw it nothing changes.
+TEST(GeneralField, planes_that_leave_a_structure_out_say_nothing_of_it) {
+    const auto inside_another = [](const ContourSet& balls, std::uint32_t every, std::uint32_t from) {
+        SetBuilder builder;
+        const Vec3 centre{2, 1, 3};
+        for (std::uint32_t s = 0; s < balls.slices.size(); ++s) {
+            const Plane& plane = balls.slices[s].plane;
+            builder.slice(plane);
+            Ring outer;
+            for (const Vec3& p : balls.points_of(balls.contours[s])) outer.push_back(plane.to_plane(p));
+            builder.ring(0, outer);
+            const double h = plane.signed_distance(centre), r2 = 9 * 9 - h * h;
+            if (r2 > 0 && (s < from || s % every != 1))
+                builder.ring(1, circle(plane.to_plane(centre), std::sqrt(r2), 120));
+        }
+        return builder.set;
+    };
+    for (const ContourSet& balls : {crossing_stacks(), rotational_sweep()}) {
+        const auto whole = field_of(inside_another(balls, 1000, 0));
+        for (const auto& [every, from] : {std::pair{4u, 0u}, {1u, 20u}}) {
+            if (from > balls.slices.size()) continue;
+            const ContourSet set = inside_another(balls, every, from);
+            const auto field = field_of(set);
+            std::mt19937 random(3);
+            std::uniform_real_distribution<double> unit(-1, 1);
+            std::vector<std::uint32_t> members;
+            for (int n = 0; n < 2000; ++n) {
+                const Vec3 p = Vec3{2, 1, 3} + 18 * Vec3{unit(random), unit(random), unit(random)};
+                EXPECT_NEAR(field->value(0, p), whole->value(0, p), 0.5);  // clamped a little otherwise
+                const double distance = length(p - Vec3{2, 1, 3});
+                field->members(p, members);
+                const bool inside = std::find(members.begin(), members.end(), 1u) != members.end();
+                if (distance < 7 || distance > 11.5) {
+                    EXPECT_EQ(inside, distance < 7) << every << " " << distance;
+                }
+            }
+        }
+    }
+}
+
 TEST(GeneralField, far_from_all_planes_is_outside) {
     const auto field = field_of(crossing_stacks());
     std::vector<StructureField::Near> near;

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "anatomesh/field/unsaid.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/measure/even_odd_area.h"
 #include "anatomesh/mesh/box_tree.h"
@@ -160,6 +161,8 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
     const Box3 box = contours.box();
     const double tolerance = on_plane_share * length(box.high - box.low);
     const bool parallel = all_parallel(contours, parallel_mm);
+    RunContext context;
+    const Unsaid unsaid = Unsaid::of(contours, context);
     std::vector<std::uint8_t> drawn_here(points.size(), 0);
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         TrianglesAtPlanes surface(points, surfaces[s]);
@@ -192,7 +195,7 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
                 measured.drawn += signed_area(ring);
                 for (std::size_t n = 0; n < ring.size(); ++n) cut.add(ring[n], ring[(n + 1) % ring.size()]);
             }
-            if (drawn || (all_tell && (parallel || slice.contour_count > 0))) {
+            if (drawn || (all_tell && (parallel || slice.contour_count > 0) && !unsaid.contains(k, s))) {
                 // Twice what counts as on the plane, for rounding.
                 surface.for_each_near(slice.plane, 2 * off_plane, [&](const Triangle& t) { cut.add(t); });
                 if (parallel) {

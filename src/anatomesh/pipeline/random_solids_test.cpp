@@ -29,7 +29,7 @@ constexpr std::uint32_t repeated_every = 30;
 constexpr int parts = 6;
 // Refused aloud (E-PIP-002): contours that touch, contradict each other or meet at small angles where planes
 // cross, force bad cells; in the last the planes meet one of the structures so little that its shape is lost.
-constexpr std::array<std::uint32_t, 4> refused_models{88, 228, 235, 314};
+constexpr std::array<std::uint32_t, 3> refused_models{88, 228, 235};
 
 // In spacings of the planes.
 struct Bounds {

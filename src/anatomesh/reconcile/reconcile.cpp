@@ -18,6 +18,7 @@
 #include "anatomesh/reconcile/line_ends.h"
 #include "anatomesh/reconcile/movement.h"
 #include "anatomesh/reconcile/shared_points.h"
+#include "anatomesh/reconcile/silences.h"
 #include "anatomesh/reconcile/slice_soundness.h"
 
 namespace anatomesh {
@@ -80,12 +81,18 @@ class Reconciler {
         margin_ = options_.margin_mm;
         if (margin_ == 0) margin_ = plane_spacings(set_, patches_).median;
         pairs_ = crossing_pairs(patches_, margin_);
+        // Of what a slice leaves undrawn it says nothing, however the others come to lie.
+        comparisons_ = compare_planes(set_, patches_, pairs_, margin_, context_);
+        silences_ = find_silences(set_, comparisons_, margin_);
     }
 
     void compare() {
         patches_ = plane_patches(set_);
         pairs_ = crossing_pairs(patches_, margin_);
         comparisons_ = compare_planes(set_, patches_, pairs_, margin_, context_);
+        std::erase_if(comparisons_, [&](const LineComparison& c) {
+            return is_silent(silences_, c.a, c.structure) || is_silent(silences_, c.b, c.structure);
+        });
     }
 
     Place place_of_slice(std::uint32_t slice, double value_mm) const {
@@ -372,6 +379,25 @@ class Reconciler {
         warn_of_folds();
         warn_of_rest();
         warn_of_outliers();
+        warn_of_silences();
+    }
+
+    void warn_of_silences() {
+        std::vector<Silence> named = silences_;
+        std::stable_sort(named.begin(), named.end(),
+                         [](const Silence& p, const Silence& q) { return p.shown_mm > q.shown_mm; });
+        for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
+            const Structure& structure = set_.structures[named[n].structure];
+            Place place = place_of_slice(named[n].slice, named[n].shown_mm);
+            place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+            context_.warn({"W-RCN-007",
+                           "the structure is not drawn on this slice, but slice " +
+                               set_.slices[named[n].shown_by].name + " has it where their planes cross" +
+                               (named.size() > most_named_pairs && n == 0
+                                    ? "; " + std::to_string(named.size()) + " such slices and structures"
+                                    : ""),
+                           std::move(place), "the slice says nothing of the structure"});
+        }
     }
 
     void warn_of_folds() {
@@ -507,6 +533,7 @@ class Reconciler {
     std::vector<PlanePatch> patches_;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
     std::vector<LineComparison> comparisons_;
+    std::vector<Silence> silences_;
     ContourGraph graph_;
     std::vector<MovementNode> nodes_;
     std::vector<MovementEdge> edges_;

@@ -63,13 +63,14 @@ struct ReconcileResult {
 // of |d|^2 + smoothing^2 |d'|^2 along all contours together, found by conjugate gradients in a few rounds; an
 // interval or gap that only one of two slices has is drawn back across the line when no point has to move
 // further than the bound. Then contours that agree get the end itself as a common vertex, and narrow folds
-// that the movement made are cut off (flatten_folds.h).
+// that the movement made are cut off (flatten_folds.h). Of a structure that a slice leaves undrawn where
+// others show it the slice says nothing (silences.h).
 //
 // Requires: a kept contour set. Guarantees: a kept contour set again: contours stay simple, do not cross and
 // keep their nesting, by exact predicates; where that needs it a step is shortened. Slices that agree on
 // their common line afterwards (difference_after_mm of 0; all that can) have the same points there, bit for
 // bit. Where all ends agree within rounding no vertex moves. Parallel slices come back as they are. What
-// moved and what is left is said in stats and warnings W-RCN-001..006. Errors: geometry E-RCN-001 slices
+// moved and what is left is said in stats and warnings W-RCN-001..007. Errors: geometry E-RCN-001 slices
 // further apart than the bound (names both), E-RCN-002 a shift above it. The same at any thread count.
 // Complexity: O(n log n + crossings) per round. No earlier method is followed.
 Result<ReconcileResult> reconcile_contours(ContourSet set, const ReconcileOptions& options,

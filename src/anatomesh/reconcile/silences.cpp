@@ -1,0 +1,113 @@
+#include "anatomesh/reconcile/silences.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "anatomesh/reconcile/disagreement.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double same_direction = 0.866;  // cosine of the angle between planes: 30 degrees
+
+// What is drawn where: by slice, then by structure.
+std::vector<std::vector<bool>> drawn_on(const ContourSet& set) {
+    std::vector<std::vector<bool>> drawn(set.slices.size(), std::vector<bool>(set.structures.size(), false));
+    for (const Contour& contour : set.contours) drawn[contour.slice][contour.structure] = true;
+    return drawn;
+}
+
+// Whether slices of its own direction draw the structure, all of them on one side of the slice.
+bool is_beyond_an_end(const ContourSet& set, const std::vector<std::vector<bool>>& drawn, std::uint32_t slice,
+                      std::uint32_t structure) {
+    const Plane& plane = set.slices[slice].plane;
+    bool above = false, below = false;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        if (!drawn[s][structure] || std::abs(dot(set.slices[s].plane.normal, plane.normal)) < same_direction)
+            continue;
+        for (const Contour& contour : set.contours_of(set.slices[s])) {
+            if (contour.structure != structure) continue;
+            for (const Vec3& p : set.points_of(contour)) {
+                const double height = plane.signed_distance(p);
+                above |= height > on_plane_mm;
+                below |= height < -on_plane_mm;
+            }
+        }
+    }
+    return above != below;
+}
+
+// How far the structure goes beyond the line where one slice alone has it, on the side where that is less;
+// infinite where no part of a contour keeps to one side.
+double depth(const ContourSet& set, const LineComparison& c, bool of_a) {
+    const std::vector<LineEnd>& ends = of_a ? c.ends_a : c.ends_b;
+    const std::uint32_t own = of_a ? c.a : c.b, other = of_a ? c.b : c.a;
+    double most = 0;
+    for (std::size_t i = 0; i + 1 < ends.size(); i += 2) {
+        const Arc arc =
+            arc_between(set, ends[i], ends[i + 1], set.slices[own].plane, set.slices[other].plane);
+        most = std::max(most, arc.points.empty() ? HUGE_VAL : arc.height_mm);
+    }
+    return most;
+}
+
+struct Shown {
+    std::uint32_t by = 0;
+    double length_mm = 0, depth_mm = 0;  // the most on any line
+};
+
+}  // namespace
+
+std::vector<Silence> find_silences(const ContourSet& set, std::span<const LineComparison> comparisons,
+                                   double spacing) {
+    const std::vector<std::vector<bool>> drawn = drawn_on(set);
+    std::map<std::pair<std::uint32_t, std::uint32_t>, Shown> shown;  // by slice and structure
+    for (const LineComparison& c : comparisons) {
+        for (const bool of_a : {true, false}) {
+            const std::uint32_t own = of_a ? c.a : c.b, other = of_a ? c.b : c.a;
+            if ((of_a ? c.ends_a : c.ends_b).empty() || drawn[other][c.structure]) continue;
+            Shown& most = shown[{other, c.structure}];
+            if (c.difference_mm > most.length_mm) most.by = own;
+            most.length_mm = std::max(most.length_mm, c.difference_mm);
+            most.depth_mm = std::max(most.depth_mm, depth(set, c, of_a));
+        }
+    }
+    std::vector<Silence> silences;
+    for (const auto& [key, most] : shown) {
+        const auto [slice, structure] = key;
+        if (most.depth_mm <= spacing && is_beyond_an_end(set, drawn, slice, structure)) continue;
+        silences.push_back({slice, structure, most.by, most.length_mm});
+    }
+    return silences;
+}
+
+std::vector<Silence> find_silences(const ContourSet& set, RunContext& context) {
+    const std::vector<std::vector<bool>> drawn = drawn_on(set);
+    std::vector<bool> anywhere(set.structures.size(), false);
+    for (const Contour& contour : set.contours) anywhere[contour.structure] = true;
+    const auto leaves_out = [&](std::uint32_t s) {
+        return set.slices[s].contour_count > 0 && drawn[s] != anywhere;
+    };
+    const std::vector<PlanePatch> patches = plane_patches(set);
+    bool any = false;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) any |= leaves_out(s);
+    if (!any) return {};
+    const double spacing = plane_spacings(set, patches).median;
+    auto pairs = crossing_pairs(patches, spacing);
+    std::erase_if(pairs,
+                  [&](const auto& pair) { return !leaves_out(pair.first) && !leaves_out(pair.second); });
+    return find_silences(set, compare_planes(set, patches, pairs, spacing, context), spacing);
+}
+
+bool is_silent(std::span<const Silence> silences, std::uint32_t slice, std::uint32_t structure) {
+    const auto at = std::lower_bound(silences.begin(), silences.end(), std::pair(slice, structure),
+                                     [](const Silence& silence, const auto& key) {
+                                         return std::pair(silence.slice, silence.structure) < key;
+                                     });
+    return at != silences.end() && at->slice == slice && at->structure == structure;
+}
+
+}  // namespace anatomesh
