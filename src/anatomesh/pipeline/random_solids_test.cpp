@@ -28,8 +28,10 @@ constexpr std::uint32_t repeated_every = 30;
 // Of the cases of a set of planes, each a test; those run by default.
 constexpr int parts = 6;
 // Refused aloud (E-PIP-002): contours that touch, contradict each other or meet at small angles where planes
-// cross, force bad cells; in the last the planes meet one of the structures so little that its shape is lost.
+// cross, force bad cells.
 constexpr std::array<std::uint32_t, 3> refused_models{88, 228, 235};
+// The planes meet one of the structures so little that most of it is lost, which is warned of.
+constexpr std::array<std::uint32_t, 1> hardly_met{314};
 
 // In spacings of the planes.
 struct Bounds {
@@ -321,6 +323,11 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
     segments.all += own.all;
     segments.broken += own.broken;
     if (printed) std::printf("segments %zu, no chains of edges %zu\n", own.all, own.broken);
+    if (std::find(hardly_met.begin(), hardly_met.end(), number) != hardly_met.end()) {
+        EXPECT_TRUE(std::any_of(context.warnings.begin(), context.warnings.end(),
+                                [](const Warning& w) { return w.code == "W-FLD-007"; }));
+        return;
+    }
     expect_near_truth(drawn, model.value(), number < coarse_cases ? coarse_bounds : fine_bounds, printed);
     if (printed) std::fflush(stdout);
 }
