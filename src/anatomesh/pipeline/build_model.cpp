@@ -65,6 +65,7 @@ constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
 // Of the cells inside, so many may come above the bound for contour pieces' sake at the first tries;
 // at further ones none.
 constexpr std::array<double, 2> most_more_bad{0.003, 0.001};
+constexpr double most_dense = 3;              // as plane_density() has it: more are left as they come first
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
 // What does not depend on the size.
@@ -100,7 +101,7 @@ class Builder {
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
-    bool spared_shapes() const { return dense_ || recovered_ || (pieces_ && pieces_->are_short()); }
+    bool spared_shapes() const { return spared_ || recovered_ || (pieces_ && pieces_->are_short()); }
 
     // Whether a structure that is hardly thicker than the size was torn.
     bool tore_a_thin_structure() const {
@@ -136,14 +137,17 @@ class Builder {
         }
         warnings_of_field_ = context_.warnings.size();
         report().slice_spacing_mm = field_->slice_spacing();
-        dense_ = is_first_ && !size_given_ && dense_planes(contours_, *field_);
+        const double density = plane_density(contours_, *field_);
+        dense_ = density > 1;
+        crammed_ = density > most_dense || (dense_ && contours_.points.size() > options_.spare_dense_above);
+        spared_ = crammed_ && is_first_ && !size_given_;
         return end_stage("field", 0.05);
     }
 
     Status sample() {
         SampleOptions options;
         options.size_mm = options_.size_mm;
-        if (dense_) options.growth = dense_growth;
+        if (spared_) options.growth = dense_growth;
         ANATOMESH_TRY(sample_, sample_points(contours_, *field_, options, context_));
         const SampleStats& stats = sample_->stats;
         figures_ = {{"contour_points", static_cast<double>(stats.contour_points)},
@@ -206,7 +210,7 @@ class Builder {
             pieces.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
         }
         pieces_.emplace(*mesh_, sample_->guard, *field_, std::move(pieces),
-                        ContourPieceOptions{sample_->stats.size_mm, dense_, is_first_});
+                        ContourPieceOptions{sample_->stats.size_mm, spared_, dense_ && !crammed_, is_first_});
         given_.assign(mesh_->points().size(), 0);
         for (std::size_t n = 0; n < sample_->stats.contour_points; ++n) given_[vertices[n]] = 1;
         return end_stage("delaunay", 0.35);
@@ -230,7 +234,7 @@ class Builder {
         ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
         DeviationOptions deviation;
         deviation.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
-        for (int round = 0; round < (dense_ ? dense_deviation_rounds : deviation_rounds); ++round) {
+        for (int round = 0; round < (spared_ ? dense_deviation_rounds : deviation_rounds); ++round) {
             std::vector<Vec3> found;
             mesh_->look_again(deviations);
             find_deviation_points(mesh_->points(), mesh_->cells(), mesh_->regions(),
@@ -245,7 +249,7 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.max_reach_mm = 3 * sample_->stats.size_mm;
         options.given = given_;
-        if (dense_) {
+        if (spared_) {
             const double share = crowded_share * plane_density(contours_, *field_);
             options.crowded_mm = std::min(share, most_crowded_share) * sample_->stats.size_mm;
         }
@@ -272,7 +276,7 @@ class Builder {
         ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
         // Where contours crowd each other, what is left is met beside them as well: a surface without a
         // vertex there has a pit.
-        if (dense_) {
+        if (spared_) {
             crossing.protected_share = 0;
             crossing.min_spacing = crowded_crossing_spacing;
             ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
@@ -293,7 +297,7 @@ class Builder {
             ANATOMESH_CHECK_STATUS(pieces_->finish(context_));
             if (mesh_->points().size() == before) break;
         }
-        if (dense_) {
+        if (spared_) {
             ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
             ANATOMESH_CHECK_STATUS(pieces_->finish(context_));
         }
@@ -369,7 +373,7 @@ class Builder {
         find_neighbors(true);
         RecoverStats recovered;
         // On parallel slices the few that are missing belong to structures whose contours cross at small
-        // angles: the cells there would pay too much.
+        // angles: the cells there would pay too much. Between dense planes they are too many: some ms each.
         if (!dense_ && tries_before_ < most_more_bad.size() && !is_parallel(contours_))
             recovered = recover_pieces(unsound, relabelled);
         const ContourOwners owners = contour_owners(piece_list_, mesh.points.size());
@@ -446,7 +450,7 @@ class Builder {
         ImproveOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * stats.size_mm;
-        if (dense_) options.rounds = 0;
+        if (spared_) options.rounds = 0;
         const ImproveStats improved =
             improve(model_.mesh, fixed, *field_, structures_, model_.regions, options, context_);
         // Before, so that fewer angles are bad; after, since flips leave room.
@@ -510,7 +514,7 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
-        if (dense_) {
+        if (spared_) {
             options.target_degrees = dense_target_degrees;
             options.passes = 1;
             options.last_deviation = 1;  // the one pass is the last
@@ -587,7 +591,7 @@ class Builder {
 
     // What was not done for their sake is the user's to know.
     void warn_of_crowded_cells() {
-        if (!dense_) return;
+        if (!spared_) return;
         const QualityReport& quality = report().quality;
         Place place;
         place.file = contours_.source;
@@ -677,7 +681,10 @@ class Builder {
     std::optional<LabelledMesh> mesh_;
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
     std::optional<ContourPieces> pieces_;          // of contour segments, in mesh_
-    bool dense_ = false;                           // dense_planes(), and the first try
+    bool dense_ = false;  // the planes: closer than two thirds of the contours' vertices
+    bool crammed_ =
+        false;  // so much so, or so many, that all that can be done would take several times as long
+    bool spared_ = false;                          // these, and the first try with a default size
     std::vector<SegmentPiece> piece_list_;         // those of pieces_, and where the cut split them further
     bool recovered_ = false;                       // some of them, by exchanging cells
     std::vector<std::uint8_t> given_;              // by vertex: one of a contour

@@ -21,6 +21,9 @@ struct ModelOptions {
     double single_slice_mm = 0;     // as in FieldOptions. [0, 1000]
     double max_radius_edge = 2.0;   // aimed at for every cell. [1.2, 10]
     std::uint64_t max_tetrahedra = 1'000'000'000;  // refused above, before the work
+    // Of contour vertices on planes that lie closer than those: above, less is done for cells and contour
+    // segments at the first try with a default size (W-PIP-005). [0, any]
+    std::uint64_t spare_dense_above = 50'000;
 };
 
 struct Model {

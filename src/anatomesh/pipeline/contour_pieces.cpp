@@ -22,6 +22,7 @@ constexpr double dense_free_share = 0.5;  // the whole ball of a piece that is s
 // is this near to its middle, in sizes.
 constexpr double piece_clearance = 0.05;
 constexpr double lone_room = 1.9;  // in shares as above: nearly the whole ball of the piece
+constexpr double crowded_room = 0.3;
 
 }  // namespace
 
@@ -31,6 +32,10 @@ SplitLimits SplitLimits::scaled(double scale) {
 
 SplitLimits SplitLimits::lone() {
     return {0, lone_room, piece_clearance, false};
+}
+
+SplitLimits SplitLimits::among_others() {
+    return {0, crowded_room, piece_clearance, false};
 }
 
 SplitLimits SplitLimits::beside_short() {
@@ -119,7 +124,7 @@ void ContourPieces::add_halves(const std::vector<SegmentPiece>& split,
 
 double ContourPieces::room_of(const SegmentPiece& piece, const SplitLimits& limits) const {
     const double span = length(mesh_.points()[piece.b] - mesh_.points()[piece.a]);
-    const double room = limits.room * (options_.dense ? dense_free_share : free_share) * span;
+    const double room = limits.room * (options_.spared ? dense_free_share : free_share) * span;
     return std::max(room, limits.clearance * options_.size_mm);
 }
 
@@ -154,11 +159,12 @@ Status ContourPieces::recover(std::size_t share, RunContext& context, const Spli
 }
 
 Status ContourPieces::finish(RunContext& context) {
-    if (options_.dense) return recover(0, context);
+    if (options_.spared) return recover(0, context);
     ANATOMESH_CHECK_STATUS(recover_few(context));
     if (options_.to_short) {
         const std::size_t before = pieces_.size();
-        ANATOMESH_CHECK_STATUS(recover(0, context, SplitLimits::lone()));
+        ANATOMESH_CHECK_STATUS(
+            recover(0, context, options_.dense ? SplitLimits::among_others() : SplitLimits::lone()));
         if (pieces_.size() > before) {
             are_short_ = true;
             ANATOMESH_CHECK_STATUS(recover_few(context));

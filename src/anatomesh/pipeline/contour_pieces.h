@@ -16,7 +16,8 @@ namespace anatomesh {
 
 struct ContourPieceOptions {
     double size_mm = 0;  // the edge length aimed at: pieces are split to 0.3 of it, the last few further. > 0
-    bool dense = false;  // the planes lie closer than the contours' vertices: the last few are left
+    bool spared = false;   // the last few are left, and those with other contours' vertices in their balls
+    bool dense = false;    // the planes lie closer than the contours' vertices
     bool to_short = true;  // finish() splits to short ones however many are missing, where it may help
 };
 
@@ -30,6 +31,8 @@ struct SplitLimits {
     static SplitLimits scaled(double scale);  // 1: wherever a piece is to be split; below, the last few
     // Shorter ones, however many are missing, if free vertices alone are in their way.
     static SplitLimits lone();
+    // Where planes are dense other contours' vertices nearly always are.
+    static SplitLimits among_others();
     static SplitLimits beside_short();  // those in whose balls circumcentres of cells at short ones lie
 };
 

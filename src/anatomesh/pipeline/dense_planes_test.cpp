@@ -46,11 +46,69 @@ ContourSet sweep(int planes, int corners) {
     return std::move(reconcile_contours(kept(raw), {}, context).value().kept);
 }
 
+// As sets of many vertices are built.
+Result<Model> build_spared(const ContourSet& set, RunContext& context) {
+    ModelOptions options;
+    options.spare_dense_above = 0;
+    return build_model(set, options, context);
+}
+
+double share_of_segments_kept(const Model& model) {
+    const StructureReport& ball = model.report.structures[0];
+    return static_cast<double>(ball.contour_segments_on_surface) / static_cast<double>(ball.contour_segments);
+}
+
+// Planes through one axis, all contours through its two poles.
+ContourSet turned(int planes, int corners) {
+    RawContours raw;
+    raw.structures.push_back({1, "ball", {}});
+    for (int k = 0; k < planes; ++k) {
+        const double turn = pi * k / planes;
+        const Plane plane = make_plane({0, 0, 0}, {-std::sin(turn), std::cos(turn), 0});
+        raw.planes.push_back(plane);
+        raw.plane_names.push_back("plane " + std::to_string(k));
+        RawContour contour;
+        contour.plane = k;
+        contour.first_point = static_cast<std::uint32_t>(raw.points.size());
+        for (int i = 0; i < corners; ++i) {
+            const double angle = 2 * pi * (i + 0.5) / corners, across = radius * std::cos(angle);
+            raw.points.push_back(
+                {across * std::cos(turn), across * std::sin(turn), radius * std::sin(angle)});
+        }
+        contour.point_count = static_cast<std::uint32_t>(corners);
+        raw.contours.push_back(contour);
+    }
+    RunContext context;
+    return std::move(reconcile_contours(kept(raw), {}, context).value().kept);
+}
+
+TEST(DensePlanes, keep_their_contour_segments_in_good_cells) {
+    std::vector<std::pair<std::string, ContourSet>> sets;
+    for (const int planes : {50, 60, 70})
+        sets.emplace_back("sweep of " + std::to_string(planes), sweep(planes, 50));
+    for (const int planes : {20, 30, 40})
+        sets.emplace_back(std::to_string(planes) + " planes about an axis", turned(planes, 30));
+    for (const auto& [name, set] : sets) {
+        SCOPED_TRACE(name);
+        RunContext context;
+        const auto made = build_model(set, {}, context);
+        ASSERT_TRUE(made.ok()) << to_line(made.error());
+        const Model& model = made.value();
+        EXPECT_GT(share_of_segments_kept(model), 0.8);
+        EXPECT_LE(model.report.quality.dihedral_below_10, 2u);
+        EXPECT_LT(model.report.quality.radius_edge_share_over_2, 0.008);
+        EXPECT_TRUE(std::none_of(context.warnings.begin(), context.warnings.end(),
+                                 [](const Warning& w) { return w.code == "W-PIP-005"; }));
+        expect_structure(model, 0, {1, 0, 4.0 / 3 * pi * radius * radius * radius, 0.03});
+    }
+}
+
 TEST(DensePlanes, four_times_the_planes_make_hardly_more_cells) {
     std::vector<double> cells;  // a contour vertex
     for (const int planes : {30, 120}) {
         const ContourSet set = sweep(planes, 80);
-        auto made = build(set);
+        RunContext context;
+        auto made = build_spared(set, context);
         ASSERT_TRUE(made.ok()) << to_line(made.error());
         const Model& model = made.value();
         cells.push_back(static_cast<double>(model.mesh.cells.size()) /
@@ -74,7 +132,7 @@ TEST(DensePlanes, say_that_cells_were_left_as_they_come_and_a_given_size_does_mo
     };
     const ContourSet dense = sweep(60, 40);
     RunContext quick, full;
-    const auto first = build_model(dense, {}, quick);
+    const auto first = build_spared(dense, quick);
     ASSERT_TRUE(first.ok()) << to_line(first.error());
     EXPECT_EQ(count_of(quick, "W-PIP-005"), 1);
     ModelOptions options;
@@ -86,6 +144,7 @@ TEST(DensePlanes, say_that_cells_were_left_as_they_come_and_a_given_size_does_mo
               first.value().report.quality.radius_edge_share_over_2);
     EXPECT_LT(second.value().report.quality.dihedral_below_10,
               first.value().report.quality.dihedral_below_10);
+    EXPECT_GT(share_of_segments_kept(second.value()), share_of_segments_kept(first.value()) + 0.2);
 }
 
 // An edge of the surface at which its facets meet at a wide angle belongs to a pit or a spike where the solid
@@ -126,7 +185,8 @@ TEST(DensePlanes, leave_no_pits) {
     for (const int planes : {60, 120, 240}) {
         SCOPED_TRACE(planes);
         const ContourSet set = sweep(planes, 60);
-        const auto made = build(set);
+        RunContext context;
+        const auto made = build_spared(set, context);
         ASSERT_TRUE(made.ok()) << to_line(made.error());
         const Roughness rough = roughness_of(made.value(), radius, 0.8 * radius);
         EXPECT_LT(rough.worst_mm, 0.45);
