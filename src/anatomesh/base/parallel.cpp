@@ -19,8 +19,17 @@ void parallel_for(std::size_t count, std::size_t grain, int threads,
         return;
     }
     // Asked for more than the machine has, TBB would print a warning.
-    tbb::task_arena arena(std::min(threads, tbb::info::default_concurrency()));
-    arena.execute([&] { tbb::parallel_for(std::size_t{0}, pieces, run, tbb::simple_partitioner()); });
+    const int most = std::min(threads, tbb::info::default_concurrency());
+    const auto loop = [&] { tbb::parallel_for(std::size_t{0}, pieces, run, tbb::simple_partitioner()); };
+    const bool inside = tbb::this_task_arena::current_thread_index() != tbb::task_arena::not_initialized &&
+                        tbb::this_task_arena::max_concurrency() == most;
+    if (inside) {
+        // A loop in a task: threads that have nothing left to do outside help; those at work here take
+        // nothing from outside while they wait.
+        tbb::this_task_arena::isolate(loop);
+    } else {
+        tbb::task_arena(most).execute(loop);
+    }
 }
 
 void parallel_tasks(int threads, std::initializer_list<std::function<void()>> tasks) {

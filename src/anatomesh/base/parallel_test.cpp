@@ -98,5 +98,23 @@ TEST(ParallelTasks, each_runs_once_also_with_loops_inside) {
     }
 }
 
+TEST(ParallelTasks, never_more_at_a_time_than_asked_for_with_the_loops_inside) {
+    for (const int threads : {1, 2}) {
+        std::atomic<int> now = 0, most = 0;
+        const auto loop = [&] {
+            parallel_for(100, 1, threads, [&](std::size_t, std::size_t) {
+                const int here = ++now;
+                int before = most;
+                while (here > before && !most.compare_exchange_weak(before, here)) {
+                }
+                std::this_thread::sleep_for(std::chrono::microseconds(50));
+                --now;
+            });
+        };
+        parallel_tasks(threads, {loop, loop, loop});
+        EXPECT_LE(most, threads);
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh

@@ -131,7 +131,7 @@ class Judge {
     Side side_;
 };
 
-constexpr std::size_t grain = 4096;
+constexpr std::size_t grain = 512;
 
 // Numbers of regions that are the same at any thread count: each piece of the work numbers the sets it meets, and the
 // pieces' numbers are joined in order.

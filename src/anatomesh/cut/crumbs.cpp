@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/mesh/quality.h"
 
 namespace anatomesh {
@@ -23,12 +24,17 @@ class CrumbSearch {
 
     // Whether the piece at the cell, not looked at yet, is a crumb: piece() and beyond() then.
     bool found(std::uint32_t cell) {
-        if (state_[cell] != State::unknown || !on_interface(cell)) return false;
+        if (state_[cell] != State::unknown || !may_be_in_one(cell)) return false;
         piece_ = {cell};
         state_[cell] = State::in_piece;
         const bool whole = grow();
         for (const std::uint32_t c : piece_) state_[c] = State::known;
         return whole && has_one_neighbor();
+    }
+
+    // Whether the cell alone does not rule a crumb that begins with it out.
+    bool may_be_in_one(std::uint32_t c) const {
+        return on_interface(c) && !is_drawn(c) && volume(c) <= most_mm3_;
     }
 
     const std::vector<std::uint32_t>& piece() const { return piece_; }
@@ -44,6 +50,10 @@ class CrumbSearch {
     }
     bool differs(std::uint32_t n, std::uint32_t c) const { return mesh_.regions[n] != mesh_.regions[c]; }
 
+    bool is_drawn(std::uint32_t c) const {
+        const Cell& cell = mesh_.cells[c];
+        return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return given_[v] != 0; });
+    }
     double volume(std::uint32_t c) const {
         const Cell& v = mesh_.cells[c];
         return signed_volume(mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]], mesh_.points[v[3]]);
@@ -56,10 +66,7 @@ class CrumbSearch {
         for (std::size_t n = 0; n < piece_.size(); ++n) {
             const std::uint32_t c = piece_[n];
             total += volume(c);
-            const Cell& cell = mesh_.cells[c];
-            if (total > most_mm3_ || piece_.size() > most_cells ||
-                std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return given_[v] != 0; }))
-                return false;
+            if (total > most_mm3_ || piece_.size() > most_cells || is_drawn(c)) return false;
             for (int i = 0; i < 4; ++i) {
                 const std::uint32_t next = neighbors_[4 * std::size_t{c} + i];
                 if (next == no_cell) return false;
@@ -98,10 +105,18 @@ class CrumbSearch {
 }  // namespace
 
 CrumbStats give_crumbs_away(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                            std::span<const std::uint8_t> given, const CrumbOptions& options) {
+                            std::span<const std::uint8_t> given, const CrumbOptions& options, int threads) {
     CrumbStats stats;
     CrumbSearch search(mesh, neighbors, given, options.most_mm3);
-    for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
+    const std::vector<std::uint32_t> cells = parallel_collect<std::uint32_t>(
+        mesh.cells.size(), 16384, threads,
+        [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& small) {
+            for (std::size_t c = first; c < last; ++c) {
+                if (search.may_be_in_one(static_cast<std::uint32_t>(c)))
+                    small.push_back(static_cast<std::uint32_t>(c));
+            }
+        });
+    for (const std::uint32_t c : cells) {
         if (!search.found(c)) continue;
         for (const std::uint32_t member : search.piece()) mesh.regions[member] = search.beyond();
         ++stats.pieces;

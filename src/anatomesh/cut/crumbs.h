@@ -25,6 +25,7 @@ struct CrumbStats {
 // since the ends of that are contour vertices of the same piece of surface. Requires:
 // `neighbors` as cell_neighbors() gives them. Complexity: O(cells). Same result at any number of threads.
 CrumbStats give_crumbs_away(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                            std::span<const std::uint8_t> given, const CrumbOptions& options);
+                            std::span<const std::uint8_t> given, const CrumbOptions& options,
+                            int threads = 1);
 
 }  // namespace anatomesh

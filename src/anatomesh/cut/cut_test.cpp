@@ -258,7 +258,10 @@ TEST(Cut, crumbs_are_given_away) {
         const auto before = small(false), marked_before = small(true);
         const std::vector<std::uint32_t> neighbors =
             cell_neighbors(random.mesh.cells, random.mesh.points.size());
+        TetMesh by_threads = random.mesh;
+        give_crumbs_away(by_threads, neighbors, marks, {most}, 3);
         const CrumbStats stats = give_crumbs_away(random.mesh, neighbors, marks, {most});
+        EXPECT_EQ(by_threads.regions, random.mesh.regions) << seed;
         expect_manifold(random, two ? 2 : 1);
         if (!two) {
             EXPECT_EQ(small(false), 0) << seed;

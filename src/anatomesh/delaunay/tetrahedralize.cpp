@@ -50,10 +50,6 @@ const std::array<int, 4>& canonical_places(const std::array<std::uint32_t, 4>& v
     return even_permutations[3 * last + (b < c ? (b < d ? 0 : 2) : (c < d ? 1 : 2))];
 }
 
-std::uint32_t last_vertex(const KernelCell& cell) {
-    return std::max({cell.vertex[0], cell.vertex[1], cell.vertex[2], cell.vertex[3]});
-}
-
 }  // namespace
 
 struct Tetrahedralization::State {
@@ -105,39 +101,44 @@ std::vector<std::uint32_t> Tetrahedralization::State::take_removed_places(std::s
     return places;
 }
 
-// The slots of the finite cells made since the snapshot, in canonical order: by their last vertex, then by the
-// others.
-std::vector<std::uint32_t> Tetrahedralization::State::new_cells(std::span<const std::uint32_t> touched, int threads) {
-    constexpr std::uint32_t listed = no_cell - 1;
+// The slots of the finite cells made since the snapshot, in canonical order: by their last vertex, then by
+// the others. A slot may be touched several times; none of those touched has a place.
+std::vector<std::uint32_t> Tetrahedralization::State::new_cells(std::span<const std::uint32_t> touched,
+                                                                int threads) {
     const std::span<const KernelCell> cells = kernel.cells();
     const std::uint32_t first = vertices_then, count = kernel.vertex_count() - first;
-    // Count, scan, fill; then sort the few of one vertex.
-    std::vector<std::uint32_t> made, ends(count + 1, 0);
-    for (const std::uint32_t slot : touched) {
-        const KernelCell& cell = cells[slot];
-        if (place_of_slot[slot] == listed || !cell.alive() || cell.infinite_place() >= 0) continue;
-        place_of_slot[slot] = listed;
-        made.push_back(slot);
-        ++ends[last_vertex(cell) - first + 1];
-    }
-    std::partial_sum(ends.begin(), ends.end(), ends.begin());
     struct Entry {
-        std::uint32_t b, c, slot;  // the second and the third vertex tell cells of one last vertex apart
+        std::uint32_t last, b, c,
+            slot;  // the second and the third vertex tell cells of one last vertex apart
     };
+    const std::vector<Entry> made = parallel_collect<Entry>(
+        touched.size(), 4096, threads, [&](std::size_t begin, std::size_t end, std::vector<Entry>& out) {
+            for (std::size_t n = begin; n < end; ++n) {
+                const KernelCell& cell = cells[touched[n]];
+                if (!cell.alive() || cell.infinite_place() >= 0) continue;
+                const auto& v = cell.vertex;
+                const auto& place = canonical_places(v);
+                out.push_back({v[place[0]] - first, v[place[1]], v[place[2]], touched[n]});
+            }
+        });
+    // Count, scan, fill; then sort the few of one vertex.
+    std::vector<std::uint32_t> ends(count + 1, 0);
+    for (const Entry& entry : made) ++ends[entry.last + 1];
+    std::partial_sum(ends.begin(), ends.end(), ends.begin());
     std::vector<Entry> entries(made.size());
-    for (const std::uint32_t slot : made) {
-        const auto& v = cells[slot].vertex;
-        const auto& place = canonical_places(v);
-        entries[ends[v[place[0]] - first]++] = {v[place[1]], v[place[2]], slot};
-    }
+    for (const Entry& entry : made) entries[ends[entry.last]++] = entry;
     parallel_for(count, 4096, threads, [&](std::size_t first_vertex, std::size_t last_vertex) {
         for (std::size_t v = first_vertex; v < last_vertex; ++v) {
             std::sort(entries.begin() + (v > 0 ? ends[v - 1] : 0), entries.begin() + ends[v],
                       [](const Entry& p, const Entry& q) { return p.b != q.b ? p.b < q.b : p.c < q.c; });
         }
     });
-    std::transform(entries.begin(), entries.end(), made.begin(), [](const Entry& entry) { return entry.slot; });
-    return made;
+    std::vector<std::uint32_t> slots_made;
+    slots_made.reserve(entries.size());
+    for (const Entry& entry : entries) {
+        if (slots_made.empty() || slots_made.back() != entry.slot) slots_made.push_back(entry.slot);
+    }
+    return slots_made;
 }
 
 void Tetrahedralization::State::put(std::uint32_t slot, std::uint32_t place) {

@@ -80,7 +80,7 @@ class Climber {
     void climb(RunContext& context) {
         for (int pass = 0; pass < bench_.options.passes && !queue_.empty() && !context.cancelled(); ++pass) {
             const std::uint64_t gained = drain();
-            collect(std::move(left_), context.threads);
+            collect(std::move(left_), context.threads, true);
             if (gained * 50 < queue_.size() || gained == 0) break;
         }
     }
@@ -98,7 +98,7 @@ class Climber {
             std::vector<std::uint32_t> left;
             for (; !queue_.empty(); queue_.pop()) left.push_back(queue_.top().cell);
             bench_.options.max_radius_edge = most + step * (last - most) / radius_edge_steps;
-            collect(std::move(left), context.threads);
+            collect(std::move(left), context.threads, true);
             climb(context);
         }
         bench_.options.max_radius_edge = most;
@@ -178,8 +178,9 @@ class Climber {
         cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
     }
 
-    // Queues those of the cells that are bad.
-    void collect(std::vector<std::uint32_t> cells, int threads) {
+    // Queues those of the cells that are bad. Most of those that failed once do so again: these are worth a
+    // look by scouts, others not.
+    void collect(std::vector<std::uint32_t> cells, int threads, bool failed = false) {
         sort_distinct(cells);
         const auto find_bad = [&](std::size_t first, std::size_t last, std::vector<BadCell>& bad) {
             for (std::size_t n = first; n < last; ++n) {
@@ -189,7 +190,7 @@ class Climber {
             }
         };
         std::vector<BadCell> bad = parallel_collect<BadCell>(cells.size(), 16384, threads, find_bad);
-        if (threads > 1) scout(bad, threads);
+        if (threads > 1 && failed) scout(bad, threads);
         queue_ = std::priority_queue<BadCell>({}, std::move(bad));
     }
 
@@ -197,7 +198,7 @@ class Climber {
     // without.
     void scout(std::vector<BadCell>& bad, int threads) {
         touched_.assign(bench_.mesh.point_count(), 0);
-        parallel_for(bad.size(), 128, threads, [&](std::size_t first, std::size_t last) {
+        parallel_for(bad.size(), 16, threads, [&](std::size_t first, std::size_t last) {
             Workbench scout = bench_;
             scout.scouts = true;
             for (std::size_t n = first; n < last; ++n) {

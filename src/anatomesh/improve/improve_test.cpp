@@ -92,6 +92,10 @@ TEST(Improve, keeps_fixed_vertices_orientation_and_connectivity_and_makes_nothin
         }
         EXPECT_LE(stats.above_bound_after, stats.above_bound_before);
         EXPECT_LE(worst_inside(mesh), std::max(2.0, worst_inside(before)));
+        TetMesh by_threads = before;
+        context.threads = 3;
+        improve(by_threads, fixed, solid.field, structures, culled.registry.table(), {}, context);
+        EXPECT_EQ(by_threads.points, mesh.points);
     }
 }
 

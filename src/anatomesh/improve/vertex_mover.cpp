@@ -53,23 +53,23 @@ void VertexMover::for_each_apart(std::span<const std::uint32_t> vertices, int th
                                  const std::function<void(std::uint32_t)>& move) const {
     constexpr int most_groups = 64;
     std::vector<std::vector<std::uint32_t>> groups(most_groups);
-    std::vector<std::uint8_t> group_of(mesh_.points.size(), most_groups);
+    std::vector<std::uint64_t> bit_of(mesh_.points.size(), 0);  // of the group; none for the last
     for (const std::uint32_t v : vertices) {
         std::uint64_t taken = 0;
         for (const std::uint32_t c : stars_.at(v)) {
-            for (const std::uint32_t u : mesh_.cells[c]) {
-                if (group_of[u] < most_groups - 1) taken |= std::uint64_t{1} << group_of[u];
-            }
+            const Cell& cell = mesh_.cells[c];
+            taken |= bit_of[cell[0]] | bit_of[cell[1]] | bit_of[cell[2]] | bit_of[cell[3]];
         }
         const int group = std::min(std::countr_one(taken), most_groups - 1);
-        group_of[v] = static_cast<std::uint8_t>(group);
+        if (group < most_groups - 1) bit_of[v] = std::uint64_t{1} << group;
         groups[static_cast<std::size_t>(group)].push_back(v);
     }
     for (int g = 0; g < most_groups; ++g) {
         const std::vector<std::uint32_t>& group = groups[static_cast<std::size_t>(g)];
-        parallel_for(group.size(), 128, g + 1 < most_groups ? threads : 1, [&](std::size_t first, std::size_t last) {
-            for (std::size_t n = first; n < last; ++n) move(group[n]);
-        });
+        parallel_for(group.size(), 32, g + 1 < most_groups ? threads : 1,
+                     [&](std::size_t first, std::size_t last) {
+                         for (std::size_t n = first; n < last; ++n) move(group[n]);
+                     });
     }
 }
 

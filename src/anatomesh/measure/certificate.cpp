@@ -578,17 +578,10 @@ void measure_model(const CertificateInput& input, const RunContext& context, Mod
     ContourFindings findings;
     CellShapes shapes;
     const bool measurable = can_be_measured(mesh);
-    const auto measure_surfaces = [&] {
-        std::vector<std::uint32_t> neighbors;
-        check = check_mesh(mesh, context.threads, &neighbors);
-        if (!measurable) return;
-        Surfaces surfaces;
-        for (std::uint32_t s = 0; s < input.structures.size(); ++s) {
-            surfaces.push_back(structure_surface(mesh, neighbors, input.regions, s, context.threads));
-        }
-        report.surface_triangles = count_interface_facets(mesh, neighbors, context.threads);
-        const ShellNumbers shells = measure_structures(input, surfaces, neighbors, context.threads, report);
-        if (input.contours) findings = measure_contours(input, surfaces, shells, report);
+    std::vector<std::uint32_t> neighbors;
+    check = check_mesh(mesh, context.threads, &neighbors);
+    Surfaces surfaces;
+    const auto compare_with_field = [&] {
         if (!input.field) return;
         const std::vector<std::uint32_t> of_field = structures_of_field(input);
         report.field_distance =
@@ -597,9 +590,19 @@ void measure_model(const CertificateInput& input, const RunContext& context, Mod
         report.field_difference = field_difference(mesh.points, surfaces, input.structures, of_field,
                                                    *input.field, input.field_origin, context.threads);
     };
-    parallel_tasks(context.threads, {measure_surfaces, [&] {
-                                         if (measurable) shapes = measure_shapes(mesh, context);
-                                     }});
+    // Much of this is serial: the field, which is not, is asked beside it.
+    const auto measure_surfaces = [&] {
+        const ShellNumbers shells = measure_structures(input, surfaces, neighbors, context.threads, report);
+        if (input.contours) findings = measure_contours(input, surfaces, shells, report);
+    };
+    if (measurable) {
+        for (std::uint32_t s = 0; s < input.structures.size(); ++s) {
+            surfaces.push_back(structure_surface(mesh, neighbors, input.regions, s, context.threads));
+        }
+        report.surface_triangles = count_interface_facets(mesh, neighbors, context.threads);
+        parallel_tasks(context.threads, {compare_with_field, measure_surfaces,
+                                         [&] { shapes = measure_shapes(mesh, context); }});
+    }
     report.vertices = mesh.points.size();
     report.tetrahedra = mesh.cells.size();
     report.certificate.clear();

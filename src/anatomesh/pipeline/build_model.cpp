@@ -181,19 +181,8 @@ class Builder {
     }
 
     Status tetrahedralize() {
-        // Parts of it are serial: the field's volumes, for the last steps, are found beside it.
-        std::optional<Result<Tetrahedralization>> made;
-        std::optional<Result<std::vector<StructureVolume>>> volumes;
-        parallel_tasks(context_.threads,
-                       {[&] { made.emplace(Tetrahedralization::create(sample_->points, context_.threads)); },
-                        [&] {
-                            if (volumes_mm3_.empty()) volumes.emplace(field_volumes(*field_, structures_, {}, context_));
-                        }});
-        ANATOMESH_TRY(Tetrahedralization delaunay, std::move(*made));
-        if (volumes) {
-            ANATOMESH_TRY(const std::vector<StructureVolume> by_structure, std::move(*volumes));
-            for (const StructureVolume& volume : by_structure) volumes_mm3_.push_back(volume.by_field);
-        }
+        ANATOMESH_TRY(Tetrahedralization delaunay,
+                      Tetrahedralization::create(sample_->points, context_.threads));
         mesh_.emplace(std::move(delaunay), *field_, structures_, sample_->stats.size_mm,
                       interface_tolerance * sample_->stats.size_mm);
         // The mesh's vertex of every contour point, and the structures it must have on its surface.
@@ -382,8 +371,8 @@ class Builder {
         segment_vertices_.insert(segment_vertices_.end(), split.on_segments.begin(), split.on_segments.end());
         if (!unsound.empty()) find_neighbors(false);
         given_.resize(mesh.points.size(), 0);
-        const CrumbStats crumbs =
-            give_crumbs_away(mesh, neighbors_, given_, {crumb_share * std::pow(sample_->stats.size_mm, 3)});
+        const CrumbStats crumbs = give_crumbs_away(
+            mesh, neighbors_, given_, {crumb_share * std::pow(sample_->stats.size_mm, 3)}, context_.threads);
         model_.regions = mesh_->registry().table();
         figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
@@ -455,7 +444,12 @@ class Builder {
             improve(model_.mesh, fixed, *field_, structures_, model_.regions, options, context_);
         // Before, so that fewer angles are bad; after, since flips leave room.
         SmoothStats smoothed = smooth_all(fixed);
-        const DihedralStats dihedrals = improve_angles(fixed);
+        // Much of that is serial: the field's volumes are found beside it.
+        DihedralStats dihedrals;
+        Status volumes = Nothing{};
+        parallel_tasks(context_.threads,
+                       {[&] { dihedrals = improve_angles(fixed); }, [&] { volumes = find_volumes(); }});
+        ANATOMESH_CHECK_STATUS(volumes);
         const SmoothStats again = smooth_all(fixed);
         smoothed.vertices_moved += again.vertices_moved;
         smoothed.surface_vertices_moved += again.surface_vertices_moved;
@@ -490,6 +484,14 @@ class Builder {
                     {"volume_difference_before", balanced.worst_before},
                     {"volume_difference_after", balanced.worst_after}};
         return end_stage("improve", 0.85);
+    }
+
+    Status find_volumes() {
+        if (!volumes_mm3_.empty()) return Nothing{};
+        ANATOMESH_TRY(const std::vector<StructureVolume> volumes,
+                      field_volumes(*field_, structures_, {}, context_));
+        for (const StructureVolume& volume : volumes) volumes_mm3_.push_back(volume.by_field);
+        return Nothing{};
     }
 
     SmoothStats smooth_all(const std::vector<std::uint8_t>& fixed) {

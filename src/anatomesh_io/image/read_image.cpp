@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh_io/image/raw_image.h"
 
 namespace anatomesh {
@@ -58,8 +61,15 @@ Result<LoadedImage> read_image(const std::string& path, const ReadImageOptions& 
     std::span<const std::byte> content = bytes;
     const bool other_image =
         kind == FileKind::nrrd || kind == FileKind::metaimage || kind == FileKind::invesalius;
-    if (is_gzip(bytes) && other_image) {
-        ANATOMESH_TRY(inflated, inflate(bytes, path, options.limits, context));
+    std::string hash;
+    std::optional<Result<ByteBuffer>> whole;
+    parallel_tasks(context.threads, {[&] {
+                                         if (is_gzip(bytes) && other_image)
+                                             whole.emplace(inflate(bytes, path, options.limits, context));
+                                     },
+                                     [&] { hash = file.sha256(); }});
+    if (whole) {
+        ANATOMESH_TRY(inflated, std::move(*whole));
         content = inflated.bytes();
     }
     ANATOMESH_TRY(const RawImage raw, read_raw(file, kind, content, options, context));
@@ -67,7 +77,7 @@ Result<LoadedImage> read_image(const std::string& path, const ReadImageOptions& 
     loaded.kind = kind;
     loaded.poses = raw.poses;
     loaded.known_axes = raw.poses.empty() || options.frame;
-    loaded.inputs.push_back({path, file.sha256()});
+    loaded.inputs.push_back({path, hash});
     loaded.inputs.insert(loaded.inputs.end(), raw.further_inputs.begin(), raw.further_inputs.end());
     context.report("read", 1);
     return loaded;

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <span>
 #include <utility>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh_io/file/byte_reader.h"
 #include "anatomesh_io/image/raw_image.h"
 
@@ -51,11 +53,11 @@ T element(const std::byte* at, bool swap) {
 }
 
 template <class T>
-void convert(const RawImage& raw, std::vector<float>& voxels) {
+void convert(const RawImage& raw, std::size_t first, std::span<float> voxels) {
     const bool swap = raw.order != std::endian::native;
     const bool scaled = raw.slope != 1 || raw.intercept != 0;
     const std::size_t step = raw.stride * sizeof(T);
-    const std::byte* at = raw.data.data();
+    const std::byte* at = raw.data.data() + first * step;
     for (float& voxel : voxels) {
         const T value = element<T>(at, swap);
         voxel = scaled ? static_cast<float>(static_cast<double>(value) * raw.slope + raw.intercept)
@@ -64,28 +66,29 @@ void convert(const RawImage& raw, std::vector<float>& voxels) {
     }
 }
 
-void convert(const RawImage& raw, std::vector<float>& voxels) {
+// The voxels from `first` on.
+void convert(const RawImage& raw, std::size_t first, std::span<float> voxels) {
     switch (raw.type) {
         case VoxelType::u8:
-            return convert<std::uint8_t>(raw, voxels);
+            return convert<std::uint8_t>(raw, first, voxels);
         case VoxelType::i8:
-            return convert<std::int8_t>(raw, voxels);
+            return convert<std::int8_t>(raw, first, voxels);
         case VoxelType::u16:
-            return convert<std::uint16_t>(raw, voxels);
+            return convert<std::uint16_t>(raw, first, voxels);
         case VoxelType::i16:
-            return convert<std::int16_t>(raw, voxels);
+            return convert<std::int16_t>(raw, first, voxels);
         case VoxelType::u32:
-            return convert<std::uint32_t>(raw, voxels);
+            return convert<std::uint32_t>(raw, first, voxels);
         case VoxelType::i32:
-            return convert<std::int32_t>(raw, voxels);
+            return convert<std::int32_t>(raw, first, voxels);
         case VoxelType::u64:
-            return convert<std::uint64_t>(raw, voxels);
+            return convert<std::uint64_t>(raw, first, voxels);
         case VoxelType::i64:
-            return convert<std::int64_t>(raw, voxels);
+            return convert<std::int64_t>(raw, first, voxels);
         case VoxelType::f32:
-            return convert<float>(raw, voxels);
+            return convert<float>(raw, first, voxels);
         case VoxelType::f64:
-            return convert<double>(raw, voxels);
+            return convert<double>(raw, first, voxels);
     }
 }
 
@@ -178,7 +181,10 @@ Result<LoadedImage> to_grey(const RawImage& raw, const std::string& path, RunCon
     loaded.image.geometry = raw.geometry;
     loaded.image.source = path;
     loaded.image.voxels.resize(raw.geometry.voxel_count());
-    convert(raw, loaded.image.voxels);
+    const std::span<float> voxels = loaded.image.voxels;
+    parallel_for(
+        voxels.size(), std::size_t{1} << 20, context.threads,
+        [&](std::size_t begin, std::size_t end) { convert(raw, begin, voxels.subspan(begin, end - begin)); });
     if (context.cancelled()) return cancelled_error();
 
     ImageFacts& facts = loaded.facts;

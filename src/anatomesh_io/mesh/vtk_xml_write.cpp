@@ -1,9 +1,11 @@
+#include <libdeflate.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <bit>
 #include <cassert>
 #include <limits>
+#include <memory>
 #include <new>
 
 #include "anatomesh/base/parallel.h"
@@ -98,21 +100,38 @@ void append_word(std::string& bytes, std::uint64_t word) {
     bytes.append(reinterpret_cast<const char*>(&word), sizeof word);
 }
 
+// Doubles hardly ever repeat: Huffman codes alone give the same size in a third of the time. Where vertices
+// repeat, libdeflate finds that in less than half of zlib's time; in what counts upwards it finds less.
+enum class Coder { huffman, zlib, libdeflate };
+
+Coder coder_of(const VtkArray& array) {
+    if (array.type == VtkType::float64 || array.type == VtkType::float32) return Coder::huffman;
+    return array.name == "connectivity" ? Coder::libdeflate : Coder::zlib;
+}
+
 struct Block {
     std::string_view data;
-    int strategy = Z_DEFAULT_STRATEGY;
+    Coder coder = Coder::zlib;
 };
 
-// Doubles hardly ever repeat: Huffman codes alone give the same size in a third of the time.
-int strategy_of(VtkType type) {
-    return type == VtkType::float64 || type == VtkType::float32 ? Z_HUFFMAN_ONLY : Z_DEFAULT_STRATEGY;
+std::string compressed_by_libdeflate(std::string_view data, int level) {
+    const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
+        libdeflate_alloc_compressor(level), &libdeflate_free_compressor);
+    if (!compressor) throw std::bad_alloc();
+    std::string result(libdeflate_zlib_compress_bound(compressor.get(), data.size()), '\0');
+    result.resize(
+        libdeflate_zlib_compress(compressor.get(), data.data(), data.size(), result.data(), result.size()));
+    assert(!result.empty());
+    return result;
 }
 
 // A zlib stream (RFC 1950).
 std::string compressed(const Block& block, int level) {
+    if (block.coder == Coder::libdeflate) return compressed_by_libdeflate(block.data, level);
     constexpr int window_bits = 15, memory_level = 8;
+    const int strategy = block.coder == Coder::huffman ? Z_HUFFMAN_ONLY : Z_DEFAULT_STRATEGY;
     z_stream stream{};
-    if (deflateInit2(&stream, level, Z_DEFLATED, window_bits, memory_level, block.strategy) != Z_OK)
+    if (deflateInit2(&stream, level, Z_DEFLATED, window_bits, memory_level, strategy) != Z_OK)
         throw std::bad_alloc();  // its only reason here
     std::string result(deflateBound(&stream, static_cast<uLong>(block.data.size())), '\0');
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(block.data.data()));
@@ -133,7 +152,7 @@ std::string Document::bytes(const VtkWriteOptions& options) const {
     for (const VtkArray& array : arrays_) {
         const std::string_view all = array.bytes;
         for (std::size_t at = 0; at < all.size(); at += block_bytes)
-            blocks.push_back({all.substr(at, block_bytes), strategy_of(array.type)});
+            blocks.push_back({all.substr(at, block_bytes), coder_of(array)});
         first_block.push_back(blocks.size());
     }
     std::vector<std::string> packed(blocks.size());
