@@ -12,14 +12,18 @@ double middle(const SliceInterval& interval) {
     return 0.5 * (interval.low + interval.high);
 }
 
+double lower_median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
 // Lower median of the gaps within three of gap i: one missing slice does not move it, a change of spacing
 // does.
 double local_spacing(const std::vector<double>& gaps, std::size_t i) {
     const std::size_t first = i < 3 ? 0 : i - 3, last = std::min(gaps.size(), i + 4);
-    std::vector<double> window(gaps.begin() + static_cast<std::ptrdiff_t>(first),
-                               gaps.begin() + static_cast<std::ptrdiff_t>(last));
-    std::sort(window.begin(), window.end());
-    return window[(window.size() - 1) / 2];
+    return lower_median({gaps.begin() + static_cast<std::ptrdiff_t>(first),
+                         gaps.begin() + static_cast<std::ptrdiff_t>(last)});
 }
 
 // The slices that say something about a structure, as indices of intervals: those from its first to its last
@@ -74,14 +78,27 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
     for (std::size_t i = 1; i < telling.size(); ++i) {
         gaps.push_back(intervals[telling[i]].low - intervals[telling[i - 1]].high);
     }
-    // Spacing near telling slice i; `towards` is the gap looked at: the one after it at a beginning, else
-    // before.
-    const auto spacing_at = [&](std::size_t towards) {
-        return gaps.empty() ? spacing : local_spacing(gaps, std::min(towards, gaps.size() - 1));
+    const auto is_open = [&](std::size_t gap) {
+        return gaps[gap] > options.max_gap_spacings * local_spacing(gaps, gap) * 1.001;
+    };
+    // Spacing where a part begins or ends: the local one, or that of the part itself where it is smaller; of
+    // gaps that alternate the median is the other one.
+    const auto spacing_at = [&](std::size_t end, int inward) {
+        if (gaps.empty()) return spacing;
+        std::vector<double> own;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const std::size_t gap = inward > 0 ? end + i : end - 1 - i;
+            if (gap >= gaps.size() || is_open(gap)) break;
+            own.push_back(gaps[gap]);
+        }
+        const std::size_t beside =
+            inward > 0 ? std::min(end, gaps.size() - 1) : std::max<std::size_t>(end, 1) - 1;
+        const double local = local_spacing(gaps, beside);
+        return own.empty() ? local : std::min(local, lower_median(std::move(own)));
     };
 
-    // Beyond an end: the next slice of the set where it says something and is near, else an empty level one
-    // spacing away.
+    // Beyond the outermost ends: the next slice of the set where it says something and is near, else an empty
+    // level one spacing away.
     const auto end_level = [&](std::uint32_t at, int direction, double local) {
         const bool is_last = direction > 0 ? at + 1 == intervals.size() : at == 0;
         if (!is_last && !own_spacing) {
@@ -94,7 +111,7 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
     };
 
     std::vector<std::uint32_t> part;  // the drawn slices of the part at hand
-    const auto close_part = [&](std::size_t last) {
+    const auto close_part = [&](const Level& end) {
         StructureLevels::Extent extent;
         if (options.caps == EndCaps::flat && part.size() > 1) {
             extent.low = intervals[part.front()].low;
@@ -102,7 +119,7 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
         }
         result.flat_island |= options.caps == EndCaps::flat && part.size() == 1;
         part.clear();
-        result.levels.push_back(end_level(telling[last], 1, spacing_at(last == 0 ? 0 : last - 1)));
+        result.levels.push_back(end);
         extent.until = result.levels.back().high;
         result.flat.push_back(extent);
     };
@@ -111,17 +128,20 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
         const SliceInterval& interval = intervals[telling[i]];
         const bool is_drawn = next_drawn < drawn.size() && drawn[next_drawn] == telling[i];
         if (i > 0) {
-            const double gap = gaps[i - 1], local = local_spacing(gaps, i - 1);
+            const double gap = gaps[i - 1];
             const std::pair<double, double> ends{intervals[telling[i - 1]].high, interval.low};
-            if (gap > options.max_gap_spacings * local * 1.001) {
+            if (is_open(i - 1)) {
                 result.open_gaps.push_back(ends);
-                close_part(i - 1);
-                result.levels.push_back(end_level(telling[i], -1, spacing_at(i)));
-            } else if (gap > 1.5 * local) {
+                // The two empty levels in the gap do not pass one another.
+                const double below = ends.first + std::min(spacing_at(i - 1, -1), 0.5 * gap);
+                const double above = std::max(ends.second - std::min(spacing_at(i, 1), 0.5 * gap), below);
+                close_part({below, below, Level::no_slice});
+                result.levels.push_back({above, above, Level::no_slice});
+            } else if (gap > 1.5 * local_spacing(gaps, i - 1)) {
                 result.bridged_gaps.push_back(ends);
             }
         }
-        if (i == 0) result.levels.push_back(end_level(telling[0], -1, spacing_at(0)));
+        if (i == 0) result.levels.push_back(end_level(telling[0], -1, spacing_at(0, 1)));
         result.levels.push_back({interval.low, interval.high, is_drawn ? interval.slice : Level::no_slice});
         if (is_drawn) {
             part.push_back(telling[i]);
@@ -130,7 +150,7 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
             result.not_drawn.push_back(interval.slice);
         }
     }
-    close_part(telling.size() - 1);
+    close_part(end_level(telling.back(), 1, spacing_at(telling.size() - 1, -1)));
     result.flat.back().until = std::numeric_limits<double>::infinity();
     return result;
 }

@@ -1,0 +1,156 @@
+// Laws of where a structure is known along the normal, on families of spacings.
+#include "anatomesh/field/levels.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/volume.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+std::vector<double> positions_of(const std::vector<double>& gaps) {
+    std::vector<double> positions{0};
+    for (const double gap : gaps) positions.push_back(positions.back() + gap);
+    return positions;
+}
+
+StructureLevels levels_of(const std::vector<double>& gaps, const FieldOptions& options) {
+    std::vector<SliceInterval> intervals;
+    for (const double z : positions_of(gaps))
+        intervals.push_back({static_cast<std::uint32_t>(intervals.size()), z, z});
+    std::vector<std::uint32_t> drawn(intervals.size());
+    std::iota(drawn.begin(), drawn.end(), 0u);
+    return structure_levels(intervals, drawn, false, 1, options);
+}
+
+// Gaps a, b, a, b, ...
+std::vector<double> alternating(double a, double b, int count) {
+    std::vector<double> gaps;
+    for (int i = 0; i < count; ++i) gaps.push_back(i % 2 == 0 ? a : b);
+    return gaps;
+}
+
+// The length of the axis along which a prism drawn on all slices is inside, and in how many parts.
+std::pair<double, std::size_t> inside_of(const StructureLevels& levels) {
+    double length = 0;
+    std::size_t parts = 0;
+    for (std::size_t i = 0; i + 1 < levels.levels.size(); ++i) {
+        const Level &below = levels.levels[i], &above = levels.levels[i + 1];
+        const int known = (below.slice != Level::no_slice) + (above.slice != Level::no_slice);
+        length += 0.5 * known * (above.low - below.high);
+        parts += below.slice == Level::no_slice && above.slice != Level::no_slice;
+    }
+    return {length, parts};
+}
+
+TEST(Levels, rise_for_any_spacings_and_an_end_takes_at_most_half_of_an_open_gap) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> exponent(-2, 2), most(1, 5);
+    for (int trial = 0; trial < 2000; ++trial) {
+        std::vector<double> gaps(1 + random() % 12);
+        for (double& gap : gaps) gap = std::exp(exponent(random));
+        FieldOptions options;
+        options.max_gap_spacings = trial % 4 == 0 ? 1 : most(random);
+        const StructureLevels result = levels_of(gaps, options);
+        const std::vector<Level>& levels = result.levels;
+        ASSERT_EQ(levels.size(), gaps.size() + 3 + 2 * result.open_gaps.size());
+        for (std::size_t i = 0; i + 1 < levels.size(); ++i) {
+            ASSERT_LE(levels[i].high, levels[i + 1].low);
+            const bool in_gap = levels[i].slice == Level::no_slice && levels[i + 1].slice == Level::no_slice;
+            if (!in_gap) {
+                ASSERT_LT(levels[i].high, levels[i + 1].low);
+            } else {
+                const double gap = levels[i + 2].low - levels[i - 1].high;
+                ASSERT_LE(levels[i].low - levels[i - 1].high, 0.5 * gap * (1 + 1e-12));
+                ASSERT_LE(levels[i + 2].low - levels[i + 1].high, 0.5 * gap * (1 + 1e-12));
+            }
+        }
+        ASSERT_EQ(inside_of(result).second, result.open_gaps.size() + 1);
+    }
+}
+
+// Slices in pairs: every pair is a part of its own, half its own spacing longer at both ends.
+TEST(Levels, of_alternating_gaps_each_part_ends_half_its_own_spacing_beyond) {
+    for (const double ratio : {2.1, 3.0, 4.0, 5.0, 20.0}) {
+        for (int slices = 7; slices <= 15; ++slices) {  // fewer do not tell which of the two is the spacing
+            for (const bool pair_first : {true, false}) {
+                const auto gaps =
+                    pair_first ? alternating(1, ratio, slices - 1) : alternating(ratio, 1, slices - 1);
+                const auto open = static_cast<std::size_t>(std::count(gaps.begin(), gaps.end(), ratio));
+                const StructureLevels levels = levels_of(gaps, {});
+                EXPECT_EQ(levels.open_gaps.size(), open);
+                const auto [length, parts] = inside_of(levels);
+                EXPECT_EQ(parts, open + 1);
+                const double joined = static_cast<double>(gaps.size() - open);
+                EXPECT_NEAR(length, joined + static_cast<double>(parts), 1e-9) << ratio << " " << slices;
+            }
+        }
+    }
+}
+
+TEST(Levels, of_even_gaps_with_some_missing_slices_end_half_a_spacing_beyond) {
+    for (const std::size_t at : {0u, 3u, 5u, 8u}) {
+        for (const double missing : {2.5, 3.0, 7.0}) {
+            std::vector<double> gaps(9, 1.0);
+            gaps[at] = missing;
+            const auto [length, parts] = inside_of(levels_of(gaps, {}));
+            EXPECT_EQ(parts, 2u);
+            EXPECT_NEAR(length, 8 + 2, 1e-12);
+        }
+    }
+}
+
+// A change of spacing at an open gap: each side keeps its own.
+TEST(Levels, of_two_spacings_apart_each_end_has_its_own) {
+    for (const double wide : {2.0, 3.0}) {
+        std::vector<double> gaps(6, 1.0);
+        gaps.push_back(9);
+        gaps.insert(gaps.end(), 6, wide);
+        const auto [length, parts] = inside_of(levels_of(gaps, {}));
+        EXPECT_EQ(parts, 2u);
+        EXPECT_NEAR(length, 6 + 6 * wide + 1 + wide, 1e-12);
+    }
+}
+
+TEST(Levels, the_field_of_alternating_gaps_is_not_joined_across_the_open_ones) {
+    for (const double ratio : {2.5, 3.0, 5.0}) {
+        for (const EndCaps caps : {EndCaps::half, EndCaps::rounded, EndCaps::flat}) {
+            const std::vector<double> gaps = alternating(1, ratio, 7), positions = positions_of(gaps);
+            SetBuilder builder;
+            for (const double z : positions) {
+                builder.slice(axial(z));
+                builder.ring(0, circle({}, 10, 60));
+            }
+            RunContext context;
+            FieldOptions options;
+            options.caps = caps;
+            const auto field = make_structure_field(builder.set, options, context).value();
+            EXPECT_EQ(std::count_if(context.warnings.begin(), context.warnings.end(),
+                                    [](const auto& warning) { return warning.code == "W-FLD-001"; }),
+                      3);
+            int parts = 0;
+            bool inside = false;
+            for (double z = -2; z < positions.back() + 2; z += 0.01) {
+                const bool now = field->value(0, {0, 0, z}) < 0;
+                parts += now && !inside;
+                inside = now;
+            }
+            EXPECT_EQ(parts, 4);
+            if (caps == EndCaps::rounded) continue;
+            const auto volumes = field_volumes(*field, 1, {}, context).value();
+            const double length = caps == EndCaps::half ? 8 : 4;
+            EXPECT_NEAR(volumes[0].by_field, length * area_of(circle({}, 10, 60)), 1e-6);
+            EXPECT_NEAR(volumes[0].by_slices, length * area_of(circle({}, 10, 60)), 1e-6);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh
