@@ -331,6 +331,30 @@ RawContours chosen_contours(const RawContours& raw, const std::vector<std::uint3
     return out;
 }
 
+// Contours of two frames of reference lie wherever each of these has its origin.
+Status check_spaces(const RawContours& raw, const InputOptions& options, RunContext& context) {
+    const auto told = [](const RawContour& contour) { return contour.space != 0; };
+    const auto first = std::find_if(raw.contours.begin(), raw.contours.end(), told);
+    const auto other = std::find_if(first, raw.contours.end(), [&](const RawContour& contour) {
+        return told(contour) && contour.space != first->space;
+    });
+    if (other == raw.contours.end()) return Nothing{};
+    const auto name = [&](const RawContour& contour) {
+        const Structure& structure = raw.structures[contour.structure];
+        return structure.name.empty() ? std::to_string(structure.number) : structure.name;
+    };
+    const std::string message =
+        fmt::format("'{}' and '{}' are drawn in different frames of reference", name(*first), name(*other));
+    const Place place{raw.source, "", name(*other), "", ""};
+    if (options.ignore_frame_of_reference) {
+        context.warn({"W-RTS-007", message, place, "taken for one, as --ignore-frame-of-reference has it"});
+        return Nothing{};
+    }
+    return Error{ErrorKind::input, "E-RTS-010", message, place,
+                 "choose structures of one frame with --structure, or take both as they are with "
+                 "--ignore-frame-of-reference"};
+}
+
 std::vector<ContourReport> contour_log(const RawContours& raw, const CleanResult& cleaned) {
     std::vector<ContourReport> log;
     log.reserve(cleaned.log.size());
@@ -383,6 +407,7 @@ Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& op
     ANATOMESH_TRY(const auto chosen, find_structures(all.structures, options.structures, options.input));
     const RawContours raw =
         chosen.size() < all.structures.size() ? chosen_contours(all, chosen) : std::move(all);
+    ANATOMESH_CHECK_STATUS(check_spaces(raw, options, context));
     ANATOMESH_TRY(CleanResult cleaned, clean_contours(raw, options.cleaning, context));
 
     InputContours result;

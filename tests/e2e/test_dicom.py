@@ -1,4 +1,5 @@
 """DICOM from the command line: folders, image series, segmentations, RTSTRUCT in both directions, privacy."""
+import copy
 import json
 import os
 import re
@@ -163,6 +164,23 @@ class Folders(harness.TestCase):
             (self.folder / "x.json").unlink()
         contours.save_as(str(self.study / "rs"), write_like_original=True)
         self.run_program("contours", "study", "-o", "x.json")
+
+    def test_RS22_structures_of_two_frames_of_reference(self):
+        write_series(self.study)
+        self.run_program("contours", "study", "--threshold", "0", "--keep-patient-ids", "-o", "rs.dcm")
+        both = pydicom.dcmread(self.folder / "rs.dcm")
+        for sequence, number in (("StructureSetROISequence", "ROINumber"), ("ROIContourSequence", "ReferencedROINumber")):
+            other = copy.deepcopy(getattr(both, sequence)[0])
+            setattr(other, number, 77)
+            getattr(both, sequence).append(other)
+        both.StructureSetROISequence[1].ROIName = "elsewhere"
+        both.StructureSetROISequence[1].ReferencedFrameOfReferenceUID = "1.2.3.9"
+        both.save_as(str(self.folder / "both.dcm"), write_like_original=True)
+        for verb, output in (("contours", "x.json"), ("model", "x.vtu")):
+            self.assert_refused([verb, "both.dcm", "-o", output], 3, "E-RTS-010", "--structure")
+        self.assertNotIn("RTS-0", self.run_program("contours", "both.dcm", "--structure", "elsewhere", "-o", "x.json").err)
+        told = self.run_program("contours", "both.dcm", "--ignore-frame-of-reference", "-o", "x.json").err
+        self.assertIn("W-RTS-007", told)
 
     def test_G31_a_patient_far_from_the_origin(self):
         """The model is that of the centred twin, moved: by amounts that are exact in floating point."""

@@ -128,7 +128,8 @@ Status RawBuilder::begin_contour(std::uint32_t structure, ContourKind kind, std:
                              .first_point = static_cast<std::uint32_t>(raw_.points.size()),
                              .point_count = 0,
                              .plane = plane,
-                             .name = std::move(name)});
+                             .name = std::move(name),
+                             .space = space});
     return Nothing{};
 }
 

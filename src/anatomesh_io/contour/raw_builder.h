@@ -36,6 +36,7 @@ class RawBuilder {
 
     FileFrame frame = FileFrame::unknown;  // as the file states it
     double pixel_mm = 0;
+    std::uint32_t space = 0;  // of the contours that are begun from now on
 
     const std::string& file() const { return raw_.source; }
     const ContourLimits& limits() const { return limits_; }

@@ -171,6 +171,10 @@ class RtStructReader {
                          "two ROIs have the same number",
                          {builder_.file(), {}, label_of(structure), {}, std::to_string(structure.number)},
                          "give every ROI its own number"};
+        if (const std::string_view uid = text_of(item, DCM_ReferencedFrameOfReferenceUID); !uid.empty()) {
+            const auto next = static_cast<std::uint32_t>(spaces_.size() + 1);
+            space_of_[structure.number] = spaces_.emplace(uid, next).first->second;
+        }
         ANATOMESH_TRY([[maybe_unused]] const auto index, builder_.add_structure(std::move(structure)));
         return Nothing{};
     }
@@ -187,6 +191,8 @@ class RtStructReader {
             builder_.context().warn({"W-RTS-001", "the ROI is not declared in StructureSetROISequence", place,
                                      "its contours are kept, without a name"});
         read_color(item, structure, place);
+        const auto space = space_of_.find(number);
+        builder_.space = space == space_of_.end() ? 0 : space->second;
         if (builder_.context().cancelled()) return cancelled_error();
         return for_each_item(item, DCM_ContourSequence,
                              [&](DcmItem& contour) { return read_contour(contour, structure, number); });
@@ -321,6 +327,8 @@ class RtStructReader {
     RawBuilder& builder_;
     DcmDataset data_set_;
     std::map<std::uint32_t, std::uint64_t> contours_of_;  // contours read so far, by structure
+    std::map<std::string, std::uint32_t, std::less<>> spaces_;  // frames of reference, from 1
+    std::map<std::int32_t, std::uint32_t> space_of_;            // of the ROIs that name one, by number
     std::array<std::vector<double>, 3> heights_;          // of the contours normal to each axis
     Box3 box_;
 };

@@ -8,10 +8,11 @@
 namespace anatomesh {
 
 // Reads a file held in memory (any of the uncompressed transfer syntaxes, and the deflated one). A
-// structure's number is the ROI number. Coordinates are DICOM's: LPS, mm. The contour types POINT,
-// OPEN_PLANAR, OPEN_NONPLANAR, CLOSED_PLANAR and CLOSEDPLANAR_XOR are kept as they are; nothing is closed.
-// Requires: an empty builder. Messages name the ROI, the contour (from 0, as in the file) and the point.
-// Errors: E-RTS-001 DICOM that cannot be parsed       E-RTS-006 ContourData missing, or not 3 numbers a point
+// structure's number is the ROI number, the space of its contours that of its ReferencedFrameOfReferenceUID.
+// Coordinates are DICOM's: LPS, mm. The contour types POINT, OPEN_PLANAR, OPEN_NONPLANAR, CLOSED_PLANAR and
+// CLOSEDPLANAR_XOR are kept as they are; nothing is closed. Requires: an empty builder. Messages name the
+// ROI, the contour (from 0, as in the file) and the point. Errors: E-RTS-001 DICOM that cannot be parsed
+// E-RTS-006 ContourData missing, or not 3 numbers a point
 //         E-RTS-002 no structure set                  E-RTS-007 a coordinate that is no number
 //         E-RTS-003 an ROI without a usable number    E-RTS-008 a contour type that there is not
 //         E-RTS-004 two items for one ROI number      E-RTS-009 no DICOM dictionary on this machine

@@ -27,6 +27,7 @@ struct TestRoi {
     std::vector<TestContour> contours = {TestContour{}};
     std::string color = R"(255\0\10)";
     std::optional<int> referenced = {};  // another number in ROIContourSequence
+    std::string frame = {};              // of reference
 };
 
 void put(DcmItem& item, const DcmTagKey& tag, const std::string& text) {
@@ -44,6 +45,7 @@ void add_roi(DcmItem& data, const TestRoi& roi) {
     DcmItem& declared = new_item(data, DCM_StructureSetROISequence);
     put(declared, DCM_ROINumber, std::to_string(roi.number));
     put(declared, DCM_ROIName, roi.name);
+    if (!roi.frame.empty()) put(declared, DCM_ReferencedFrameOfReferenceUID, roi.frame);
     DcmItem& drawn = new_item(data, DCM_ROIContourSequence);
     put(drawn, DCM_ReferencedROINumber, std::to_string(roi.referenced.value_or(roi.number)));
     put(drawn, DCM_ROIDisplayColor, roi.color);
@@ -126,6 +128,26 @@ TEST(RtStruct, RS30_contours_in_centimetres_are_asked_about) {
     read_whole(squares(20, 0.488));  // a small one beside thin slices
     read_whole(squares(3, 0.6));     // a small organ
     read_whole(squares(120, 0.4));   // a detailed one
+}
+
+TEST(RtStruct, RS22_contours_of_several_frames_of_reference_are_told_apart) {
+    const auto spaces = [](const std::vector<std::string>& frames) {
+        std::vector<TestRoi> rois;
+        for (const std::string& frame : frames) {
+            rois.push_back({});
+            rois.back().number = static_cast<int>(rois.size());
+            rois.back().name = "ROI " + std::to_string(rois.size());
+            rois.back().frame = frame;
+        }
+        const RawContours raw = read_whole(bytes_of_rois(rois));
+        std::vector<std::uint32_t> found;
+        for (const RawContour& contour : raw.contours) found.push_back(contour.space);
+        return found;
+    };
+    EXPECT_EQ(spaces({"1.2.3", "1.2.3"}), (std::vector<std::uint32_t>{1, 1}));
+    EXPECT_EQ(spaces({"1.2.3", "1.2.4", "1.2.3"}), (std::vector<std::uint32_t>{1, 2, 1}));
+    EXPECT_EQ(spaces({"", "1.2.3"}), (std::vector<std::uint32_t>{0, 1}));
+    EXPECT_EQ(spaces({"", ""}), (std::vector<std::uint32_t>{0, 0}));
 }
 
 TEST(RtStruct, reads_the_same_in_every_encoding) {

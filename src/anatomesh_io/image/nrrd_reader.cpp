@@ -159,11 +159,14 @@ Status take_data(std::span<const std::byte> bytes, const NrrdHeader& header, con
     return Nothing{};
 }
 
-// 3D Slicer writes Segment3_Name:=..., Segment3_LabelValue:=..., Segment3_Color:=r g b (0 to 1).
-std::vector<Structure> segments_of(const NrrdHeader& header) {
+// 3D Slicer writes Segment3_Name:=..., Segment3_LabelValue:=..., Segment3_Color:=r g b (0 to 1), and, where
+// segments overlap, Segment3_Layer:=... for the volume that the segment is in: a label may mean another one
+// in each.
+std::vector<Structure> segments_of(const NrrdHeader& header, std::uint64_t volume) {
     struct Segment {
         Structure structure;
         bool has_label = false;
+        std::int64_t layer = 0;
     };
     std::map<std::int64_t, Segment> segments;
     for (const auto& [key, value] : header.pairs) {
@@ -179,6 +182,7 @@ std::vector<Structure> segments_of(const NrrdHeader& header) {
             segments[*number].structure.number = static_cast<std::int32_t>(*label);
             segments[*number].has_label = true;
         }
+        if (field == "Layer") segments[*number].layer = parse_integer(value).value_or(0);
         if (field == "Color") {
             const auto parts = words(value);
             for (std::size_t i = 0; i < 3 && parts.size() == 3; ++i)
@@ -189,7 +193,8 @@ std::vector<Structure> segments_of(const NrrdHeader& header) {
     }
     std::vector<Structure> structures;
     for (const auto& [number, segment] : segments)
-        if (segment.has_label) structures.push_back(segment.structure);
+        if (segment.has_label && segment.layer == static_cast<std::int64_t>(volume))
+            structures.push_back(segment.structure);
     std::stable_sort(structures.begin(), structures.end(),
                      [](const Structure& a, const Structure& b) { return a.number < b.number; });
     return structures;
@@ -207,7 +212,6 @@ Result<RawImage> read_nrrd(const InputFile& file, std::span<const std::byte> con
     RawImage raw;
     raw.type = header.type;
     raw.order = header.order.value_or(std::endian::little);
-    raw.structures = segments_of(header);
     if (is_tracked) {
         ANATOMESH_TRY(raw.poses, read_poses(header.pairs, axes.layout.sizes, path, options, context));
         for (std::size_t axis = 0; axis < 3; ++axis)
@@ -216,6 +220,7 @@ Result<RawImage> read_nrrd(const InputFile& file, std::span<const std::byte> con
         ANATOMESH_TRY(raw.geometry, geometry_of(header, axes, path, options, context));
     }
     ANATOMESH_TRY(const std::uint64_t volume, chosen_volume(axes.layout.volumes, path, options));
+    raw.structures = segments_of(header, volume);
 
     if (header.data_file.empty()) {
         ANATOMESH_CHECK_STATUS(take_data(content.subspan(header.data_begin), header, axes.layout, claimed,

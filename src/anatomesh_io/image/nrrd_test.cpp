@@ -218,5 +218,29 @@ TEST(Nrrd, names_and_colours_of_segments) {
     EXPECT_EQ(map.value().structures[2].color, (std::array<std::uint8_t, 3>{255, 128, 0}));
 }
 
+// Where segments overlap Slicer writes several volumes, in which one label has several meanings.
+TEST(Nrrd, segments_are_those_of_the_volume_that_is_read) {
+    const std::string header =
+        "NRRD0004\ntype: short\ndimension: 4\nsizes: 2 3 4 5\nendian: little\nencoding: raw\nspace: LPS\n"
+        "space directions: none (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\n"
+        "Segment0_Name:=one\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n"
+        "Segment1_Name:=two\nSegment1_LabelValue:=1\nSegment1_Layer:=1\n"
+        "Segment2_Name:=three\nSegment2_LabelValue:=2\nSegment2_Layer:=1\n\n";
+    std::vector<std::int16_t> values;
+    for (int n = 0; n < 120; ++n) values.push_back(static_cast<std::int16_t>(n % 3));
+    for (const std::uint64_t volume : {0U, 1U}) {
+        ReadImageOptions options;
+        options.volume = volume;
+        const Outcome outcome = read_bytes(header + values_as_bytes(values), options);
+        ASSERT_TRUE(outcome.ok());
+        RunContext context;
+        const auto map = to_label_map(outcome.loaded, context);
+        ASSERT_TRUE(map.ok());
+        ASSERT_EQ(map.value().structures.size(), 2U);
+        EXPECT_EQ(map.value().structures[0].name, volume == 0 ? "one" : "two");
+        EXPECT_EQ(map.value().structures[1].name, volume == 0 ? "" : "three");
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh
