@@ -10,6 +10,7 @@
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/plane_trace.h"
 #include "anatomesh/field/slice_regions.h"
 #include "anatomesh/field/sweep.h"
 #include "anatomesh/field/swept_field.h"
@@ -27,7 +28,11 @@ constexpr std::size_t stack_to_crossing = 3;  // as many slices at least
 constexpr double leaning_degrees = 30;        // a slice that leans no more against the stack lies in it
 constexpr double reach_spacings = 2;          // of a plane to either side
 constexpr double nearest_share = 1e-9;        // of the reach, from which a plane counts where it fades
-constexpr double most_steep = 10;             // of the stack's value over the plane's own distance
+constexpr double most_steep = 10;             // of a value in the plane over the distance to what is drawn
+constexpr double least_steep = 0.3;           // the same, below which it gives way to the distance
+constexpr double agreeing_spacings = 0.25;    // surfaces further apart in the plane do not agree
+constexpr double trace_steps = 8;    // a spacing, where the stack's surface is traced in a plane
+constexpr double most_traced = 1e6;  // lattice points of all traces together
 
 std::array<Vec3, 4> corners_of(const PlanePatch& patch) {
     const Box2& box = patch.box;
@@ -122,7 +127,7 @@ namespace {
 class CrossedField final : public FieldQueries<CrossedField> {
   public:
     CrossedField(std::shared_ptr<const StructureField> stack, const ContourSet& set,
-                 const StackAndCrossing& slices, const Unsaid& unsaid)
+                 const StackAndCrossing& slices, const Unsaid& unsaid, int threads)
         : stack_(std::move(stack)), reach_(reach_spacings * stack_->slice_spacing()) {
         clamp_ = stack_->clamp();
         const auto count = static_cast<std::uint32_t>(set.structures.size());
@@ -139,8 +144,9 @@ class CrossedField final : public FieldQueries<CrossedField> {
         for (std::uint32_t s = 0; s < count; ++s) boxes_.push_back(stack_->box_of(s));
         for (const std::uint32_t s : slices.crossing) {
             if (patches[s].box.empty()) continue;
-            planes_.push_back({patches[s], {}});
+            planes_.push_back({patches[s], {}, {}});
             planes_.back().maps.resize(count);
+            planes_.back().traces.resize(count);
             for (SliceRegion& region : slice_regions(set, s, patches[s].plane))
                 planes_.back().maps[region.structure].emplace(std::move(region.edges), clamp_);
             for (const Contour& contour : set.contours_of(set.slices[s])) {
@@ -153,6 +159,7 @@ class CrossedField final : public FieldQueries<CrossedField> {
                 }
             }
         }
+        trace_stack(threads);
     }
 
     double slice_spacing() const override { return stack_->slice_spacing(); }
@@ -187,7 +194,8 @@ class CrossedField final : public FieldQueries<CrossedField> {
     };
     struct CrossingPlane {
         PlanePatch patch;
-        std::vector<std::optional<DistanceMap>> maps;  // by structure; of others it says nothing
+        std::vector<std::optional<DistanceMap>> maps;    // by structure; of others it says nothing
+        std::vector<std::optional<DistanceMap>> traces;  // of what the stack has there
     };
     // The planes near a point, and the nearest slice of the stack.
     struct Sight {
@@ -256,12 +264,45 @@ class CrossedField final : public FieldQueries<CrossedField> {
         return std::clamp(stack + sum / all, -clamp_, clamp_);
     }
 
-    // What takes the place of the stack's value in the plane: its sign is that of what is drawn, and where
-    // they have the same sign and the stack's is the larger, it stays.
+    // Where the stack's own surfaces cut the planes, as far as these say something.
+    void trace_stack(int threads) {
+        const double beside = 2 * stack_->slice_spacing() + clamp_;
+        double area = 0;
+        for (const CrossingPlane& plane : planes_) {
+            const Vec2 size = plane.patch.box.high - plane.patch.box.low;
+            const auto drawn = std::count_if(plane.maps.begin(), plane.maps.end(),
+                                             [](const auto& map) { return map.has_value(); });
+            area += static_cast<double>(drawn) * (size.x + 2 * beside) * (size.y + 2 * beside);
+        }
+        const double step = std::max(stack_->slice_spacing() / trace_steps, std::sqrt(area / most_traced));
+        for (CrossingPlane& plane : planes_) {
+            for (std::uint32_t s = 0; s < plane.maps.size(); ++s) {
+                if (!plane.maps[s]) continue;
+                const auto value = [&](Vec2 q) {
+                    return stack_->value_within(s, plane.patch.plane.to_space(q), 0);
+                };
+                std::vector<Edge2> edges =
+                    trace_in_plane(value, plane.patch.box.grown(beside), step, threads);
+                if (!edges.empty()) plane.traces[s].emplace(std::move(edges), clamp_);
+            }
+        }
+    }
+
+    // What takes the place of the stack's value in the plane. Its sign is that of what is drawn, and where
+    // they have the same sign and the stack's is the larger, it stays. Where the stack's is the smaller, it
+    // stays as far as its surface runs in the plane where the contours run, and else the distance from these
+    // takes its place: where they run along the boundary, distances in the plane are larger than those in the
+    // slices.
     double drawn_instead(double stack, const CrossingPlane& plane, std::uint32_t structure, Vec2 at) const {
-        const double drawn = plane.maps[structure]->value(at);
-        return drawn < 0 ? std::max(std::min(stack, drawn), most_steep * drawn)
-                         : std::min(std::max(stack, drawn), most_steep * drawn);
+        const double drawn = plane.maps[structure]->value(at), side = drawn < 0 ? -1 : 1;
+        const double far = std::abs(drawn), own = side * stack;
+        if (own >= far) return side * std::min(own, most_steep * far);
+        if (own <= 0) return drawn;
+        const double traced = plane.traces[structure] ? plane.traces[structure]->value(at) : clamp_;
+        const double agreed =
+            std::max(0.0, 1 - std::abs(drawn - traced) / (agreeing_spacings * stack_->slice_spacing()));
+        const double kept = agreed * std::min(1.0, own / (least_steep * far));
+        return side * (far - kept * (far - own));
     }
 
     std::shared_ptr<const StructureField> stack_;
@@ -312,8 +353,8 @@ Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSe
         context.warnings.erase(bridged, context.warnings.end());
     }
     warn_about_thin_structures(set, stack->slice_spacing(), context);
-    return std::shared_ptr<const StructureField>(
-        std::make_shared<CrossedField>(std::move(stack), set, slices, Unsaid::of(set, context)));
+    return std::shared_ptr<const StructureField>(std::make_shared<CrossedField>(
+        std::move(stack), set, slices, Unsaid::of(set, context), context.threads));
 }
 
 }  // namespace anatomesh
