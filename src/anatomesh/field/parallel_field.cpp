@@ -99,9 +99,11 @@ class Track {
     double low() const { return levels_.front().low; }
     double high() const { return levels_.back().high; }
 
-    // The structure at (q, z): the two levels around z, each with its clamped distance, blended. Where that lies
-    // beyond +-reach by what the maps' grids know, a number of the same sign beyond reach.
-    double blend(const std::vector<std::optional<DistanceMap>>& maps, double clamp, Vec2 q, double z, double reach) const {
+    // The structure at (q, z): the two levels around z, each with its clamped distance, blended. Where that
+    // lies beyond +-reach by what the maps' grids know, a number of the same sign beyond reach. Where it
+    // ends, `end` gets the signed distance from its half of the gap.
+    double blend(const std::vector<std::optional<DistanceMap>>& maps, double clamp, Vec2 q, double z,
+                 double reach, double* end = nullptr) const {
         if (levels_.empty() || !(z > low() && z < high())) return clamp;
         const auto bucket = static_cast<std::size_t>((z - low()) * inverse_bucket_);
         std::size_t i = buckets_[std::min(bucket, buckets_.size() - 1)];
@@ -113,10 +115,14 @@ class Track {
         if (z <= below.high) return below.map == empty_level ? clamp : distance(below, q);
         const Known& above = levels_[i + 1];
         const double gap = above.low - below.high, t = (z - below.high) / gap;
-        if (above.map == empty_level) {
-            return below.map == empty_level ? clamp : std::min(ending(distance(below, q), t, gap, rounded_), clamp);
+        if (below.map == empty_level && above.map == empty_level) return clamp;
+        if (below.map == empty_level || above.map == empty_level) {
+            const double away = above.map == empty_level ? t : 1 - t;
+            const double d = distance(above.map == empty_level ? below : above, q);
+            const double value = std::min(ending(d, away, gap, rounded_), clamp);
+            if (end != nullptr && !is_flat_) *end = rounded_ ? value : std::max(d, (away - 0.5) * gap);
+            return value;
         }
-        if (below.map == empty_level) return std::min(ending(distance(above, q), 1 - t, gap, rounded_), clamp);
         const SliceMotion::Path path = motions_[i].at(q, t);
         const Vec2 from = q - t * path.move, to = q + (1 - t) * path.move;
         const DistanceMap &a = *maps[static_cast<std::size_t>(below.map)],
@@ -259,7 +265,13 @@ class ParallelField final : public FieldQueries<ParallelField> {
 
     RawValue raw_at(std::uint32_t structure, Vec2 q, double z, double reach) const {
         const Track& track = tracks_[structure];
-        return {track.blend(maps_, clamp_, q, z, reach), track.beyond_end(z)};
+        RawValue raw{clamp_, track.beyond_end(z)};
+        raw.value = track.blend(maps_, clamp_, q, z, reach, &raw.ending);
+        // Beyond its half it has no claim to what is only beside it, so that two that end face to face do not
+        // tie there.
+        if (partition_ && raw.ending > 0 && std::isfinite(raw.ending))
+            raw.value = std::max(raw.value, raw.ending);
+        return raw;
     }
     StructureVolume pair_volume(std::uint32_t structure, const Track::Pair& pair, double points,
                                 std::size_t layer) const;

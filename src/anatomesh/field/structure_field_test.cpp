@@ -131,6 +131,47 @@ TEST(StructureField, C10_exclusive_structures_leave_no_gap_and_no_overlap) {
     EXPECT_GT(inside, 5000);
 }
 
+// Structures that begin and end on different slices inside, beside and above one another: every query tells
+// the same.
+TEST(StructureField, exclusive_queries_agree_where_structures_end) {
+    SetBuilder builder(true);
+    for (int k = 0; k < 6; ++k) {
+        builder.slice(axial(3 * k));
+        const Ring organ = circle({}, 12, 60), first = circle({-5, 0}, 3, 30), second = circle({4, 1}, 4, 30);
+        builder.ring(0, organ);
+        if (k == 2) {
+            builder.ring(0, reversed(first));
+            builder.ring(1, first);
+        }
+        if (k == 2 || k == 3) builder.ring(0, reversed(second));
+        if (k == 2) builder.ring(2, second);
+        if (k == 3) builder.ring(3, second);
+    }
+    const FieldPointer field = field_of(builder.set);
+    std::mt19937 random(9);
+    std::vector<std::uint32_t> members, again;
+    std::vector<StructureField::Near> near;
+    std::vector<int> owned(4);
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3 p = random_point(field->box(), random);
+        field->members(p, members);
+        ASSERT_LE(members.size(), 1u);
+        near.clear();
+        field->values_near(p, near);
+        double smallest = field->clamp();
+        for (const auto& [structure, value] : near) {
+            ASSERT_EQ(value, field->value(structure, p));
+            ASSERT_EQ(value < 0, !members.empty() && members[0] == structure);
+            smallest = std::min(smallest, std::abs(value));
+        }
+        ASSERT_EQ(field->interface_distance(p), smallest);
+        ASSERT_EQ(field->members_and_distance(p, again), smallest);
+        ASSERT_EQ(again, members);
+        if (!members.empty()) ++owned[members[0]];
+    }
+    for (const int count : owned) EXPECT_GT(count, 50);
+}
+
 // On the wall itself the lowest index owns the point, so that no cell centre falls into a crack.
 TEST(StructureField, exclusive_tie_goes_to_the_lower_index) {
     SetBuilder builder(true);

@@ -303,5 +303,44 @@ TEST(FieldVolumes, a_small_structure_in_a_large_one_on_crossing_planes) {
     for (const std::size_t s : {0u, 1u}) EXPECT_NEAR(found[s].by_field / expected[s], 1, 0.003) << s;
 }
 
+// A lesion on a few slices of an organ, by its radius and place: it ends at half a slice as it would alone,
+// and the organ gets what is left.
+TEST(FieldVolumes, a_structure_inside_another_has_the_volume_of_its_slices) {
+    for (const double radius : {2.0, 3.0, 5.0, 8.0}) {
+        for (const double shift : {0.0, 3.0}) {
+            for (int drawn = 1; drawn <= 3; ++drawn) {
+                for (const EndCaps caps : {EndCaps::half, EndCaps::rounded}) {
+                    SetBuilder builder(true);
+                    const Ring organ = circle({}, 14, 90), lesion = circle({shift, 0.5}, radius, 60);
+                    for (int k = 0; k < 9; ++k) {
+                        builder.slice(axial(5 * k));
+                        builder.ring(0, organ);
+                        if (k < 3 || k >= 3 + drawn) continue;
+                        builder.ring(0, reversed(lesion));
+                        builder.ring(1, lesion);
+                    }
+                    FieldOptions options;
+                    options.caps = caps;
+                    const auto volumes = volumes_of(builder.set, options);
+                    const double slices = 5 * drawn * area_of(lesion);
+                    EXPECT_NEAR(volumes[1].by_slices, slices, 1e-6);
+                    // Between slices that both show it, the organ's closing beyond them bends the wall
+                    // outwards.
+                    const double tolerance = drawn == 1 ? 0.01 : 0.06;
+                    if (caps == EndCaps::half) {
+                        EXPECT_NEAR(volumes[1].by_field, slices, tolerance * slices)
+                            << radius << " " << shift << " " << drawn;
+                    } else {
+                        EXPECT_LT(volumes[1].by_field, slices);
+                    }
+                    const double organ_slices = volumes[0].by_slices;
+                    EXPECT_NEAR(volumes[0].by_field + volumes[1].by_field, organ_slices + slices,
+                                caps == EndCaps::half ? 0.001 * organ_slices : 0.03 * organ_slices);
+                }
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh
