@@ -12,6 +12,7 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/improve/flip_surface_edges.h"
 #include "anatomesh/improve/lift_facets.h"
+#include "anatomesh/improve/lower_apexes.h"
 #include "anatomesh/improve/operations.h"
 
 namespace anatomesh {
@@ -49,6 +50,9 @@ class Climber {
         std::vector<std::uint32_t> all(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
         drop_ears(context.threads);
+        lower_far_apexes(context.threads);
+        all.resize(bench_.mesh.cell_count());
+        std::iota(all.begin(), all.end(), 0u);
         collect(all, context.threads);
         bench_.stats.bad_before = queue_.size();
         bench_.stats.worst_before_degrees = worst_degrees();
@@ -171,6 +175,12 @@ class Climber {
             sort_distinct(next);
             cells = std::move(next);
         }
+    }
+
+    void lower_far_apexes(int threads) {
+        const double least_sine = std::sin(listed_degrees * radians_per_degree);
+        bench_.stats.apexes_lowered +=
+            lower_apexes(bench_, bench_.options.apex_mm, least_sine, threads).lowered;
     }
 
     static void sort_distinct(std::vector<std::uint32_t>& cells) {

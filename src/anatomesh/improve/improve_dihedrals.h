@@ -40,6 +40,7 @@ struct DihedralOptions {
     double last_radius_edge = 3.9;
     double flip_gain_degrees = 2;  // edges of surfaces are flipped where that makes the angles at their
                                    // facets fall by more. (0, 900]
+    double apex_mm = 1;  // a vertex of a surface further from the field's is lowered (lower_apexes.h). > 0
     int passes = 4;                // over the cells that are still bad. [0, 100]
 };
 
@@ -49,7 +50,8 @@ struct DihedralStats {
     // Operations that were applied.
     std::uint64_t vertices_moved = 0, surface_vertices_moved = 0, edges_removed = 0, facets_removed = 0,
                   surface_edges_flipped = 0, surface_edges_smoothed = 0, cells_given = 0, ears_dropped = 0,
-                  edges_collapsed = 0, vertices_inserted = 0, facets_lifted = 0, tries = 0;
+                  edges_collapsed = 0, vertices_inserted = 0, facets_lifted = 0, apexes_lowered = 0,
+                  tries = 0;
     std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (lift_facets.h)
 };
 
@@ -61,20 +63,21 @@ struct DihedralStats {
 // degrees and gets above it, with `last_radius_edge`; there vertices where three or more regions meet may
 // move too, by `max_deviation_mm` at most in each step. Cells with a ratio above `last_radius_edge` are
 // changed where that becomes lower by a tenth, at no angle below 10 degrees and below what it was. Before and
-// after, spikes and pits of one cell are taken off the surfaces where the field has none. In between, edges
-// of surfaces are flipped for smaller angles between facets (flip_surface_edges.h), where no angle inside
-// falls below the target or what it was. Guarantees: no cell inside with an angle below the least before and
-// below 10 degrees; all cells positive by exact orientation; vertices with fixed[v] != 0 do not move and stay
-// on their surfaces; `fixed_edges` (sorted, ends fixed) that lie on an interface stay edges of it, or chains
-// of edges on the same line, whose new vertices are fixed as well; the surfaces of all structures keep their
-// topology: each operation replaces a disc of a surface by a disc. No ratio above the bound (at last the
-// other one) arises but in the place of one as large. Cells outside serve as room; they stay positive, and
-// none gets nearly flat but in the place of one as flat. Same result every time. `fixed` grows with the
-// points. Cells keep no order. Points no longer used stay in the list. `neighbors` are those of the mesh
-// before and after, as cell_neighbors() gives them. Requires: the mesh holds the cells outside too, and every
-// vertex on its hull is fixed. Complexity: linear in the cells, and in the operations tried for the bad ones.
-// Follows: Klingner and Shewchuk, Proc. 16th International Meshing Roundtable, 2007; Freitag and
-// Ollivier-Gooch, Int. J. Numer. Methods Eng. 40, 1997.
+// after, spikes and pits of one cell are taken off the surfaces where the field has none, before that deep
+// ones of any number are lowered (lower_apexes.h). In between, edges of surfaces are flipped for smaller
+// angles between facets (flip_surface_edges.h), where no angle inside falls below the target or what it was.
+// Guarantees: no cell inside with an angle below the least before and below 10 degrees; all cells positive by
+// exact orientation; vertices with fixed[v] != 0 do not move and stay on their surfaces, but for those of
+// structures further away than `apex_mm`; `fixed_edges` (sorted, ends fixed) that lie on an interface stay
+// edges of it, or chains of edges on the same line, whose new vertices are fixed as well; the surfaces of all
+// structures keep their topology: each operation replaces a disc of a surface by a disc. No ratio above the
+// bound (at last the other one) arises but in the place of one as large. Cells outside serve as room; they
+// stay positive, and none gets nearly flat but in the place of one as flat. Same result every time. `fixed`
+// grows with the points. Cells keep no order. Points no longer used stay in the list. `neighbors` are those
+// of the mesh before and after, as cell_neighbors() gives them. Requires: the mesh holds the cells outside
+// too, and every vertex on its hull is fixed. Complexity: linear in the cells, and in the operations tried
+// for the bad ones. Follows: Klingner and Shewchuk, Proc. 16th International Meshing Roundtable, 2007;
+// Freitag and Ollivier-Gooch, Int. J. Numer. Methods Eng. 40, 1997.
 DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint32_t>& neighbors,
                                 std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
                                 const StructureField& field, std::uint32_t structures,

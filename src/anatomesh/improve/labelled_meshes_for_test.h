@@ -169,6 +169,17 @@ inline void expect_same_surfaces(const TetMesh& mesh, const TetMesh& before, con
     }
 }
 
+// The surfaces of all regions, the outside's too, are manifolds.
+inline void expect_sound_regions(const TetMesh& mesh, const RegionTable& regions) {
+    for (std::size_t r = 0; r < regions.members.size(); ++r) {
+        RegionTable only;
+        only.members.assign(regions.members.size(), {});
+        only.members[r] = {0};
+        const std::vector<Triangle> surface = structure_surface(mesh, only, 0);
+        EXPECT_TRUE(surface.empty() || surface_topology(surface).closed_manifold()) << r;
+    }
+}
+
 // A vertex, number 6, in the eight cells of an octahedron with its top and bottom at these heights.
 inline TetMesh octahedron_round(Vec3 vertex, double top, double bottom) {
     TetMesh mesh;

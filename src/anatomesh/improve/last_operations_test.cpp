@@ -58,17 +58,6 @@ double volume_of(const TetMesh& mesh, const RegionTable& regions, std::uint32_t 
     return sum;
 }
 
-// The surfaces of all regions, the outside's too, are manifolds.
-void expect_sound_regions(const TetMesh& mesh, const RegionTable& regions) {
-    for (std::size_t r = 0; r < regions.members.size(); ++r) {
-        RegionTable only;
-        only.members.assign(regions.members.size(), {});
-        only.members[r] = {0};
-        const std::vector<Triangle> surface = structure_surface(mesh, only, 0);
-        EXPECT_TRUE(surface.empty() || surface_topology(surface).closed_manifold()) << r;
-    }
-}
-
 TEST(LastOperations, giving_cells_away_keeps_every_surface_and_the_fixed_vertices_on_it) {
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);

@@ -45,6 +45,7 @@ constexpr double finer = 0.7;                    // a further try's edge length,
 constexpr double too_thin = 0.8;                 // a mean thickness below so many sizes is warned of
 constexpr double hardly_thicker = 1.3;  // than the size: a structure that a finer one may keep whole,
 constexpr double shortest_spike = 0.4;  // an edge across a surface, with an end on another one, in sizes
+constexpr double highest_apex = 0.35;   // of a surface over the field's, in sizes
 constexpr int crossing_rounds = 3;
 constexpr int deviation_rounds = 5;
 constexpr int refinement_rounds = 12;
@@ -478,6 +479,7 @@ class Builder {
                     {"edges_collapsed", static_cast<double>(dihedrals.edges_collapsed)},
                     {"vertices_inserted", static_cast<double>(dihedrals.vertices_inserted)},
                     {"facets_lifted", static_cast<double>(dihedrals.facets_lifted)},
+                    {"apexes_lowered", static_cast<double>(dihedrals.apexes_lowered)},
                     {"facets_left_in_slices", static_cast<double>(dihedrals.facets_left)},
                     {"largest_volume_offset_mm", balanced.largest_offset_mm},
                     {"flat_ends_held", balanced.ends_held ? 1.0 : 0.0},
@@ -516,6 +518,7 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
+        options.apex_mm = highest_apex * sample_->stats.size_mm;
         if (spared_) {
             options.target_degrees = dense_target_degrees;
             options.passes = 1;
