@@ -72,7 +72,7 @@ constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 // What does not depend on the size.
 struct FieldAndVolumes {
     std::shared_ptr<const StructureField> field;
-    std::vector<double> volumes_mm3;  // of the field, by structure
+    std::vector<StructureVolume> volumes;  // of the field, by structure
     std::size_t warnings = 0;         // of the context, when the field was made
 };
 
@@ -96,9 +96,9 @@ class Builder {
           observer_(observer),
           structures_(static_cast<std::uint32_t>(contours.structures.size())),
           field_(std::move(known.field)),
-          volumes_mm3_(std::move(known.volumes_mm3)) {}
+          volumes_(std::move(known.volumes)) {}
 
-    FieldAndVolumes field_and_volumes() const { return {field_, volumes_mm3_, warnings_of_field_}; }
+    FieldAndVolumes field_and_volumes() const { return {field_, volumes_, warnings_of_field_}; }
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
@@ -489,10 +489,10 @@ class Builder {
     }
 
     Status find_volumes() {
-        if (!volumes_mm3_.empty()) return Nothing{};
-        ANATOMESH_TRY(const std::vector<StructureVolume> volumes,
-                      field_volumes(*field_, structures_, {}, context_));
-        for (const StructureVolume& volume : volumes) volumes_mm3_.push_back(volume.by_field);
+        if (volumes_.empty()) {
+            ANATOMESH_TRY(volumes_, field_volumes(*field_, structures_, {}, context_));
+        }
+        for (const StructureVolume& volume : volumes_) volumes_mm3_.push_back(volume.by_field);
         return Nothing{};
     }
 
@@ -563,6 +563,7 @@ class Builder {
         measure_model(input, context_, report());
         ANATOMESH_CHECK_STATUS(end_stage("certificate", 1.0));
         warn_of_model(report(), sample_->stats.size_mm, contours_.source, context_);
+        warn_of_volumes(volumes_, model_.structures, contours_.source, context_);
         look_for_tears();
         warn_of_crowded_cells();
         for (const Clause& clause : report().certificate) {
@@ -680,7 +681,8 @@ class Builder {
     std::uint32_t structures_;
 
     std::shared_ptr<const StructureField> field_;
-    std::vector<double> volumes_mm3_;    // of the field, by structure
+    std::vector<StructureVolume> volumes_;  // of the field, by structure
+    std::vector<double> volumes_mm3_;       // by field
     std::size_t warnings_of_field_ = 0;  // and before
     std::optional<PointSample> sample_;
     std::optional<LabelledMesh> mesh_;

@@ -1,6 +1,7 @@
 #include "anatomesh/pipeline/model_warnings.h"
 
 #include <array>
+#include <cmath>
 
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/measure/number_text.h"
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double widest_cut = 0.01;  // more of a drawn region's area amiss on its slice is warned of
 constexpr double widest_distance = 0.5;  // of the edge length: a surface further from the field
+constexpr double widest_volume_share = 0.05;  // of slice integration: a field that differs by more
 constexpr double widest_joint = 0.5;  // of the edge length: surfaces further apart that meet in the mesh
 
 std::string counted(std::uint64_t count, const std::string& noun) {
@@ -130,6 +132,28 @@ void warn_of_model(const ModelReport& report, double size_mm, const std::string&
     warn_of_distance(report, size_mm, file, context);
     warn_of_joints(report, size_mm, file, context);
     warn_of_difference(report, size_mm, file, context);
+}
+
+void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const Structure> structures,
+                     const std::string& file, RunContext& context) {
+    for (std::size_t s = 0; s < volumes.size(); ++s) {
+        const StructureVolume& volume = volumes[s];
+        // False too where there is no slice integration.
+        if (!(std::abs(volume.by_field - volume.by_slices) > widest_volume_share * volume.by_slices))
+            continue;
+        Place place;
+        place.file = file;
+        place.structure =
+            structures[s].name.empty() ? std::to_string(structures[s].number) : structures[s].name;
+        place.value = brief(volume.by_field) + " of " + brief(volume.by_slices) + " mm3";
+        context.warn(
+            {"W-PIP-011",
+             "between its slices the structure has another volume than the areas drawn, each over the "
+             "thickness of its slice",
+             place,
+             "kept; look there: at a structure on few slices beside or inside another one the surface "
+             "between slices is a guess"});
+    }
 }
 
 }  // namespace anatomesh

@@ -1,9 +1,12 @@
 // What of a model's measured figures its user should hear, whoever made it.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "anatomesh/base/run_context.h"
+#include "anatomesh/base/structure.h"
+#include "anatomesh/field/structure_field.h"
 #include "anatomesh/measure/report.h"
 
 namespace anatomesh {
@@ -15,5 +18,11 @@ namespace anatomesh {
 // more than half of it apart; W-PIP-010 a part in the field or the model alone, deeper than half of it.
 // `file`: of the contours.
 void warn_of_model(const ModelReport& report, double size_mm, const std::string& file, RunContext& context);
+
+// Of the field alone, by structure. Warning: W-PIP-011 what lies between the slices has another volume than
+// drawn areas times the thickness that each slice stands for, by more than 5 %: the field takes something
+// from a structure there, or gives it more than is drawn. Nothing is said where planes are not parallel.
+void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const Structure> structures,
+                     const std::string& file, RunContext& context);
 
 }  // namespace anatomesh

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace anatomesh {
 namespace {
@@ -60,6 +62,23 @@ TEST(ModelWarnings, a_part_that_is_missing_and_one_too_many) {
                       missing);
         }
     }
+}
+
+TEST(ModelWarnings, a_volume_between_slices_that_is_not_what_is_drawn) {
+    const std::vector<Structure> structures{
+        {3, "organ", {1, 2, 3}}, {7, "", {4, 5, 6}}, {9, "free", {7, 8, 9}}};
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    const std::vector<StructureVolume> good{{1049, 1000}, {96, 100}, {50, unknown}};
+    const std::vector<StructureVolume> bad{{1051, 1000}, {94, 100}, {50, unknown}};
+    RunContext context;
+    warn_of_volumes(good, structures, "drawn.json", context);
+    EXPECT_TRUE(context.warnings.empty());
+    warn_of_volumes(bad, structures, "drawn.json", context);
+    ASSERT_EQ(context.warnings.size(), 2u);
+    EXPECT_EQ(context.warnings[0].code, "W-PIP-011");
+    EXPECT_EQ(context.warnings[0].place.structure, "organ");
+    EXPECT_EQ(context.warnings[1].place.structure, "7");
+    EXPECT_EQ(context.warnings[1].place.value, "94 of 100 mm3");
 }
 
 }  // namespace
