@@ -6,21 +6,8 @@
 
 #include <algorithm>
 #include <cassert>
-#include <optional>
 
 namespace anatomesh {
-
-namespace {
-
-// The calling thread's own, kept for its next loop: the other threads are still awake in it where that comes
-// soon, and a new one costs as much as a short loop.
-tbb::task_arena& kept_arena(int concurrency) {
-    thread_local std::optional<tbb::task_arena> arena;
-    if (!arena || arena->max_concurrency() != concurrency) arena.emplace(concurrency);
-    return *arena;
-}
-
-}  // namespace
 
 void parallel_for(std::size_t count, std::size_t grain, int threads,
                   const std::function<void(std::size_t, std::size_t)>& body) {
@@ -34,11 +21,9 @@ void parallel_for(std::size_t count, std::size_t grain, int threads,
     // Asked for more than the machine has, TBB would print a warning.
     const int most = std::min(threads, tbb::info::default_concurrency());
     const auto loop = [&] { tbb::parallel_for(std::size_t{0}, pieces, run, tbb::simple_partitioner()); };
-    if (tbb::this_task_arena::current_thread_index() == tbb::task_arena::not_initialized) {
-        kept_arena(most).execute(loop);
-    } else if (tbb::this_task_arena::max_concurrency() == most) {
-        // A loop in a task: threads that have nothing left to do outside help; those at work here take
-        // nothing from outside while they wait.
+    if (tbb::this_task_arena::max_concurrency() == most) {
+        // On all cores, or in a task: no arena is made, which costs as much as a short loop, and threads that
+        // have nothing left to do outside help; those at work here take nothing from outside while they wait.
         tbb::this_task_arena::isolate(loop);
     } else {
         tbb::task_arena(most).execute(loop);

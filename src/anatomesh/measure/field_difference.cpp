@@ -14,7 +14,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double most_points = 150'000;  // of a lattice
+constexpr double most_points = 100'000;  // of a lattice
 constexpr std::size_t columns_at_a_time = 64;
 constexpr double golden =
     0.6180339887498949;  // tan of the lattice's angle: the hardest to approximate by fractions

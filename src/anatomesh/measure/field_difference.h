@@ -19,13 +19,13 @@ namespace anatomesh {
 // hundred times.
 //
 // `surfaces[s]`: the facets of structure s, of `points`, closed. The lattice of a structure is as wide as its
-// edges are long in the mean, with at most 100,000 points, fewer where there are several structures; its
-// columns run along z and are turned and shifted so that no straight wall follows them. A point of the model
-// is told by the facets above it in its column (even-odd; exact predicates, with the column moved by an
-// infinitely small step where it meets an edge: Edelsbrunner and Muecke, ACM Trans. Graph. 9, 1990).
-// `of_field`: the field's structure of each of `structures`, or no_cell: such a one is left out. The field is
-// at p - origin that of the model at p. Same figures for any number of threads. Complexity: a query of the
-// field for each point, a search for the nearest facet for each that differs.
+// edges are long in the mean, with at most 100,000 points, by the root of their number fewer where there are
+// several structures; its columns run along z and are turned and shifted so that no straight wall follows
+// them. A point of the model is told by the facets above it in its column (even-odd; exact predicates, with
+// the column moved by an infinitely small step where it meets an edge: Edelsbrunner and Muecke, ACM Trans.
+// Graph. 9, 1990). `of_field`: the field's structure of each of `structures`, or no_cell: such a one is left
+// out. The field is at p - origin that of the model at p. Same figures for any number of threads. Complexity:
+// a query of the field for each point, a search for the nearest facet for each that differs.
 FieldDifferenceReport field_difference(std::span<const Vec3> points,
                                        const std::vector<std::vector<Triangle>>& surfaces,
                                        std::span<const Structure> structures,

@@ -563,7 +563,8 @@ class Builder {
         measure_model(input, context_, report());
         ANATOMESH_CHECK_STATUS(end_stage("certificate", 1.0));
         warn_of_model(report(), sample_->stats.size_mm, contours_.source, context_);
-        warn_of_volumes(volumes_, model_.structures, contours_.source, context_);
+        // Alone, a structure that tapers fast has another volume than its areas tell, and rightly.
+        if (contours_.exclusive) warn_of_volumes(volumes_, model_.structures, contours_.source, context_);
         look_for_tears();
         warn_of_crowded_cells();
         for (const Clause& clause : report().certificate) {
@@ -751,6 +752,12 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
                 (!model.ok() || (attempts.finer_for_shape() && outcome.over_bound >= kept->over_bound()));
             if (!worse) return model;
             context.warnings = std::move(kept->warnings);
+            context.warn({"W-PIP-001",
+                          std::string("a shorter edge length was tried for the sake of ") +
+                              (attempts.finer_for_shape() ? "ill-shaped tetrahedra" : "torn walls") +
+                              ", and was no better",
+                          {},
+                          "the model before it was kept"});
             return std::move(kept->model);
         }
         const std::string reason = !model.ok()         ? brief_reason(model.error().message)

@@ -40,6 +40,17 @@ bool is_beyond_an_end(const ContourSet& set, const std::vector<std::vector<bool>
     return above != below;
 }
 
+// How many slices of other directions draw the structure.
+std::uint32_t drawn_across(const ContourSet& set, const std::vector<std::vector<bool>>& drawn,
+                           std::uint32_t slice, std::uint32_t structure) {
+    std::uint32_t count = 0;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        const double cosine = std::abs(dot(set.slices[s].plane.normal, set.slices[slice].plane.normal));
+        count += drawn[s][structure] && cosine < same_direction;
+    }
+    return count;
+}
+
 // How far the structure goes beyond the line where one slice alone has it, on the side where that is less;
 // infinite where no part of a contour keeps to one side.
 double depth(const ContourSet& set, const LineComparison& c, bool of_a) {
@@ -55,7 +66,7 @@ double depth(const ContourSet& set, const LineComparison& c, bool of_a) {
 }
 
 struct Shown {
-    std::uint32_t by = 0;
+    std::uint32_t by = 0, slices = 0;
     double length_mm = 0, depth_mm = 0;  // the most on any line
 };
 
@@ -70,6 +81,7 @@ std::vector<Silence> find_silences(const ContourSet& set, std::span<const LineCo
             const std::uint32_t own = of_a ? c.a : c.b, other = of_a ? c.b : c.a;
             if ((of_a ? c.ends_a : c.ends_b).empty() || drawn[other][c.structure]) continue;
             Shown& most = shown[{other, c.structure}];
+            ++most.slices;
             if (c.difference_mm > most.length_mm) most.by = own;
             most.length_mm = std::max(most.length_mm, c.difference_mm);
             most.depth_mm = std::max(most.depth_mm, depth(set, c, of_a));
@@ -78,7 +90,8 @@ std::vector<Silence> find_silences(const ContourSet& set, std::span<const LineCo
     std::vector<Silence> silences;
     for (const auto& [key, most] : shown) {
         const auto [slice, structure] = key;
-        if (most.depth_mm <= spacing && is_beyond_an_end(set, drawn, slice, structure)) continue;
+        const bool few = 2 * most.slices <= drawn_across(set, drawn, slice, structure);
+        if ((few || most.depth_mm <= spacing) && is_beyond_an_end(set, drawn, slice, structure)) continue;
         silences.push_back({slice, structure, most.by, most.length_mm});
     }
     return silences;

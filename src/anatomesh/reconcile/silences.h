@@ -22,9 +22,10 @@ struct Silence {
 
 // Where nothing of a structure is drawn on a slice, it was mostly not drawn rather than not there: the slice
 // says nothing of it. One rule beside that: where slices that run within 30 degrees of it draw the structure
-// on its one side only, and those that cross it lead the structure beyond it by `spacing` at most, the slice
-// is the first beyond the structure's end and says "outside". In order of slices and structures.
-// `comparisons`: of the set (compare_planes). Complexity: O(points of comparisons' contours + slices^2).
+// on its one side only, and those that cross it lead the structure beyond it by `spacing` at most, or no more
+// than half of those of other directions that draw it lead it so far at all, the slice lies beyond the
+// structure's end and says "outside". In order of slices and structures. `comparisons`: of the set
+// (compare_planes). Complexity: O(points of comparisons' contours + slices^2).
 std::vector<Silence> find_silences(const ContourSet& set, std::span<const LineComparison> comparisons,
                                    double spacing);
 

@@ -91,6 +91,25 @@ TEST(Silences, beyond_the_end_of_its_own_direction_a_slice_says_outside) {
               (std::vector<std::pair<std::uint32_t, std::uint32_t>>{{4, 1}}));
 }
 
+// One slice that is drawn too far does not outvote the slices that it crosses; all of them together do.
+TEST(Silences, beyond_an_end_one_slice_among_many_does_not_prolong_a_structure) {
+    std::vector<std::pair<int, double>> planes = stack(2);
+    const auto across = stack(0);
+    planes.insert(planes.end(), across.begin(), across.end());
+    for (const bool all : {false, true}) {
+        ContourSet set = boxes_on(planes, 8, [](auto) { return false; });
+        for (const Contour& contour : set.contours) {
+            if (contour.structure != 1 || contour.slice < 9 || (!all && contour.slice != 13)) continue;
+            for (std::uint32_t n = contour.first_point; n < contour.first_point + contour.point_count; ++n) {
+                if (set.points[n].z == 8) set.points[n].z = 17;
+            }
+        }
+        // At 8.3 and 12.3.
+        const std::vector<std::pair<std::uint32_t, std::uint32_t>> outvoted{{6, 1}, {7, 1}};
+        EXPECT_EQ(silences_of(set), all ? outvoted : decltype(outvoted){});
+    }
+}
+
 // Nothing moves, and the slice and the structure are named.
 TEST(Silences, reconciling_leaves_them_alone_and_warns) {
     std::vector<std::pair<int, double>> planes = stack(2);
