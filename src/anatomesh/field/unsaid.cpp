@@ -1,6 +1,8 @@
 #include "anatomesh/field/unsaid.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "anatomesh/field/crossed_field.h"
 #include "anatomesh/field/parallel_field.h"
@@ -9,12 +11,84 @@
 
 namespace anatomesh {
 
+namespace {
+
+constexpr double same_stack = 0.996;  // cosine of the angle between planes: 5 degrees
+
+// Slices of about one direction, in order along it where the structure is, with whether they draw it.
+std::vector<std::pair<std::uint32_t, bool>> in_order(const ContourSet& set, std::uint32_t structure,
+                                                     const std::vector<std::uint32_t>& slices,
+                                                     const std::vector<bool>& draws) {
+    Vec3 middle;
+    double points = 0;
+    for (const std::uint32_t s : slices) {
+        for (const Contour& contour : set.contours_of(set.slices[s])) {
+            if (contour.structure != structure) continue;
+            for (const Vec3& p : set.points_of(contour)) middle += p;
+            points += contour.point_count;
+        }
+    }
+    middle = (1 / points) * middle;
+    const Vec3 way = set.slices[slices.front()].plane.normal;
+    std::vector<std::pair<double, std::uint32_t>> heights;
+    for (const std::uint32_t s : slices) {
+        const Plane& plane = set.slices[s].plane;
+        heights.emplace_back(-plane.signed_distance(middle) / dot(plane.normal, way), s);
+    }
+    std::sort(heights.begin(), heights.end());
+    std::vector<std::pair<std::uint32_t, bool>> ordered;
+    for (const auto& [height, s] : heights) ordered.emplace_back(s, draws[s]);
+    return ordered;
+}
+
+// The slices that a structure skips which is drawn on slices of its own, as telling_slices() has it for a
+// stack: more than half of the gaps between these hold others.
+void add_skipped(const std::vector<std::pair<std::uint32_t, bool>>& ordered, std::uint32_t structure,
+                 std::vector<std::vector<bool>>& unsaid) {
+    std::vector<std::size_t> drawn;
+    for (std::size_t n = 0; n < ordered.size(); ++n) {
+        if (ordered[n].second) drawn.push_back(n);
+    }
+    std::size_t skips = 0;
+    for (std::size_t i = 1; i < drawn.size(); ++i) skips += drawn[i] - drawn[i - 1] >= 2;
+    if (drawn.size() < 3 || 2 * skips <= drawn.size() - 1) return;
+    for (std::size_t n = drawn.front(); n < drawn.back(); ++n) {
+        if (!ordered[n].second) unsaid[ordered[n].first][structure] = true;
+    }
+}
+
+// Structures drawn on every other slice of planes that nearly lie on each other.
+void add_interleaved(const ContourSet& set, std::vector<std::vector<bool>>& unsaid) {
+    for (std::uint32_t structure = 0; structure < set.structures.size(); ++structure) {
+        std::vector<bool> draws(set.slices.size(), false);
+        for (const Contour& contour : set.contours) {
+            if (contour.structure == structure) draws[contour.slice] = true;
+        }
+        std::vector<bool> seen(set.slices.size(), false);
+        for (std::uint32_t first = 0; first < set.slices.size(); ++first) {
+            if (!draws[first] || seen[first]) continue;
+            std::vector<std::uint32_t> stack;
+            for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+                if (set.slices[s].contour_count == 0 || seen[s] ||
+                    std::abs(dot(set.slices[s].plane.normal, set.slices[first].plane.normal)) < same_stack)
+                    continue;
+                seen[s] = draws[s];
+                stack.push_back(s);
+            }
+            add_skipped(in_order(set, structure, stack, draws), structure, unsaid);
+        }
+    }
+}
+
+}  // namespace
+
 Unsaid Unsaid::of(const ContourSet& set, RunContext& context) {
     Unsaid made;
     if (set.structures.size() < 2 || is_parallel(set) || Sweep::of(set)) return made;
     std::vector<std::vector<bool>> unsaid(set.slices.size(), std::vector<bool>(set.structures.size(), false));
     for (const Silence& silence : find_silences(set, context))
         unsaid[silence.slice][silence.structure] = true;
+    add_interleaved(set, unsaid);
     if (const auto slices = stack_and_crossing(set)) {
         for (const std::uint32_t s : slices->crossing) {
             unsaid[s].assign(set.structures.size(), true);
