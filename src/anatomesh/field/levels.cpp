@@ -29,15 +29,19 @@ double local_spacing(const std::vector<double>& gaps, std::size_t i) {
 // The slices that say something about a structure, as indices of intervals: those from its first to its last
 // one, or its own alone when at least half its gaps skip slices of the set.
 std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& drawn, bool every_slice) {
-    std::size_t skips = 0;
-    for (std::size_t i = 1; i < drawn.size(); ++i) skips += drawn[i] - drawn[i - 1] >= 2;
-    if (!every_slice && drawn.size() >= 3 && 2 * skips > drawn.size() - 1) return drawn;
+    if (!every_slice && has_slices_of_its_own(drawn)) return drawn;
     std::vector<std::uint32_t> all;
     for (std::uint32_t i = drawn.front(); i <= drawn.back(); ++i) all.push_back(i);
     return all;
 }
 
 }  // namespace
+
+bool has_slices_of_its_own(const std::vector<std::uint32_t>& drawn) {
+    std::size_t skips = 0;
+    for (std::size_t i = 1; i < drawn.size(); ++i) skips += drawn[i] - drawn[i - 1] >= 2;
+    return drawn.size() >= 3 && 2 * skips > drawn.size() - 1;
+}
 
 std::vector<SliceInterval> parallel_intervals(const ContourSet& set, const Plane& frame) {
     std::vector<SliceInterval> intervals;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "anatomesh/field/crossed_field.h"
+#include "anatomesh/field/levels.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/sweep.h"
 #include "anatomesh/reconcile/silences.h"
@@ -41,18 +42,15 @@ std::vector<std::pair<std::uint32_t, bool>> in_order(const ContourSet& set, std:
     return ordered;
 }
 
-// The slices that a structure skips which is drawn on slices of its own, as telling_slices() has it for a
-// stack: more than half of the gaps between these hold others.
+// The slices that a structure skips which is drawn on slices of its own.
 void add_skipped(const std::vector<std::pair<std::uint32_t, bool>>& ordered, std::uint32_t structure,
                  std::vector<std::vector<bool>>& unsaid) {
-    std::vector<std::size_t> drawn;
-    for (std::size_t n = 0; n < ordered.size(); ++n) {
+    std::vector<std::uint32_t> drawn;
+    for (std::uint32_t n = 0; n < ordered.size(); ++n) {
         if (ordered[n].second) drawn.push_back(n);
     }
-    std::size_t skips = 0;
-    for (std::size_t i = 1; i < drawn.size(); ++i) skips += drawn[i] - drawn[i - 1] >= 2;
-    if (drawn.size() < 3 || 2 * skips <= drawn.size() - 1) return;
-    for (std::size_t n = drawn.front(); n < drawn.back(); ++n) {
+    if (!has_slices_of_its_own(drawn)) return;
+    for (std::uint32_t n = drawn.front(); n < drawn.back(); ++n) {
         if (!ordered[n].second) unsaid[ordered[n].first][structure] = true;
     }
 }
