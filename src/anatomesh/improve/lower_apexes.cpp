@@ -159,10 +159,7 @@ class ApexLowering {
                 const std::uint32_t n = bench_.mesh.neighbor(c, i);
                 if (n == no_cell) return false;
                 if (bench_.mesh.region(n) == receding) continue;
-                const auto& corner = facet_vertices[i];
-                std::array<std::uint32_t, 3> f{cell[corner[0]], cell[corner[1]], cell[corner[2]]};
-                while (f[0] != apex) f = {f[1], f[2], f[0]};
-                rim_.push_back({f[1], f[2]});
+                rim_.push_back(others_of_facet(cell, i, apex));
                 beyond_.push_back(bench_.mesh.region(n));
             }
         }

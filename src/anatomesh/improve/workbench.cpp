@@ -106,6 +106,13 @@ bool Workbench::near_interface(std::uint32_t a, std::uint32_t b, std::uint32_t c
            std::max(before, options.max_deviation_mm);
 }
 
+std::array<std::uint32_t, 2> others_of_facet(const Cell& cell, int facet, std::uint32_t vertex) {
+    const auto& corner = facet_vertices[facet];
+    std::array<std::uint32_t, 3> f{cell[corner[0]], cell[corner[1]], cell[corner[2]]};
+    while (f[0] != vertex) f = {f[1], f[2], f[0]};
+    return {f[1], f[2]};
+}
+
 bool surface_facets_at(Workbench& bench, std::uint32_t vertex,
                        std::vector<std::array<std::uint32_t, 2>>& facets) {
     const Region side = bench.mesh.region(bench.star[0]);
@@ -123,10 +130,7 @@ bool surface_facets_at(Workbench& bench, std::uint32_t vertex,
             const std::uint32_t n = bench.mesh.neighbor(c, i);
             if (n == no_cell) return false;
             if (bench.mesh.region(n) == side) continue;
-            std::array<std::uint32_t, 3> f{cell[facet_vertices[i][0]], cell[facet_vertices[i][1]],
-                                           cell[facet_vertices[i][2]]};
-            while (f[0] != vertex) f = {f[1], f[2], f[0]};
-            facets.push_back({f[1], f[2]});
+            facets.push_back(others_of_facet(cell, i, vertex));
         }
     }
     bench.look_between(side, other);

@@ -1,6 +1,7 @@
 // Workbench: the mesh under improvement, what must not change, and the rules by which a change is accepted.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -106,6 +107,9 @@ class Workbench {
     std::vector<VertexPair> split_edges_;       // sorted: those that fixed edges were split into
     std::vector<VertexPair> points_of_slices_;  // sorted: points on such edges in a slice, and the slice
 };
+
+// The other two corners of a cell's facet at a vertex, in the facet's order.
+std::array<std::uint32_t, 2> others_of_facet(const Cell& cell, int facet, std::uint32_t vertex);
 
 // The facets of the only surface at a vertex, seen from the region of the first cell of `bench.star`, which
 // is the vertex's star: of each the two other vertices, in the facet's order; the bench looks between the two
