@@ -279,7 +279,8 @@ class Cleaner {
     void group() {
         std::vector<ContourToPlace> contours;
         for (const Candidate& candidate : candidates_) {
-            contours.push_back({candidate.points, raw_.contours[candidate.raw].plane});
+            const RawContour& contour = raw_.contours[candidate.raw];
+            contours.push_back({candidate.points, contour.plane, contour.structure});
         }
         groups_ = group_planes(
             contours, raw_.planes,
@@ -409,7 +410,8 @@ class Cleaner {
         }
         if (given.size() > most_names)
             planes += " and " + std::to_string(given.size() - most_names) + " more";
-        std::string done = "taken as one slice; the points stay where they are; ";
+        std::string done = "taken as one slice; points within " + brief(options_.plane_tolerance_mm) +
+                           " mm of its plane stay where they are; ";
         if (given.size() < 2) {
             done += "a contour inside another one is a hole, overlapping ones are united";
         } else if (options_.unite_repeated_planes) {

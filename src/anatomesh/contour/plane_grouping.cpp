@@ -9,6 +9,8 @@
 #include <numeric>
 #include <optional>
 
+#include "anatomesh/contour/near_planes.h"
+
 namespace anatomesh {
 
 namespace {
@@ -146,6 +148,7 @@ double rounding_of(std::span<const ContourToPlace> contours) {
 
 constexpr double fitted = 1.25;       // times the noise, what points may be off a plane fitted to them
 constexpr double least_noise = 1e-5;  // of the contours' extent
+constexpr std::size_t least_points = 8;  // that show how far off a plane of their own they are
 
 // Contours that lie on one plane as well as each of them lies on its own.
 struct Sheet {
@@ -260,8 +263,28 @@ class SheetFinder {
 struct Orientation {
     Vec3 normal;
     bool fixed = false;  // an axis or a declared normal: not to be refined
-    Scatter scatter;     // of its fitted members, pooled
+    // Of its members, pooled: those that lie on planes along it, and the others.
+    Scatter scatter, scatter_off;
+    std::size_t points = 0, points_off = 0;
+
+    void add(std::span<const Vec3> members, bool shows_plane) {
+        (shows_plane ? scatter : scatter_off).add(scatter_of(members));
+        (shows_plane ? points : points_off) += members.size();
+    }
+    // Points off their plane here and there are left out; where they are many, all together show the plane.
+    void refine() {
+        if (fixed) return;
+        if (4 * points_off > points + points_off) scatter.add(scatter_off);
+        normal = least_direction(scatter);
+    }
 };
+
+Orientation oriented(Vec3 normal, bool fixed) {
+    Orientation orientation;
+    orientation.normal = normal;
+    orientation.fixed = fixed;
+    return orientation;
+}
 
 struct Own {
     Orientation orientation;
@@ -289,14 +312,14 @@ class OrientationFinder {
             if (!place(c, true, orientations, orientation_of)) damaged.push_back(c);
         }
         for (std::size_t c : damaged) place(c, false, orientations, orientation_of);
-        for (Orientation& orientation : orientations) {
-            if (!orientation.fixed) orientation.normal = least_direction(orientation.scatter);
-        }
+        for (Orientation& orientation : orientations) orientation.refine();
+        turn_noisy_to_axes(orientations, orientation_of);
     }
 
     // Gives contours orientations of their own which do not lie in the plane of theirs, or which lie in
-    // planes that cross or nearly do.
-    void set_apart(std::vector<Orientation>& orientations, std::vector<std::int32_t>& orientation_of) {
+    // planes that cross or nearly do; but not where `stays`.
+    void set_apart(const std::vector<bool>& stays, std::vector<Orientation>& orientations,
+                   std::vector<std::int32_t>& orientation_of) {
         struct Placed {
             std::int32_t orientation;
             double low, high;
@@ -307,12 +330,14 @@ class OrientationFinder {
         std::vector<bool> leaves(contours_.size(), false);
         for (std::size_t c = 0; c < contours_.size(); ++c) {
             const std::span<const Vec3> points = contours_[c].points;
-            if (contours_[c].plane >= 0 || points.size() < least_points) continue;
+            if (contours_[c].plane >= 0 || stays[c] || points.size() < least_points) continue;
             const Own own = fitted_orientation(points);
             if (own.deviation > tolerance()) continue;
             const double off = fit_along(points, orientations[orientation_of[c]].normal, buffer_).deviation;
             leaves[c] = off > tolerance() && is_far_better(own, off, points.size());
             const auto [low, high] = std::minmax_element(buffer_.begin(), buffer_.end());
+            // Points that lie no closer to a plane of their own overlap others by noise.
+            if (2 * own.deviation > off && off > noise_) continue;
             placed.push_back({orientation_of[c], *low, *high, c, own});
         }
         std::stable_sort(placed.begin(), placed.end(), [](const Placed& p, const Placed& q) {
@@ -333,6 +358,32 @@ class OrientationFinder {
     }
 
   private:
+    // Noise turns the normal of a stack a little: where the points of its contours lie no closer to planes
+    // along the normal found than to planes along an axis, the axis it is.
+    void turn_noisy_to_axes(std::vector<Orientation>& orientations,
+                            const std::vector<std::int32_t>& orientation_of) {
+        struct Off {
+            double own = 0;
+            std::array<double, 3> along{};
+        };
+        std::vector<Off> off(orientations.size());
+        for (std::size_t c = 0; c < contours_.size(); ++c) {
+            const auto o = static_cast<std::size_t>(orientation_of[c]);
+            if (orientations[o].fixed) continue;
+            const std::span<const Vec3> points = contours_[c].points;
+            off[o].own = std::max(off[o].own, fit_along(points, orientations[o].normal, buffer_).deviation);
+            for (int axis : axis_order)
+                off[o].along[axis] =
+                    std::max(off[o].along[axis], fit_along(points, axes[axis], buffer_).deviation);
+        }
+        for (std::size_t o = 0; o < orientations.size(); ++o) {
+            if (orientations[o].fixed || off[o].own <= options_.plane_tolerance_mm) continue;
+            for (int axis : axis_order) {
+                if (off[o].along[axis] <= fitted * off[o].own) orientations[o].normal = axes[axis];
+            }
+        }
+    }
+
     // Contours at one x, y or z, when they make up a tenth of the area: fewer are an accident of a tilted
     // stack.
     void place_axis_parallel(std::vector<Orientation>& orientations,
@@ -348,7 +399,7 @@ class OrientationFinder {
         }
         for (int axis : axis_order) {
             if (area_along[axis] <= 0 || area_along[axis] < 0.1 * all) continue;
-            orientations.push_back({axes[axis], true, {}});
+            orientations.push_back(oriented(axes[axis], true));
             for (std::size_t c = 0; c < contours_.size(); ++c) {
                 if (axis_of_contour[c] == axis) {
                     orientation_of[c] = static_cast<std::int32_t>(orientations.size()) - 1;
@@ -356,8 +407,6 @@ class OrientationFinder {
             }
         }
     }
-
-    static constexpr std::size_t least_points = 8;
 
     // Points so far off a plane still show it.
     double tolerance() const { return std::max(options_.plane_tolerance_mm, fitted * noise_); }
@@ -369,7 +418,7 @@ class OrientationFinder {
             const double deviation = fit_along(points, axes[axis], buffer_).deviation;
             if (deviation <= noise_ ||
                 (deviation <= options_.plane_tolerance_mm && !is_far_better(own, deviation, points.size())))
-                return Own{{axes[axis], true, {}}, deviation};
+                return Own{oriented(axes[axis], true), deviation};
         }
         if (own.deviation > tolerance()) return std::nullopt;
         return own;
@@ -377,7 +426,7 @@ class OrientationFinder {
 
     Own fitted_orientation(std::span<const Vec3> points) {
         const Vec3 normal = least_direction(scatter_of(points));
-        return Own{{normal, false, {}}, fit_along(points, normal, buffer_).deviation};
+        return Own{oriented(normal, false), fit_along(points, normal, buffer_).deviation};
     }
 
     // A few points always lie near some plane: their own one counts only when it fits far better.
@@ -389,8 +438,9 @@ class OrientationFinder {
     // The best guess for a contour with points off its plane.
     Own damaged_orientation(std::span<const Vec3> points) {
         const int axis = axis_position(points, infinity, buffer_);
-        const Vec3 normal = axis >= 0 ? axes[axis] : least_direction(scatter_of(points));
-        return Own{{normal, true, {}}, fit_along(points, normal, buffer_).deviation};
+        if (axis >= 0)
+            return Own{oriented(axes[axis], true), fit_along(points, axes[axis], buffer_).deviation};
+        return fitted_orientation(points);
     }
 
     // Puts contour c into the orientation it fits, or into a new one of its own. With `clean_only` a contour
@@ -417,7 +467,7 @@ class OrientationFinder {
             }
         }
         orientation_of[c] = static_cast<std::int32_t>(chosen);
-        if (shows_plane && !orientations[chosen].fixed) orientations[chosen].scatter.add(scatter_of(points));
+        if (!orientations[chosen].fixed) orientations[chosen].add(points, shows_plane);
         return true;
     }
 
@@ -474,7 +524,7 @@ void place_declared(std::span<const ContourToPlace> contours, std::span<const Pl
                length(cross(orientations[o].normal, use.normal)) * use.radius > options.group_tolerance_mm) {
             ++o;
         }
-        if (o == orientations.size()) orientations.push_back({use.normal, true, {}});
+        if (o == orientations.size()) orientations.push_back(oriented(use.normal, true));
         for (std::uint32_t c : use.contours) orientation_of[c] = static_cast<std::int32_t>(o);
     }
 }
@@ -530,31 +580,16 @@ Plane plane_at(double offset, Vec3 normal) {
     return make_plane({origin.x + 0.0, origin.y + 0.0, origin.z + 0.0}, normal);
 }
 
-// `area` of each of the contours, `noise` of their points by rounding, `are_sheets`: no two that were not put
-// together lie on one plane.
-PlaneGroups group_placed(std::span<const ContourToPlace> contours, std::vector<double> area,
-                         std::span<const Plane> declared, const PlaneGroupingOptions& options, double noise,
-                         bool are_sheets) {
-    std::vector<Orientation> orientations;
-    std::vector<std::int32_t> orientation_of(contours.size(), -1);
-    place_declared(contours, declared, options, orientations, orientation_of);
-    OrientationFinder finder(contours, std::move(area), options, noise);
-    finder.run(orientations, orientation_of);
-    if (are_sheets) finder.set_apart(orientations, orientation_of);
-
-    // Orientations in a fixed order.
-    std::vector<std::int32_t> order(orientations.size()), rank(orientations.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](auto p, auto q) {
-        return lexicographic_less(orientations[p].normal, orientations[q].normal);
-    });
-    for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<std::int32_t>(i);
-
+// Contours with their orientations, stack by stack: those of one orientation in the order of their offsets.
+// `rank`: of the orientations.
+std::vector<Positioned> positioned_contours(std::span<const ContourToPlace> contours,
+                                            std::span<const Plane> declared,
+                                            const std::vector<Orientation>& orientations,
+                                            const std::vector<std::int32_t>& orientation_of,
+                                            const std::vector<std::int32_t>& rank) {
     std::vector<Positioned> positioned;
     std::vector<double> buffer;
-    Box3 box;
     for (std::size_t c = 0; c < contours.size(); ++c) {
-        for (const Vec3& p : contours[c].points) box.extend(p);
         const std::int32_t o = orientation_of[c];
         const Vec3 normal = orientations[o].normal;
         const double offset = contours[c].plane >= 0
@@ -565,27 +600,154 @@ PlaneGroups group_placed(std::span<const ContourToPlace> contours, std::vector<d
     std::stable_sort(positioned.begin(), positioned.end(), [](const Positioned& p, const Positioned& q) {
         return p.orientation != q.orientation ? p.orientation < q.orientation : p.offset < q.offset;
     });
+    return positioned;
+}
 
-    PlaneGroups groups;
-    groups.slice_of.resize(contours.size());
+// The contours of one orientation each, in the order of `positioned`.
+std::vector<std::span<const Positioned>> stacks_of(std::span<const Positioned> positioned) {
+    std::vector<std::span<const Positioned>> stacks;
     for (std::size_t first = 0, last = 0; first < positioned.size(); first = last) {
         while (last < positioned.size() && positioned[last].orientation == positioned[first].orientation)
             ++last;
-        const std::span<const Positioned> stack(positioned.data() + first, last - first);
-        const double same = same_plane_mm(stack, box.diagonal(), options.group_tolerance_mm);
-        const Vec3 normal = orientations[order[stack.front().orientation]].normal;
-        for (std::size_t begin = 0, end = 0; begin < stack.size(); begin = end) {
-            while (end < stack.size() && stack[end].offset - stack[begin].offset <= same) {
-                groups.slice_of[stack[end].contour] = static_cast<std::uint32_t>(groups.slices.size());
-                ++end;
-            }
-            const std::span<const Positioned> run = stack.subspan(begin, end - begin);
-            groups.slices.push_back(plane_at(common_offset(run), normal));
-            groups.spread_mm.push_back(run.back().offset - run.front().offset);
+        stacks.push_back(positioned.subspan(first, last - first));
+    }
+    return stacks;
+}
+
+// Orientations in a fixed order, and the place of each in it.
+std::pair<std::vector<std::int32_t>, std::vector<std::int32_t>> ranked(
+    const std::vector<Orientation>& orientations) {
+    std::vector<std::int32_t> order(orientations.size()), rank(orientations.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](auto p, auto q) {
+        return lexicographic_less(orientations[p].normal, orientations[q].normal);
+    });
+    for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<std::int32_t>(i);
+    return {std::move(order), std::move(rank)};
+}
+
+// Root mean square distance of points from the plane that they show themselves; 0 of so few that they always
+// lie near one.
+double noise_of(std::span<const Vec3> points) {
+    if (points.size() < least_points) return 0;
+    const Scatter scatter = scatter_of(points);
+    const Vec3 normal = least_direction(scatter);
+    return std::sqrt(std::max(dot(normal, scatter.times(normal)), 0.0) / static_cast<double>(points.size()));
+}
+
+// Contours that share a plane are grouped as one: `points` of all of them together take their place.
+struct Together {
+    std::vector<ContourToPlace> contours;
+    std::vector<std::vector<std::uint32_t>> members;  // per contour: of the contours of the input
+    std::vector<double> area;                         // per contour
+};
+
+class Grouper {
+  public:
+    // `noise` of the points by rounding, `are_sheets`: no two that were not put together lie on one plane
+    // exactly.
+    Grouper(std::span<const ContourToPlace> contours, const Together& together,
+            std::span<const Plane> declared, const PlaneGroupingOptions& options, double noise,
+            bool are_sheets)
+        : contours_(contours),
+          together_(together),
+          declared_(declared),
+          options_(options),
+          noise_(noise),
+          are_sheets_(are_sheets) {
+        for (const ContourToPlace& contour : contours) {
+            for (const Vec3& p : contour.points) box_.extend(p);
         }
     }
-    return groups;
-}
+
+    // Slices per contour of `together`.
+    PlaneGroups run() {
+        orientation_of_.assign(together_.contours.size(), -1);
+        place_declared(together_.contours, declared_, options_, orientations_, orientation_of_);
+        OrientationFinder finder(together_.contours, together_.area, options_, noise_);
+        finder.run(orientations_, orientation_of_);
+        const std::vector<std::uint32_t> run_of = runs_of_one_slice();
+        if (are_sheets_) {
+            std::vector<std::size_t> in_run(run_of.size() + 1, 0);
+            for (const std::uint32_t run : run_of) ++in_run[run];
+            std::vector<bool> stays;
+            for (const std::uint32_t run : run_of) stays.push_back(in_run[run] > 1);
+            finder.set_apart(stays, orientations_, orientation_of_);
+        }
+        return grouped(run_of);
+    }
+
+  private:
+    std::vector<Positioned> positioned(const std::vector<std::int32_t>& rank) const {
+        return positioned_contours(together_.contours, declared_, orientations_, orientation_of_, rank);
+    }
+
+    // A number per contour: of the run of planes near each other that are one slice, as the contours on them
+    // show.
+    std::vector<std::uint32_t> runs_of_one_slice() const {
+        std::vector<std::uint32_t> run_of(together_.contours.size());
+        std::iota(run_of.begin(), run_of.end(), 0u);
+        const auto [order, rank] = ranked(orientations_);
+        const std::vector<Positioned> all = positioned(rank);
+        for (const std::span<const Positioned> stack : stacks_of(all)) {
+            const Vec3 normal = orientations_[order[stack.front().orientation]].normal;
+            std::vector<SheetAt> sheets;
+            std::vector<std::size_t> first_of;
+            const double same = same_plane_mm(stack, box_.diagonal(), options_.group_tolerance_mm);
+            for (std::size_t i = 0; i < stack.size(); ++i) {
+                const ContourToPlace& contour = together_.contours[stack[i].contour];
+                if (sheets.empty() || stack[i].offset - sheets.back().offset > same) {
+                    first_of.push_back(i);
+                    sheets.push_back({stack[i].offset, 0, false, {}});
+                }
+                SheetAt& sheet = sheets.back();
+                sheet.noise = std::max(sheet.noise, noise_of(contour.points));
+                sheet.is_declared |= contour.plane >= 0;
+                const std::vector<std::uint32_t>& members = together_.members[stack[i].contour];
+                sheet.contours.insert(sheet.contours.end(), members.begin(), members.end());
+            }
+            first_of.push_back(stack.size());
+            for (const auto& [first, last] :
+                 anatomesh::runs_of_one_slice(sheets, contours_, normal, options_.plane_repair_mm)) {
+                for (std::size_t i = first_of[first]; i < first_of[last]; ++i)
+                    run_of[stack[i].contour] = run_of[stack[first_of[first]].contour];
+            }
+        }
+        return run_of;
+    }
+
+    PlaneGroups grouped(const std::vector<std::uint32_t>& run_of) const {
+        PlaneGroups groups;
+        groups.slice_of.resize(together_.contours.size());
+        const auto [order, rank] = ranked(orientations_);
+        const std::vector<Positioned> all = positioned(rank);
+        for (const std::span<const Positioned> stack : stacks_of(all)) {
+            const double same = same_plane_mm(stack, box_.diagonal(), options_.group_tolerance_mm);
+            const Vec3 normal = orientations_[order[stack.front().orientation]].normal;
+            for (std::size_t begin = 0, end = 0; begin < stack.size(); begin = end) {
+                while (end < stack.size() && (stack[end].offset - stack[begin].offset <= same ||
+                                              run_of[stack[end].contour] == run_of[stack[end - 1].contour])) {
+                    groups.slice_of[stack[end].contour] = static_cast<std::uint32_t>(groups.slices.size());
+                    ++end;
+                }
+                const std::span<const Positioned> run = stack.subspan(begin, end - begin);
+                groups.slices.push_back(plane_at(common_offset(run), normal));
+                groups.spread_mm.push_back(run.back().offset - run.front().offset);
+            }
+        }
+        return groups;
+    }
+
+    std::span<const ContourToPlace> contours_;
+    const Together& together_;
+    std::span<const Plane> declared_;
+    const PlaneGroupingOptions& options_;
+    double noise_;
+    bool are_sheets_;
+    Box3 box_;
+    std::vector<Orientation> orientations_;
+    std::vector<std::int32_t> orientation_of_;
+};
 
 }  // namespace
 
@@ -623,21 +785,23 @@ PlaneGroups group_planes(std::span<const ContourToPlace> contours, std::span<con
 
     // The contours of a sheet take their place as one.
     std::vector<std::vector<Vec3>> points(sheets.size());
-    std::vector<ContourToPlace> joint;
-    std::vector<double> area(sheets.size(), 0);
+    Together together;
     for (std::size_t s = 0; s < sheets.size(); ++s) {
         const ContourToPlace& first = contours[sheets[s][0]];
+        double area = 0;
         for (const std::uint32_t c : sheets[s]) {
-            area[s] += vector_area(contours[c].points);
+            area += vector_area(contours[c].points);
             if (sheets[s].size() > 1)
                 points[s].insert(points[s].end(), contours[c].points.begin(), contours[c].points.end());
         }
-        joint.push_back({sheets[s].size() > 1 ? points[s] : first.points, first.plane});
+        together.area.push_back(area);
+        together.contours.push_back({sheets[s].size() > 1 ? points[s] : first.points, first.plane});
     }
-    PlaneGroups groups = group_placed(joint, std::move(area), declared, options, noise, !are_known);
+    together.members = std::move(sheets);
+    PlaneGroups groups = Grouper(contours, together, declared, options, noise, !are_known).run();
     std::vector<std::uint32_t> slice_of(contours.size());
-    for (std::size_t s = 0; s < sheets.size(); ++s) {
-        for (const std::uint32_t c : sheets[s]) slice_of[c] = groups.slice_of[s];
+    for (std::size_t s = 0; s < together.members.size(); ++s) {
+        for (const std::uint32_t c : together.members[s]) slice_of[c] = groups.slice_of[s];
     }
     groups.slice_of = std::move(slice_of);
     return groups;

@@ -19,6 +19,7 @@ struct PlaneGroupingOptions {
 struct ContourToPlace {
     std::span<const Vec3> points;  // not empty
     std::int32_t plane = -1;       // index into the declared planes; -1: to be fitted
+    std::uint32_t structure = 0;
 };
 
 struct PlaneGroups {
@@ -37,7 +38,10 @@ struct PlaneGroups {
 // foot of (0, 0, 0), so that an axial slice has in-plane coordinates equal to x and y; the normal's largest
 // component is positive (ties: z, then y); parallel planes share a slice when they lie within
 // group_tolerance_mm and that is little beside the stack itself: 2 % of its largest gap, or of two planes
-// alone 1e-3 of the contours' extent. A stack of finer slices keeps them all. The result depends on the order
+// alone 1e-3 of the contours' extent. A stack of finer slices keeps them all. Planes that were not declared,
+// further apart than that but by no more than plane_repair_mm, are one slice where their contours show it
+// (near_planes.h). Where contours lie further than the tolerance off their planes, all of a stack show its
+// normal together, and an axis is taken that fits as well. The result depends on the order
 // of contours only through rounding in the refined normal: give them in a canonical order. Complexity:
 // O(points x orientations + contours x slices), and the points of a slice once more for each of its contours.
 PlaneGroups group_planes(std::span<const ContourToPlace> contours, std::span<const Plane> declared,
