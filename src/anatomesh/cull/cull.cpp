@@ -59,9 +59,14 @@ class Judge {
         }
         side_.in.clear();
         side_.may.clear();
+        side_.depth = field_.clamp();
+        if (single_) {
+            side_.may = all_;
+            if (field_.exclusive()) side_.depth = 0;
+            return side_;
+        }
         near_.clear();
         field_.values_near(p, near_);
-        side_.depth = field_.clamp();
         for (const StructureField::Near& near : near_) {
             if (std::abs(near.value) > tolerance) side_.depth = std::min(side_.depth, std::abs(near.value));
             if (near.value < -tolerance) side_.in.push_back(near.structure);
@@ -80,9 +85,12 @@ class Judge {
     template <class Allowed>
     void decide(const std::array<Vec3, 4>& p, bool one_allowed, const Allowed& allowed, Members& members) {
         const Vec3 centroid = 0.25 * (p[0] + p[1] + p[2] + p[3]);
-        if (one_allowed && allowed(probe_.members(centroid))) {
-            members = probe_.members(centroid);
-            return;
+        if (one_allowed) {
+            const Members& there = probe_.members(centroid);
+            if (allowed(there)) {
+                members = there;
+                return;
+            }
         }
         const InterfaceProbe::Look centre = probe_.look(centroid);
         if (single_ && !one_allowed && is_deep(centre.distance, centroid, p)) {

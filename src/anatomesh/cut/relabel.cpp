@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/mesh/prefetch.h"
 #include "anatomesh/mesh/quality.h"
 
 namespace anatomesh {
@@ -13,6 +14,7 @@ namespace anatomesh {
 namespace {
 
 constexpr int defect_weight = 256;    // against one end of a lost piece of a contour segment: a manifold comes first
+constexpr std::size_t stars_ahead = 2;  // are fetched into the cache so many before they are looked at
 constexpr double flat_share = 1e-6;  // six volumes in cubes of the longest edge
 
 struct Move {
@@ -273,10 +275,19 @@ std::vector<Suspect> find_suspects(const std::vector<Cell>& cells, const std::ve
     return parallel_collect<Suspect>(
         count, grain, threads, [&](std::size_t first, std::size_t last, std::vector<Suspect>& found) {
             StarAnalyzer analyzer(cells, neighbors, stars, regions, table, owners);
-            std::vector<std::uint32_t> lost;
+            std::vector<std::uint32_t> lost, vertices;
             for (std::size_t n = first; n < last; ++n) {
                 const std::uint32_t v = look.empty() ? static_cast<std::uint32_t>(n) : look[n];
-                if (look.empty() && !can_be(v)) continue;
+                if (!look.empty() || can_be(v)) vertices.push_back(v);
+            }
+            for (std::size_t n = 0; n < vertices.size(); ++n) {
+                const std::uint32_t v = vertices[n];
+                if (n + stars_ahead < vertices.size()) {
+                    for (const std::uint32_t c : stars.at(vertices[n + stars_ahead])) {
+                        __builtin_prefetch(&cells[c]);
+                        __builtin_prefetch(&neighbors[c]);
+                    }
+                }
                 Suspect suspect{v, analyzer.lost_piece_count(v), analyzer.defect(v) > 0, false};
                 if (!suspect.unsound && suspect.lost_pieces == 0) continue;
                 analyzer.lost_structures(v, lost);
@@ -291,6 +302,7 @@ std::vector<std::uint32_t> nearly_flat_cells(const std::vector<Vec3>& points, co
     return parallel_collect<std::uint32_t>(
         cells.size(), 16384, threads, [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
             for (std::size_t c = first; c < last; ++c) {
+                if (c + cells_ahead < last) prefetch_points(points, cells[c + cells_ahead]);
                 if (nearly_flat(points, cells[c])) found.push_back(static_cast<std::uint32_t>(c));
             }
         });

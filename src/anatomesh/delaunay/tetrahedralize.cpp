@@ -16,6 +16,8 @@ namespace {
 
 using KernelCell = DelaunayKernel::KernelCell;
 
+constexpr std::size_t ahead = 6;  // cells are fetched into the cache so many before they are read
+
 bool finite(Vec3 p) {
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
@@ -114,6 +116,7 @@ std::vector<std::uint32_t> Tetrahedralization::State::new_cells(std::span<const 
     const std::vector<Entry> made = parallel_collect<Entry>(
         touched.size(), 4096, threads, [&](std::size_t begin, std::size_t end, std::vector<Entry>& out) {
             for (std::size_t n = begin; n < end; ++n) {
+                if (n + ahead < end) __builtin_prefetch(&cells[touched[n + ahead]]);
                 const KernelCell& cell = cells[touched[n]];
                 if (!cell.alive() || cell.infinite_place() >= 0) continue;
                 const auto& v = cell.vertex;
@@ -178,8 +181,19 @@ void Tetrahedralization::State::write_changed(int threads) {
             snapshot.neighbors[other][static_cast<std::size_t>(back)] = n;
         }
     };
+    // Cells lie where there was room: they are fetched before they are needed, then their neighbours.
+    const auto cell_at = [&](std::size_t n) -> const KernelCell& {
+        return cells[slots[snapshot.changed[n]]];
+    };
     parallel_for(snapshot.changed.size(), 4096, threads, [&](std::size_t first, std::size_t last) {
-        for (std::size_t n = first; n < last; ++n) write(snapshot.changed[n]);
+        for (std::size_t n = first; n < last; ++n) {
+            if (n + 2 * ahead < last) __builtin_prefetch(&cell_at(n + 2 * ahead));
+            if (n + ahead < last) {
+                for (const std::uint32_t link : cell_at(n + ahead).link)
+                    __builtin_prefetch(&cells[link >> 2]);
+            }
+            write(snapshot.changed[n]);
+        }
     });
 }
 

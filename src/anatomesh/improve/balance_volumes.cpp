@@ -78,20 +78,21 @@ class PlaneFit {
 
 class Balancer {
   public:
-    Balancer(TetMesh& mesh, std::span<const std::uint32_t> neighbors, const RegionTable& regions,
-             const std::vector<std::uint8_t>& fixed, std::span<const double> targets, double max_radius_edge,
-             const BalanceOptions& options, int threads)
+    Balancer(TetMesh& mesh, std::span<const std::uint32_t> neighbors, const VertexStars& stars,
+             const RegionTable& regions, const std::vector<std::uint8_t>& fixed,
+             std::span<const double> targets, double max_radius_edge, const BalanceOptions& options,
+             int threads)
         : mesh_(mesh),
           regions_(regions),
           targets_(targets),
           options_(options),
           threads_(threads),
-          mover_(mesh, max_radius_edge, std::sin(options.min_dihedral_degrees * std::numbers::pi / 180),
-                 threads),
+          mover_(mesh, stars, max_radius_edge,
+                 std::sin(options.min_dihedral_degrees * std::numbers::pi / 180)),
           moved_(mesh.points.size()) {
         collect(neighbors, fixed);
         find_ends();
-        put_onto_ends(max_radius_edge);
+        put_onto_ends(stars, max_radius_edge);
     }
 
     BalanceStats run() {
@@ -192,9 +193,9 @@ class Balancer {
     }
 
     // Rather a slightly smaller angle than a step in the end.
-    void put_onto_ends(double max_radius_edge) {
+    void put_onto_ends(const VertexStars& stars, double max_radius_edge) {
         if (!has_ends()) return;
-        VertexMover smaller_angle(mesh_, max_radius_edge, std::sin(5 * std::numbers::pi / 180));
+        VertexMover smaller_angle(mesh_, stars, max_radius_edge, std::sin(5 * std::numbers::pi / 180));
         for (const std::uint32_t v : free_) {
             const Vec3 to = onto_end(v, mesh_.points[v]);
             if (to != mesh_.points[v] && !mover_.try_move(v, to)) smaller_angle.try_move(v, to);
@@ -356,11 +357,12 @@ class Balancer {
 }  // namespace
 
 BalanceStats balance_volumes(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                             const RegionTable& regions, const std::vector<std::uint8_t>& fixed,
-                             std::span<const double> target_mm3, double max_radius_edge,
-                             const BalanceOptions& options, int threads) {
+                             const VertexStars& stars, const RegionTable& regions,
+                             const std::vector<std::uint8_t>& fixed, std::span<const double> target_mm3,
+                             double max_radius_edge, const BalanceOptions& options, int threads) {
     assert(fixed.size() == mesh.points.size());
-    return Balancer(mesh, neighbors, regions, fixed, target_mm3, max_radius_edge, options, threads).run();
+    return Balancer(mesh, neighbors, stars, regions, fixed, target_mm3, max_radius_edge, options, threads)
+        .run();
 }
 
 }  // namespace anatomesh

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "anatomesh/cut/star.h"
 #include "anatomesh/field/structure_field.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
@@ -39,11 +40,11 @@ struct BalanceStats {
 // radius-edge ratio of the cells inside round a vertex never rises above both `max_radius_edge` and what it
 // was; nor does the least sine of their dihedral angles fall below both that of the smallest angle allowed
 // and what it was. A structure without free vertices keeps its volume. Requires: targets of all structures,
-// in mm^3; a mesh and its neighbors as region_facets() wants them. Complexity: linear in the facets, a round. Same result at any number of
-// threads.
+// in mm^3; a mesh and its neighbors as region_facets() wants them, and its stars. Complexity: linear in the
+// facets, a round. Same result at any number of threads.
 BalanceStats balance_volumes(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                             const RegionTable& regions, const std::vector<std::uint8_t>& fixed,
-                             std::span<const double> target_mm3, double max_radius_edge,
-                             const BalanceOptions& options, int threads = 1);
+                             const VertexStars& stars, const RegionTable& regions,
+                             const std::vector<std::uint8_t>& fixed, std::span<const double> target_mm3,
+                             double max_radius_edge, const BalanceOptions& options, int threads = 1);
 
 }  // namespace anatomesh

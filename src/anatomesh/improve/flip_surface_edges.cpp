@@ -51,7 +51,9 @@ class Flipper {
             touched_.assign(bench_.mesh.point_count(), 0);
             measure_gains(work);
             std::vector<std::uint32_t> flipped;
-            for (const std::uint32_t f : work) {
+            for (std::size_t n = 0; n < work.size(); ++n) {
+                const std::uint32_t f = work[n];
+                prefetch(work, n);
                 waits_[f] = 0;
                 for (int k = 0; k < 3; ++k) {
                     const std::uint32_t g = facets_[f].across[k];
@@ -75,6 +77,16 @@ class Flipper {
         int k, j;            // the places of c in f and of d in g
         std::uint32_t a, b, c, d;
     };
+
+    // One facet in a few is flipped: what that reads is brought into the cache before its turn comes.
+    void prefetch(const std::vector<std::uint32_t>& work, std::size_t n) const {
+        constexpr std::size_t ahead = 16;
+        const auto cell_at = [&](std::size_t m) {
+            return m < work.size() && gains_[work[m]] != 0 ? facets_[work[m]].cell : no_cell;
+        };
+        if (const std::uint32_t c = cell_at(n + 2 * ahead); c != no_cell) bench_.mesh.prefetch(c);
+        if (const std::uint32_t c = cell_at(n + ahead); c != no_cell) bench_.mesh.prefetch_round(c);
+    }
 
     Vec3 normal(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
         const Vec3 p = bench_.mesh.point(a), n = cross(bench_.mesh.point(b) - p, bench_.mesh.point(c) - p);

@@ -19,15 +19,16 @@ namespace {
 
 class Improver {
   public:
-    Improver(TetMesh& mesh, const std::vector<std::uint8_t>& fixed, const StructureField& field,
-             std::uint32_t structures, const RegionTable& regions, const ImproveOptions& options, int threads)
+    Improver(TetMesh& mesh, const VertexStars& stars, const std::vector<std::uint8_t>& fixed,
+             const StructureField& field, std::uint32_t structures, const RegionTable& regions,
+             const ImproveOptions& options, int threads)
         : mesh_(mesh),
           fixed_(fixed),
           field_(field),
           structures_(structures),
           regions_(regions),
           options_(options),
-          mover_(mesh, options.max_radius_edge, 0, threads),
+          mover_(mesh, stars, options.max_radius_edge),
           probe_(field, structures) {
         find_interface_vertices(threads);
     }
@@ -37,7 +38,9 @@ class Improver {
         for (std::uint32_t v = 0; v < mesh_.points.size(); ++v) {
             if (on_interface_[v] && !fixed_[v]) off.push_back(v);
         }
-        stats_.above_bound_before = bad_of(all_cells(), context.threads).size();
+        std::vector<std::uint32_t> bad = bad_of(all_cells(), context.threads);
+        stats_.above_bound_before = bad.size();
+        pulled_.assign(mesh_.points.size(), 0);
         for (int round = 0; round < 3; ++round) {
             off = chosen_of(off, context.threads, [&](std::uint32_t v) {
                 InterfaceProbe probe(field_, structures_);
@@ -46,7 +49,7 @@ class Improver {
             });
             pull_onto_interface(off, context.threads);
         }
-        std::vector<std::uint32_t> bad = bad_of(all_cells(), context.threads);
+        bad = bad_of(with_pulled(bad, context.threads), context.threads);
         for (int round = 0; round < options_.rounds && !context.cancelled(); ++round) {
             if (!smooth_cells(bad, context.threads)) break;
         }
@@ -99,6 +102,17 @@ class Improver {
         });
     }
 
+    // `cells`, which rise, and those with a vertex that was pulled: all others are as they were.
+    std::vector<std::uint32_t> with_pulled(const std::vector<std::uint32_t>& cells, int threads) const {
+        const std::vector<std::uint32_t> changed = chosen_of(all_cells(), threads, [&](std::uint32_t c) {
+            const Cell& cell = mesh_.cells[c];
+            return (pulled_[cell[0]] | pulled_[cell[1]] | pulled_[cell[2]] | pulled_[cell[3]]) != 0;
+        });
+        std::vector<std::uint32_t> all;
+        std::set_union(cells.begin(), cells.end(), changed.begin(), changed.end(), std::back_inserter(all));
+        return all;
+    }
+
     // `off` rises. Where to is found for all before one moves.
     void pull_onto_interface(const std::vector<std::uint32_t>& off, int threads) {
         std::vector<std::optional<Vec3>> targets(off.size());
@@ -114,7 +128,9 @@ class Improver {
         mover_.for_each_apart(off, threads, [&](std::uint32_t v) {
             const auto n = std::lower_bound(off.begin(), off.end(), v) - off.begin();
             const auto& target = targets[static_cast<std::size_t>(n)];
-            if (target && pull(v, *target)) pulled.fetch_add(1, std::memory_order_relaxed);
+            if (!target || !pull(v, *target)) return;
+            pulled_[v] = 1;
+            pulled.fetch_add(1, std::memory_order_relaxed);
         });
         stats_.vertices_onto_interface += pulled;
     }
@@ -180,17 +196,17 @@ class Improver {
     ImproveOptions options_;
     VertexMover mover_;
     InterfaceProbe probe_;
-    std::vector<std::uint8_t> on_interface_;
+    std::vector<std::uint8_t> on_interface_, pulled_;  // by vertex
     ImproveStats stats_;
 };
 
 }  // namespace
 
-ImproveStats improve(TetMesh& mesh, const std::vector<std::uint8_t>& fixed, const StructureField& field,
-                     std::uint32_t structures, const RegionTable& regions, const ImproveOptions& options,
-                     RunContext& context) {
+ImproveStats improve(TetMesh& mesh, const VertexStars& stars, const std::vector<std::uint8_t>& fixed,
+                     const StructureField& field, std::uint32_t structures, const RegionTable& regions,
+                     const ImproveOptions& options, RunContext& context) {
     assert(fixed.size() == mesh.points.size());
-    return Improver(mesh, fixed, field, structures, regions, options, context.threads).run(context);
+    return Improver(mesh, stars, fixed, field, structures, regions, options, context.threads).run(context);
 }
 
 }  // namespace anatomesh

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
+#include "anatomesh/cut/star.h"
 #include "anatomesh/field/structure_field.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
@@ -28,11 +29,12 @@ struct ImproveStats {
 // least (compass search), on an interface within the tolerance. Guarantees: vertices with fixed[v] != 0 do
 // not move; connectivity and regions do not change, so neither does the topology of any surface; every cell
 // stays positive by exact orientation; no move makes the worst ratio of the cells inside round it worse,
-// unless all of them stay below the bound. Requires: the mesh holds the cells outside too, round every
-// interface, so that no move can fold the outside. Complexity: linear in the vertices moved and their stars.
-// Follows: Freitag and Ollivier-Gooch, Int. J. Numer. Methods Eng. 40, 1997 (optimisation-based smoothing).
-ImproveStats improve(TetMesh& mesh, const std::vector<std::uint8_t>& fixed, const StructureField& field,
-                     std::uint32_t structures, const RegionTable& regions, const ImproveOptions& options,
-                     RunContext& context);
+// unless all of them stay below the bound. Requires: `stars` of the mesh, which holds the cells outside too,
+// round every interface, so that no move can fold the outside. Complexity: linear in the vertices moved and
+// their stars. Follows: Freitag and Ollivier-Gooch, Int. J. Numer. Methods Eng. 40, 1997 (optimisation-based
+// smoothing).
+ImproveStats improve(TetMesh& mesh, const VertexStars& stars, const std::vector<std::uint8_t>& fixed,
+                     const StructureField& field, std::uint32_t structures, const RegionTable& regions,
+                     const ImproveOptions& options, RunContext& context);
 
 }  // namespace anatomesh

@@ -14,6 +14,8 @@
 #include "anatomesh/improve/lift_facets.h"
 #include "anatomesh/improve/lower_apexes.h"
 #include "anatomesh/improve/operations.h"
+#include "anatomesh/mesh/cell_shape.h"
+#include "anatomesh/mesh/prefetch.h"
 
 namespace anatomesh {
 
@@ -53,7 +55,7 @@ class Climber {
         lower_far_apexes(context.threads);
         all.resize(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
-        collect(all, context.threads);
+        collect(std::move(all), context.threads);
         bench_.stats.bad_before = queue_.size();
         bench_.stats.worst_before_degrees = worst_degrees();
         climb(context);
@@ -63,14 +65,15 @@ class Climber {
         std::fill(touched_.begin(), touched_.end(), 1);
         climb(context);
         drop_ears(context.threads);
-        const LiftStats lifted =
+        LiftStats lifted =
             lift_facets(bench_, drawn_, std::sin(listed_degrees * radians_per_degree), context.threads);
         bench_.stats.facets_lifted = lifted.facets_lifted;
         bench_.stats.facets_left = lifted.facets_left;
         bench_.moves_junctions = true;
-        all.resize(bench_.mesh.cell_count());
-        std::iota(all.begin(), all.end(), 0u);
-        collect(std::move(all), context.threads);
+        // Those that the climb left are bad still; others may be where facets were lifted.
+        std::vector<std::uint32_t> left = std::move(lifted.changed);
+        for (; !queue_.empty(); queue_.pop()) left.push_back(queue_.top().cell);
+        collect(std::move(left), context.threads);
         // From here on few cells change: those and the bad ones are all that may be bad in the end.
         for (auto queue = queue_; !queue.empty(); queue.pop()) watched_.push_back(queue.top().cell);
         climb_at_last(context);
@@ -116,12 +119,16 @@ class Climber {
         if (!(most > bench_.options.max_radius_edge)) return;
         const auto is_high = [&](std::uint32_t c) {
             if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return false;
-            return bench_.bar_of({&c, 1}).squared_ratio > most * most;
+            const Cell& v = bench_.mesh.cell(c);
+            return squared_radius_edge(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
+                                       bench_.mesh.point(v[2]), bench_.mesh.point(v[3])) > most * most;
         };
         std::vector<std::uint32_t> high = parallel_collect<std::uint32_t>(
             bench_.mesh.cell_count(), 16384, context.threads,
             [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
                 for (std::size_t c = first; c < last; ++c) {
+                    if (c + cells_ahead < last)
+                        bench_.mesh.prefetch_points(static_cast<std::uint32_t>(c + cells_ahead));
                     if (is_high(static_cast<std::uint32_t>(c)))
                         found.push_back(static_cast<std::uint32_t>(c));
                 }
@@ -195,6 +202,7 @@ class Climber {
         const auto find_bad = [&](std::size_t first, std::size_t last, std::vector<BadCell>& bad) {
             for (std::size_t n = first; n < last; ++n) {
                 const std::uint32_t c = cells[n];
+                if (n + cells_ahead < last) bench_.mesh.prefetch_points(cells[n + cells_ahead]);
                 if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) continue;
                 if (const double sine = bench_.sine(c); sine < target_) bad.push_back({sine, c});
             }
@@ -243,6 +251,7 @@ class Climber {
         while (!queue_.empty()) {
             const BadCell bad = queue_.top();
             queue_.pop();
+            if (!queue_.empty()) bench_.mesh.prefetch_round(queue_.top().cell);
             if (!bench_.mesh.alive(bad.cell) || bench_.mesh.region(bad.cell) == 0 ||
                 bench_.sine(bad.cell) != bad.sine)
                 continue;

@@ -1,8 +1,11 @@
 #include "anatomesh/improve/improve_dihedrals.h"
 
+#include <cmath>
 #include <map>
+#include <numbers>
 
 #include "anatomesh/improve/labelled_meshes_for_test.h"
+#include "anatomesh/mesh/cell_shape.h"
 #include "anatomesh/mesh/topology.h"
 
 namespace anatomesh {
@@ -32,6 +35,18 @@ Improved improved(const LabelledCase& c, std::span<const VertexPair> edges = {},
     return result;
 }
 
+// Inside, with an angle below the target.
+std::size_t bad_cells(const TetMesh& mesh) {
+    const double target = std::sin(DihedralOptions{}.target_degrees * std::numbers::pi / 180);
+    std::size_t count = 0;
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+        const Cell& v = mesh.cells[c];
+        count += mesh.regions[c] != 0 && least_sine(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]],
+                                                    mesh.points[v[3]]) < target;
+    }
+    return count;
+}
+
 TEST(ImproveDihedrals, keeps_surfaces_volume_and_fixed_vertices_and_makes_nothing_worse) {
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
@@ -59,6 +74,7 @@ TEST(ImproveDihedrals, keeps_surfaces_volume_and_fixed_vertices_and_makes_nothin
         EXPECT_LE(worst_ratio(improved(c, {}, strict).mesh),
                   std::max(strict.max_radius_edge, worst_ratio(c.mesh)) * (1 + 1e-9));
         EXPECT_LE(done.stats.bad_after, done.stats.bad_before);
+        EXPECT_EQ(done.stats.bad_after, bad_cells(done.mesh));
     }
 }
 

@@ -73,6 +73,10 @@ std::vector<Solid> solids() {
     return list;
 }
 
+VertexStars stars_of(const TetMesh& mesh) {
+    return VertexStars(mesh.cells, mesh.points.size());
+}
+
 TEST(Improve, keeps_fixed_vertices_orientation_and_connectivity_and_makes_nothing_worse) {
     for (const Solid& solid : solids()) {
         SCOPED_TRACE(solid.name);
@@ -82,8 +86,8 @@ TEST(Improve, keeps_fixed_vertices_orientation_and_connectivity_and_makes_nothin
         TetMesh mesh = before;
         const std::vector<std::uint8_t> fixed = some_fixed(mesh);
         RunContext context;
-        const ImproveStats stats =
-            improve(mesh, fixed, solid.field, structures, culled.registry.table(), {}, context);
+        const ImproveStats stats = improve(mesh, stars_of(mesh), fixed, solid.field, structures,
+                                           culled.registry.table(), {}, context);
         expect_positive(mesh);
         EXPECT_EQ(mesh.cells, before.cells);
         EXPECT_EQ(mesh.regions, before.regions);
@@ -94,7 +98,8 @@ TEST(Improve, keeps_fixed_vertices_orientation_and_connectivity_and_makes_nothin
         EXPECT_LE(worst_inside(mesh), std::max(2.0, worst_inside(before)));
         TetMesh by_threads = before;
         context.threads = 3;
-        improve(by_threads, fixed, solid.field, structures, culled.registry.table(), {}, context);
+        improve(by_threads, stars_of(by_threads), fixed, solid.field, structures, culled.registry.table(), {},
+                context);
         EXPECT_EQ(by_threads.points, mesh.points);
     }
 }
@@ -104,15 +109,16 @@ TEST(Improve, brings_vertices_of_the_surface_back_onto_the_interface) {
     const AnalyticField field({ball({}, 5)}, 6);
     TetMesh mesh = culled_mesh(field, 1, 1).mesh();
     std::vector<std::uint32_t> surface;
-    VertexMover mover(mesh, 2);
+    const VertexStars stars = stars_of(mesh);
+    VertexMover mover(mesh, stars, 2);
     for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
         if (std::abs(length(mesh.points[v]) - 5) < 0.01 && mover.try_move(v, 1.03 * mesh.points[v]))
             surface.push_back(v);
     }
     ASSERT_GT(surface.size(), 100u);
     RunContext context;
-    const ImproveStats stats =
-        improve(mesh, std::vector<std::uint8_t>(mesh.points.size(), 0), field, 1, {{{}, {0}}}, {}, context);
+    const ImproveStats stats = improve(mesh, stars, std::vector<std::uint8_t>(mesh.points.size(), 0), field,
+                                       1, {{{}, {0}}}, {}, context);
     EXPECT_GT(stats.vertices_onto_interface, 0u);
     std::size_t off = 0;
     for (const std::uint32_t v : surface) off += std::abs(length(mesh.points[v]) - 5) > 0.06;
@@ -126,7 +132,8 @@ TEST(VertexMover, moves_at_one_time_only_vertices_that_share_no_cell) {
     std::iota(all.begin(), all.end(), 0u);
     std::vector<std::uint32_t> last;
     for (const int threads : {1, 3}) {
-        const VertexMover mover(mesh, 2, 0, threads);
+        const VertexStars by_threads(mesh.cells, mesh.points.size(), threads);
+        const VertexMover mover(mesh, by_threads, 2);
         std::vector<std::atomic<int>> busy(mesh.cells.size());
         std::vector<std::atomic<int>> count(mesh.points.size());
         mover.for_each_apart(all, threads, [&](std::uint32_t v) {
@@ -147,7 +154,8 @@ TEST(VertexMover, moves_at_one_time_only_vertices_that_share_no_cell) {
 TEST(VertexMover, refuses_to_invert_a_cell) {
     const AnalyticField field({ball({}, 5)}, 6);
     TetMesh mesh = culled_mesh(field, 1, 1).mesh();
-    VertexMover mover(mesh, 1e9);
+    const VertexStars stars = stars_of(mesh);
+    VertexMover mover(mesh, stars, 1e9);
     for (std::uint32_t v = 0; v < mesh.points.size(); v += 7) {
         const Vec3 from = mesh.points[v];
         EXPECT_FALSE(mover.try_move(v, from + Vec3{50, 0, 0}));
@@ -168,8 +176,8 @@ TEST(BalanceVolumes, meets_the_targets_and_moves_no_fixed_vertex) {
         const TetMesh before = culled.mesh();
         TetMesh mesh = before;
         const std::vector<std::uint8_t> fixed = some_fixed(mesh);
-        const BalanceStats stats =
-            balance_volumes(mesh, neighbors_of(mesh), culled.registry.table(), fixed, solid.volumes, 2, {});
+        const BalanceStats stats = balance_volumes(mesh, neighbors_of(mesh), stars_of(mesh),
+                                                   culled.registry.table(), fixed, solid.volumes, 2, {});
         expect_positive(mesh);
         EXPECT_EQ(mesh.cells, before.cells);
         EXPECT_EQ(mesh.regions, before.regions);
@@ -198,7 +206,7 @@ TEST(BalanceVolumes, does_nothing_when_the_volumes_are_right) {
     TetMesh mesh = culled.mesh();
     const std::vector<double> volumes = volumes_of(mesh, culled.registry.table(), 1);
     const BalanceStats stats =
-        balance_volumes(mesh, neighbors_of(mesh), culled.registry.table(),
+        balance_volumes(mesh, neighbors_of(mesh), stars_of(mesh), culled.registry.table(),
                         std::vector<std::uint8_t>(mesh.points.size(), 0), volumes, 2, {});
     EXPECT_EQ(stats.moves, 0u);
     EXPECT_EQ(mesh.points, culled.points());
@@ -212,7 +220,7 @@ TEST(BalanceVolumes, a_target_out_of_reach_stops_at_the_largest_offset) {
     options.max_offset_mm = 0.05;
     const double target[] = {1000};
     const BalanceStats stats =
-        balance_volumes(mesh, neighbors_of(mesh), culled.registry.table(),
+        balance_volumes(mesh, neighbors_of(mesh), stars_of(mesh), culled.registry.table(),
                         std::vector<std::uint8_t>(mesh.points.size(), 0), target, 2, options);
     EXPECT_LE(stats.largest_offset_mm, 0.05 * (1 + 1e-12));
     EXPECT_LE(stats.worst_after, stats.worst_before);

@@ -47,6 +47,7 @@ class Lifter {
                 continue;
             }
             // Others that rest may have new cells.
+            stats.changed.insert(stats.changed.end(), bench_.changed.begin(), bench_.changed.end());
             for (const std::uint32_t changed : bench_.changed) {
                 if (may_rest(changed)) waiting.push_back(changed);
             }

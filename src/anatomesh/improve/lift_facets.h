@@ -9,6 +9,7 @@ namespace anatomesh {
 
 struct LiftStats {
     std::uint64_t facets_lifted = 0, facets_left = 0;  // the latter for the sake of the cells' shapes
+    std::vector<std::uint32_t> changed;                // cells that were made; some may be gone again
 };
 
 // A cell in a structure that rests with a facet on the plane of a slice, between contour vertices and outside

@@ -7,6 +7,7 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/vec.h"
+#include "anatomesh/mesh/prefetch.h"
 
 namespace anatomesh {
 
@@ -115,6 +116,11 @@ RatioSlopes ratio_slopes(const TetMesh& mesh, std::span<const std::uint32_t> nei
     parallel_for(mesh.cells.size(), grain, threads, [&](std::size_t first, std::size_t last) {
         std::vector<Gathered>& at = gathered[first / grain];
         for (std::size_t c = first; c < last; ++c) {
+            if (c + cells_ahead < last) {
+                const Cell& soon = mesh.cells[c + cells_ahead];
+                prefetch_points(mesh.points, soon);
+                for (const std::uint32_t v : soon) __builtin_prefetch(&at[v], 1);
+            }
             const Region region = mesh.regions[c];
             for (const std::uint32_t v : mesh.cells[c]) {
                 if (at[v].region == unmet) at[v].region = region;

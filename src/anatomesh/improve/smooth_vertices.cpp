@@ -30,14 +30,15 @@ constexpr int descents = 4;           // a vertex, in a pass
 constexpr double least_gain = 0.005;    // for which a vertex is moved
 constexpr double least_slope = 0.0005;  // in a step, for which a descent is tried
 constexpr double little_gain = 0.001;   // after which no other one is
+constexpr std::size_t usual_facets = 12;  // at a vertex, at most
 constexpr double smooth_cosine = 0.9;  // of the facets' normals with their mean, at a vertex that may slide
 constexpr double turned_cosine = 0.8;  // the same after it slid
 
 class Smoother {
   public:
-    Smoother(TetMesh& mesh, std::span<const std::uint32_t> neighbors, const std::vector<std::uint8_t>& fixed,
-             const StructureField& field, std::uint32_t structures, const RegionTable& regions,
-             const SmoothOptions& options, int threads)
+    Smoother(TetMesh& mesh, std::span<const std::uint32_t> neighbors, const VertexStars& stars,
+             const std::vector<std::uint8_t>& fixed, const StructureField& field, std::uint32_t structures,
+             const RegionTable& regions, const SmoothOptions& options)
         : mesh_(mesh),
           neighbors_(neighbors),
           fixed_(fixed),
@@ -46,7 +47,7 @@ class Smoother {
           regions_(regions),
           options_(options),
           min_sine_(std::sin(options.min_dihedral_degrees * std::numbers::pi / 180)),
-          mover_(mesh, options.max_radius_edge, min_sine_, threads),
+          mover_(mesh, stars, options.max_radius_edge, min_sine_),
           moved_(mesh.points.size(), 0) {}
 
     SmoothStats run(RunContext& context) {
@@ -105,6 +106,7 @@ class Smoother {
             if (found.other != found.side && mesh_.regions[c] != found.other) return false;
             found.other = mesh_.regions[c];
         }
+        found.facets.reserve(usual_facets);
         for (const std::uint32_t c : star) {
             if (mesh_.regions[c] == found.side) add_facets_of(c, v, found.facets);
         }
@@ -267,14 +269,13 @@ class Smoother {
 
 }  // namespace
 
-SmoothStats smooth_vertices(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
+SmoothStats smooth_vertices(TetMesh& mesh, std::span<const std::uint32_t> neighbors, const VertexStars& stars,
                             const std::vector<std::uint8_t>& fixed, const StructureField& field,
                             std::uint32_t structures, const RegionTable& regions,
                             const SmoothOptions& options, RunContext& context) {
     assert(fixed.size() == mesh.points.size());
     assert(neighbors.size() == 4 * mesh.cells.size());
-    return Smoother(mesh, neighbors, fixed, field, structures, regions, options, context.threads)
-        .run(context);
+    return Smoother(mesh, neighbors, stars, fixed, field, structures, regions, options).run(context);
 }
 
 }  // namespace anatomesh

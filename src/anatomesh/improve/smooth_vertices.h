@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
+#include "anatomesh/cut/star.h"
 #include "anatomesh/field/structure_field.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
@@ -33,10 +34,11 @@ struct SmoothStats {
 // != 0 do not move; connectivity and regions do not change; every cell stays positive by exact orientation,
 // and none gets nearly flat; no facet of an interface turns by more than 37 degrees from what its surface was
 // at the vertex. Same result at any number of threads. Requires: the mesh holds the cells outside too; every
-// vertex on its hull is fixed; `neighbors` as cell_neighbors() gives them. Complexity: linear in the cells.
+// vertex on its hull is fixed; `stars` of the mesh; `neighbors` as
+// cell_neighbors() gives them. Complexity: linear in the cells.
 // Follows: Freitag and Ollivier-Gooch, Int. J. Numer. Methods Eng. 40, 1997 (local optimisation, vertex by
 // vertex).
-SmoothStats smooth_vertices(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
+SmoothStats smooth_vertices(TetMesh& mesh, std::span<const std::uint32_t> neighbors, const VertexStars& stars,
                             const std::vector<std::uint8_t>& fixed, const StructureField& field,
                             std::uint32_t structures, const RegionTable& regions,
                             const SmoothOptions& options, RunContext& context);

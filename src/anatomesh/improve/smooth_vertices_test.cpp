@@ -37,7 +37,8 @@ SmoothStats smoothed(LabelledCase& made, int passes, int threads = 1) {
     context.threads = threads;
     SmoothOptions options;
     options.passes = passes;
-    return smooth_vertices(made.mesh, cell_neighbors(made.mesh.cells, made.mesh.points.size()), made.fixed,
+    return smooth_vertices(made.mesh, cell_neighbors(made.mesh.cells, made.mesh.points.size()),
+                           VertexStars(made.mesh.cells, made.mesh.points.size(), threads), made.fixed,
                            made.field, made.structures, made.regions, options, context);
 }
 
@@ -101,8 +102,8 @@ TEST(SmoothVertices, a_vertex_off_the_middle_of_its_neighbours_goes_there) {
         SmoothOptions options;
         options.passes = 20;
         const AnalyticField field({ball({}, 50)}, 60);
-        smooth_vertices(mesh, cell_neighbors(mesh.cells, 7), {1, 1, 1, 1, 1, 1, 0}, field, 1, {{{}, {0}}},
-                        options, context);
+        smooth_vertices(mesh, cell_neighbors(mesh.cells, 7), VertexStars(mesh.cells, 7),
+                        {1, 1, 1, 1, 1, 1, 0}, field, 1, {{{}, {0}}}, options, context);
         EXPECT_LT(length(mesh.points[6]), 0.12);
     }
 }

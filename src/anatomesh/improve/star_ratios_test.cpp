@@ -34,7 +34,8 @@ void each_move(const Body& body) {
     std::uniform_real_distribution<double> any(-1, 1);
     for (LabelledCase& made : labelled_cases()) {
         SCOPED_TRACE(made.name);
-        VertexMover mover(made.mesh, 2, least_sine_wanted);
+        const VertexStars stars(made.mesh.cells, made.mesh.points.size());
+        VertexMover mover(made.mesh, stars, 2, least_sine_wanted);
         for (std::uint32_t v = 0; v < made.mesh.points.size(); v += 7) {
             const auto star = mover.star(v);
             if (made.fixed[v] || star.size() > StarRatios::most_cells) continue;

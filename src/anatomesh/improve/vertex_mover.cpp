@@ -13,6 +13,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double nearly_flat = 1e-3;  // six volumes in cubes of the longest edge
+constexpr double clearly = 1 + 1e-9;  // by a factor that rounding does not come near to
 
 }  // namespace
 
@@ -28,6 +29,7 @@ bool VertexMover::try_better(std::uint32_t v, Vec3 p) {
 bool VertexMover::try_move(std::uint32_t v, Vec3 p, bool must_fall) {
     const Vec3 from = mesh_.points[v];
     mesh_.points[v] = p;
+    if (!must_fall && (good_sine_ > 0 ? clearly_good<true>(v) : clearly_good<false>(v))) return true;
     const Shape now = shape(v);
     const double bound = max_radius_edge_ * max_radius_edge_;
     bool accepted =
@@ -68,8 +70,26 @@ void VertexMover::for_each_apart(std::span<const std::uint32_t> vertices, int th
         const std::vector<std::uint32_t>& group = groups[static_cast<std::size_t>(g)];
         parallel_for(group.size(), 32, g + 1 < most_groups ? threads : 1,
                      [&](std::size_t first, std::size_t last) {
-                         for (std::size_t n = first; n < last; ++n) move(group[n]);
+                         for (std::size_t n = first; n < last; ++n) {
+                             if (n + 2 < last) fetch_cells(group[n + 2]);
+                             if (n + 1 < last) fetch_points(group[n + 1]);
+                             move(group[n]);
+                         }
                      });
+    }
+}
+
+// Vertices of a group lie far apart: what is at the next ones is fetched into the cache meanwhile.
+void VertexMover::fetch_cells(std::uint32_t v) const {
+    for (const std::uint32_t c : stars_.at(v)) {
+        __builtin_prefetch(&mesh_.cells[c]);
+        __builtin_prefetch(&mesh_.regions[c]);
+    }
+}
+
+void VertexMover::fetch_points(std::uint32_t v) const {
+    for (const std::uint32_t c : stars_.at(v)) {
+        for (const std::uint32_t u : mesh_.cells[c]) __builtin_prefetch(&mesh_.points[u]);
     }
 }
 
@@ -112,6 +132,30 @@ VertexMover::Shape VertexMover::shape(std::uint32_t v) const {
         if (good_sine_ > 0) worst.sine = std::min(worst.sine, m.least_sine());
     }
     return worst;
+}
+
+template <bool sines>
+bool VertexMover::clearly_good(std::uint32_t v) const {
+    const double most = max_radius_edge_ * max_radius_edge_, least = good_sine_ * good_sine_;
+    const auto flat = [](const CellTerms& t) {
+        const double longest = t.squared_longest;
+        return !(t.volume6 > 0 &&
+                 t.volume6 * t.volume6 > clearly * nearly_flat * nearly_flat * longest * longest * longest);
+    };
+    for (const std::uint32_t cell : stars_.at(v)) {
+        const Cell& c = mesh_.cells[cell];
+        const Vec3 p0 = mesh_.points[c[0]], p1 = mesh_.points[c[1]], p2 = mesh_.points[c[2]],
+                   p3 = mesh_.points[c[3]];
+        if (mesh_.regions[cell] == 0) {
+            if (flat(cell_terms<false, false>(p0, p1, p2, p3))) return false;
+            continue;
+        }
+        const CellTerms t = cell_terms<sines, true>(p0, p1, p2, p3);
+        const double squared = t.volume6 * t.volume6;
+        if (flat(t) || !(clearly * t.radius < most * 4 * squared * t.shortest)) return false;
+        if (sines && !(squared * t.sine > clearly * least * t.facets)) return false;
+    }
+    return true;
 }
 
 bool VertexMover::positive(std::uint32_t v) const {

@@ -14,13 +14,10 @@ namespace anatomesh {
 // moved at the same time.
 class VertexMover {
   public:
-    // `good_sine`: a least sine of dihedral angles that cells inside may fall to; below it they may not get
-    // worse. `threads`: for making it.
-    VertexMover(TetMesh& mesh, double max_radius_edge, double good_sine = 0, int threads = 1)
-        : mesh_(mesh),
-          max_radius_edge_(max_radius_edge),
-          good_sine_(good_sine),
-          stars_(mesh.cells, mesh.points.size(), threads) {}
+    // `stars`: the mesh's, which outlive the mover. `good_sine`: a least sine of dihedral angles that cells
+    // inside may fall to; below it they may not get worse.
+    VertexMover(TetMesh& mesh, const VertexStars& stars, double max_radius_edge, double good_sine = 0)
+        : mesh_(mesh), stars_(stars), max_radius_edge_(max_radius_edge), good_sine_(good_sine) {}
 
     // Moves v to p and says true if every cell at v stays positive (exactly) and the worst radius-edge ratio
     // of the cells inside at v stays below the bound or falls, and no cell at v becomes nearly flat (six
@@ -49,12 +46,18 @@ class VertexMover {
         double sine;           // of those inside
     };
     Shape shape(std::uint32_t v) const;
+    // Whether all are within the bounds by more than rounding: nearly always, and told sooner than their
+    // shape.
+    template <bool sines>
+    bool clearly_good(std::uint32_t v) const;
     bool try_move(std::uint32_t v, Vec3 p, bool must_fall);
     bool positive(std::uint32_t v) const;
+    void fetch_cells(std::uint32_t v) const;
+    void fetch_points(std::uint32_t v) const;
 
     TetMesh& mesh_;
+    const VertexStars& stars_;
     double max_radius_edge_, good_sine_;
-    VertexStars stars_;
 };
 
 }  // namespace anatomesh

@@ -71,12 +71,14 @@ Bar Workbench::bar_of(std::span<const std::uint32_t> cells_in) const {
 }
 
 double Workbench::value(const Cell& c, Region region, const Bar& bar) const {
+    if (region == 0) {
+        const double outside = sine(c);
+        return outside > 0 && outside >= needed_outside_sine(bar) ? 1 : -1;
+    }
     const CellMeasures m =
         measure_cell(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3]));
-    const double sine = m.least_sine();
-    if (region == 0) return sine > 0 && sine >= needed_outside_sine(bar) ? 1 : -1;
-    if (!(sine > 0) || m.squared_ratio > allowed_squared_ratio(bar)) return -1;
-    return sine;
+    const double inside = m.least_sine();
+    return inside > 0 && m.squared_ratio <= allowed_squared_ratio(bar) ? inside : -1;
 }
 
 bool Workbench::commit(std::span<const std::uint32_t> removed, std::span<const Cell> added,

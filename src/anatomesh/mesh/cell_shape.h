@@ -22,30 +22,49 @@ struct CellMeasures {
     double least_sine() const { return volume6 * std::sqrt(squared_sine); }
 };
 
-// Without `sine` or `ratio` that figure stays 0.
+// The same as numerators and denominators: what only compares needs neither quotients nor roots.
+struct CellTerms {
+    double volume6 = 0, squared_longest = 0;  // as above
+    double sine = 0, facets = 0;              // squared_sine is their quotient
+    double radius = 0,
+           shortest = 0;  // squared_ratio is radius over 4 volume6^2 times the squared shortest edge
+};
+
+// Without `sine` or `ratio` these terms stay 0.
 template <bool sine = true, bool ratio = true>
-CellMeasures measure_cell(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+CellTerms cell_terms(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
     const Vec3 ab = b - a, ac = c - a, ad = d - a, bc = c - b, bd = d - b, cd = d - c;
     const Vec3 nb = cross(ac, ad), nc = cross(ad, ab), nd = cross(ab, ac);
     const double ab2 = squared_length(ab), ac2 = squared_length(ac), ad2 = squared_length(ad),
                  bc2 = squared_length(bc), bd2 = squared_length(bd), cd2 = squared_length(cd);
-    CellMeasures measures;
-    measures.volume6 = dot(nd, ad);
-    measures.squared_longest = std::max({ab2, ac2, ad2, bc2, bd2, cd2});
+    CellTerms terms;
+    terms.volume6 = dot(nd, ad);
+    terms.squared_longest = std::max({ab2, ac2, ad2, bc2, bd2, cd2});
     if constexpr (sine) {
         // |n_k| |n_l| sin = 6 volume |edge|, n_k and n_l the normals of the facets at the edge.
         const double fa = squared_length(cross(bc, bd)), fb = squared_length(nb), fc = squared_length(nc),
                      fd = squared_length(nd);
-        const double least = std::min(
+        terms.sine = std::min(
             {ab2 * fa * fb, ac2 * fa * fc, ad2 * fa * fd, bc2 * fb * fc, bd2 * fb * fd, cd2 * fc * fd});
-        measures.squared_sine = least / (fa * fb * fc * fd);
+        terms.facets = fa * fb * fc * fd;
     }
     if constexpr (ratio) {
-        const Vec3 offset = ad2 * nd + ac2 * nc + ab2 * nb;
-        const double shortest = std::min({ab2, ac2, ad2, bc2, bd2, cd2});
-        measures.squared_ratio =
-            squared_length(offset) / (4 * measures.volume6 * measures.volume6 * shortest);
+        terms.radius = squared_length(ad2 * nd + ac2 * nc + ab2 * nb);
+        terms.shortest = std::min({ab2, ac2, ad2, bc2, bd2, cd2});
     }
+    return terms;
+}
+
+// Without `sine` or `ratio` that figure stays 0.
+template <bool sine = true, bool ratio = true>
+CellMeasures measure_cell(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+    const CellTerms terms = cell_terms<sine, ratio>(a, b, c, d);
+    CellMeasures measures;
+    measures.volume6 = terms.volume6;
+    measures.squared_longest = terms.squared_longest;
+    if constexpr (sine) measures.squared_sine = terms.sine / terms.facets;
+    if constexpr (ratio)
+        measures.squared_ratio = terms.radius / (4 * terms.volume6 * terms.volume6 * terms.shortest);
     return measures;
 }
 

@@ -441,25 +441,29 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * stats.size_mm;
         if (spared_) options.rounds = 0;
+        std::optional<VertexStars> stars(find_stars());
         const ImproveStats improved =
-            improve(model_.mesh, fixed, *field_, structures_, model_.regions, options, context_);
+            improve(model_.mesh, *stars, fixed, *field_, structures_, model_.regions, options, context_);
         // Before, so that fewer angles are bad; after, since flips leave room.
-        SmoothStats smoothed = smooth_all(fixed);
+        SmoothStats smoothed = smooth_all(*stars, fixed);
+        stars.reset();
         // Much of that is serial: the field's volumes are found beside it.
         DihedralStats dihedrals;
         Status volumes = Nothing{};
         parallel_tasks(context_.threads,
                        {[&] { dihedrals = improve_angles(fixed); }, [&] { volumes = find_volumes(); }});
         ANATOMESH_CHECK_STATUS(volumes);
-        const SmoothStats again = smooth_all(fixed);
+        stars = find_stars();
+        const SmoothStats again = smooth_all(*stars, fixed);
         smoothed.vertices_moved += again.vertices_moved;
         smoothed.surface_vertices_moved += again.surface_vertices_moved;
         BalanceOptions balance;
         balance.max_offset_mm = balance_reach * stats.size_mm;
         balance.ends = field_->flat_ends();
         balance.end_tolerance_mm = interface_tolerance * stats.size_mm;
-        const BalanceStats balanced = balance_volumes(model_.mesh, neighbors_, model_.regions, fixed,
-                                                      volumes_mm3_, options_.max_radius_edge, balance, context_.threads);
+        const BalanceStats balanced =
+            balance_volumes(model_.mesh, neighbors_, *stars, model_.regions, fixed, volumes_mm3_,
+                            options_.max_radius_edge, balance, context_.threads);
         figures_ = {{"vertices_onto_interface", static_cast<double>(improved.vertices_onto_interface)},
                     {"vertices_smoothed", static_cast<double>(improved.vertices_smoothed)},
                     {"above_bound_before", static_cast<double>(improved.above_bound_before)},
@@ -496,13 +500,17 @@ class Builder {
         return Nothing{};
     }
 
-    SmoothStats smooth_all(const std::vector<std::uint8_t>& fixed) {
+    VertexStars find_stars() const {
+        return VertexStars(model_.mesh.cells, model_.mesh.points.size(), context_.threads);
+    }
+
+    SmoothStats smooth_all(const VertexStars& stars, const std::vector<std::uint8_t>& fixed) {
         SmoothOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
-        return smooth_vertices(model_.mesh, neighbors_, fixed, *field_, structures_, model_.regions, options,
-                               context_);
+        return smooth_vertices(model_.mesh, neighbors_, stars, fixed, *field_, structures_, model_.regions,
+                               options, context_);
     }
 
     // Contour segments that are edges of the surface stay edges of it.

@@ -17,7 +17,7 @@ namespace {
 struct PieceTable {
     std::vector<std::uint32_t> start, other,
         slot;                          // slot: of each piece in `other`, the piece's higher vertex
-    std::vector<std::uint8_t> is_end;  // most cells have fewer than two vertices that are
+    std::vector<std::uint8_t> is_end;  // most cells and edges have fewer than two vertices that are
 
     PieceTable(std::size_t point_count, const std::vector<SegmentPiece>& pieces)
         : start(point_count + 1, 0), other(pieces.size()), slot(pieces.size()), is_end(point_count, 0) {
@@ -39,8 +39,11 @@ struct PieceTable {
             [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& out) {
                 for (std::size_t c = first; c < last; ++c) {
                     const Cell& cell = cells[c];
-                    if (is_end[cell[0]] + is_end[cell[1]] + is_end[cell[2]] + is_end[cell[3]] < 2) continue;
+                    const std::array<std::uint8_t, 4> end{is_end[cell[0]], is_end[cell[1]], is_end[cell[2]],
+                                                          is_end[cell[3]]};
+                    if (end[0] + end[1] + end[2] + end[3] < 2) continue;
                     for (const auto& [i, j] : cell_edges) {
+                        if ((end[i] & end[j]) == 0) continue;
                         const std::uint32_t a = std::min(cell[i], cell[j]), b = std::max(cell[i], cell[j]);
                         for (std::uint32_t s = start[a]; s < start[a + 1]; ++s) {
                             if (other[s] == b) body(c, s, out);

@@ -7,6 +7,7 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/cull/cull.h"
+#include "anatomesh/mesh/prefetch.h"
 #include "anatomesh/mesh/quality.h"
 #include "anatomesh/sample/interface_probe.h"
 
@@ -164,6 +165,7 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
         [&](std::size_t first, std::size_t last, std::vector<BadCell>& out) {
             Inside& here = inside[first / grain];
             for (std::size_t n = first; n < last; ++n) {
+                if (n + cells_ahead < last) prefetch_points(points, mesh.cells[look[n + cells_ahead]]);
                 const std::uint32_t c = look[n];
                 const Cell& cell = mesh.cells[c];
                 const bool is_inside = regions[c] != 0;

@@ -11,13 +11,24 @@ namespace {
 // Onto several surfaces: one after the other, so often, until none is farther than so many tolerances.
 constexpr int focus_rounds = 6;
 constexpr double focus_slack = 10;
+constexpr double everywhere = std::numeric_limits<double>::infinity();  // as a reach
 
 }  // namespace
+
+double InterfaceProbe::single_value(Vec3 p, double reach) {
+    if (p == looked_at_) return seen_;
+    const double value = field_.value_within(0, p, reach);
+    if (std::abs(value) <= reach) {
+        looked_at_ = p;
+        seen_ = value;
+    }
+    return value;
+}
 
 const std::vector<std::uint32_t>& InterfaceProbe::members(Vec3 p) {
     members_.clear();
     if (single_) {
-        if (field_.value_within(0, p, 0) < 0) members_.push_back(0);
+        if (single_value(p, 0) < 0) members_.push_back(0);
     } else {
         field_.members(p, members_);
     }
@@ -33,7 +44,7 @@ void InterfaceProbe::focus_between(const std::vector<std::uint32_t>& here,
 }
 
 double InterfaceProbe::distance(Vec3 p, double reach) {
-    if (single_) return std::abs(field_.value_within(0, p, reach));
+    if (single_) return std::abs(single_value(p, reach));
     if (focus_.empty()) return field_.interface_distance(p);
     double farthest = 0;
     for (const std::uint32_t s : focus_) farthest = std::max(farthest, std::abs(field_.value(s, p)));
@@ -45,19 +56,15 @@ InterfaceProbe::Look InterfaceProbe::look(Vec3 p, double reach) {
         const double distance = field_.members_and_distance(p, members_);
         return {members_, distance};
     }
-    const double value = field_.value_within(0, p, reach);
+    const double value = single_value(p, reach);
     members_.clear();
     if (value < 0) members_.push_back(0);
-    if (std::abs(value) <= reach) {
-        looked_at_ = p;
-        seen_ = value;
-    }
     return {members_, std::abs(value)};
 }
 
 double InterfaceProbe::fix_side(Vec3 p) {
     if (single_ || !focus_.empty()) {
-        const double value = single_ && p == looked_at_ ? seen_ : field_.value(surface_, p);
+        const double value = single_ ? single_value(p, everywhere) : field_.value(surface_, p);
         sign_ = value < 0 ? -1 : 1;
         return std::abs(value);
     }

@@ -56,6 +56,7 @@ class InterfaceProbe {
     // Positive while the region is that at the point which `fix_side` was given, negative beyond; zero on the interface.
     // fix_side returns its value there.
     double fix_side(Vec3 p);
+    double single_value(Vec3 p, double reach);
     double side_distance(Vec3 p);
     std::optional<Vec3> project_one(Vec3 p, double max_move, double tolerance);
     Vec3 crossing_between(Vec3 p, Vec3 q, double at_p, double at_q, double tolerance);
@@ -65,7 +66,7 @@ class InterfaceProbe {
     double sign_ = 1;                // one surface alone: the sign of the value on this side
     std::vector<std::uint32_t> focus_;  // structures, if not all
     std::uint32_t surface_ = 0;         // that of the structure looked at
-    Vec3 looked_at_{NAN, NAN, NAN};  // single structure: where look() last found the exact value, and that
+    Vec3 looked_at_{NAN, NAN, NAN};     // single structure: where the exact value was last found, and that
     double seen_ = 0;
     std::vector<std::uint32_t> side_, members_;  // members on this side; scratch
 };
