@@ -1,6 +1,7 @@
 #include "anatomesh/reconcile/align_slices.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "anatomesh/reconcile/contour_graph.h"
@@ -102,6 +103,47 @@ std::vector<Vec2> estimate_shifts(const ContourSet& set, std::span<const LineCom
         for (std::size_t i = 0; i < shifts.size(); ++i) direction[i] = residual[i] + ratio * direction[i];
     }
     return shifts;
+}
+
+Vec3 common_translation(const ContourSet& set, std::span<const Vec2> shifts) {
+    constexpr int steps = 100;
+    constexpr double least_mm = 1e-4;         // lengths below do not gain weight any more
+    constexpr double least_stiffness = 1e-9;  // along directions in which no slice moves
+    const auto left_of = [&](std::size_t s, Vec3 translation) {
+        const Plane& plane = set.slices[s].plane;
+        return shifts[s] - Vec2{dot(translation, plane.u), dot(translation, plane.v)};
+    };
+    const auto movement = [&](Vec3 translation) {
+        double sum = 0;
+        for (std::size_t s = 0; s < shifts.size(); ++s) sum += length(left_of(s, translation));
+        return sum;
+    };
+    Vec3 translation;
+    for (int step = 0; step < steps; ++step) {
+        // Rows of the normal equations, and their right side.
+        std::array<Vec3, 3> rows{};
+        Vec3 right;
+        double weights = 0;
+        for (std::size_t s = 0; s < shifts.size(); ++s) {
+            const Plane& plane = set.slices[s].plane;
+            const double weight = 1 / std::max(length(left_of(s, translation)), least_mm);
+            weights += weight;
+            for (const Vec3& axis : {plane.u, plane.v}) {
+                rows[0] += weight * axis.x * axis, rows[1] += weight * axis.y * axis;
+                rows[2] += weight * axis.z * axis;
+            }
+            right += weight * (shifts[s].x * plane.u + shifts[s].y * plane.v);
+        }
+        rows[0].x += least_stiffness * weights, rows[1].y += least_stiffness * weights;
+        rows[2].z += least_stiffness * weights;
+        // Cramer's rule; the rows are the columns.
+        const Vec3 across = cross(rows[1], rows[2]);
+        const double determinant = dot(rows[0], across);
+        if (!(determinant > 0)) break;
+        translation = (1 / determinant) * Vec3{dot(right, across), dot(rows[0], cross(right, rows[2])),
+                                               dot(rows[0], cross(rows[1], right))};
+    }
+    return movement(translation) <= 0.75 * movement({}) ? translation : Vec3{};
 }
 
 }  // namespace anatomesh

@@ -17,4 +17,11 @@ namespace anatomesh {
 std::vector<Vec2> estimate_shifts(const ContourSet& set, std::span<const LineComparison> comparisons,
                                   std::span<const Vec2> shifted);
 
+// Shifts that move all slices with the solid by one translation in space leave them as they were to each
+// other, but for what planes cannot follow out of themselves. The translation that, taken off all of them,
+// leaves the least movement in all (the sum of the lengths: the geometric median, Weiszfeld, Tohoku Math. J.
+// 43, 1937): a few slices that are out of place with each other move then, and the many stay. Zero unless at
+// most half of the movement is left.
+Vec3 common_translation(const ContourSet& set, std::span<const Vec2> shifts);
+
 }  // namespace anatomesh

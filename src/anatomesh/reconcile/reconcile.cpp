@@ -102,27 +102,36 @@ class Reconciler {
         return "slices " + set_.slices[a].name + " and " + set_.slices[b].name;
     }
 
+    void shift_slices(const std::vector<Vec2>& shifts) {
+        for (const Contour& contour : set_.contours) {
+            const Plane& plane = set_.slices[contour.slice].plane;
+            const Vec3 shift = shifts[contour.slice].x * plane.u + shifts[contour.slice].y * plane.v;
+            for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k)
+                set_.points[k] += shift;
+        }
+    }
+
     Status align() {
         std::vector<Vec2> total(set_.slices.size());
-        for (int round = 0; round < most_align_rounds; ++round) {
-            compare();
-            if (context_.cancelled()) return cancelled_error();
-            const std::vector<Vec2> shifts = estimate_shifts(set_, comparisons_, total);
+        const auto add = [&](const std::vector<Vec2>& shifts) {
+            shift_slices(shifts);
             double largest = 0;
-            for (const Contour& contour : set_.contours) {
-                const Plane& plane = set_.slices[contour.slice].plane;
-                const Vec3 shift = shifts[contour.slice].x * plane.u + shifts[contour.slice].y * plane.v;
-                for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count;
-                     ++k) {
-                    set_.points[k] += shift;
-                }
-            }
             for (std::size_t s = 0; s < shifts.size(); ++s) {
                 total[s] = total[s] + shifts[s];
                 largest = std::max(largest, length(shifts[s]));
             }
-            if (largest < align_precision_mm) break;
+            return largest;
+        };
+        for (int round = 0; round < most_align_rounds; ++round) {
+            compare();
+            if (context_.cancelled()) return cancelled_error();
+            if (add(estimate_shifts(set_, comparisons_, total)) < align_precision_mm) break;
         }
+        const Vec3 common = common_translation(set_, total);
+        std::vector<Vec2> back;
+        for (const Slice& slice : set_.slices)
+            back.push_back({-dot(common, slice.plane.u), -dot(common, slice.plane.v)});
+        if (length(common) > 0) add(back);
         for (std::uint32_t s = 0; s < total.size(); ++s) {
             const Plane& plane = set_.slices[s].plane;
             stats_.movements[s].shift = total[s].x * plane.u + total[s].y * plane.v;
@@ -412,7 +421,7 @@ class Reconciler {
 
     void warn_of_shifts() {
         std::uint32_t shifted = 0, worst = 0;
-        double sum = 0;
+        double sum = 0, others = 0;
         for (std::uint32_t s = 0; s < stats_.movements.size(); ++s) {
             const double shift = length(stats_.movements[s].shift);
             if (shift < 10 * align_precision_mm) continue;
@@ -421,11 +430,15 @@ class Reconciler {
             if (shift > length(stats_.movements[worst].shift)) worst = s;
         }
         if (shifted == 0) return;
+        for (std::uint32_t s = 0; s < stats_.movements.size(); ++s) {
+            if (s != worst) others = std::max(others, length(stats_.movements[s].shift));
+        }
         context_.warn({"W-RCN-001",
-                       std::to_string(shifted) +
+                       std::to_string(shifted) + " of " + std::to_string(stats_.movements.size()) +
                            " slices agree better with those that they cross when they are " +
                            "shifted in their planes, by " + brief(sum / shifted) +
-                           " mm in the mean and most in slice " + set_.slices[worst].name,
+                           " mm in the mean and most in slice " + set_.slices[worst].name +
+                           "; the others by " + brief(others) + " mm at most",
                        place_of_slice(worst, length(stats_.movements[worst].shift)), "shifted"});
     }
 

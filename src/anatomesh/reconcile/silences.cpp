@@ -20,8 +20,9 @@ std::vector<std::vector<bool>> drawn_on(const ContourSet& set) {
     return drawn;
 }
 
-// Whether slices of its own direction draw the structure, all of them on one side of the slice.
-bool is_beyond_an_end(const ContourSet& set, const std::vector<std::vector<bool>>& drawn, std::uint32_t slice,
+// On which side of the slice those of its own direction draw the structure, -1 or 1; 0: on both or not at
+// all.
+int side_of_structure(const ContourSet& set, const std::vector<std::vector<bool>>& drawn, std::uint32_t slice,
                       std::uint32_t structure) {
     const Plane& plane = set.slices[slice].plane;
     bool above = false, below = false;
@@ -37,7 +38,7 @@ bool is_beyond_an_end(const ContourSet& set, const std::vector<std::vector<bool>
             }
         }
     }
-    return above != below;
+    return above == below ? 0 : above ? 1 : -1;
 }
 
 // How many slices of other directions draw the structure.
@@ -68,7 +69,25 @@ double depth(const ContourSet& set, const LineComparison& c, bool of_a) {
 struct Shown {
     std::uint32_t by = 0, slices = 0;
     double length_mm = 0, depth_mm = 0;  // the most on any line
+    int side = 0;                        // where it is beyond an end of the structure: that of the structure
+    bool is_silent = false;
 };
+
+// Whether slice `far` lies beyond slice `near`, seen from a structure on the given side of both.
+bool lies_beyond(const ContourSet& set, std::uint32_t far, std::uint32_t near, int side) {
+    const Plane &plane = set.slices[near].plane, &other = set.slices[far].plane;
+    if (std::abs(dot(plane.normal, other.normal)) < same_direction) return false;
+    Vec3 middle;
+    const Slice& slice = set.slices[far];
+    double count = 0;
+    for (const Contour& contour : set.contours_of(slice)) {
+        for (const Vec3& p : set.points_of(contour)) {
+            middle += p;
+            ++count;
+        }
+    }
+    return count > 0 && side * plane.signed_distance((1 / count) * middle) < -on_plane_mm;
+}
 
 }  // namespace
 
@@ -87,12 +106,23 @@ std::vector<Silence> find_silences(const ContourSet& set, std::span<const LineCo
             most.depth_mm = std::max(most.depth_mm, depth(set, c, of_a));
         }
     }
+    for (auto& [key, most] : shown) {
+        const auto [slice, structure] = key;
+        const bool few = 2 * most.slices <= drawn_across(set, drawn, slice, structure);
+        most.side = side_of_structure(set, drawn, slice, structure);
+        most.is_silent = most.side == 0 || (!few && most.depth_mm > spacing);
+    }
+    // Where the structure goes on through one slice, those beyond do not end it.
     std::vector<Silence> silences;
     for (const auto& [key, most] : shown) {
         const auto [slice, structure] = key;
-        const bool few = 2 * most.slices <= drawn_across(set, drawn, slice, structure);
-        if ((few || most.depth_mm <= spacing) && is_beyond_an_end(set, drawn, slice, structure)) continue;
-        silences.push_back({slice, structure, most.by, most.length_mm});
+        const bool is_led_beyond = std::any_of(
+            shown.begin(), shown.end(), [&, slice = slice, structure = structure](const auto& near) {
+                return near.second.is_silent && near.second.side != 0 && near.first.second == structure &&
+                       near.first.first != slice &&
+                       lies_beyond(set, slice, near.first.first, near.second.side);
+            });
+        if (most.is_silent || is_led_beyond) silences.push_back({slice, structure, most.by, most.length_mm});
     }
     return silences;
 }

@@ -24,8 +24,10 @@ struct Silence {
 // says nothing of it. One rule beside that: where slices that run within 30 degrees of it draw the structure
 // on its one side only, and those that cross it lead the structure beyond it by `spacing` at most, or no more
 // than half of those of other directions that draw it lead it so far at all, the slice lies beyond the
-// structure's end and says "outside". In order of slices and structures. `comparisons`: of the set
-// (compare_planes). Complexity: O(points of comparisons' contours + slices^2).
+// structure's end and says "outside" - unless a slice of its direction nearer to the structure, beyond the
+// same end, says nothing: what goes on through the nearer one is not ended by the farther. In order of slices
+// and structures. `comparisons`: of the set (compare_planes). Complexity: O(points of comparisons' contours +
+// slices^2), for each silence O(points of the slices with others of its structure).
 std::vector<Silence> find_silences(const ContourSet& set, std::span<const LineComparison> comparisons,
                                    double spacing);
 

@@ -91,7 +91,8 @@ TEST(Silences, beyond_the_end_of_its_own_direction_a_slice_says_outside) {
               (std::vector<std::pair<std::uint32_t, std::uint32_t>>{{4, 1}}));
 }
 
-// One slice that is drawn too far does not outvote the slices that it crosses; all of them together do.
+// One slice that is drawn too far does not outvote the slices that it crosses; all of them together do, and
+// go as far as they are drawn: the outermost slice does not cut off what goes on through those before it.
 TEST(Silences, beyond_an_end_one_slice_among_many_does_not_prolong_a_structure) {
     std::vector<std::pair<int, double>> planes = stack(2);
     const auto across = stack(0);
@@ -104,8 +105,8 @@ TEST(Silences, beyond_an_end_one_slice_among_many_does_not_prolong_a_structure) 
                 if (set.points[n].z == 8) set.points[n].z = 17;
             }
         }
-        // At 8.3 and 12.3.
-        const std::vector<std::pair<std::uint32_t, std::uint32_t>> outvoted{{6, 1}, {7, 1}};
+        // At 8.3, 12.3 and 16.3.
+        const std::vector<std::pair<std::uint32_t, std::uint32_t>> outvoted{{6, 1}, {7, 1}, {8, 1}};
         EXPECT_EQ(silences_of(set), all ? outvoted : decltype(outvoted){});
     }
 }
