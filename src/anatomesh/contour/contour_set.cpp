@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomesh/contour/repeated_planes.h"
+
 namespace anatomesh {
 
 namespace {
@@ -38,6 +40,7 @@ double median_spacing(const ContourSet& set) {
         const double gap = positions[i] - positions[i - 1];
         if (gap > same) gaps.push_back(gap);
     }
+    gaps = usual_gaps(gaps);
     if (gaps.empty()) return 0;
     const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>((gaps.size() - 1) / 2);
     std::nth_element(gaps.begin(), middle, gaps.end());

@@ -51,6 +51,9 @@ TEST(ContourSet, a_slice_at_the_same_position_opens_no_gap) {
     EXPECT_EQ(median_spacing(stack({0, 0, 0, 0, 3, 6}, {0, 0, 1})), 3);
     EXPECT_EQ(median_spacing(stack({4, 4}, {0, 0, 1})), 0);
     EXPECT_NEAR(median_spacing(stack({100, 100 + 1e-12, 103, 106}, {0, 0, 1})), 3, 1e-9);
+    // A plane given again a little off itself.
+    EXPECT_NEAR(median_spacing(stack({0, 0.1, 2, 2.1, 4, 4.1, 6}, {0, 0, 1})), 1.9, 1e-9);
+    EXPECT_NEAR(median_spacing(stack({0, 0.1}, {0, 0, 1})), 0.1, 1e-9);
 }
 
 }  // namespace

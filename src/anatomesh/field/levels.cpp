@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "anatomesh/contour/repeated_planes.h"
+
 namespace anatomesh {
 
 namespace {
@@ -18,13 +20,35 @@ double lower_median(std::vector<double> values) {
     return *middle;
 }
 
-// Lower median of the gaps within three of gap i: one missing slice does not move it, a change of spacing
-// does.
-double local_spacing(const std::vector<double>& gaps, std::size_t i) {
-    const std::size_t first = i < 3 ? 0 : i - 3, last = std::min(gaps.size(), i + 4);
-    return lower_median({gaps.begin() + static_cast<std::ptrdiff_t>(first),
-                         gaps.begin() + static_cast<std::ptrdiff_t>(last)});
-}
+// The gaps between slices of a stack, and what is usual among them: a plane given again counts once.
+class Gaps {
+  public:
+    explicit Gaps(std::vector<double> all)
+        : all_(std::move(all)), within_repeats_(gaps_within_repeats(all_)) {
+        for (std::size_t i = 0; i < all_.size(); ++i) {
+            place_.push_back(usual_.size());
+            if (counts(i)) usual_.push_back(all_[i]);
+        }
+    }
+
+    std::size_t size() const { return all_.size(); }
+    double operator[](std::size_t i) const { return all_[i]; }
+    bool counts(std::size_t i) const { return !within_repeats_[i]; }
+
+    // Lower median of the gaps that count within three of gap i: one missing slice does not move it, a change
+    // of spacing does.
+    double local_spacing(std::size_t i) const {
+        const std::size_t at = std::min(place_[i], usual_.size() - 1);
+        const std::size_t first = at < 3 ? 0 : at - 3, last = std::min(usual_.size(), at + 4);
+        return lower_median({usual_.begin() + static_cast<std::ptrdiff_t>(first),
+                             usual_.begin() + static_cast<std::ptrdiff_t>(last)});
+    }
+
+  private:
+    std::vector<double> all_, usual_;
+    std::vector<bool> within_repeats_;
+    std::vector<std::size_t> place_;  // in usual_, of each gap or the next one that counts
+};
 
 // The slices that say something about a structure, as indices of intervals: those from its first to its last
 // one, or its own alone when at least half its gaps skip slices of the set.
@@ -78,26 +102,27 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
     StructureLevels result;
     const std::vector<std::uint32_t> telling = telling_slices(drawn, every_slice);
     const bool own_spacing = telling.size() < drawn.back() - drawn.front() + 1u;
-    std::vector<double> gaps;
+    std::vector<double> between;
     for (std::size_t i = 1; i < telling.size(); ++i) {
-        gaps.push_back(intervals[telling[i]].low - intervals[telling[i - 1]].high);
+        between.push_back(intervals[telling[i]].low - intervals[telling[i - 1]].high);
     }
+    const Gaps gaps(std::move(between));
     const auto is_open = [&](std::size_t gap) {
-        return gaps[gap] > options.max_gap_spacings * local_spacing(gaps, gap) * 1.001;
+        return gaps[gap] > options.max_gap_spacings * gaps.local_spacing(gap) * 1.001;
     };
     // Spacing where a part begins or ends: the local one, or that of the part itself where it is smaller; of
     // gaps that alternate the median is the other one.
     const auto spacing_at = [&](std::size_t end, int inward) {
-        if (gaps.empty()) return spacing;
+        if (gaps.size() == 0) return spacing;
         std::vector<double> own;
-        for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t i = 0; own.size() < 4; ++i) {
             const std::size_t gap = inward > 0 ? end + i : end - 1 - i;
             if (gap >= gaps.size() || is_open(gap)) break;
-            own.push_back(gaps[gap]);
+            if (gaps.counts(gap)) own.push_back(gaps[gap]);
         }
         const std::size_t beside =
             inward > 0 ? std::min(end, gaps.size() - 1) : std::max<std::size_t>(end, 1) - 1;
-        const double local = local_spacing(gaps, beside);
+        const double local = gaps.local_spacing(beside);
         return own.empty() ? local : std::min(local, lower_median(std::move(own)));
     };
 
@@ -141,7 +166,7 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                 const double above = std::max(ends.second - std::min(spacing_at(i, 1), 0.5 * gap), below);
                 close_part({below, below, Level::no_slice});
                 result.levels.push_back({above, above, Level::no_slice});
-            } else if (gap > 1.5 * local_spacing(gaps, i - 1)) {
+            } else if (gap > 1.5 * gaps.local_spacing(i - 1)) {
                 result.bridged_gaps.push_back(ends);
             }
         }

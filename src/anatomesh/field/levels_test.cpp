@@ -78,7 +78,7 @@ TEST(Levels, rise_for_any_spacings_and_an_end_takes_at_most_half_of_an_open_gap)
 
 // Slices in pairs: every pair is a part of its own, half its own spacing longer at both ends.
 TEST(Levels, of_alternating_gaps_each_part_ends_half_its_own_spacing_beyond) {
-    for (const double ratio : {2.1, 3.0, 4.0, 5.0, 20.0}) {
+    for (const double ratio : {2.1, 3.0, 4.0, 5.0, 9.0}) {
         for (int slices = 7; slices <= 15; ++slices) {  // fewer do not tell which of the two is the spacing
             for (const bool pair_first : {true, false}) {
                 const auto gaps =
@@ -92,6 +92,40 @@ TEST(Levels, of_alternating_gaps_each_part_ends_half_its_own_spacing_beyond) {
                 EXPECT_NEAR(length, joined + static_cast<double>(parts), 1e-9) << ratio << " " << slices;
             }
         }
+    }
+}
+
+// However many planes of a stack are given again a little off themselves, it goes on through them.
+TEST(Levels, of_planes_given_twice_or_more_count_once) {
+    std::mt19937 random(5);
+    for (const double off : {0.001, 0.01, 0.05, 0.09}) {
+        for (const double share : {0.1, 0.5, 1.0}) {
+            for (int slices = 3; slices <= 12; ++slices) {
+                std::vector<double> gaps;
+                std::bernoulli_distribution is_repeated(share);
+                double more = 0;
+                for (int i = 0; i < slices; ++i) {
+                    if (i > 0) gaps.push_back(1.0);
+                    for (int again = 0; again < 2 && is_repeated(random); ++again) {
+                        gaps.push_back(off / 2);
+                        more += off / 2;
+                    }
+                }
+                const StructureLevels levels = levels_of(gaps, {});
+                EXPECT_TRUE(levels.open_gaps.empty());
+                EXPECT_TRUE(levels.bridged_gaps.empty());
+                EXPECT_NEAR(inside_of(levels).first, slices - 1 + more + 1, 1e-9) << off << ' ' << share;
+            }
+        }
+    }
+}
+
+TEST(Levels, of_two_fine_stacks_apart_are_two_parts) {
+    for (const int fine : {3, 5, 9}) {
+        std::vector<double> gaps(static_cast<std::size_t>(fine), 0.1);
+        gaps.push_back(2);
+        gaps.insert(gaps.end(), static_cast<std::size_t>(fine), 0.1);
+        EXPECT_EQ(inside_of(levels_of(gaps, {})).second, 2u) << fine;
     }
 }
 

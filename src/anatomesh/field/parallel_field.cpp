@@ -9,6 +9,7 @@
 #include <span>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/contour/repeated_planes.h"
 #include "anatomesh/field/caps.h"
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/field_queries.h"
@@ -644,6 +645,7 @@ double median_gap(const std::vector<SliceInterval>& intervals) {
     std::vector<double> gaps;
     for (std::size_t i = 1; i < intervals.size(); ++i)
         gaps.push_back(intervals[i].low - intervals[i - 1].high);
+    gaps = usual_gaps(gaps);
     if (gaps.empty()) return 0;
     std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
     return gaps[gaps.size() / 2];
