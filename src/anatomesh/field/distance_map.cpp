@@ -1,7 +1,6 @@
 #include "anatomesh/field/distance_map.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -13,15 +12,6 @@
 namespace anatomesh {
 
 namespace {
-
-// Entries of cells_ below first_list: no edge within the limit of any point of the cell.
-constexpr std::uint32_t far_outside = 0, far_inside = 1, first_list = 2;
-
-// The head of a list: how many entries, of which level, and whether the boundary crosses the cell or leaves
-// it on one side.
-constexpr std::uint32_t crossed = 0, all_outside = 1, all_inside = 2, side_bits = 2, level_bits = 2;
-constexpr std::uint32_t side_mask = (1u << side_bits) - 1, level_mask = ((1u << level_bits) - 1) << side_bits;
-constexpr std::uint32_t count_shift = side_bits + level_bits, head_size = 2;
 
 constexpr std::uint32_t longest_list = 64;  // longer ones become lists of strips of the next level
 constexpr std::uint32_t strip_size = 16, strip_levels = 3;
@@ -112,11 +102,11 @@ Vec2 DistanceMap::nearest_point(const Line& line, Vec2 q) const {
     return line.start + std::clamp(dot(q - line.start, along) * line.inverse, 0.0, 1.0) * along;
 }
 
-// Whether every point x of the cell is farther from `line` than from `best_foot`, a point of another edge.
-// With n the direction from the nearest point of the line to the centre and d its distance, the distance of x
-// from the line is at least d + n (x - centre); what |x - best_foot| exceeds it by is convex, so the corners
+// Whether every point x of the cell is farther from `line` than from `best`, another edge. With n the
+// direction from the nearest point of the line to the centre and d its distance, the distance of x from the
+// line is at least d + n (x - centre); what the distance from `best` exceeds it by is convex, so the corners
 // decide.
-bool DistanceMap::is_never_nearest(const Line& line, Vec2 centre, Vec2 best_foot) const {
+bool DistanceMap::is_never_nearest(const Line& line, Vec2 centre, const Line& best) const {
     const Vec2 from_line = centre - nearest_point(line, centre);
     const double d = length(from_line);
     if (d <= 1e-6 * cell_) return false;
@@ -124,7 +114,7 @@ bool DistanceMap::is_never_nearest(const Line& line, Vec2 centre, Vec2 best_foot
     const double half = 0.5 * cell_, slack = tie_ + 1e-9 * cell_;
     for (const Vec2 step : {Vec2{-half, -half}, Vec2{half, -half}, Vec2{-half, half}, Vec2{half, half}}) {
         const double at_least = d + dot(n, step) - slack;
-        if (at_least <= 0 || squared_length(centre + step - best_foot) >= at_least * at_least) return false;
+        if (at_least <= 0 || foot(best, centre + step).squared_distance >= at_least * at_least) return false;
     }
     return true;
 }
@@ -199,8 +189,7 @@ void DistanceMap::list_candidates() {
     each_cell_near_an_edge([&](std::uint32_t e, std::size_t c, Vec2 centre, double squared) {
         Cell& cell = cells[c];
         if (squared > cell.bound) return;
-        const bool beaten = e != cell.nearest &&
-                            is_never_nearest(lines_[e], centre, nearest_point(lines_[cell.nearest], centre));
+        const bool beaten = e != cell.nearest && is_never_nearest(lines_[e], centre, lines_[cell.nearest]);
         if (beaten) return;
         listed.push_back({static_cast<std::uint32_t>(c), e});
         ++cell.count;
@@ -285,21 +274,6 @@ void DistanceMap::shorten_lists() {
     candidates_.shrink_to_fit();
 }
 
-// The entry of the cell that holds q; far_outside beyond the box.
-std::uint32_t DistanceMap::place(Vec2 q) const {
-    const double x = (q.x - box_.low.x) * inverse_cell_, y = (q.y - box_.low.y) * inverse_cell_;
-    if (!(x >= 0 && y >= 0 && x < nx_ && y < ny_)) return far_outside;
-    return cells_[static_cast<std::size_t>(static_cast<std::uint32_t>(y)) * nx_ +
-                  static_cast<std::uint32_t>(x)];
-}
-
-DistanceMap::Bound DistanceMap::bound(std::uint32_t entry) const {
-    if (entry < first_list) return {entry == far_inside ? -1 : 1, limit_};
-    const std::uint32_t whole = candidates_[entry] & side_mask;
-    if (whole == crossed) return {0, 0};
-    return {whole == all_inside ? -1 : 1, std::bit_cast<float>(candidates_[entry + 1])};
-}
-
 DistanceMap::List DistanceMap::list_at(std::uint32_t entry) const {
     const std::uint32_t head = candidates_[entry];
     return {{&candidates_[entry + head_size], head >> count_shift}, (head & level_mask) >> side_bits};
@@ -350,40 +324,60 @@ DistanceMap::Nearest DistanceMap::nearest_by_strips(Vec2 q, const List& list, do
     return nearest;
 }
 
-double DistanceMap::value(Vec2 q, std::uint32_t entry) const {
-    if (entry < first_list) return entry == far_inside ? -limit_ : limit_;
-
-    const std::uint32_t whole = candidates_[entry] & side_mask;
-    const List list = list_at(entry);
+// value(), where the cell has a list.
+double DistanceMap::near_value(Vec2 q, std::uint32_t entry) const {
+    const std::uint32_t* list = &candidates_[entry];
+    const std::uint32_t head = *list, whole = head & side_mask;
+    if ((head & level_mask) != 0) return value_by_strips(q, entry);
+    const std::uint32_t *edge = list + head_size, *const end = edge + (head >> count_shift);
+    const Line* const lines = lines_.data();
     if (whole != crossed) {
         double squared = limit_ * limit_;
-        if (list.level > 0) {
-            squared = std::min(squared, nearest_by_strips(q, list, padded(limit_)).squared);
-        } else {
-            for (const std::uint32_t edge : list.entries)
-                squared = std::min(squared, foot(lines_[edge], q).squared_distance);
-        }
+        for (; edge != end; ++edge) squared = std::min(squared, foot(lines[*edge], q).squared_distance);
         return whole == all_inside ? -std::sqrt(squared) : std::sqrt(squared);
     }
     Nearest nearest{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), 0};
-    if (list.level > 0) {
-        nearest = nearest_by_strips(q, list, nearest.squared);
-    } else {
-        for (const std::uint32_t edge : list.entries) {
-            const double squared = foot(lines_[edge], q).squared_distance;
-            const bool nearer = squared < nearest.squared;
-            nearest.second = std::min(nearest.second, nearer ? nearest.squared : squared);
-            nearest.edge = nearer ? edge : nearest.edge;
-            nearest.squared = nearer ? squared : nearest.squared;
+    for (; edge != end; ++edge) {
+        const double squared = foot(lines[*edge], q).squared_distance;
+        const bool nearer = squared < nearest.squared;
+        nearest.second = std::min(nearest.second, nearer ? nearest.squared : squared);
+        nearest.edge = nearer ? *edge : nearest.edge;
+        nearest.squared = nearer ? squared : nearest.squared;
+    }
+    const double distance = std::sqrt(nearest.squared), tied = distance * (1 + 1e-12) + tie_;
+    if (distance > tie_ && nearest.second > tied * tied) {
+        // Alone the nearest. Where the foot is between the edge's ends the rounded cross product has the
+        // right sign: it is off by less than 4 roundings of |along| |w|, |w| is at most the edge's length
+        // plus the distance, and the tie is more than 16 roundings of any edge's length.
+        const Line& line = lines[nearest.edge];
+        const Vec2 w = q - line.start, along = line.end - line.start;
+        const double projection = dot(w, along);
+        if (projection > 0 && projection < line.squared) {
+            const double size = std::min(distance, limit_);
+            return cross(along, w) > 0 ? -size : size;
         }
     }
+    return signed_value(q, entry, nearest);
+}
+
+double DistanceMap::value_by_strips(Vec2 q, std::uint32_t entry) const {
+    const std::uint32_t whole = candidates_[entry] & side_mask;
+    const List list = list_at(entry);
+    if (whole == crossed)
+        return signed_value(q, entry, nearest_by_strips(q, list, std::numeric_limits<double>::infinity()));
+    const double squared = std::min(limit_ * limit_, nearest_by_strips(q, list, padded(limit_)).squared);
+    return whole == all_inside ? -std::sqrt(squared) : std::sqrt(squared);
+}
+
+// In a cell that the boundary crosses.
+double DistanceMap::signed_value(Vec2 q, std::uint32_t entry, const Nearest& nearest) const {
     const Line& line = lines_[nearest.edge];
     const int end = foot(line, q).end;
     if (q == (end < 0 ? line.start : line.end)) return 0;
     const double distance = std::sqrt(nearest.squared);
     const double tied = distance * (1 + 1e-12) + tie_;
     const int sign = distance <= tie_                ? side_by_parity(q)
-                     : nearest.second <= tied * tied ? side_of_nearest(q, list, tied)
+                     : nearest.second <= tied * tied ? side_of_nearest(q, list_at(entry), tied)
                                                      : side(nearest.edge, end, q);
     if (sign == 0) return 0;
     // A point off the boundary never gets 0, even where its distance underflows.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -47,10 +48,23 @@ class DistanceMap {
 
     // The same in two steps: whoever asks several maps finds all places first, so that the accesses to memory
     // overlap.
-    std::uint32_t place(Vec2 q) const;
+    std::uint32_t place(Vec2 q) const {
+        const double x = (q.x - box_.low.x) * inverse_cell_, y = (q.y - box_.low.y) * inverse_cell_;
+        if (!(x >= 0 && y >= 0 && x < nx_ && y < ny_)) return far_outside;
+        return cells_[static_cast<std::size_t>(static_cast<std::uint32_t>(y)) * nx_ +
+                      static_cast<std::uint32_t>(x)];
+    }
     void prefetch(std::uint32_t entry) const { __builtin_prefetch(candidates_.data() + entry); }
-    double value(Vec2 q, std::uint32_t entry) const;
-    Bound bound(std::uint32_t entry) const;
+    double value(Vec2 q, std::uint32_t entry) const {
+        if (entry < first_list) return entry == far_inside ? -limit_ : limit_;
+        return near_value(q, entry);
+    }
+    Bound bound(std::uint32_t entry) const {
+        if (entry < first_list) return {entry == far_inside ? -1 : 1, limit_};
+        const std::uint32_t whole = candidates_[entry] & side_mask;
+        if (whole == crossed) return {0, 0};
+        return {whole == all_inside ? -1 : 1, std::bit_cast<float>(candidates_[entry + 1])};
+    }
 
     // Beyond this box the value is +limit.
     const Box2& box() const { return box_; }
@@ -64,6 +78,17 @@ class DistanceMap {
     std::size_t steps(Vec2 q) const;
 
   private:
+    // Entries of cells_ below first_list: no edge within the limit of any point of the cell.
+    static constexpr std::uint32_t far_outside = 0, far_inside = 1, first_list = 2;
+
+    // The head of a list: how many entries, of which level, and whether the boundary crosses the cell or
+    // leaves it on one side.
+    static constexpr std::uint32_t crossed = 0, all_outside = 1, all_inside = 2, side_bits = 2,
+                                   level_bits = 2;
+    static constexpr std::uint32_t side_mask = (1u << side_bits) - 1, level_mask = ((1u << level_bits) - 1)
+                                                                                   << side_bits;
+    static constexpr std::uint32_t count_shift = side_bits + level_bits, head_size = 2;
+
     // What the region looks like at an end of an edge: which side is near when the end is the nearest
     // feature.
     enum class Corner : std::uint8_t { convex, reflex, straight, shared };
@@ -107,12 +132,15 @@ class DistanceMap {
     Strip make_strip(std::size_t first, std::size_t last) const;
     void shorten_lists();
     List list_at(std::uint32_t entry) const;
+    double near_value(Vec2 q, std::uint32_t entry) const;
+    double value_by_strips(Vec2 q, std::uint32_t entry) const;
+    double signed_value(Vec2 q, std::uint32_t entry, const Nearest& nearest) const;
     double padded(double distance) const { return distance * (1 + 1e-12) + 2 * tie_; }
     template <class At, class Body>
     std::size_t each_near(Vec2 q, std::uint32_t level, std::size_t count, At at, double& bound,
                           const Body& body) const;
     Nearest nearest_by_strips(Vec2 q, const List& list, double bound) const;
-    bool is_never_nearest(const Line& line, Vec2 centre, Vec2 best_foot) const;
+    bool is_never_nearest(const Line& line, Vec2 centre, const Line& best) const;
     Vec2 nearest_point(const Line& line, Vec2 q) const;
     // In the line's own frame, without a branch: across it, and along it beyond the nearer end. Exactly 0
     // where q is one of the ends.

@@ -72,7 +72,7 @@ TEST(DistanceMap, sign_is_that_of_exact_arithmetic_near_the_boundary) {
             edges_of({star(at, 2, 20, 60, random), reversed(star(at, 0.1, 1.9, 20, random))});
         const DistanceMap map(edges, 2.0);
         for (const Edge2& edge : edges) {
-            for (const double scale : {1e-3, 1e-9, 1e-13, 1e-15}) {
+            for (const double scale : {1e-3, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-15}) {
                 const double t = 0.5 + 0.5 * unit(random);
                 for (const Vec2 base : {edge.a, edge.a + t * (edge.b - edge.a)}) {
                     const Vec2 q = base + Vec2{scale * unit(random), scale * unit(random)};

@@ -42,8 +42,9 @@ class SliceMotion {
     SliceMotion(const DistanceMap& below, const DistanceMap& above, double gap, Beyond further_below,
                 Beyond further_above);
 
-    // The path that is at q at the share t of the way from the slice below to the one above.
-    Path at(Vec2 q, double t) const {
+    // The path that is at q at the share t of the way from the slice below to the one above. Inlined by
+    // order: called, it makes a value of the field take a fifth longer.
+    [[gnu::always_inline]] Path at(Vec2 q, double t) const {
         const Path first = at_middle(q);
         return t == 0.5 || first.move == Vec2{} ? first : at_middle(q - (t - 0.5) * first.move);
     }
@@ -63,7 +64,7 @@ class SliceMotion {
     using Node = std::array<float, 4>;  // move x and y, bend below and above
 
     // The path through q half-way between the slices: bilinear between the nodes of a lattice.
-    Path at_middle(Vec2 q) const {
+    [[gnu::always_inline]] Path at_middle(Vec2 q) const {
         const double x = (q.x - low_.x) * inverse_step_, y = (q.y - low_.y) * inverse_step_;
         if (!(x >= 0 && y >= 0 && x < cells_x_ && y < cells_y_)) return {};
         const auto i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
