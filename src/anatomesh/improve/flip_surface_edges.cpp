@@ -78,6 +78,12 @@ class Flipper {
         std::uint32_t a, b, c, d;
     };
 
+    void prefetch_beside(std::uint32_t f) const {
+        for (const std::uint32_t g : facets_[f].across) {
+            if (g != no_facet) __builtin_prefetch(&facets_[g]);
+        }
+    }
+
     // One facet in a few is flipped: what that reads is brought into the cache before its turn comes.
     void prefetch(const std::vector<std::uint32_t>& work, std::size_t n) const {
         constexpr std::size_t ahead = 16;
@@ -125,6 +131,7 @@ class Flipper {
             std::optional<Workbench> scout;
             if (threads_ > 1) scout.emplace(bench_).scouts = true;
             for (std::size_t n = first; n < last; ++n) {
+                if (n + cells_ahead < last) prefetch_beside(work[n + cells_ahead]);
                 const std::uint32_t f = work[n];
                 std::uint8_t gains = 0, fails = 0;
                 for (int k = 0; k < 3; ++k) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cassert>
+#include <cmath>
 #include <iterator>
 #include <numeric>
 #include <optional>
@@ -168,10 +169,11 @@ class Improver {
 
     // Compass search for the place where the worst ratio is least.
     bool smooth(std::uint32_t v) {
-        const double start = mover_.worst_ratio(v), reach = mover_.shortest_edge(v);
+        VertexMover::Shape worst = mover_.shape(v);
+        const double start = worst.squared_ratio, reach = mover_.shortest_edge(v);
         bool moved = false;
         for (double step = 0.3 * reach;
-             step > 0.02 * reach && mover_.worst_ratio(v) > options_.max_radius_edge; step *= 0.5) {
+             step > 0.02 * reach && std::sqrt(worst.squared_ratio) > options_.max_radius_edge; step *= 0.5) {
             for (int direction = 0; direction < 6; ++direction) {
                 const double d = direction % 2 ? -step : step;
                 Vec3 to = mesh_.points[v] + Vec3{direction / 2 == 0 ? d : 0, direction / 2 == 1 ? d : 0,
@@ -182,10 +184,10 @@ class Improver {
                     if (onto) to = *onto;
                     if (!onto && probe_.distance(to) > options_.tolerance_mm) continue;
                 }
-                moved = mover_.try_better(v, to) || moved;
+                moved = mover_.try_better(v, to, worst) || moved;
             }
         }
-        return moved && mover_.worst_ratio(v) < start;
+        return moved && std::sqrt(worst.squared_ratio) < std::sqrt(start);
     }
 
     TetMesh& mesh_;

@@ -41,11 +41,12 @@ class LocalStar {
             double step = std::min(1.2 * (goal - value) / rate, 0.4 * reach);
             bool gained = false;
             for (int half = 0; half < max_halvings && !gained; ++half, step *= 0.4) {
-                Vec3 q = p + (step / rate) * way;
+                const Vec3 tried = p + (step / rate) * way;
+                Vec3 q = tried;
                 const double enough = value + 0.1 * step * rate;
-                if (worst(q, enough) < enough) continue;
-                if (!adjust(q)) continue;
-                const double there = worst(q, enough);
+                double there = worst(q, enough);
+                if (there < enough || !adjust(q)) continue;
+                if (q != tried) there = worst(q, enough);
                 if (there < enough) continue;
                 p = q;
                 value = there;

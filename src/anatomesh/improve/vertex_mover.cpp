@@ -17,34 +17,37 @@ constexpr double clearly = 1 + 1e-9;  // by a factor that rounding does not come
 
 }  // namespace
 
-bool VertexMover::try_move(std::uint32_t v, Vec3 p) {
-    return try_move(v, p, false);
-}
-
-bool VertexMover::try_better(std::uint32_t v, Vec3 p) {
-    return try_move(v, p, true);
-}
-
 // What the cells were is looked at only where they are not good after the move.
-bool VertexMover::try_move(std::uint32_t v, Vec3 p, bool must_fall) {
+bool VertexMover::try_move(std::uint32_t v, Vec3 p) {
     const Vec3 from = mesh_.points[v];
     mesh_.points[v] = p;
-    if (!must_fall && (good_sine_ > 0 ? clearly_good<true>(v) : clearly_good<false>(v))) return true;
+    if (good_sine_ > 0 ? clearly_good<true>(v) : clearly_good<false>(v)) return true;
     const Shape now = shape(v);
     const double bound = max_radius_edge_ * max_radius_edge_;
-    bool accepted =
-        !must_fall && now.squared_ratio <= bound && now.flattest >= nearly_flat && now.sine >= good_sine_;
+    bool accepted = now.squared_ratio <= bound && now.flattest >= nearly_flat && now.sine >= good_sine_;
     if (!accepted) {
         mesh_.points[v] = from;
         const Shape before = shape(v);
         mesh_.points[v] = p;
-        accepted = (must_fall ? now.squared_ratio < before.squared_ratio
-                              : now.squared_ratio <= std::max(before.squared_ratio, bound)) &&
+        accepted = now.squared_ratio <= std::max(before.squared_ratio, bound) &&
                    now.flattest >= std::min(before.flattest, nearly_flat) &&
                    now.sine >= std::min(before.sine, good_sine_);
     }
     // Far from flat the sign of a volume is beyond doubt.
     if (accepted && (now.flattest >= nearly_flat || positive(v))) return true;
+    mesh_.points[v] = from;
+    return false;
+}
+
+bool VertexMover::try_better(std::uint32_t v, Vec3 p, Shape& worst) {
+    const Vec3 from = mesh_.points[v];
+    mesh_.points[v] = p;
+    const Shape now = shape(v);
+    if (now.squared_ratio < worst.squared_ratio && now.flattest >= std::min(worst.flattest, nearly_flat) &&
+        now.sine >= std::min(worst.sine, good_sine_) && (now.flattest >= nearly_flat || positive(v))) {
+        worst = now;
+        return true;
+    }
     mesh_.points[v] = from;
     return false;
 }
@@ -97,14 +100,6 @@ double VertexMover::squared_ratio(std::uint32_t cell) const {
     const Cell& c = mesh_.cells[cell];
     return squared_radius_edge(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]],
                                mesh_.points[c[3]]);
-}
-
-double VertexMover::worst_ratio(std::uint32_t v) const {
-    double worst = 0;
-    for (const std::uint32_t c : stars_.at(v)) {
-        if (mesh_.regions[c] != 0) worst = std::max(worst, squared_ratio(c));
-    }
-    return std::sqrt(worst);
 }
 
 double VertexMover::shortest_edge(std::uint32_t v) const {

@@ -25,20 +25,6 @@ class VertexMover {
     // least sine inside stays above `good_sine` or does not fall; else leaves it and says false.
     bool try_move(std::uint32_t v, Vec3 p);
 
-    // As try_move, but only if the worst ratio falls.
-    bool try_better(std::uint32_t v, Vec3 p);
-
-    // Calls move(v) for each of the vertices, which are distinct; at the same time for some that share no cell.
-    // The order does not depend on `threads`. Complexity: linear in the cells at the vertices.
-    void for_each_apart(std::span<const std::uint32_t> vertices, int threads,
-                        const std::function<void(std::uint32_t)>& move) const;
-
-    double squared_ratio(std::uint32_t cell) const;  // circumradius / shortest edge
-    double worst_ratio(std::uint32_t v) const;       // of the cells inside at v
-    double shortest_edge(std::uint32_t v) const;
-    auto star(std::uint32_t v) const { return stars_.at(v); }  // the cells at v
-
-  private:
     // The worst of the cells at a vertex.
     struct Shape {
         double squared_ratio;  // of those inside
@@ -46,11 +32,24 @@ class VertexMover {
         double sine;           // of those inside
     };
     Shape shape(std::uint32_t v) const;
+
+    // As try_move, but only if the worst ratio falls. `worst`: the vertex's shape, before and after.
+    bool try_better(std::uint32_t v, Vec3 p, Shape& worst);
+
+    // Calls move(v) for each of the vertices, which are distinct; at the same time for some that share no cell.
+    // The order does not depend on `threads`. Complexity: linear in the cells at the vertices.
+    void for_each_apart(std::span<const std::uint32_t> vertices, int threads,
+                        const std::function<void(std::uint32_t)>& move) const;
+
+    double squared_ratio(std::uint32_t cell) const;  // circumradius / shortest edge
+    double shortest_edge(std::uint32_t v) const;
+    auto star(std::uint32_t v) const { return stars_.at(v); }  // the cells at v
+
+  private:
     // Whether all are within the bounds by more than rounding: nearly always, and told sooner than their
     // shape.
     template <bool sines>
     bool clearly_good(std::uint32_t v) const;
-    bool try_move(std::uint32_t v, Vec3 p, bool must_fall);
     bool positive(std::uint32_t v) const;
     void fetch_cells(std::uint32_t v) const;
     void fetch_points(std::uint32_t v) const;

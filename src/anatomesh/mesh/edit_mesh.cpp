@@ -14,6 +14,13 @@ EditMesh::EditMesh(TetMesh mesh, std::span<const std::uint32_t> neighbors)
       cell_of_(points_.size(), no_cell),
       mark_(cells_.size(), 0) {
     assert(neighbors.size() == 4 * cells_.size());
+    // Few cells more come than go: room for them, and the arrays need not grow to twice their size.
+    const std::size_t room = cells_.size() + cells_.size() / 32;
+    cells_.reserve(room);
+    regions_.reserve(room);
+    neighbors_.reserve(room);
+    mark_.reserve(room);
+    points_.reserve(points_.size() + points_.size() / 32);
     for (std::uint32_t c = 0; c < cells_.size(); ++c) {
         for (int i = 0; i < 4; ++i) {
             neighbors_[c][i] = neighbors[4 * c + i];

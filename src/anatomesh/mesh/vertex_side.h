@@ -35,7 +35,11 @@ inline bool allows(const RegionTable& table, VertexSide side, Region region) {
 // A structure that has the one vertex inside and the other one outside, so that its surface runs between
 // them; nothing where both may belong to one region.
 inline std::optional<std::uint32_t> parted_by(const RegionTable& table, VertexSide a, VertexSide b) {
-    if (a.in == b.in && a.may == b.may) return std::nullopt;
+    // Most vertices are of few sides: without a look at the table.
+    const auto lies_in = [](VertexSide one, VertexSide other) {
+        return one.in == 0 || one.in == other.in || one.in == other.may;
+    };
+    if (lies_in(a, b) && lies_in(b, a)) return std::nullopt;
     for (const auto& [one, other] : {std::pair{a, b}, std::pair{b, a}}) {
         const std::vector<std::uint32_t>&in = table.members[one.in], &may = table.members[other.may];
         for (const std::uint32_t s : in) {

@@ -328,6 +328,7 @@ class Builder {
     // `look`: empty, or the vertices that may have a defect.
     RelabelStats relabel_cells(std::vector<std::uint32_t>& unsound,
                                const std::vector<std::uint32_t>& look = {}) {
+        pieces_->regions_changed();
         const VertexStars stars(mesh_->cells().cells, mesh_->points().size(), context_.threads);
         return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, stars,
                        contour_owners(pieces_->pieces(), mesh_->points().size()), mesh_->sides(),
@@ -423,10 +424,11 @@ class Builder {
             neighbors_ = cell_neighbors(model_.mesh.cells, model_.mesh.points.size(), context_.threads);
             return;
         }
-        neighbors_.clear();
-        neighbors_.reserve(4 * mesh_->cells().neighbors.size());
-        for (const CellNeighbors& cell : mesh_->cells().neighbors)
-            neighbors_.insert(neighbors_.end(), cell.begin(), cell.end());
+        const std::vector<CellNeighbors>& cells = mesh_->cells().neighbors;
+        neighbors_.resize(4 * cells.size());
+        for (std::size_t c = 0; c < cells.size(); ++c)
+            std::copy(cells[c].begin(), cells[c].end(),
+                      neighbors_.begin() + static_cast<std::ptrdiff_t>(4 * c));
     }
 
     Status improve_cells() {

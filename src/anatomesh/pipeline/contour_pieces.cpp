@@ -185,9 +185,11 @@ Status ContourPieces::recover_few(RunContext& context) {
 }
 
 Result<bool> ContourPieces::open_sides(RunContext& context, std::vector<std::uint32_t>* ends) {
+    mesh_.look_again(sides_search_);
     const std::vector<PieceSides> sides =
-        piece_sides(mesh_.cells().cells, mesh_.regions(), mesh_.registry().table(), mesh_.points().size(),
-                    pieces_, context.threads);
+        sides_.find(mesh_.cells(), mesh_.regions(), mesh_.registry().table(), mesh_.points().size(), pieces_,
+                    sides_search_.cells, context.threads);
+    sides_search_.cells.clear();
     std::vector<Vec3> found;
     find_side_points(mesh_.points(), pieces_, sides, field_, mesh_.grid(), {}, found, context);
     for (std::size_t n = 0; ends && n < pieces_.size(); ++n) {

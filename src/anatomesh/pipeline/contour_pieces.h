@@ -65,6 +65,9 @@ class ContourPieces {
     // `ends`. Says whether there were any.
     Result<bool> open_sides(RunContext& context, std::vector<std::uint32_t>* ends = nullptr);
 
+    // To be told where the regions of cells are changed from without.
+    void regions_changed() { sides_search_ = {}; }
+
     // Whether finish() had to split more than a few to short ones: then what lies beside them must follow.
     bool are_short() const { return are_short_; }
 
@@ -92,6 +95,8 @@ class ContourPieces {
     std::vector<std::uint32_t> acute_;  // vertices where some of them meet at acute angles; rising
     MissingPieces missing_;             // of them
     CellSearch search_;                 // the cells that missing_ has not seen
+    SidesOfPieces sides_;
+    CellSearch sides_search_;  // the cells that sides_ has not seen
     std::vector<std::uint32_t> vertices_;
     std::size_t side_points_ = 0;
     bool are_short_ = false;

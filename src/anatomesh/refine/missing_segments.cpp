@@ -74,23 +74,43 @@ class StarWalk {
     explicit StarWalk(const DelaunaySnapshot& mesh) : mesh_(mesh) {}
 
     bool meets(std::uint32_t vertex, std::uint32_t first, std::uint32_t wanted) {
+        bool met = false;
+        visit(vertex, first, wanted, [&](std::uint32_t) {
+            met = true;
+            return false;
+        });
+        return met;
+    }
+
+    // Calls body(cell) for those that have both vertices, until it says false.
+    template <class Body>
+    void visit(std::uint32_t vertex, std::uint32_t first, std::uint32_t wanted, const Body& body) {
         cells_.assign(1, first);
         for (std::size_t n = 0; n < cells_.size(); ++n) {
             const Cell& cell = mesh_.cells[cells_[n]];
-            if (std::find(cell.begin(), cell.end(), wanted) != cell.end()) return true;
+            if (std::find(cell.begin(), cell.end(), wanted) != cell.end() && !body(cells_[n])) return;
             for (std::size_t i = 0; i < 4; ++i) {
                 const std::uint32_t across = mesh_.neighbors[cells_[n]][i];
                 if (cell[i] == vertex || across == no_cell) continue;
                 if (std::find(cells_.begin(), cells_.end(), across) == cells_.end()) cells_.push_back(across);
             }
         }
-        return false;
     }
 
   private:
     const DelaunaySnapshot& mesh_;
     std::vector<std::uint32_t> cells_;
 };
+
+// For each vertex one of the cells at it, or no_cell.
+std::vector<std::uint32_t> cell_of_each(const DelaunaySnapshot& mesh, std::size_t point_count,
+                                        const std::vector<std::uint32_t>& cells) {
+    std::vector<std::uint32_t> cell_of(point_count, no_cell);
+    for (const std::uint32_t c : cells) {
+        for (const std::uint32_t v : mesh.cells[c]) cell_of[v] = c;
+    }
+    return cell_of;
+}
 
 }  // namespace
 
@@ -127,10 +147,7 @@ bool MissingPieces::find_changed(const DelaunaySnapshot& mesh, std::size_t point
                                  const std::vector<SegmentPiece>& pieces,
                                  const std::vector<std::uint32_t>& look,
                                  std::vector<std::uint32_t>& missing) const {
-    std::vector<std::uint32_t> new_cell(point_count, no_cell);
-    for (const std::uint32_t c : look) {
-        for (const std::uint32_t v : mesh.cells[c]) new_cell[v] = c;
-    }
+    const std::vector<std::uint32_t> new_cell = cell_of_each(mesh, point_count, look);
     StarWalk walk(mesh);
     for (std::uint32_t n = 0; n < pieces.size(); ++n) {
         const SegmentPiece& piece = pieces[n];
@@ -174,6 +191,53 @@ std::vector<PieceSides> piece_sides(const std::vector<Cell>& cells, const std::v
     }
     for (std::size_t n = 0; n < pieces.size(); ++n) sides[n] = by_slot[table.slot[n]];
     return sides;
+}
+
+std::vector<PieceSides> SidesOfPieces::find(const DelaunaySnapshot& mesh, const std::vector<Region>& regions,
+                                            const RegionTable& table, std::size_t point_count,
+                                            const std::vector<SegmentPiece>& pieces,
+                                            const std::vector<std::uint32_t>& look, int threads) {
+    std::vector<PieceSides> sides(pieces.size());
+    if (4 * look.size() > mesh.cells.size() ||
+        !find_changed(mesh, regions, table, point_count, pieces, look, sides)) {
+        sides = piece_sides(mesh.cells, regions, table, point_count, pieces, threads);
+    }
+    known_.clear();
+    for (std::size_t n = 0; n < pieces.size(); ++n)
+        known_.push_back({pieces[n].ball, pieces[n].structure, sides[n]});
+    std::sort(known_.begin(), known_.end());
+    return sides;
+}
+
+bool SidesOfPieces::find_changed(const DelaunaySnapshot& mesh, const std::vector<Region>& regions,
+                                 const RegionTable& table, std::size_t point_count,
+                                 const std::vector<SegmentPiece>& pieces,
+                                 const std::vector<std::uint32_t>& look,
+                                 std::vector<PieceSides>& sides) const {
+    const std::vector<std::uint32_t> new_cell = cell_of_each(mesh, point_count, look);
+    StarWalk walk(mesh);
+    for (std::size_t n = 0; n < pieces.size(); ++n) {
+        const SegmentPiece& piece = pieces[n];
+        const Known wanted{piece.ball, piece.structure, {}};
+        const auto known = std::lower_bound(known_.begin(), known_.end(), wanted);
+        const bool is_new = known == known_.end() || wanted < *known, at_a = new_cell[piece.a] != no_cell,
+                   at_b = new_cell[piece.b] != no_cell;
+        if (!is_new && !(at_a && at_b)) {
+            sides[n] = known->sides;
+            continue;
+        }
+        if (!at_a && !at_b) return false;  // between two vertices that were there before
+        // A cell that came or went with the edge had both ends in a cell that came.
+        const std::uint32_t end = at_a ? piece.a : piece.b, other = at_a ? piece.b : piece.a;
+        sides[n] = {0, 0};
+        walk.visit(end, new_cell[end], other, [&](std::uint32_t c) {
+            const bool inside = table.contains(regions[c], piece.structure);
+            if (inside) sides[n].inside = 1;
+            if (!inside) sides[n].outside = 1;
+            return !(sides[n].inside && sides[n].outside);
+        });
+    }
+    return true;
 }
 
 void find_side_points(const std::vector<Vec3>& points, const std::vector<SegmentPiece>& pieces,

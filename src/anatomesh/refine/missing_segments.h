@@ -50,6 +50,35 @@ std::vector<PieceSides> piece_sides(const std::vector<Cell>& cells, const std::v
                                     const RegionTable& table, std::size_t point_count,
                                     const std::vector<SegmentPiece>& pieces, int threads = 1);
 
+// The same from round to round, where only some cells change.
+class SidesOfPieces {
+  public:
+    // `look`, `pieces` and the result: as for MissingPieces, and piece_sides(). Requires: cells that stay
+    // keep their regions. Complexity: O(look + pieces log pieces) beside the stars of the ends of pieces
+    // there.
+    std::vector<PieceSides> find(const DelaunaySnapshot& mesh, const std::vector<Region>& regions,
+                                 const RegionTable& table, std::size_t point_count,
+                                 const std::vector<SegmentPiece>& pieces,
+                                 const std::vector<std::uint32_t>& look, int threads = 1);
+
+  private:
+    // A piece by its ball and its structure.
+    struct Known {
+        std::uint32_t ball, structure;
+        PieceSides sides;
+        friend bool operator<(const Known& a, const Known& b) {
+            return a.ball != b.ball ? a.ball < b.ball : a.structure < b.structure;
+        }
+    };
+
+    bool find_changed(const DelaunaySnapshot& mesh, const std::vector<Region>& regions,
+                      const RegionTable& table, std::size_t point_count,
+                      const std::vector<SegmentPiece>& pieces, const std::vector<std::uint32_t>& look,
+                      std::vector<PieceSides>& sides) const;
+
+    std::vector<Known> known_;  // since the last call; sorted
+};
+
 struct SidePointOptions {
     double min_spacing = 0.15;  // to other points, in lengths of the piece. (0, 0.5]
     int directions = 12;        // round the middle of the piece, at each of three distances. [4, 64]

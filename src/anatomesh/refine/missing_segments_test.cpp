@@ -31,6 +31,10 @@ TEST(MissingPieces, only_what_changed_is_looked_at_with_the_same_result) {
         pieces.push_back({a, nearest, n % 2, n});
     }
     MissingPieces search;
+    SidesOfPieces sides_search;
+    const RegionTable table{{{}, {0}, {1}}};
+    std::vector<Region> regions;
+    std::size_t on_surface = 0;
     std::uint32_t balls = 600;
     std::vector<std::uint32_t> look;
     for (int round = 0; round < 12; ++round) {
@@ -44,6 +48,17 @@ TEST(MissingPieces, only_what_changed_is_looked_at_with_the_same_result) {
         const std::vector<std::uint32_t> missing = search.find(mesh, delaunay.points().size(), pieces, look);
         ASSERT_EQ(missing, missing_pieces(mesh.cells, delaunay.points().size(), pieces)) << "round " << round;
         ASSERT_GT(missing.size(), 0u);
+        regions.resize(mesh.cells.size());
+        for (const std::uint32_t c : look) regions[c] = static_cast<Region>(random() % 3);
+        const std::vector<PieceSides> sides =
+            sides_search.find(mesh, regions, table, delaunay.points().size(), pieces, look);
+        const std::vector<PieceSides> anew =
+            piece_sides(mesh.cells, regions, table, delaunay.points().size(), pieces);
+        for (std::size_t n = 0; n < pieces.size(); ++n) {
+            ASSERT_EQ(sides[n].inside, anew[n].inside) << "round " << round << ", piece " << n;
+            ASSERT_EQ(sides[n].outside, anew[n].outside) << "round " << round << ", piece " << n;
+            on_surface += sides[n].inside && sides[n].outside;
+        }
         // Some of them are split, and a few points come elsewhere; one middle is a vertex that is there already.
         std::vector<Vec3> found;
         for (std::size_t n = 0; n < std::min<std::size_t>(10, missing.size()); ++n) {
@@ -61,6 +76,7 @@ TEST(MissingPieces, only_what_changed_is_looked_at_with_the_same_result) {
             pieces.push_back({vertices[n], end, piece.structure, balls++});
         }
     }
+    EXPECT_GT(on_surface, 1000u);
 }
 
 TEST(PieceSides, say_on_which_sides_of_its_structure_a_piece_has_cells) {
