@@ -77,6 +77,24 @@ std::vector<std::uint32_t> suspects(const Workbench& bench, int threads) {
     return found;
 }
 
+// Those of the vertices that are not near the field's surface. Where a mesh has one structure alone it is
+// this surface that would move: the others, nearly all, need no look at their cells.
+std::vector<std::uint32_t> far_ones(const Workbench& bench, const std::vector<std::uint32_t>& vertices,
+                                    double apex_mm, int threads) {
+    const auto& members = bench.table->members;
+    if (members.size() != 2 || members[1].size() != 1) return vertices;
+    return parallel_collect<std::uint32_t>(
+        vertices.size(), 256, threads,
+        [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& far) {
+            InterfaceProbe probe = bench.probe;
+            probe.focus(members[1]);
+            for (std::size_t n = first; n < last; ++n) {
+                if (probe.distance(bench.mesh.point(vertices[n]), apex_mm) > apex_mm)
+                    far.push_back(vertices[n]);
+            }
+        });
+}
+
 // Whether the edges are one closed line that meets no vertex twice.
 bool is_circle(const Rim& rim) {
     if (rim.size() < 3) return false;
@@ -330,7 +348,8 @@ class ApexLowering {
 ApexStats lower_apexes(Workbench& bench, double apex_mm, double least_sine, int threads) {
     if (!bench.table) return {};
     ApexLowering lowering(bench, apex_mm, least_sine);
-    for (const std::uint32_t v : suspects(bench, threads)) lowering.lower(v);
+    for (const std::uint32_t v : far_ones(bench, suspects(bench, threads), apex_mm, threads))
+        lowering.lower(v);
     return lowering.stats;
 }
 
