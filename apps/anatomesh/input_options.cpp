@@ -133,6 +133,10 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
     add("--plane-repair", cleaning.plane_repair_mm, cleaning.plane_tolerance_mm, 10, "MM",
         fmt::format("Move drawn points up to MM off their plane onto it, {} to 10 (default {})",
                     cleaning.plane_tolerance_mm, cleaning.plane_repair_mm));
+    add("--keyhole", cleaning.keyhole_mm, 0, 10, "MM",
+        fmt::format("Close straight corridors up to MM wide that a contour runs through to a hole, 0 to 10 "
+                    "(default {})",
+                    cleaning.keyhole_mm));
     add("--max-repair", cleaning.max_repair_area_share, 0, 1, "SHARE",
         fmt::format(
             "Refuse a contour of which more than this share of the area is ambiguous, 0 to 1 (default "

@@ -56,7 +56,7 @@ struct InputOptions {
 void add_reading_options(CLI::App& verb, InputOptions& options);
 
 // How drawn contours are read and repaired: --holes, --unite-repeated-planes, --closing-gap, --close-gaps,
-// --plane-repair, --max-repair.
+// --plane-repair, --keyhole, --max-repair.
 void add_cleaning_options(CLI::App& verb, InputOptions& options);
 
 // Which part of it, and how closely: --structure, --threshold, --keep-largest, --every, --offset, --epsilon,

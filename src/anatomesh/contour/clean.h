@@ -30,6 +30,9 @@ struct CleanOptions {
     double max_repair_area_share = 0.05;
     // A keyhole's corridor no wider than this is closed, so that outer contour and holes part. [0, 1]
     double corridor_mm = 0.05;
+    // The same of a corridor with straight sides, ten times as long as it is wide, that leads to a hole: from
+    // slice to slice it would be a slit, or a new tunnel where it turns. [0, 10]
+    double keyhole_mm = 0.5;
     // Rings that share a vertex are moved apart there by at most this. (0, 1]
     double separation_mm = 0.05;
     // Vertices of different structures nearer than this become one: a wall that two structures share. [0,

@@ -406,6 +406,49 @@ TEST(Clean, RS16_keyholes_give_the_region_of_explicit_holes) {
     }
 }
 
+// A square of 40 with a square hole of 8, and a corridor between them, crossing its own sides where the width
+// is negative.
+TEST(Clean, RS16_corridors_drawn_with_a_width_are_closed) {
+    for (const double width : {-0.04, -0.01, 0.06, 0.1, 0.3, 0.5, 0.6, 1.2}) {
+        for (int turn = 0; turn < 4; ++turn) {
+            Points points{{-20, -20, 10}, {-width / 2, -20, 10}, {-width / 2, -4, 10},
+                          {-4, -4, 10},   {-4, 4, 10},           {4, 4, 10},
+                          {4, -4, 10},    {width / 2, -4, 10},   {width / 2, -20, 10},
+                          {20, -20, 10},  {20, 20, 10},          {-20, 20, 10}};
+            for (Vec3& p : points) {
+                for (int n = 0; n < turn; ++n) p = {-p.y, p.x, p.z};
+            }
+            for (const bool backwards : {false, true}) {
+                const Cleaned run =
+                    clean(File().add(rotated(backwards ? reversed(points) : points, 3 * turn)));
+                EXPECT_KEPT(run);
+                const bool closed = width <= 0.5;
+                EXPECT_EQ(run.kept().contours.size(), closed ? 2u : 1u) << width;
+                EXPECT_EQ(run.count("W-CON-013"), closed ? 1u : 0u);
+                EXPECT_NEAR(run.area(), 1600 - 64 - (closed ? 0 : 16 * width), 17 * std::abs(width));
+            }
+        }
+    }
+}
+
+// Necks and clefts are no corridors to a hole, however narrow.
+TEST(Clean, RS16_necks_and_clefts_stay) {
+    const Points dumb_bell{{0, 0, 10},    {10, 0, 10},   {10, 4.8, 10}, {20, 4.8, 10},
+                           {20, 0, 10},   {30, 0, 10},   {30, 10, 10},  {20, 10, 10},
+                           {20, 5.2, 10}, {10, 5.2, 10}, {10, 10, 10},  {0, 10, 10}};
+    const Points cleft{{0, 0, 10},    {9.8, 0, 10}, {9.8, 15, 10}, {10.2, 15, 10},
+                       {10.2, 0, 10}, {20, 0, 10},  {20, 20, 10},  {0, 20, 10}};
+    for (const Points& points : {dumb_bell, cleft}) {
+        for (const bool backwards : {false, true}) {
+            const Cleaned run = clean(File().add(backwards ? reversed(points) : points));
+            EXPECT_KEPT(run);
+            EXPECT_EQ(run.kept().contours.size(), 1u);
+            EXPECT_EQ(run.kept().points.size(), points.size());
+            EXPECT_EQ(run.count("W-CON-013"), 0u);
+        }
+    }
+}
+
 TEST(Clean, RS16_two_holes_by_one_keyhole) {
     // Out along x = 5, around the first hole half way, on to the second one, and all the way back.
     const Points points{{0, 0, 10}, {5, 0, 10}, {5, 2, 10},  {3, 2, 10},   {3, 6, 10},

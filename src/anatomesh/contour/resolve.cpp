@@ -88,7 +88,8 @@ class Resolver {
     void open_corridors() {
         for (Ring& ring : rings_) {
             const std::size_t before = ring.size();
-            const double moved = close_corridors(ring, options_.corridor_mm);
+            double moved = close_corridors(ring, options_.corridor_mm);
+            moved = std::max(moved, close_keyholes(ring, options_.keyhole_mm, options_.corridor_mm));
             if (moved == 0) continue;
             note(ring.source, "W-CON-013", "the contour runs back along itself in a narrow corridor",
                  brief(moved) + " mm", "corridor closed");

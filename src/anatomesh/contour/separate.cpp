@@ -36,12 +36,23 @@ class CorridorFinder {
 
     // The pairs (e, f), e < f, of all corridors.
     std::vector<EdgePair> run() {
-        find_pairs();
+        find_pairs([this](std::uint32_t e, std::uint32_t f) { return runs_back(e, f); });
         std::vector<EdgePair> kept;
         for (const EdgePair& pair : pairs_) {
             if (chain_length(pair) >= 10 * width_) kept.push_back(pair);
         }
         return kept;
+    }
+
+    // Those of keyholes.
+    std::vector<EdgePair> keyholes(double crossing) {
+        // Twice the area between the first vertex and the ring up to each.
+        std::vector<double> area(ring_.size() + 1, 0);
+        for (std::size_t i = 0; i < ring_.size(); ++i)
+            area[i + 1] =
+                area[i] + cross(ring_.at[i] - ring_.at[0], ring_.at[following(ring_, i)] - ring_.at[0]);
+        find_pairs([&](std::uint32_t e, std::uint32_t f) { return is_keyhole(e, f, crossing, area); });
+        return std::move(pairs_);
     }
 
   private:
@@ -54,7 +65,8 @@ class CorridorFinder {
         friend auto operator<=>(const Entry&, const Entry&) = default;
     };
 
-    void find_pairs() {
+    template <class IsPair>
+    void find_pairs(const IsPair& is_pair) {
         std::vector<Entry> entries;
         for (std::uint32_t f = 0; f < ring_.size(); ++f) {
             if (edge_length(f) < 2 * width_) continue;
@@ -70,7 +82,7 @@ class CorridorFinder {
                 auto entry = std::lower_bound(entries.begin(), entries.end(), Entry{column, y - 1, 0});
                 for (std::size_t seen = 0; seen < crowd && entry != entries.end(); ++entry, ++seen) {
                     if (entry->x != column || entry->y > y + 1) break;
-                    if (e < entry->edge && runs_back(e, entry->edge)) pairs_.push_back({e, entry->edge});
+                    if (e < entry->edge && is_pair(e, entry->edge)) pairs_.push_back({e, entry->edge});
                 }
             }
         }
@@ -83,14 +95,36 @@ class CorridorFinder {
                 static_cast<std::int64_t>(std::floor(p.y / size))};
     }
 
+    // How far apart two edges are at their ends.
+    double gap_between(std::uint32_t e, std::uint32_t f) const {
+        return std::max(length(ring_.at[following(ring_, f)] - ring_.at[e]),
+                        length(ring_.at[f] - ring_.at[following(ring_, e)]));
+    }
+
+    // On which side of e the other lies: the outside of the ring, or the inside.
+    bool has_outside_between(std::uint32_t e, std::uint32_t f) const {
+        const Vec2 a = ring_.at[e], along = ring_.at[following(ring_, e)] - a;
+        return orientation_ *
+                   (cross(along, ring_.at[following(ring_, f)] - a) + cross(along, ring_.at[f] - a)) <=
+               0;
+    }
+
     bool runs_back(std::uint32_t e, std::uint32_t f) const {
-        const Vec2 a = ring_.at[e], b = ring_.at[following(ring_, e)];
-        const Vec2 c = ring_.at[f], d = ring_.at[following(ring_, f)];
-        const double gap = std::max(length(d - a), length(c - b));
-        if (gap > width_ || gap == 0) return false;
-        // On which side of e the other lies: the inside of the ring or the outside.
-        const double side = orientation_ * (cross(b - a, d - a) + cross(b - a, c - a));
-        return side <= 0 || gap <= hair_mm;
+        const double gap = gap_between(e, f);
+        return gap <= width_ && gap > 0 && (gap <= hair_mm || has_outside_between(e, f));
+    }
+
+    bool is_keyhole(std::uint32_t e, std::uint32_t f, double crossing,
+                    const std::vector<double>& area) const {
+        const double gap = gap_between(e, f), shorter = std::min(edge_length(e), edge_length(f));
+        // One width is the same on all slices, but for rounding.
+        if (gap > 1.001 * width_ || gap == 0 || shorter < 10 * gap) return false;
+        if (gap > crossing && !has_outside_between(e, f)) return false;
+        // The ring from the end of e to the beginning of f, and the rest.
+        const Vec2 first = ring_.at[0], from = ring_.at[e + 1], to = ring_.at[f];
+        const double loop = orientation_ * 0.5 * (area[f] - area[e + 1] + cross(to - first, from - first));
+        const double rest = orientation_ * 0.5 * area.back() - loop, corridor = gap * shorter;
+        return (loop < -corridor && rest > corridor) || (rest < -corridor && loop > corridor);
     }
 
     bool contains(std::uint32_t e, std::uint32_t f) const {
@@ -172,20 +206,32 @@ std::vector<Shared> find_shared(const std::vector<Ring>& rings, double distance)
 
 }  // namespace
 
-double close_corridors(Ring& ring, double width) {
-    if (ring.size() < 3) return 0;
+namespace {
+
+// Gives each second edge the vertices of its first; returns the largest move.
+double close_pairs(Ring& ring, const std::vector<EdgePair>& pairs) {
     double most = 0;
     const auto take = [&](std::size_t to, std::size_t from) {
         most = std::max(most, length(ring.at[to] - ring.at[from]));
         ring.at[to] = ring.at[from];
         ring.points[to] = ring.points[from];
     };
-    for (const auto& [e, f] : CorridorFinder(ring, width).run()) {
+    for (const auto& [e, f] : pairs) {
         take(following(ring, f), e);
         take(f, following(ring, e));
     }
     if (most > 0) remove_spikes(ring);
     return most;
+}
+
+}  // namespace
+
+double close_corridors(Ring& ring, double width) {
+    return ring.size() < 3 ? 0 : close_pairs(ring, CorridorFinder(ring, width).run());
+}
+
+double close_keyholes(Ring& ring, double width, double crossing) {
+    return ring.size() < 3 ? 0 : close_pairs(ring, CorridorFinder(ring, width).keyholes(crossing));
 }
 
 bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distance,
