@@ -11,8 +11,10 @@ NextTry Attempts::next(const TryOutcome& last) {
     const bool ill_shaped = small && !size_given_ && !last.spared_work && !finer_for_shape_ &&
                             last.over_bound > certificate_share_over_bound;
     // What a finer size only made worse stays as it was.
-    if (!(refused || torn || ill_shaped) || (refused && finer_for_shape_)) return NextTry::none;
-    if (last.spared_work && (refused || !size_given_))
+    const bool conformed_badly = small && last.spared_work && last.conformed_badly;
+    if (!(refused || torn || ill_shaped || conformed_badly) || (refused && finer_for_shape_))
+        return NextTry::none;
+    if (last.spared_work && (refused || conformed_badly || !size_given_))
         return same_++ < most_same ? NextTry::same_size : NextTry::none;
     if (size_given_ || finer_ == most_finer) return NextTry::none;
     ++finer_;

@@ -8,11 +8,11 @@
 namespace anatomesh {
 namespace {
 
-const TryOutcome good{true, false, false, false, 0.001, 100000};
-const TryOutcome broken{false, true, false, false, 0, 0};
-const TryOutcome broken_spared{false, true, true, false, 0, 0};
-const TryOutcome ill_shaped{true, false, false, false, 0.0055, 100000};
-const TryOutcome torn{true, false, false, true, 0.001, 100000};
+const TryOutcome good{true, false, false, false, false, 0.001, 100000};
+const TryOutcome broken{false, true, false, false, false, 0, 0};
+const TryOutcome broken_spared{false, true, true, false, false, 0, 0};
+const TryOutcome ill_shaped{true, false, false, false, false, 0.0055, 100000};
+const TryOutcome torn{true, false, false, true, false, 0.001, 100000};
 
 TryOutcome with_cells(TryOutcome outcome, std::size_t cells) {
     outcome.cells = cells;
@@ -33,16 +33,28 @@ TEST(Attempts, AGoodModelIsTheLast) {
 }
 
 TEST(Attempts, OfEveryOutcomeTheTriesEnd) {
-    for (unsigned bits = 0; bits < 64; ++bits) {
-        const TryOutcome outcome{(bits & 1) != 0,       (bits & 2) != 0,
-                                 (bits & 4) != 0,       (bits & 8) != 0,
-                                 bits & 16 ? 0.5 : 0.0, bits & 32 ? Attempts::again_below : std::size_t{10}};
+    for (unsigned bits = 0; bits < 128; ++bits) {
+        const TryOutcome outcome{(bits & 1) != 0,
+                                 (bits & 2) != 0,
+                                 (bits & 4) != 0,
+                                 (bits & 8) != 0,
+                                 (bits & 64) != 0,
+                                 bits & 16 ? 0.5 : 0.0,
+                                 bits & 32 ? Attempts::again_below : std::size_t{10}};
         for (const bool given : {false, true}) {
             const std::vector<NextTry> tries = all_tries(outcome, given);
             EXPECT_LE(tries.size(), Attempts::most_finer + Attempts::most_same + 1) << bits;
             if (!given) continue;
             for (const NextTry next : tries) EXPECT_NE(next, NextTry::finer) << bits;
         }
+    }
+}
+
+TEST(Attempts, WhatConformedBadlyIsBuiltAgainAtTheSameSizeWithoutThat) {
+    for (const bool given : {false, true}) {
+        Attempts attempts(given);
+        EXPECT_EQ(attempts.next({true, false, true, false, true, 0.001, 100000}), NextTry::same_size);
+        EXPECT_EQ(attempts.next(good), NextTry::none);
     }
 }
 

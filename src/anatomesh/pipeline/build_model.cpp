@@ -14,6 +14,7 @@
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/sweep.h"
 #include "anatomesh/field/volume.h"
 #include "anatomesh/improve/balance_volumes.h"
 #include "anatomesh/improve/improve.h"
@@ -102,6 +103,7 @@ class Builder {
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
+    bool conforming() const { return conforming_; }
     bool spared_shapes() const { return spared_ || recovered_ || (pieces_ && pieces_->are_short()); }
 
     // Whether a structure that is hardly thicker than the size was torn.
@@ -142,12 +144,17 @@ class Builder {
         dense_ = density > 1;
         crammed_ = density > most_dense || (dense_ && contours_.points.size() > options_.spare_dense_above);
         spared_ = crammed_ && is_first_ && !size_given_;
+        // Further tries go on from what the first would be on other sets.
+        const bool may_conform = !dense_ && !is_parallel(contours_) && !Sweep::of(contours_);
+        conforming_ = may_conform && is_first_;
+        sparing_ = tries_before_ - (may_conform && !is_first_ ? 1 : 0);
         return end_stage("field", 0.05);
     }
 
     Status sample() {
         SampleOptions options;
         options.size_mm = options_.size_mm;
+        options.conforming = conforming_;
         if (spared_) options.growth = dense_growth;
         ANATOMESH_TRY(sample_, sample_points(contours_, *field_, options, context_));
         const SampleStats& stats = sample_->stats;
@@ -200,7 +207,8 @@ class Builder {
             pieces.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
         }
         pieces_.emplace(*mesh_, sample_->guard, *field_, std::move(pieces),
-                        ContourPieceOptions{sample_->stats.size_mm, spared_, dense_ && !crammed_, is_first_});
+                        ContourPieceOptions{sample_->stats.size_mm, spared_, dense_ && !crammed_, conforming_,
+                                            sparing_ == 0});
         given_.assign(mesh_->points().size(), 0);
         for (std::size_t n = 0; n < sample_->stats.contour_points; ++n) given_[vertices[n]] = 1;
         return end_stage("delaunay", 0.35);
@@ -224,6 +232,7 @@ class Builder {
         ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
         DeviationOptions deviation;
         deviation.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
+        if (conforming_) deviation.protected_share = 1;
         for (int round = 0; round < (spared_ ? dense_deviation_rounds : deviation_rounds); ++round) {
             std::vector<Vec3> found;
             mesh_->look_again(deviations);
@@ -250,8 +259,10 @@ class Builder {
                                           shapes.cells, found, context_);
         };
         for (int round = 0; round < (mesh_->points().size() < small_mesh ? small_mesh_rounds : refinement_rounds); ++round) {
-            // Where contours meet at small angles, segments and shape cannot both have their way: shape has the last word.
+            // Where contours meet at small angles, segments and shape cannot both have their way: shape has
+            // the last word, but for a try that splits segments for each other's sake.
             if (round == protected_rounds) options.protected_share = 0;
+            if (conforming_) options.protected_share = 1;
             std::vector<Vec3> found;
             const RefineStats stats = find_shapes(found);
             if (round == 0) report().radius_edge_mean_before_refinement = stats.radius_edge_mean;
@@ -259,10 +270,15 @@ class Builder {
             surface_points += static_cast<double>(stats.surface_points);
             const std::size_t count = found.size() + stats.balls.size();
             if (count == 0 || (round > 2 && not_worth_a_round(count, 800))) break;
-            ANATOMESH_CHECK_STATUS(pieces_->grow(found, stats.balls, context_));
+            const std::size_t before = mesh_->points().size();
+            ANATOMESH_CHECK_STATUS(
+                pieces_->grow(found, stats.balls, context_,
+                              conforming_ ? SplitLimits::beside_short() : SplitLimits::scaled(1)));
+            // Balls that may not be split ask for it again and again.
+            if (conforming_ && not_worth_a_round(mesh_->points().size() - before, 800)) break;
         }
         // Edges that came to cross an interface since the first rounds would end as spikes.
-        crossing.protected_share = 0.5;
+        if (!conforming_) crossing.protected_share = 0.5;
         ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
         // Where contours crowd each other, what is left is met beside them as well: a surface without a
         // vertex there has a pit.
@@ -365,7 +381,7 @@ class Builder {
         RecoverStats recovered;
         // On parallel slices the few that are missing belong to structures whose contours cross at small
         // angles: the cells there would pay too much. Between dense planes they are too many: some ms each.
-        if (!dense_ && tries_before_ < most_more_bad.size() && !is_parallel(contours_))
+        if (!dense_ && sparing_ < most_more_bad.size() && !is_parallel(contours_))
             recovered = recover_pieces(unsound, relabelled);
         const ContourOwners owners = contour_owners(piece_list_, mesh.points.size());
         ANATOMESH_TRY(const SplitStats split,
@@ -402,7 +418,7 @@ class Builder {
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
             {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
-             most_more_bad[tries_before_]});
+             most_more_bad[sparing_]});
         recovered.run(unsound, relabelled, context_);
         piece_list_ = recovered.pieces();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
@@ -702,6 +718,8 @@ class Builder {
     bool dense_ = false;  // the planes: closer than two thirds of the contours' vertices
     bool crammed_ =
         false;  // so much so, or so many, that all that can be done would take several times as long
+    bool conforming_ = false;                      // the first try on planes that cross: see SampleOptions
+    std::size_t sparing_ = 0;                      // of the tries before, those that were not
     bool spared_ = false;                          // these, and the first try with a default size
     std::vector<SegmentPiece> piece_list_;         // those of pieces_, and where the cut split them further
     bool recovered_ = false;                       // some of them, by exchanging cells
@@ -736,6 +754,8 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
         return outcome;
     }
     outcome.tore_thin = builder.tore_a_thin_structure();
+    outcome.conformed_badly =
+        builder.conforming() && model.value().report.certificate.at(3).state != ClauseState::kept;
     outcome.over_bound = model.value().report.quality.radius_edge_share_over_2;
     outcome.cells = model.value().mesh.cells.size();
     return outcome;
@@ -772,7 +792,9 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
         }
         const std::string reason = !model.ok()         ? brief_reason(model.error().message)
                                    : outcome.tore_thin ? "a thin wall had holes"
-                                                       : "too many tetrahedra were above radius-edge ratio 2";
+                                   : outcome.conformed_badly
+                                       ? "a tetrahedron that nothing forces was ill-shaped"
+                                       : "too many tetrahedra were above radius-edge ratio 2";
         if (model.ok()) kept.emplace(KeptModel{std::move(model.value()), context.warnings});
         tried.size_mm = (next == NextTry::same_size ? 1 : finer) * builder.size_mm();
         known = builder.field_and_volumes();

@@ -1,9 +1,7 @@
 #include "anatomesh/pipeline/contour_pieces.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "anatomesh/pipeline/segment_vertices.h"
 #include "anatomesh/refine/refine.h"
 
 namespace anatomesh {
@@ -49,7 +47,8 @@ ContourPieces::ContourPieces(LabelledMesh& mesh, SegmentGuard& guard, const Stru
       field_(field),
       options_(options),
       pieces_(std::move(pieces)),
-      acute_(acute_vertices(mesh.points(), pieces_)) {}
+      acute_(acute_vertices(mesh.points(), pieces_)),
+      are_short_(options.conforming) {}
 
 Status ContourPieces::grow(std::vector<Vec3> found, const std::vector<std::uint32_t>& balls,
                            RunContext& context, const SplitLimits& limits) {
@@ -64,7 +63,7 @@ Status ContourPieces::grow(std::vector<Vec3> found, const std::vector<std::uint3
     std::stable_sort(split.begin(), split.end(), [](auto& x, auto& y) { return x.ball < y.ball; });
     keep_apart(split, kept, limits);
     const std::size_t others = found.size();
-    for (const SegmentPiece& piece : split) found.push_back(split_point(piece));
+    for (const SegmentPiece& piece : split) found.push_back(split_point(mesh_.points(), piece, acute_));
     const std::vector<std::uint32_t> vertices = mesh_.insert(found, context.threads);
     pieces_ = std::move(kept);
     add_halves(split, {vertices.begin() + static_cast<std::ptrdiff_t>(others), vertices.end()});
@@ -80,7 +79,7 @@ void ContourPieces::keep_apart(std::vector<SegmentPiece>& split, std::vector<Seg
     std::vector<SegmentPiece> apart;
     for (const SegmentPiece& piece : split) {
         const bool shares_ball = !apart.empty() && apart.back().ball == piece.ball;
-        const Vec3 point = split_point(piece);
+        const Vec3 point = split_point(mesh_.points(), piece, acute_);
         if (!shares_ball && chosen.any_within(point, room_of(piece, limits))) {
             kept.push_back(piece);
             continue;
@@ -89,18 +88,6 @@ void ContourPieces::keep_apart(std::vector<SegmentPiece>& split, std::vector<Seg
         apart.push_back(piece);
     }
     split = std::move(apart);
-}
-
-// The middle; but pieces that meet at an acute angle are split at one distance from where they meet, a
-// power of two, so that neither half lies in the ball of the other and splitting ends (Shewchuk, Delaunay
-// refinement mesh generation, 1997, chapter 3: concentric shells).
-Vec3 ContourPieces::split_point(const SegmentPiece& piece) const {
-    const Vec3 a = mesh_.points()[piece.a], b = mesh_.points()[piece.b];
-    const bool at_a = std::binary_search(acute_.begin(), acute_.end(), piece.a);
-    if (at_a == std::binary_search(acute_.begin(), acute_.end(), piece.b)) return 0.5 * (a + b);
-    const double span = length(b - a);
-    const double share = std::exp2(std::floor(std::log2(span * 2 / 3))) / span;
-    return at_a ? a + share * (b - a) : b + share * (a - b);
 }
 
 // Pieces in the order of their balls; those of several structures with one ball share its halves too.

@@ -18,6 +18,7 @@ struct ContourPieceOptions {
     double size_mm = 0;  // the edge length aimed at: pieces are split to 0.3 of it, the last few further. > 0
     bool spared = false;   // the last few are left, and those with other contours' vertices in their balls
     bool dense = false;    // the planes lie closer than the contours' vertices
+    bool conforming = false;  // they were split beforehand as far as other contours ask: some are short
     bool to_short = true;  // finish() splits to short ones however many are missing, where it may help
 };
 
@@ -68,7 +69,8 @@ class ContourPieces {
     // To be told where the regions of cells are changed from without.
     void regions_changed() { sides_search_ = {}; }
 
-    // Whether finish() had to split more than a few to short ones: then what lies beside them must follow.
+    // Whether there are, or finish() had to make, more than a few short ones: then what lies beside them must
+    // follow.
     bool are_short() const { return are_short_; }
 
     const std::vector<SegmentPiece>& pieces() const { return pieces_; }
@@ -78,7 +80,6 @@ class ContourPieces {
     }  // put beside pieces off their structure's surface
 
   private:
-    Vec3 split_point(const SegmentPiece& piece) const;
     void add_halves(const std::vector<SegmentPiece>& split, const std::vector<std::uint32_t>& middles);
     // How near another vertex may be to where a piece is split.
     double room_of(const SegmentPiece& piece, const SplitLimits& limits) const;
@@ -99,7 +100,7 @@ class ContourPieces {
     CellSearch sides_search_;  // the cells that sides_ has not seen
     std::vector<std::uint32_t> vertices_;
     std::size_t side_points_ = 0;
-    bool are_short_ = false;
+    bool are_short_;
 };
 
 // Error limit E-PIP-003 where the mesh has as many regions as there is room for.

@@ -1,36 +1,11 @@
 #include "anatomesh/pipeline/segment_vertices.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 
 #include "anatomesh/improve/improve_dihedrals.h"
 
 namespace anatomesh {
-
-std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,
-                                          const std::vector<SegmentPiece>& pieces) {
-    std::vector<std::array<std::uint32_t, 2>> ways;
-    for (const SegmentPiece& piece : pieces) {
-        ways.push_back({piece.a, piece.b});
-        ways.push_back({piece.b, piece.a});
-    }
-    std::sort(ways.begin(), ways.end());
-    ways.erase(std::unique(ways.begin(), ways.end()), ways.end());
-    std::vector<std::uint32_t> found;
-    for (auto first = ways.begin(); first != ways.end();) {
-        const std::uint32_t v = (*first)[0];
-        const auto last = std::find_if(first, ways.end(), [&](const auto& way) { return way[0] != v; });
-        const auto direction = [&](auto way) { return points[(*way)[1]] - points[v]; };
-        bool acute = false;
-        for (auto p = first; p != last; ++p) {
-            for (auto q = first; q != p; ++q) acute = acute || dot(direction(p), direction(q)) > 0;
-        }
-        if (acute) found.push_back(v);
-        first = last;
-    }
-    return found;
-}
 
 std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
                                               std::span<const std::uint32_t> vertex_of,

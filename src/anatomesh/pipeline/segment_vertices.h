@@ -10,11 +10,6 @@
 
 namespace anatomesh {
 
-// Vertices at which pieces of contour segments meet at acute angles, in rising order. Complexity: O(n log n)
-// in the pieces, and the pairs at a vertex.
-std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,
-                                          const std::vector<SegmentPiece>& pieces);
-
 // The slice of the contours that each of the vertices lies in, from its contour or along pieces from there;
 // no_slice (improve/improve_dihedrals.h) for all others and for those where planes cross. `vertex_of`: the
 // vertex of every contour point. Complexity: O(vertices + pieces).

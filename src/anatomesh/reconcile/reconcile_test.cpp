@@ -222,6 +222,28 @@ TEST(Reconcile, parallel_slices_come_back_as_they_are) {
     EXPECT_TRUE(result.stats.pairs.empty());
 }
 
+// Three pairs of slices meet the surface within some micrometres of the point in which all three planes meet.
+TEST(Reconcile, slices_that_meet_in_a_point_of_the_surface_share_one_vertex_there) {
+    std::mt19937 random(5);
+    for (const double off : {-4e-3, 1e-3, 4e-3}) {
+        const double radius = 20, at = radius / std::sqrt(3.0) + off;
+        const ContourSet set =
+            drawn_ball(radius,
+                       {make_plane({at, 0, 0}, {1, 0, 0}), make_plane({0, at, 0}, {0, 1, 0}),
+                        make_plane({0, 0, at}, {0, 0, 1})},
+                       {0, 0, 390}, random);
+        const ContourSet agreed = reconciled(set).kept;
+        expect_exact_agreement(agreed);
+        expect_sound(agreed);
+        std::vector<Vec3> near;
+        for (const Vec3& p : agreed.points) {
+            if (length(p - Vec3{at, at, at}) < 0.03) near.push_back(p);
+        }
+        EXPECT_EQ(near.size(), 3u) << off;
+        for (const Vec3& p : near) EXPECT_EQ(p, near[0]) << off;
+    }
+}
+
 TEST(Reconcile, align_finds_a_shift) {
     std::mt19937 random(7);
     for (int n = 0; n < 4; ++n) {

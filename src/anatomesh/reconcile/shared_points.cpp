@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <tuple>
+#include <utility>
 
+#include "anatomesh/geom/point_grid.h"
 #include "anatomesh/reconcile/slice_soundness.h"
 
 namespace anatomesh {
@@ -56,18 +59,26 @@ bool same_line(const Line& p, const Line& q) {
     return length(offset - dot(offset, p.direction) * p.direction) <= same_point_mm;
 }
 
+// Those that are not in `distinct` yet.
+void add_lines(std::span<const Line> lines, std::vector<Line>& distinct) {
+    for (const Line& line : lines) {
+        const auto same = [&](const Line& other) { return same_line(line, other); };
+        if (std::none_of(distinct.begin(), distinct.end(), same)) distinct.push_back(line);
+    }
+}
+
 // The point nearest to all lines: (sum of (1 - d d^T)) x = sum of (1 - d d^T) o, by Cramer's rule.
-bool meeting_point(std::span<const Membership> members, Vec3 near, Vec3& point) {
+bool meeting_point(std::span<const Line> lines, Vec3 near, Vec3& point) {
     Vec3 row_x, row_y, row_z, right;
-    for (const Membership& member : members) {
-        const Vec3 d = member.line->direction, o = member.line->origin - near;
+    for (const Line& line : lines) {
+        const Vec3 d = line.direction, o = line.origin - near;
         row_x += Vec3{1, 0, 0} - d.x * d;
         row_y += Vec3{0, 1, 0} - d.y * d;
         row_z += Vec3{0, 0, 1} - d.z * d;
         right += o - dot(o, d) * d;
     }
     const double determinant = dot(row_x, cross(row_y, row_z));
-    const auto count = static_cast<double>(members.size());
+    const auto count = static_cast<double>(lines.size());
     if (!(determinant > 1e-6 * count * count * count)) return false;
     // The matrix is symmetric: its rows are its columns.
     point = near + (1 / determinant) * Vec3{dot(right, cross(row_y, row_z)), dot(row_x, cross(right, row_z)),
@@ -97,8 +108,10 @@ class Grouper {
         const bool one_line = std::all_of(members.begin(), members.end(), [&](const Membership& member) {
             return same_line(line, *member.line);
         });
+        std::vector<Line> lines;
+        for (const Membership& member : members) lines.push_back(*member.line);
         Vec3 target;
-        if (one_line || !meeting_point(members, members.front().end->at, target)) {
+        if (one_line || !meeting_point(lines, members.front().end->at, target)) {
             target = mean_on(line, members);
             groups_.position.push_back(line.along(target));
             measure(members, target);
@@ -107,6 +120,11 @@ class Grouper {
             pin(members, target);
         }
         groups_.target.push_back(target);
+        groups_.lines.emplace_back();
+        add_lines(lines, groups_.lines.back());
+        groups_.slices.emplace_back();
+        for (const Membership& member : members)
+            groups_.slices.back().push_back(set_.contours[member.end->contour].slice);
     }
 
   private:
@@ -162,7 +180,6 @@ struct Insertion {
     bool replaces = false;
     double distance = 0;  // from `after`
     std::uint32_t group = 0;
-    Vec3 at;
 };
 
 class Inserter {
@@ -176,6 +193,7 @@ class Inserter {
           usable_(groups_.target.size(), true),
           insertions_(set.contours.size()) {
         find_usable();
+        join_near();
         for (std::size_t c = 0; c < comparisons.size(); ++c) {
             gather(comparisons[c].ends_a, ends_.of_a[c]);
             gather(comparisons[c].ends_b, ends_.of_b[c]);
@@ -203,6 +221,48 @@ class Inserter {
         }
     }
 
+    // Where slices meet in one point, all their pairs have a group there: those that are nearer to each other
+    // than a vertex that gives way become one point.
+    void join_near() {
+        PointGrid grid(merge_mm, groups_.target.size());
+        for (const Vec3& p : groups_.target) grid.add(p);
+        apart_.resize(groups_.target.size());
+        for (std::uint32_t g = 0; g < groups_.target.size(); ++g) {
+            std::vector<std::uint32_t> near;
+            grid.for_each_within(groups_.target[g], merge_mm, [&](std::uint32_t k, double) {
+                if (usable_[k] && !apart_[k]) near.push_back(k);
+            });
+            std::sort(near.begin(), near.end());
+            if (!usable_[g] || apart_[g] || near.size() < 3) continue;
+            const std::optional<Vec3> point = common_point(near, groups_.target[g]);
+            for (std::size_t n = 0; point && n < near.size(); ++n) {
+                apart_[near[n]] = std::exchange(groups_.target[near[n]], *point);
+            }
+        }
+    }
+
+    // Nothing unless these are the groups of all pairs of some slices, one each: else a contour would pass a
+    // line twice.
+    std::optional<Vec3> common_point(std::span<const std::uint32_t> near, Vec3 beside) const {
+        std::vector<Line> lines;
+        std::vector<std::uint32_t> slices;
+        for (const std::uint32_t g : near) {
+            const std::size_t before = lines.size();
+            add_lines(groups_.lines[g], lines);
+            if (groups_.lines[g].size() != 1 || lines.size() != before + 1) return std::nullopt;
+            slices.insert(slices.end(), groups_.slices[g].begin(), groups_.slices[g].end());
+        }
+        std::sort(slices.begin(), slices.end());
+        slices.erase(std::unique(slices.begin(), slices.end()), slices.end());
+        Vec3 point;
+        if (2 * lines.size() != slices.size() * (slices.size() - 1) || !meeting_point(lines, beside, point))
+            return std::nullopt;
+        for (const std::uint32_t g : near) {
+            if (length(point - groups_.target[g]) > merge_mm) return std::nullopt;
+        }
+        return point;
+    }
+
     void gather(const std::vector<LineEnd>& ends, const std::vector<std::uint32_t>& places) {
         for (std::size_t e = 0; e < ends.size(); ++e) {
             const std::uint32_t group = groups_.members[places[e]].group;
@@ -210,7 +270,7 @@ class Inserter {
             const LineEnd& end = ends[e];
             insertions_[end.contour].push_back({end.from, end.from == end.to,
                                                 length(ends_.places[places[e]].at - set_.points[end.from]),
-                                                group, groups_.target[group]});
+                                                group});
         }
     }
 
@@ -250,12 +310,12 @@ class Inserter {
         for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
             Link link{set_.points[k], false, moved_[k]};
             while (next != insertions_[c].end() && next->after == k && next->replaces) {
-                if (use(next->group)) link = {next->at, true, false};
+                if (use(next->group)) link = {groups_.target[next->group], true, false};
                 ++next;
             }
             add(link);
             for (; next != insertions_[c].end() && next->after == k; ++next) {
-                if (use(next->group)) add({next->at, true, false});
+                if (use(next->group)) add({groups_.target[next->group], true, false});
             }
         }
         while (links.size() > 1 && links.back().at == links.front().at) links.pop_back();
@@ -273,8 +333,10 @@ class Inserter {
             if (links[n].is_moved &&
                 (gives_way_to(links[(n + 1) % count]) || gives_way_to(links[(n + count - 1) % count])))
                 continue;
-            points.push_back(links[n].at);
+            // One between two places of a point has gone.
+            if (points.empty() || points.back() != links[n].at) points.push_back(links[n].at);
         }
+        while (points.size() > 1 && points.back() == points.front()) points.pop_back();
         return points;
     }
 
@@ -308,10 +370,22 @@ class Inserter {
                          [&](std::uint32_t g) { return std::binary_search(sound.begin(), sound.end(), g); }))
                 continue;
             sound.pop_back();
-            usable_[group] = false;
+            if (!part(group)) usable_[group] = false;
             dropped = true;
         }
         return dropped;
+    }
+
+    // Takes the groups joined with this one back to their own points; says whether it was joined.
+    bool part(std::uint32_t group) {
+        if (!apart_[group]) return false;
+        const Vec3 joint = groups_.target[group];
+        for (std::size_t g = 0; g < apart_.size(); ++g) {
+            if (!apart_[g] || groups_.target[g] != joint) continue;
+            groups_.target[g] = *apart_[g];
+            apart_[g].reset();
+        }
+        return true;
     }
 
     void lay_out() {
@@ -332,8 +406,9 @@ class Inserter {
     ContourSet& set_;
     const std::vector<bool>& moved_;
     const EndPlaces ends_;
-    const EndGroups groups_;
+    EndGroups groups_;
     std::vector<bool> usable_;
+    std::vector<std::optional<Vec3>> apart_;          // of groups that were joined: their own points
     std::vector<std::vector<Insertion>> insertions_;  // per contour, in its order
     std::vector<std::pair<std::uint32_t, std::uint32_t>> fresh_;
 };

@@ -1,6 +1,7 @@
 #include "anatomesh/sample/contour_segments.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "anatomesh/contour/segment_index.h"
@@ -126,6 +127,40 @@ std::vector<SegmentCut> cuts_at_contacts(const ContourSet& contours, const std::
     cuts.erase(std::unique(cuts.begin(), cuts.end(), repeats), cuts.end());
     std::sort(cuts.begin(), cuts.end());
     return cuts;
+}
+
+std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,
+                                          const std::vector<SegmentPiece>& pieces) {
+    std::vector<std::array<std::uint32_t, 2>> ways;
+    for (const SegmentPiece& piece : pieces) {
+        ways.push_back({piece.a, piece.b});
+        ways.push_back({piece.b, piece.a});
+    }
+    std::sort(ways.begin(), ways.end());
+    ways.erase(std::unique(ways.begin(), ways.end()), ways.end());
+    std::vector<std::uint32_t> found;
+    for (auto first = ways.begin(); first != ways.end();) {
+        const std::uint32_t v = (*first)[0];
+        const auto last = std::find_if(first, ways.end(), [&](const auto& way) { return way[0] != v; });
+        const auto direction = [&](auto way) { return points[(*way)[1]] - points[v]; };
+        bool acute = false;
+        for (auto p = first; p != last; ++p) {
+            for (auto q = first; q != p; ++q) acute = acute || dot(direction(p), direction(q)) > 0;
+        }
+        if (acute) found.push_back(v);
+        first = last;
+    }
+    return found;
+}
+
+Vec3 split_point(std::span<const Vec3> points, const SegmentPiece& piece,
+                 std::span<const std::uint32_t> acute) {
+    const Vec3 a = points[piece.a], b = points[piece.b];
+    const bool at_a = std::binary_search(acute.begin(), acute.end(), piece.a);
+    if (at_a == std::binary_search(acute.begin(), acute.end(), piece.b)) return 0.5 * (a + b);
+    const double span = length(b - a);
+    const double share = std::exp2(std::floor(std::log2(span * 2 / 3))) / span;
+    return at_a ? a + share * (b - a) : b + share * (a - b);
 }
 
 }  // namespace anatomesh

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "anatomesh/contour/contour_set.h"
@@ -40,5 +41,17 @@ struct SegmentCut {
 // Complexity: O(n log n + contacts).
 std::vector<SegmentCut> cuts_at_contacts(const ContourSet& contours, const std::vector<ContourSegment>& segments,
                                          double clearance_mm, std::vector<Vec3>& points);
+
+// Vertices at which pieces of contour segments meet at acute angles, in rising order. Complexity: O(n log n)
+// in the pieces, and the pairs at a vertex.
+std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,
+                                          const std::vector<SegmentPiece>& pieces);
+
+// Where a piece is split: at its middle; but pieces that meet at an acute angle (`acute`: as
+// acute_vertices()) are split at one distance from where they meet, a power of two, so that neither half lies
+// in the ball of the other and splitting ends (Shewchuk, Delaunay refinement mesh generation, 1997, chapter
+// 3: concentric shells).
+Vec3 split_point(std::span<const Vec3> points, const SegmentPiece& piece,
+                 std::span<const std::uint32_t> acute);
 
 }  // namespace anatomesh

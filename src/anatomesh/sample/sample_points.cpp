@@ -11,6 +11,7 @@
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/reconcile/plane_patches.h"
+#include "anatomesh/sample/conform_pieces.h"
 #include "anatomesh/sample/interface_probe.h"
 #include "anatomesh/sample/thin_walls.h"
 
@@ -26,6 +27,8 @@ constexpr double size_per_spacing = 1.05;   // of the default size: thin walls g
 constexpr double size_per_thickness =
     0.49;  // walls two edges thick in the mean have cells with vertices inside
 constexpr double contact_clearance = 0.2;   // of a contact of two contours from the ends of its segments, in sizes
+constexpr double shortest_conforming =
+    0.025;  // pieces are not split below it for other contours' sake, in sizes
 constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
 constexpr double position_tolerance = 2e-3; // surface points lie on the interface to within this, in sizes
 
@@ -232,7 +235,8 @@ class SegmentSplitter {
     SegmentSplitter(double size, PointSample& sample) : size_(size), sample_(sample), guard_(size, 2 * sample.points.size()) {}
 
     // `thin` receives the places where a segment runs along a thin wall.
-    SegmentGuard split(const ContourSet& contours, const StructureField& field, int threads, std::vector<ThinSpot>& thin) {
+    SegmentGuard split(const ContourSet& contours, const StructureField& field, int threads,
+                       std::vector<ThinSpot>& thin, bool conforming) {
         const std::vector<ContourSegment> segments = distinct_segments(contours, sample_.contour_vertices);
         const std::vector<SegmentCut> cuts = cuts_at_contacts(contours, segments, contact_clearance * size_, sample_.points);
         const std::vector<int> levels = segment_levels(segments, sample_.points, field, size_, threads);
@@ -244,6 +248,7 @@ class SegmentSplitter {
             for (; cut != cuts.end() && cut->segment == s; from = cut++->point) add_pieces(segment, levels[s], from, cut->point, thin);
             add_pieces(segment, levels[s], from, segment.b, thin);
         }
+        if (conforming) conform_pieces(sample_.points, sample_.pieces, guard_, {shortest_conforming * size_});
         sample_.stats.segment_points = sample_.points.size() - sample_.stats.contour_points;
         return std::move(guard_);
     }
@@ -458,7 +463,8 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
     }
     collect_contour_vertices(contours, sample);
     std::vector<ThinSpot> thin;
-    sample.guard = SegmentSplitter(size, sample).split(contours, field, context.threads, thin);
+    sample.guard =
+        SegmentSplitter(size, sample).split(contours, field, context.threads, thin, options.conforming);
     const SegmentGuard& guard = sample.guard;
     for (int a = 0; a < 3; ++a) lattice.size[a] = 2 * static_cast<std::uint32_t>(extent[a] / size) + 1;
 

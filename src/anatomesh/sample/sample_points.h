@@ -15,6 +15,8 @@ namespace anatomesh {
 struct SampleOptions {
     double size_mm = 0;          // edge length aimed at near the surface. 0: default_size(). [0.01, 1000]
     double growth = 0.5;         // how fast the edge length may grow with the depth inside, mm per mm. [0, 2]
+    bool conforming =
+        false;  // contour segments are split as finely as others beside them ask (conform_pieces.h)
     std::uint64_t max_points = 400'000'000;  // refused above, before the work
 };
 

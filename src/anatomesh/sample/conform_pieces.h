@@ -1,0 +1,28 @@
+// conform_pieces: contour segments split as finely as the contours beside them ask.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/sample/contour_segments.h"
+#include "anatomesh/sample/segment_guard.h"
+
+namespace anatomesh {
+
+struct ConformOptions {
+    double shortest_mm = 0;  // no piece below it. > 0
+};
+
+// Splits pieces until no other contour's vertex lies in the ball of one: then all are edges of the Delaunay
+// mesh of these points, and stay so as long as free points keep out of the balls. About an axis in which
+// planes meet, contours run close beside each other far from any common vertex, and pieces become as short as
+// they are near. A vertex nearer to a piece than half the shortest length is left in its ball: no split above
+// that length takes it out. Pieces that meet at an acute angle are split on concentric shells, and
+// no point is put nearer than half the shortest length to another one. `points` are those on contours, as
+// `guard` has them; new ones are appended, and both know the halves. Returns how many. At most 24 rounds;
+// complexity: O(n) each beside the points in balls. The same result every time. Follows: Shewchuk, Delaunay
+// refinement mesh generation, 1997, chapters 3 and 4.
+std::size_t conform_pieces(std::vector<Vec3>& points, std::vector<SegmentPiece>& pieces, SegmentGuard& guard,
+                           const ConformOptions& options);
+
+}  // namespace anatomesh

@@ -1,0 +1,106 @@
+#include "anatomesh/sample/conform_pieces.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace anatomesh {
+namespace {
+
+struct Drawn {
+    std::vector<Vec3> points;
+    std::vector<SegmentPiece> pieces;
+    SegmentGuard guard{1, 100};
+
+    std::uint32_t add(Vec3 p) {
+        points.push_back(p);
+        guard.add_point(p);
+        return static_cast<std::uint32_t>(points.size() - 1);
+    }
+    void join(std::uint32_t a, std::uint32_t b, std::uint32_t structures = 1) {
+        const std::uint32_t ball = guard.add_segment(points[a], points[b]);
+        for (std::uint32_t s = 0; s < structures; ++s) pieces.push_back({a, b, s, ball});
+    }
+};
+
+// Segments from a pole, as planes about an axis draw them, with vertices at distances of their own.
+Drawn pole(int rays) {
+    Drawn drawn;
+    const std::uint32_t centre = drawn.add({0, 0, 0});
+    for (int k = 0; k < rays; ++k) {
+        const double angle = 2 * std::numbers::pi * k / rays;
+        std::uint32_t from = centre;
+        double reach = 0.1 + std::fmod(0.37 * k, 0.9);
+        for (int n = 0; n < 3; ++n, reach += 0.8) {
+            const std::uint32_t to =
+                drawn.add({reach * std::cos(angle), reach * std::sin(angle), -0.1 * reach * reach});
+            drawn.join(from, to);
+            from = to;
+        }
+    }
+    return drawn;
+}
+
+std::size_t points_in_balls(const Drawn& drawn) {
+    std::size_t count = 0;
+    for (const SegmentPiece& piece : drawn.pieces) {
+        const Vec3 a = drawn.points[piece.a], b = drawn.points[piece.b];
+        for (std::uint32_t v = 0; v < drawn.points.size(); ++v) {
+            count += v != piece.a && v != piece.b &&
+                     length(drawn.points[v] - 0.5 * (a + b)) < 0.499 * length(b - a);
+        }
+    }
+    return count;
+}
+
+TEST(ConformPieces, about_a_pole_every_piece_has_its_ball_for_itself) {
+    for (const int rays : {6, 12, 26, 40}) {
+        Drawn drawn = pole(rays);
+        const std::vector<Vec3> before = drawn.points;
+        const double whole = 3.0 * rays;
+        EXPECT_EQ(static_cast<double>(drawn.pieces.size()), whole);
+        const std::size_t added = conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.002});
+        EXPECT_EQ(drawn.points.size(), before.size() + added);
+        EXPECT_EQ(drawn.pieces.size(), static_cast<std::size_t>(whole) + added);
+        EXPECT_EQ(points_in_balls(drawn), 0u) << rays;
+        EXPECT_TRUE(std::equal(before.begin(), before.end(), drawn.points.begin()));
+        EXPECT_LT(added, 30u * static_cast<std::size_t>(rays));
+    }
+}
+
+TEST(ConformPieces, no_piece_is_shorter_than_asked_and_no_point_nearer_than_half_of_it) {
+    const double shortest = 0.05;
+    Drawn drawn = pole(26);
+    const std::size_t first = drawn.points.size();
+    conform_pieces(drawn.points, drawn.pieces, drawn.guard, {shortest});
+    ASSERT_GT(drawn.points.size(), first);
+    for (std::size_t n = first; n < drawn.points.size(); ++n) {
+        for (std::size_t m = 0; m < n; ++m)
+            EXPECT_GE(length(drawn.points[n] - drawn.points[m]), 0.5 * shortest);
+    }
+}
+
+TEST(ConformPieces, segments_apart_stay_whole_and_shared_ones_are_split_for_all) {
+    Drawn drawn;
+    const auto a = drawn.add({0, 0, 0}), b = drawn.add({1, 0, 0}), c = drawn.add({0, 2, 0}),
+               d = drawn.add({1, 2, 0});
+    drawn.join(a, b, 2);
+    drawn.join(c, d);
+    EXPECT_EQ(conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.01}), 0u);
+    EXPECT_EQ(drawn.pieces.size(), 3u);
+    drawn.add({0.5, 0.1, 0.2});
+    EXPECT_EQ(conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.01}), 1u);
+    EXPECT_EQ(points_in_balls(drawn), 0u);
+    for (std::uint32_t s = 0; s < 2; ++s) {
+        double whole = 0;
+        for (const SegmentPiece& piece : drawn.pieces) {
+            if (piece.structure == s && drawn.points[piece.a].y < 1)
+                whole += length(drawn.points[piece.b] - drawn.points[piece.a]);
+        }
+        EXPECT_NEAR(whole, 1, 1e-12) << s;
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh
