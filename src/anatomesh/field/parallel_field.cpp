@@ -14,6 +14,7 @@
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/levels.h"
+#include "anatomesh/field/lone_parts.h"
 #include "anatomesh/field/slice_motion.h"
 #include "anatomesh/field/slice_regions.h"
 #include "anatomesh/field/volume.h"
@@ -70,6 +71,12 @@ double ending(double d, double t, double gap, bool rounded) {
     return rounded ? rounded_end(d, t * gap, 0.5 * gap) : (1 - t) * d + t * std::abs(d);
 }
 
+// A part that ends between two levels though the structure goes on beside it.
+struct LoneEnd {
+    DistanceMap map;  // of the part alone
+    bool from_below, is_void;
+};
+
 // A structure along the normal: its levels, each with its distance map, and a table from position to level.
 class Track {
   public:
@@ -81,6 +88,7 @@ class Track {
                                level.slice == Level::no_slice ? empty_level : map_of_slice[level.slice]});
         }
         motions_.resize(levels_.size() - 1);
+        lone_ends_.resize(levels_.size() - 1);
         is_flat_ =
             std::any_of(flat_.begin(), flat_.end(), [](const auto& e) { return std::isfinite(e.low); });
         const double length = high() - low();
@@ -101,10 +109,11 @@ class Track {
     double high() const { return levels_.back().high; }
 
     // The structure at (q, z): the two levels around z, each with its clamped distance, blended. Where that
-    // lies beyond +-reach by what the maps' grids know, a number of the same sign beyond reach. Where it
-    // ends, `end` gets the signed distance from its half of the gap.
+    // lies beyond +-reach by what the maps' grids know, a number of the same sign beyond reach. Where it or a
+    // part of it ends, `end` (of a partition) gets the signed distance from its half of the gap. `lone_ends`:
+    // with the parts of it that end.
     double blend(const std::vector<std::optional<DistanceMap>>& maps, double clamp, Vec2 q, double z,
-                 double reach, double* end = nullptr) const {
+                 double reach, double* end = nullptr, bool lone_ends = true) const {
         if (levels_.empty() || !(z > low() && z < high())) return clamp;
         const auto bucket = static_cast<std::size_t>((z - low()) * inverse_bucket_);
         std::size_t i = buckets_[std::min(bucket, buckets_.size() - 1)];
@@ -121,8 +130,11 @@ class Track {
             const double away = above.map == empty_level ? t : 1 - t;
             const double d = distance(above.map == empty_level ? below : above, q);
             const double value = std::min(ending(d, away, gap, rounded_), clamp);
-            if (end != nullptr && !is_flat_) *end = rounded_ ? value : std::max(d, (away - 0.5) * gap);
-            return value;
+            if (end == nullptr || is_flat_) return value;
+            *end = rounded_ ? value : std::max(d, (away - 0.5) * gap);
+            // Beyond its half it has no claim to what is only beside it, so that two that end face to face do
+            // not tie there.
+            return *end > 0 ? std::max(value, *end) : value;
         }
         const SliceMotion::Path path = motions_[i].at(q, t);
         const Vec2 from = q - t * path.move, to = q + (1 - t) * path.move;
@@ -131,7 +143,7 @@ class Track {
         const std::uint32_t at_a = a.place(from), at_b = b.place(to);
         a.prefetch(at_a);
         b.prefetch(at_b);
-        if (reach < clamp) {
+        if (reach < clamp && !is_near_lone_end(i, q)) {
             // A weighted mean of two distances is not below the smaller one.
             const DistanceMap::Bound in_a = a.bound(at_a), in_b = b.bound(at_b);
             const double beyond = std::min(in_a.at_least, in_b.at_least) - std::abs(bow_of(t, path));
@@ -139,7 +151,8 @@ class Track {
         }
         const double value =
             blend_distances(a.value(from, at_a), b.value(to, at_b), t, gap, 0.5 * clamp, path);
-        return std::clamp(value, -clamp, clamp);
+        const double clamped = std::clamp(value, -clamp, clamp);
+        return lone_ends ? with_lone_ends(i, q, t, gap, clamped, end) : clamped;
     }
 
     // How far z lies beyond the flat ends of its part; negative within.
@@ -160,7 +173,22 @@ class Track {
 
     std::size_t pair_count() const { return levels_.empty() ? 0 : levels_.size() - 1; }
 
-    // How the structure moves between levels i and i + 1; both must be drawn, else nothing happens.
+    // The parts that end between levels i and i + 1; both must be drawn, else nothing happens.
+    void find_lone_ends(std::size_t i, const std::vector<std::optional<DistanceMap>>& maps, double clamp) {
+        if (is_flat_ || levels_[i].map == empty_level || levels_[i + 1].map == empty_level) return;
+        const DistanceMap &below = *maps[static_cast<std::size_t>(levels_[i].map)],
+                          &above = *maps[static_cast<std::size_t>(levels_[i + 1].map)];
+        const double gap = levels_[i + 1].low - levels_[i].high;
+        add_lone_ends(i, lone_parts(below, above, gap), true, clamp);
+        add_lone_ends(i, lone_parts(above, below, gap), false, clamp);
+    }
+    void add_lone_ends(std::size_t i, std::vector<LonePart> parts, bool from_below, double clamp) {
+        for (LonePart& part : parts)
+            lone_ends_[i].push_back({DistanceMap(std::move(part.edges), clamp), from_below, part.is_void});
+    }
+
+    // How the structure moves between levels i and i + 1; both must be drawn, else nothing happens. Requires:
+    // find_lone_ends() for all levels.
     void find_motion(std::size_t i, const std::vector<std::optional<DistanceMap>>& maps) {
         if (levels_[i].map == empty_level || levels_[i + 1].map == empty_level) return;
         const auto map = [&](std::size_t level) {
@@ -168,8 +196,16 @@ class Track {
         };
         const auto gap = [&](std::size_t level) { return levels_[level + 1].low - levels_[level].high; };
         SliceMotion::Beyond below, above;
-        if (i > 0 && levels_[i - 1].map != empty_level) below = {map(i - 1), gap(i - 1)};
-        if (i + 2 < levels_.size() && levels_[i + 2].map != empty_level) above = {map(i + 2), gap(i + 1)};
+        if (i > 0 && levels_[i - 1].map != empty_level) below = {map(i - 1), gap(i - 1), {}};
+        if (i + 2 < levels_.size() && levels_[i + 2].map != empty_level) above = {map(i + 2), gap(i + 1), {}};
+        // Where what ends is the nearest, the slice beyond says nothing about how a path bends.
+        const auto add_ends = [&](std::size_t pair, bool from_below, SliceMotion::Beyond& beyond) {
+            for (const LoneEnd& lone : lone_ends_[pair]) {
+                if (lone.from_below == from_below) beyond.ending.push_back(&lone.map);
+            }
+        };
+        if (below.map != nullptr) add_ends(i - 1, false, below);
+        if (above.map != nullptr) add_ends(i + 1, true, above);
         motions_[i] = SliceMotion(*map(i), *map(i + 1), gap(i), below, above);
     }
     const SliceMotion& motion(std::size_t i) const { return motions_[i]; }
@@ -179,11 +215,12 @@ class Track {
         std::int32_t below, above;
         double below_low, below_high, above_low;
         const SliceMotion* motion;
+        const std::vector<LoneEnd>* lone_ends;
         bool rounded;  // how it ends where one of them is empty
     };
     Pair pair(std::size_t i) const {
-        return {levels_[i].map,  levels_[i + 1].map, levels_[i].low,
-                levels_[i].high, levels_[i + 1].low, &motions_[i], rounded_};
+        return {levels_[i].map,     levels_[i + 1].map, levels_[i].low, levels_[i].high,
+                levels_[i + 1].low, &motions_[i],       &lone_ends_[i], rounded_};
     }
 
     // Calls body(z from, z to, map, how far the structure moves beside it) for the stretch of the axis on
@@ -204,8 +241,31 @@ class Track {
         double low, high;
         std::int32_t map;
     };
+
+    bool is_near_lone_end(std::size_t i, Vec2 q) const {
+        return std::any_of(lone_ends_[i].begin(), lone_ends_[i].end(),
+                           [&](const LoneEnd& lone) { return lone.map.box().contains(q); });
+    }
+
+    // A value between levels i and i + 1 with the parts that end there: each keeps its half of the gap, first
+    // the holes, then the pieces.
+    double with_lone_ends(std::size_t i, Vec2 q, double t, double gap, double value, double* end) const {
+        for (const bool is_void : {true, false}) {
+            for (const LoneEnd& lone : lone_ends_[i]) {
+                if (lone.is_void != is_void || !lone.map.box().contains(q)) continue;
+                const double away = lone.from_below ? t : 1 - t, d = lone.map.value(q);
+                const double ends = ending(d, away, gap, rounded_);
+                value = is_void ? std::max(value, -ends) : std::min(value, ends);
+                if (end != nullptr && !is_void)
+                    *end = std::min(*end, rounded_ ? ends : std::max(d, (away - 0.5) * gap));
+            }
+        }
+        return value;
+    }
+
     std::vector<Known> levels_;
-    std::vector<SliceMotion> motions_;  // between a level and the next
+    std::vector<SliceMotion> motions_;             // between a level and the next
+    std::vector<std::vector<LoneEnd>> lone_ends_;  // the same
     std::vector<StructureLevels::Extent> flat_;
     std::vector<std::uint32_t> buckets_;
     double inverse_bucket_ = 0;
@@ -267,11 +327,7 @@ class ParallelField final : public FieldQueries<ParallelField> {
     RawValue raw_at(std::uint32_t structure, Vec2 q, double z, double reach) const {
         const Track& track = tracks_[structure];
         RawValue raw{clamp_, track.beyond_end(z)};
-        raw.value = track.blend(maps_, clamp_, q, z, reach, &raw.ending);
-        // Beyond its half it has no claim to what is only beside it, so that two that end face to face do not
-        // tie there.
-        if (partition_ && raw.ending > 0 && std::isfinite(raw.ending))
-            raw.value = std::max(raw.value, raw.ending);
+        raw.value = track.blend(maps_, clamp_, q, z, reach, partition_ ? &raw.ending : nullptr);
         return raw;
     }
     StructureVolume pair_volume(std::uint32_t structure, const Track::Pair& pair, double points,
@@ -280,6 +336,7 @@ class ParallelField final : public FieldQueries<ParallelField> {
     bool is_alone(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
     Status build_maps(const ContourSet& set, RunContext& context);
     Status find_motions(const ContourSet& set, RunContext& context);
+    void add_lone_ends_to_union(std::size_t pair);
     void warn_about_jumps(const ContourSet& set, RunContext& context) const;
     void build_tracks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
                       const FieldOptions& options, RunContext& context);
@@ -383,6 +440,28 @@ void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceI
     }
 }
 
+// What a structure of a partition ends with is part of the union, though there it touches others that go on.
+void ParallelField::add_lone_ends_to_union(std::size_t i) {
+    const Track::Pair pair = union_.pair(i);
+    if (pair.below == empty_level || pair.above == empty_level) return;
+    for (const bool from_below : {true, false}) {
+        const std::int32_t here = from_below ? pair.below : pair.above,
+                           there = from_below ? pair.above : pair.below;
+        const auto map = [&](std::int32_t m) {
+            return m == empty_level ? nullptr : &*maps_[static_cast<std::size_t>(m)];
+        };
+        const auto slice_of = [&](std::int32_t m) { return slice_of_map_[static_cast<std::size_t>(m)]; };
+        for (std::size_t s = 0; s < tracks_.size(); ++s) {
+            if (map_of_[s].empty() || map_of_[s][slice_of(here)] == empty_level) continue;
+            union_.add_lone_ends(
+                i,
+                lone_parts_of_union(*map(map_of_[s][slice_of(here)]), map(map_of_[s][slice_of(there)]),
+                                    *map(here), *map(there), pair.above_low - pair.below_high),
+                from_below, clamp_);
+        }
+    }
+}
+
 Status ParallelField::find_motions(const ContourSet& set, RunContext& context) {
     std::vector<std::pair<Track*, std::size_t>> jobs;
     const auto add = [&](Track& track) {
@@ -390,6 +469,12 @@ Status ParallelField::find_motions(const ContourSet& set, RunContext& context) {
     };
     for (Track& track : tracks_) add(track);
     add(union_);
+    parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
+            jobs[j].first->find_lone_ends(jobs[j].second, maps_, clamp_);
+            if (jobs[j].first == &union_) add_lone_ends_to_union(jobs[j].second);
+        }
+    });
     parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
             jobs[j].first->find_motion(jobs[j].second, maps_);
@@ -526,19 +611,19 @@ struct Strip {
     }
 };
 
-// The same over a way along which the distances are these at equal steps; between them a cubic has them
-// (Catmull and Rom, 1974).
-double mean_inside(const Strip& strip, std::span<const double> distances) {
+// The same over the lower and the upper half of a way along which the distances are these at equal steps, an
+// even number; between them a cubic has them (Catmull and Rom, 1974).
+std::array<double, 2> inside_halves(const Strip& strip, std::span<const double> distances) {
     const std::size_t parts = distances.size() - 1;
-    double sum = 0;
+    std::array<double, 2> halves{};
     for (std::size_t k = 0; k < parts; ++k) {
         const double from = distances[k], to = distances[k + 1];
         const double before = k > 0 ? distances[k - 1] : 2 * from - to,
                      beyond = k + 1 < parts ? distances[k + 2] : 2 * to - from;
         const double middle = 0.0625 * (9 * (from + to) - before - beyond);
-        sum += 0.5 * (strip.mean_inside(from, middle) + strip.mean_inside(middle, to));
+        halves[2 * k / parts] += strip.mean_inside(from, middle) + strip.mean_inside(middle, to);
     }
-    return sum / static_cast<double>(parts);
+    return {halves[0] / static_cast<double>(parts), halves[1] / static_cast<double>(parts)};
 }
 
 // The share of the column over q between two levels that is inside, less what slice integration gives it: a
@@ -570,10 +655,23 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
         const std::size_t parts = bow > much_bowed * gap ? 8 : 4;
         for (std::size_t k = 1; k < parts; ++k) {
             const double z = static_cast<double>(k) * gap / static_cast<double>(parts);
-            values[k] = raw(structure, foot + z * frame_.normal, everywhere).value;
+            const Vec3 p = foot + z * frame_.normal;
+            values[k] = tracks_[structure].blend(maps_, clamp_, frame_.to_plane(p), frame_.signed_distance(p),
+                                                 everywhere, nullptr, false);
         }
         values[parts] = b;
-        return mean_inside(column, std::span(values).first(parts + 1)) - by_slices;
+        std::array<double, 2> halves = inside_halves(column, std::span(values).first(parts + 1));
+        for (const bool is_void : {true, false}) {
+            for (const LoneEnd& lone : *pair.lone_ends) {
+                if (lone.is_void != is_void || !lone.map.box().contains(q)) continue;
+                const double d = lone.map.value(q);
+                const double part =
+                    pair.rounded ? rounded_height(d, 0.5 * gap) / (0.5 * gap) : column.inside(d);
+                double& half = halves[lone.from_below ? 0 : 1];
+                half = is_void ? std::min(half, 1 - part) : std::max(half, part);
+            }
+        }
+        return 0.5 * (halves[0] + halves[1]) - by_slices;
     }
     if (std::min(a, b) > 0.25 * clamp_ + move + bow) return 0;  // what others leave between them is thinner
     constexpr int sections = 12;

@@ -3,215 +3,20 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <memory>
-#include <span>
-#include <tuple>
-#include <utility>
+
+#include "anatomesh/field/boundary_pieces.h"
 
 namespace anatomesh {
 
 namespace {
 
 // All in gaps between the two slices.
-constexpr double piece_length = 0.5;  // longer edges are matched in pieces
-constexpr double facing_reach = 0.5;  // a piece faces across the chord this far along the boundary both ways
-constexpr double search_reach = 3.5;  // no boundary moves further
-constexpr double turn_cost = 0.5;  // a match that turns by a right angle costs as much as one this far away
-constexpr double return_tolerance = 0.5;  // a match that leads back this far from its start counts half
 constexpr double rest = 0.1;              // length of unmoved boundary that every average contains
 constexpr double lattice_step = 0.5;
+constexpr double nearest_share = 1.1;  // a part this much further away than the nearest boundary counts as it
 constexpr std::array<double, 3> averaging{4.4, 2.8, 1.8};  // radius of the neighbourhood, round by round
 constexpr std::uint32_t most_columns = 12;  // of a lattice within a radius, which is four steps at most
-constexpr double least_cosine = 0.3;                       // pieces that face further apart are never matched
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-
-// A stretch of a boundary.
-struct Piece {
-    Vec2 a, b, facing;  // facing: unit vector out of the region
-    double length = 0;
-    Vec2 middle() const { return 0.5 * (a + b); }
-};
-
-struct Boundary {
-    std::vector<Piece> pieces;
-    std::vector<std::uint32_t> next, previous;  // along the boundary; none where it cannot be told
-};
-
-// The edge that starts where each edge ends; where several do, the first that is not taken yet.
-std::vector<std::uint32_t> following(std::span<const Edge2> edges) {
-    const auto key = [](Vec2 p) { return std::pair(p.x, p.y); };
-    std::vector<std::uint32_t> by_start(edges.size()), next(edges.size(), none);
-    for (std::uint32_t e = 0; e < edges.size(); ++e) by_start[e] = e;
-    std::sort(by_start.begin(), by_start.end(), [&](std::uint32_t i, std::uint32_t j) {
-        return std::tuple(key(edges[i].a), i) < std::tuple(key(edges[j].a), j);
-    });
-    std::vector<bool> taken(edges.size(), false);
-    for (std::uint32_t e = 0; e < edges.size(); ++e) {
-        auto at = std::lower_bound(by_start.begin(), by_start.end(), key(edges[e].b),
-                                   [&](std::uint32_t i, const auto& k) { return key(edges[i].a) < k; });
-        while (at != by_start.end() && taken[*at]) ++at;
-        if (at == by_start.end() || !(edges[*at].a == edges[e].b)) continue;
-        next[e] = *at;
-        taken[*at] = true;
-    }
-    return next;
-}
-
-// The point `reach` along the boundary from the middle of piece p, with `step` from piece to piece.
-Vec2 along(const Boundary& boundary, std::uint32_t p, const std::vector<std::uint32_t>& step, bool forward,
-           double reach) {
-    const auto far_end = [&](const Piece& piece) { return forward ? piece.b : piece.a; };
-    Vec2 from = boundary.pieces[p].middle();
-    std::uint32_t at = p;
-    double left = reach;
-    while (true) {
-        const Vec2 to = far_end(boundary.pieces[at]);
-        const double distance = length(to - from);
-        if (distance >= left) return from + (left / distance) * (to - from);
-        left -= distance;
-        from = to;
-        at = step[at];
-        if (at == none || at == p) return from;
-    }
-}
-
-Boundary boundary_of(const DistanceMap& map, double gap) {
-    Boundary boundary;
-    const std::span<const Edge2> edges = map.edges();
-    const std::vector<std::uint32_t> next_edge = following(edges);
-    std::vector<std::uint32_t> first(edges.size() + 1, 0);
-    double perimeter = 0;
-    for (std::uint32_t e = 0; e < edges.size(); ++e) {
-        const Vec2 edge = edges[e].b - edges[e].a;
-        const double size = length(edge);
-        const auto count =
-            static_cast<std::uint32_t>(std::clamp(std::ceil(size / (piece_length * gap) - 1e-6), 1.0, 1e4));
-        for (std::uint32_t i = 0; i < count; ++i) {
-            const double s = static_cast<double>(i) / count, t = static_cast<double>(i + 1) / count;
-            boundary.pieces.push_back({edges[e].a + s * edge,
-                                       i + 1 == count ? edges[e].b : edges[e].a + t * edge,
-                                       (1 / size) * Vec2{edge.y, -edge.x}, size / count});
-        }
-        first[e + 1] = first[e] + count;
-        perimeter += size;
-    }
-    boundary.next.assign(boundary.pieces.size(), none);
-    boundary.previous.assign(boundary.pieces.size(), none);
-    for (std::uint32_t e = 0; e < edges.size(); ++e) {
-        for (std::uint32_t p = first[e]; p < first[e + 1]; ++p) {
-            boundary.next[p] = p + 1 < first[e + 1]   ? p + 1
-                               : next_edge[e] == none ? none
-                                                      : first[next_edge[e]];
-            if (boundary.next[p] != none) boundary.previous[boundary.next[p]] = p;
-        }
-    }
-    for (std::uint32_t p = 0; p < boundary.pieces.size(); ++p) {
-        const double reach = std::min(facing_reach * gap, 0.125 * perimeter);
-        const Vec2 chord = along(boundary, p, boundary.next, true, reach) -
-                           along(boundary, p, boundary.previous, false, reach);
-        const double size = length(chord);
-        if (size > 0.1 * reach) boundary.pieces[p].facing = (1 / size) * Vec2{chord.y, -chord.x};
-    }
-    return boundary;
-}
-
-// The pieces of a boundary in square bins, to search round a point.
-class PieceIndex {
-  public:
-    PieceIndex(const Boundary& boundary, double gap) : pieces_(boundary.pieces), gap_(gap) {
-        for (const Piece& piece : pieces_) box_.extend(piece.middle());
-        // Never many more bins than pieces, however large the region.
-        const Vec2 size = box_.high - box_.low;
-        const double most = 4.0 * static_cast<double>(pieces_.size()) + 64;
-        bin_ = std::max({0.5 * gap, std::sqrt(size.x * size.y / most), std::max(size.x, size.y) / most});
-        nx_ = static_cast<std::int64_t>(size.x / bin_) + 1;
-        ny_ = static_cast<std::int64_t>(size.y / bin_) + 1;
-        begin_.assign(static_cast<std::size_t>(nx_ * ny_) + 1, 0);
-        for (const Piece& piece : pieces_) ++begin_[bin_of(piece.middle()) + 1];
-        for (std::size_t b = 1; b < begin_.size(); ++b) begin_[b] += begin_[b - 1];
-        std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-        listed_.resize(pieces_.size());
-        for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
-            const Piece& piece = pieces_[p];
-            const Vec2 edge = piece.b - piece.a;
-            listed_[next[bin_of(piece.middle())]++] = {piece.a, edge, piece.facing, 1 / squared_length(edge), p};
-        }
-    }
-
-    struct Match {
-        std::uint32_t piece = none;
-        Vec2 point;
-    };
-
-    // The point of the boundary for one at `from` that faces `facing` and is expected at `target`: the
-    // nearest to the target, a difference of facing counting as distance, within the search's reach of both.
-    Match nearest(Vec2 from, Vec2 facing, Vec2 target) const {
-        Match best;
-        const double most = search_reach * gap_, turn = 2 * turn_cost * turn_cost * gap_ * gap_;
-        double best_cost = most * most;
-        const auto compare = [&](const Listed& piece) {
-            const double cosine = dot(piece.facing, facing);
-            if (cosine < least_cosine) return;
-            const double s = std::clamp(dot(target - piece.a, piece.edge) * piece.inverse, 0.0, 1.0);
-            const Vec2 point = piece.a + s * piece.edge;
-            const double cost = squared_length(point - target) + turn * (1 - cosine);
-            if (cost < best_cost && squared_length(point - from) < most * most) {
-                best_cost = cost;
-                best = {piece.number, point};
-            }
-        };
-        // The target's bin and those round it, then ring by ring until the next is too far away.
-        const std::int64_t ci = column(target.x, box_.low.x), cj = column(target.y, box_.low.y);
-        for (std::int64_t j = cj - 1; j <= cj + 1; ++j) each_in_row(j, ci - 1, ci + 1, compare);
-        const auto last = static_cast<std::int64_t>((most + 0.5 * piece_length * gap_) / bin_) + 1;
-        for (std::int64_t ring = 2; ring <= last; ++ring) {
-            const double nearest_possible = static_cast<double>(ring - 1) * bin_ - 0.5 * piece_length * gap_;
-            if (nearest_possible > 0 && nearest_possible * nearest_possible > best_cost) break;
-            each_in_row(cj - ring, ci - ring, ci + ring, compare);
-            for (std::int64_t j = cj - ring + 1; j < cj + ring; ++j) {
-                each_in_row(j, ci - ring, ci - ring, compare);
-                each_in_row(j, ci + ring, ci + ring, compare);
-            }
-            each_in_row(cj + ring, ci - ring, ci + ring, compare);
-        }
-        return best;
-    }
-
-  private:
-    std::int64_t column(double x, double low) const {
-        return static_cast<std::int64_t>(std::floor((x - low) / bin_));
-    }
-    std::size_t bin_of(Vec2 q) const {
-        const std::int64_t i = std::clamp<std::int64_t>(column(q.x, box_.low.x), 0, nx_ - 1);
-        const std::int64_t j = std::clamp<std::int64_t>(column(q.y, box_.low.y), 0, ny_ - 1);
-        return static_cast<std::size_t>(j * nx_ + i);
-    }
-    // The pieces in the bins from `first` to `last` of row j, which lie together.
-    template <class Body>
-    void each_in_row(std::int64_t j, std::int64_t first, std::int64_t last, const Body& body) const {
-        if (j < 0 || j >= ny_ || first >= nx_ || last < 0) return;
-        const auto row = static_cast<std::size_t>(j * nx_);
-        const std::uint32_t end = begin_[row + static_cast<std::size_t>(std::min(last, nx_ - 1)) + 1];
-        for (std::uint32_t l = begin_[row + static_cast<std::size_t>(std::max<std::int64_t>(first, 0))];
-             l < end; ++l) {
-            body(listed_[l]);
-        }
-    }
-
-    // A piece made ready for the search; those of a bin lie together.
-    struct Listed {
-        Vec2 a, edge, facing;
-        double inverse;  // of the squared length
-        std::uint32_t number;
-    };
-    const std::vector<Piece>& pieces_;
-    double gap_, bin_ = 1;
-    Box2 box_;
-    std::int64_t nx_ = 1, ny_ = 1;
-    std::vector<std::uint32_t> begin_;
-    std::vector<Listed> listed_;
-};
 
 // Nodes at multiples of `step` that cover a box. `most` bounds their number.
 struct Lattice {
@@ -305,18 +110,11 @@ class Average {
     std::vector<Sum> sums_;
 };
 
-// A boundary ready to be matched with.
-struct Side {
-    Boundary boundary;
-    PieceIndex index;
-    Side(const DistanceMap& map, double gap) : boundary(boundary_of(map, gap)), index(boundary, gap) {}
-};
-
 // Adds the matches of the pieces of `from` in `to`. `sign`: 1 if `to` is the slice above, -1 if it is the one
 // below. `before`: the motion of the round before.
-void add_matches(const Side& from, const Side& to, double sign, double gap, const Average* before,
-                 Average& average) {
-    for (const Piece& piece : from.boundary.pieces) {
+void add_matches(const BoundarySide& from, const BoundarySide& to, double sign, double gap,
+                 const Average* before, Average& average) {
+    for (const BoundaryPiece& piece : from.boundary.pieces) {
         if (piece.facing == Vec2{}) continue;
         const Vec2 start = piece.middle();
         Vec2 expected;
@@ -325,21 +123,20 @@ void add_matches(const Side& from, const Side& to, double sign, double gap, cons
             expected = sign * before->at(middle);
         }
         const PieceIndex::Match there = to.index.nearest(start, piece.facing, start + expected);
-        if (there.piece == none) continue;
+        if (there.piece == no_piece) continue;
         const PieceIndex::Match back = from.index.nearest(there.point, piece.facing, there.point - expected);
-        if (back.piece == none) continue;
-        const double off = length(back.point - start) / (return_tolerance * gap);
+        if (back.piece == no_piece) continue;
         const Vec2 move = there.point - start;
-        average.add_along(start, move, sign, piece.length / (1 + off * off));
+        average.add_along(start, move, sign, piece.length / return_penalty(start, back.point, gap));
     }
 }
 
 // Whether the regions have a common point: then one of them contains a boundary point of the other.
-bool regions_overlap(const Side& below, const DistanceMap& below_map, const Side& above,
+bool regions_overlap(const BoundarySide& below, const DistanceMap& below_map, const BoundarySide& above,
                      const DistanceMap& above_map) {
-    const auto meets = [](const Side& side, const DistanceMap& map) {
+    const auto meets = [](const BoundarySide& side, const DistanceMap& map) {
         return std::any_of(side.boundary.pieces.begin(), side.boundary.pieces.end(),
-                           [&](const Piece& piece) { return map.value(piece.a) <= 0; });
+                           [&](const BoundaryPiece& piece) { return map.value(piece.a) <= 0; });
     };
     return meets(below, above_map) || meets(above, below_map);
 }
@@ -349,7 +146,7 @@ bool regions_overlap(const Side& below, const DistanceMap& below_map, const Side
 SliceMotion::SliceMotion(const DistanceMap& below, const DistanceMap& above, double gap, Beyond further_below,
                          Beyond further_above) {
     assert(gap > 0);
-    const Side below_side(below, gap), above_side(above, gap);
+    const BoundarySide below_side(below, gap), above_side(above, gap);
     Box2 box;
     for (const DistanceMap* map : {&below, &above}) {
         box.extend(map->region_box().low);
@@ -378,7 +175,12 @@ SliceMotion::SliceMotion(const DistanceMap& below, const DistanceMap& above, dou
     nodes_.resize(lattice.count());
 
     // The change of slope at a slice, by the three slices round it at their distances; in units of this gap.
-    const auto bend = [&](double here, double slope, Beyond beyond, Vec2 q, double limit) {
+    const auto ends = [](const Beyond& beyond, Vec2 q, double here) {
+        return std::any_of(beyond.ending.begin(), beyond.ending.end(), [&](const DistanceMap* part) {
+            return std::abs(part->value(q)) <= nearest_share * std::abs(here);
+        });
+    };
+    const auto bend = [&](double here, double slope, const Beyond& beyond, Vec2 q, double limit) {
         if (beyond.map == nullptr) return 0.0;
         const double there = std::clamp(beyond.map->value(q), -limit, limit);
         return gap / (gap + beyond.gap) * ((there - here) * (gap / beyond.gap) + slope);
@@ -389,12 +191,16 @@ SliceMotion::SliceMotion(const DistanceMap& below, const DistanceMap& above, dou
             const double fade = average->moved_share(i, j);
             const Vec2 from = q - 0.5 * move, to = q + 0.5 * move;
             const double limit = std::min({gap, below.limit(), above.limit()});
-            const double a = std::clamp(below.value(from), -limit, limit),
-                         b = std::clamp(above.value(to), -limit, limit);
+            const double in_below = below.value(from), in_above = above.value(to);
+            const double a = std::clamp(in_below, -limit, limit), b = std::clamp(in_above, -limit, limit);
             const double bend_below =
-                -fade * bend(a, b - a, further_below, from - (further_below.gap / gap) * move, limit);
+                ends(further_below, from, in_below)
+                    ? 0
+                    : -fade * bend(a, b - a, further_below, from - (further_below.gap / gap) * move, limit);
             const double bend_above =
-                fade * bend(b, a - b, further_above, to + (further_above.gap / gap) * move, limit);
+                ends(further_above, to, in_above)
+                    ? 0
+                    : fade * bend(b, a - b, further_above, to + (further_above.gap / gap) * move, limit);
             nodes_[static_cast<std::size_t>(j) * lattice.nx + i] = {
                 static_cast<float>(move.x), static_cast<float>(move.y), static_cast<float>(bend_below),
                 static_cast<float>(bend_above)};

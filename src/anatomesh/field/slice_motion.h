@@ -31,10 +31,12 @@ class SliceMotion {
         Vec2 move;
         double bend_below = 0, bend_above = 0;
     };
-    // A slice beyond the two and its distance from the nearer of them; map null: no slice there.
+    // A slice beyond the two and its distance from the nearer of them; map null: no slice there. `ending`:
+    // the parts of the nearer one that end before it (lone_parts()): it says nothing of them.
     struct Beyond {
         const DistanceMap* map = nullptr;
         double gap = 0;
+        std::vector<const DistanceMap*> ending;
     };
 
     SliceMotion() = default;  // nothing moves

@@ -1,0 +1,176 @@
+#include "anatomesh/field/lone_parts.h"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <tuple>
+
+#include "anatomesh/field/boundary_pieces.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double least_matched = 0.5;  // share of an outline that must correspond for it to move
+constexpr double most_covered = 0.5;   // share of an outline's area beyond which the union goes on
+constexpr int covered_lattice = 24;    // points a side over an outline, to find that share
+
+// Edges of a region that close, by their numbers.
+using Loop = std::vector<std::uint32_t>;
+
+std::vector<Loop> loops_of(std::span<const Edge2> edges) {
+    const std::vector<std::uint32_t> next = following_edges(edges);
+    std::vector<bool> taken(edges.size(), false);
+    std::vector<Loop> loops;
+    for (std::uint32_t e = 0; e < edges.size(); ++e) {
+        Loop loop;
+        std::uint32_t at = e;
+        for (; at != no_piece && !taken[at]; at = next[at]) {
+            taken[at] = true;
+            loop.push_back(at);
+        }
+        if (at == e && loop.size() > 2) loops.push_back(std::move(loop));
+    }
+    return loops;
+}
+
+double twice_area(std::span<const Edge2> edges, const Loop& loop) {
+    const Vec2 origin = edges[loop.front()].a;
+    double sum = 0;
+    for (const std::uint32_t e : loop) sum += cross(edges[e].a - origin, edges[e].b - origin);
+    return sum;
+}
+
+// Even-odd, by the ray in +x.
+bool is_within(Vec2 q, std::span<const Edge2> edges) {
+    bool inside = false;
+    for (const Edge2& edge : edges) {
+        if ((edge.a.y > q.y) == (edge.b.y > q.y)) continue;
+        const double x = edge.a.x + (q.y - edge.a.y) / (edge.b.y - edge.a.y) * (edge.b.x - edge.a.x);
+        inside ^= q.x < x;
+    }
+    return inside;
+}
+
+// Whether all of a loop lies off the region `there` (in it, for a hole).
+bool is_apart(std::span<const Edge2> edges, const Loop& loop, bool is_void, const DistanceMap& there) {
+    return std::all_of(loop.begin(), loop.end(), [&](std::uint32_t e) {
+        const double distance = there.value(edges[e].a);
+        return is_void ? distance < 0 : distance > 0;
+    });
+}
+
+// A loop with all that lies within it, the part on the left of the edges.
+LonePart part_within(std::span<const Edge2> edges, const std::vector<Loop>& loops, std::size_t outer,
+                     bool is_void) {
+    LonePart part{{}, is_void};
+    for (const std::uint32_t e : loops[outer]) part.edges.push_back(edges[e]);
+    const std::vector<Edge2> outline = part.edges;
+    Box2 box;
+    for (const Edge2& edge : outline) box.extend(edge.a);
+    for (std::size_t l = 0; l < loops.size(); ++l) {
+        const Vec2 start = edges[loops[l].front()].a;
+        if (l == outer || !box.contains(start) || !is_within(start, outline)) continue;
+        for (const std::uint32_t e : loops[l]) part.edges.push_back(edges[e]);
+    }
+    if (is_void) {
+        for (Edge2& edge : part.edges) std::swap(edge.a, edge.b);
+    }
+    return part;
+}
+
+// Whether no outline of the other region runs in the part: with is_apart(), that the two share no point.
+bool is_free_of(const LonePart& part, const DistanceMap& there) {
+    Box2 box;
+    for (const Edge2& edge : part.edges) box.extend(edge.a);
+    return std::none_of(there.edges().begin(), there.edges().end(), [&](const Edge2& edge) {
+        return box.contains(edge.a) && is_within(edge.a, part.edges);
+    });
+}
+
+// The share of a part that lies in the region `there`, from a lattice of points.
+double covered_share(const LonePart& part, const DistanceMap& there) {
+    Box2 box;
+    for (const Edge2& edge : part.edges) box.extend(edge.a);
+    const Vec2 step = (1.0 / covered_lattice) * (box.high - box.low);
+    std::size_t within = 0, covered = 0;
+    for (int j = 0; j < covered_lattice; ++j) {
+        for (int i = 0; i < covered_lattice; ++i) {
+            const Vec2 q = box.low + Vec2{(i + 0.5) * step.x, (j + 0.5) * step.y};
+            if (!is_within(q, part.edges)) continue;
+            ++within;
+            covered += there.value(q) < 0;
+        }
+    }
+    return within > 0 ? static_cast<double>(covered) / static_cast<double>(within) : 1;
+}
+
+// The share of a loop that corresponds to an outline there.
+double matched_share(const Loop& loop, const BoundarySide& here, const BoundarySide& there, double gap) {
+    double matched = 0, perimeter = 0;
+    for (const std::uint32_t e : loop) {
+        for (std::uint32_t p = here.boundary.first[e]; p < here.boundary.first[e + 1]; ++p) {
+            const BoundaryPiece& piece = here.boundary.pieces[p];
+            perimeter += piece.length;
+            if (piece.facing == Vec2{}) continue;
+            const Vec2 start = piece.middle();
+            const PieceIndex::Match match = there.index.nearest(start, piece.facing, start);
+            if (match.piece == no_piece) continue;
+            const PieceIndex::Match back = here.index.nearest(match.point, piece.facing, match.point);
+            if (back.piece != no_piece) matched += piece.length / return_penalty(start, back.point, gap);
+        }
+    }
+    return matched / perimeter;
+}
+
+}  // namespace
+
+std::vector<LonePart> lone_parts(const DistanceMap& here, const DistanceMap& there, double gap) {
+    const std::span<const Edge2> edges = here.edges();
+    const std::vector<Loop> loops = loops_of(edges);
+    std::vector<LonePart> parts;
+    std::optional<BoundarySide> side_here, side_there;
+    for (std::size_t l = 0; l < loops.size(); ++l) {
+        const bool is_void = twice_area(edges, loops[l]) < 0;
+        if (!is_apart(edges, loops[l], is_void, there)) continue;
+        LonePart part = part_within(edges, loops, l, is_void);
+        if (!is_free_of(part, there)) continue;
+        if (!side_here) {
+            side_here.emplace(here, gap);
+            side_there.emplace(there, gap);
+        }
+        if (matched_share(loops[l], *side_here, *side_there, gap) < least_matched)
+            parts.push_back(std::move(part));
+    }
+    return parts;
+}
+
+std::vector<LonePart> lone_parts_of_union(const DistanceMap& here, const DistanceMap* there,
+                                          const DistanceMap& all_here, const DistanceMap& all_there,
+                                          double gap) {
+    std::vector<LonePart> parts;
+    if (there != nullptr) {
+        parts = lone_parts(here, *there, gap);
+        std::erase_if(parts, [](const LonePart& part) { return part.is_void; });
+    } else {
+        const std::vector<Loop> loops = loops_of(here.edges());
+        for (std::size_t l = 0; l < loops.size(); ++l) {
+            if (twice_area(here.edges(), loops[l]) > 0)
+                parts.push_back(part_within(here.edges(), loops, l, false));
+        }
+    }
+    if (parts.empty()) return parts;
+    const auto key = [](const Edge2& edge) { return std::tuple(edge.a.x, edge.a.y, edge.b.x, edge.b.y); };
+    const auto before = [&](const Edge2& e, const Edge2& f) { return key(e) < key(f); };
+    std::vector<Edge2> free(all_here.edges().begin(), all_here.edges().end());  // what no two share
+    std::sort(free.begin(), free.end(), before);
+    std::erase_if(parts, [&](const LonePart& part) {
+        const bool touches = std::any_of(part.edges.begin(), part.edges.end(), [&](const Edge2& edge) {
+            return !std::binary_search(free.begin(), free.end(), edge, before);
+        });
+        return !touches || covered_share(part, all_there) >= most_covered;
+    });
+    return parts;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,32 @@
+// Parts of a drawn region that end between their slice and the next one while the rest of the region goes on.
+#pragma once
+
+#include <vector>
+
+#include "anatomesh/field/distance_map.h"
+
+namespace anatomesh {
+
+// A piece of a region (an outline with all that is drawn within it), or of what the region leaves free (a
+// hole with all that is drawn within it: is_void). The edges bound it, the part on their left.
+struct LonePart {
+    std::vector<Edge2> edges;
+    bool is_void = false;
+};
+
+// The parts of the region `here` that have no counterpart in the region `there`, on the neighbouring slice:
+// pieces that share no point with it and holes that lie in it wholly, and less than half of whose outline
+// corresponds to an outline there that faces the same way and corresponds to it in turn (one that leans moves
+// instead). Requires: gap > 0, the distance of the slices, mm. Complexity: linear in the edges where nothing
+// is alone, else O(n log n + k n) for k such parts.
+std::vector<LonePart> lone_parts(const DistanceMap& here, const DistanceMap& there, double gap);
+
+// The outlines of a structure of a partition that end between `here` and `there` (null: where it is not drawn
+// at all), touch others, and less than half of whose area lies in the union of all, `all_there`: part of an
+// outline of the union, `all_here`, that goes on without them. Complexity: as lone_parts(), and O(n log n)
+// where there are any.
+std::vector<LonePart> lone_parts_of_union(const DistanceMap& here, const DistanceMap* there,
+                                          const DistanceMap& all_here, const DistanceMap& all_there,
+                                          double gap);
+
+}  // namespace anatomesh
