@@ -80,11 +80,4 @@ struct BoundarySide {
         : boundary(boundary_of(map, gap)), index(boundary, gap) {}
 };
 
-// What the say of a match is divided by that leads back to `back` instead of `start`: 1 where it is the same
-// point, 2 where they are half a gap apart.
-inline double return_penalty(Vec2 start, Vec2 back, double gap) {
-    const double off = length(back - start) / (0.5 * gap);
-    return 1 + off * off;
-}
-
 }  // namespace anatomesh

@@ -105,11 +105,16 @@ double covered_share(const LonePart& part, const DistanceMap& there) {
     return within > 0 ? static_cast<double>(covered) / static_cast<double>(within) : 1;
 }
 
-// The share of a loop that corresponds to an outline there.
-double matched_share(const Loop& loop, const BoundarySide& here, const BoundarySide& there, double gap) {
+// The share of a loop that corresponds to an outline there which no other loop here is nearer to.
+double matched_share(const std::vector<Loop>& loops, std::size_t loop, const BoundarySide& here,
+                     const BoundarySide& there) {
+    const std::vector<std::uint32_t>& first = here.boundary.first;
+    std::vector<bool> own(here.boundary.pieces.size(), false);
+    for (const std::uint32_t e : loops[loop])
+        std::fill(own.begin() + first[e], own.begin() + first[e + 1], true);
     double matched = 0, perimeter = 0;
-    for (const std::uint32_t e : loop) {
-        for (std::uint32_t p = here.boundary.first[e]; p < here.boundary.first[e + 1]; ++p) {
+    for (const std::uint32_t e : loops[loop]) {
+        for (std::uint32_t p = first[e]; p < first[e + 1]; ++p) {
             const BoundaryPiece& piece = here.boundary.pieces[p];
             perimeter += piece.length;
             if (piece.facing == Vec2{}) continue;
@@ -117,7 +122,7 @@ double matched_share(const Loop& loop, const BoundarySide& here, const BoundaryS
             const PieceIndex::Match match = there.index.nearest(start, piece.facing, start);
             if (match.piece == no_piece) continue;
             const PieceIndex::Match back = here.index.nearest(match.point, piece.facing, match.point);
-            if (back.piece != no_piece) matched += piece.length / return_penalty(start, back.point, gap);
+            if (back.piece != no_piece && own[back.piece]) matched += piece.length;
         }
     }
     return matched / perimeter;
@@ -139,7 +144,7 @@ std::vector<LonePart> lone_parts(const DistanceMap& here, const DistanceMap& the
             side_here.emplace(here, gap);
             side_there.emplace(there, gap);
         }
-        if (matched_share(loops[l], *side_here, *side_there, gap) < least_matched)
+        if (matched_share(loops, l, *side_here, *side_there) < least_matched)
             parts.push_back(std::move(part));
     }
     return parts;

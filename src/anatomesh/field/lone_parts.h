@@ -15,10 +15,10 @@ struct LonePart {
 };
 
 // The parts of the region `here` that have no counterpart in the region `there`, on the neighbouring slice:
-// pieces that share no point with it and holes that lie in it wholly, and less than half of whose outline
-// corresponds to an outline there that faces the same way and corresponds to it in turn (one that leans moves
-// instead). Requires: gap > 0, the distance of the slices, mm. Complexity: linear in the edges where nothing
-// is alone, else O(n log n + k n) for k such parts.
+// pieces that share no point with it and holes that lie in it wholly, and less than half of whose outline is,
+// of all outlines here, the nearest to the outline there that is nearest to it and faces the same way (what
+// leans moves instead). Requires: gap > 0, the distance of the slices, mm. Complexity: linear in the edges
+// where nothing is alone, else O(n log n + k n) for k such parts.
 std::vector<LonePart> lone_parts(const DistanceMap& here, const DistanceMap& there, double gap);
 
 // The outlines of a structure of a partition that end between `here` and `there` (null: where it is not drawn

@@ -12,6 +12,7 @@ namespace anatomesh {
 namespace {
 
 // All in gaps between the two slices.
+constexpr double return_tolerance = 0.5;  // a match that leads back this far from its start counts half
 constexpr double rest = 0.1;              // length of unmoved boundary that every average contains
 constexpr double lattice_step = 0.5;
 constexpr double nearest_share = 1.1;  // a part this much further away than the nearest boundary counts as it
@@ -126,8 +127,9 @@ void add_matches(const BoundarySide& from, const BoundarySide& to, double sign, 
         if (there.piece == no_piece) continue;
         const PieceIndex::Match back = from.index.nearest(there.point, piece.facing, there.point - expected);
         if (back.piece == no_piece) continue;
+        const double off = length(back.point - start) / (return_tolerance * gap);
         const Vec2 move = there.point - start;
-        average.add_along(start, move, sign, piece.length / return_penalty(start, back.point, gap));
+        average.add_along(start, move, sign, piece.length / (1 + off * off));
     }
 }
 
