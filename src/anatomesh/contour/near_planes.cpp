@@ -193,6 +193,8 @@ std::vector<Run> runs_of_one_slice(std::span<const SheetAt> stack, std::span<con
     const std::vector<Run> near = reader.near_runs(most_mm);
     std::vector<Reading> readings;
     double as_one = 0, as_several = 0;
+    bool is_shown_inside = false;
+    const auto is_at_end = [&](const Run& run) { return run.first == 0 || run.second == stack.size(); };
     for (std::size_t i = 0; i < near.size(); ++i) {
         const auto [first, last] = near[i];
         Run before{first, first}, after{last, last};
@@ -200,15 +202,22 @@ std::vector<Run> runs_of_one_slice(std::span<const SheetAt> stack, std::span<con
         if (last < stack.size())
             after = i + 1 < near.size() && near[i + 1].first == last ? near[i + 1] : Run{last, last + 1};
         readings.push_back(reader.read(before, near[i], after));
-        as_one += readings.back().as_one;
-        as_several += readings.back().as_several;
+        const Reading& reading = readings.back();
+        as_one += reading.as_one;
+        as_several += reading.as_several;
+        is_shown_inside |= !is_at_end(near[i]) && reading.is_repeated && !reading.has_repeats &&
+                           reading.is_compared && reading.as_one <= clear_share * reading.as_several;
     }
     const bool all_show_it = as_one <= clear_share * as_several;
     std::vector<Run> runs;
     for (std::size_t i = 0; i < near.size(); ++i) {
         const Reading& reading = readings[i];
+        // The last slice has a neighbour on one side only, and a knob on it looks like its hole: so that one
+        // within the stack must show it too.
         const bool is_likelier =
-            all_show_it || reading.as_one <= (reading.is_within_noise ? 1 : clear_share) * reading.as_several;
+            (reading.is_within_noise || is_shown_inside || !is_at_end(near[i])) &&
+            (all_show_it ||
+             reading.as_one <= (reading.is_within_noise ? 1 : clear_share) * reading.as_several);
         if (reading.is_repeated
                 ? !reading.has_repeats && is_likelier && (reading.is_compared || reading.is_within_noise)
                 : reading.is_within_noise)

@@ -27,7 +27,7 @@ struct SheetAt {
 // - read as one slice its structures differ from those beside it by less than half of what they do read as
 //   several, there or in all such runs of the stack together: an outline and its hole, drawn at two heights,
 //   make a tube; read as several slices they make a stack of discs, large and small in turn. Slices of a
-//   solid at two heights stay two.
+//   solid at two heights stay two. At an end of the stack, only if a run within it shows the same.
 // How much two slices differ: the area in one of them alone, as a share of both areas; regions by the
 // even-odd rule, areas by scan lines. Contours on two of the planes that differ by less than a tenth of their
 // area are two slices of one thing. Complexity: O(stack), and for each run that is near enough O(its points

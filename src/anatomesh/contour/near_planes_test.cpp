@@ -142,6 +142,21 @@ TEST(NearPlanes, of_a_solid_stay_apart) {
     }
 }
 
+// A knob on the last slice of a solid looks like the hole of that slice: a pit in the model for a knob.
+TEST(NearPlanes, of_a_knob_on_an_end_stay_apart) {
+    for (const double radius : {2.0, 3.0, 4.0, 5.0, 8.0}) {
+        for (const double gap : {0.2, 0.5, 0.9}) {
+            for (const bool both : {false, true}) {
+                Drawn drawn;
+                for (std::size_t k = 0; k < 11; ++k) drawn.circle(3.0 * static_cast<double>(k), 10, k);
+                drawn.circle(30 + gap, radius, 11);
+                if (both) drawn.circle(-gap, radius, 12);
+                EXPECT_TRUE(drawn.is_grouped_as_drawn()) << radius << " " << gap << " " << both;
+            }
+        }
+    }
+}
+
 TEST(NearPlanes, of_structures_each_on_a_stack_of_its_own_stay_apart) {
     for (const double shift : {0.1, 0.3, 0.5, 1.0}) {
         Drawn drawn;
