@@ -204,10 +204,6 @@ std::vector<Shared> find_shared(const std::vector<Ring>& rings, double distance)
     return shared;
 }
 
-}  // namespace
-
-namespace {
-
 // Gives each second edge the vertices of its first; returns the largest move.
 double close_pairs(Ring& ring, const std::vector<EdgePair>& pairs) {
     double most = 0;

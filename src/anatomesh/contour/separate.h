@@ -21,12 +21,6 @@ double close_corridors(Ring& ring, double width);
 // Edges that cross by at most `crossing` count too. Complexity: that of close_corridors.
 double close_keyholes(Ring& ring, double width, double crossing);
 
-// The same where a person or a program drew the corridor with a width: two edges, each at least ten times as
-// long as they are apart at their ends, at most `width`, the outside between them, and the ring between
-// one's end and the other's beginning turns the other way round and bounds more than the corridor: a hole.
-// Edges that cross by at most `crossing` count too. Complexity: that of close_corridors.
-double close_keyholes(Ring& ring, double width, double crossing);
-
 // What separate_rings did at one ring.
 struct Separation {
     std::uint32_t ring = 0;      // index into the rings

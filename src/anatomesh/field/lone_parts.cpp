@@ -1,6 +1,7 @@
 #include "anatomesh/field/lone_parts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -18,6 +19,14 @@ constexpr int covered_lattice = 24;    // points a side over an outline, to find
 // Edges of a region that close, by their numbers.
 using Loop = std::vector<std::uint32_t>;
 
+double twice_area(std::span<const Edge2> edges, const Loop& loop) {
+    const Vec2 origin = edges[loop.front()].a;
+    double sum = 0;
+    for (const std::uint32_t e : loop) sum += cross(edges[e].a - origin, edges[e].b - origin);
+    return sum;
+}
+
+// The largest first, so that no loop comes before one that it lies in.
 std::vector<Loop> loops_of(std::span<const Edge2> edges) {
     const std::vector<std::uint32_t> next = following_edges(edges);
     std::vector<bool> taken(edges.size(), false);
@@ -31,14 +40,10 @@ std::vector<Loop> loops_of(std::span<const Edge2> edges) {
         }
         if (at == e && loop.size() > 2) loops.push_back(std::move(loop));
     }
+    std::stable_sort(loops.begin(), loops.end(), [&](const Loop& k, const Loop& l) {
+        return std::abs(twice_area(edges, k)) > std::abs(twice_area(edges, l));
+    });
     return loops;
-}
-
-double twice_area(std::span<const Edge2> edges, const Loop& loop) {
-    const Vec2 origin = edges[loop.front()].a;
-    double sum = 0;
-    for (const std::uint32_t e : loop) sum += cross(edges[e].a - origin, edges[e].b - origin);
-    return sum;
 }
 
 // Even-odd, by the ray in +x.
@@ -60,9 +65,9 @@ bool is_apart(std::span<const Edge2> edges, const Loop& loop, bool is_void, cons
     });
 }
 
-// A loop with all that lies within it, the part on the left of the edges.
+// A loop with all that lies within it, the part on the left of the edges. Marks the loops within.
 LonePart part_within(std::span<const Edge2> edges, const std::vector<Loop>& loops, std::size_t outer,
-                     bool is_void) {
+                     bool is_void, std::vector<bool>& is_within_one) {
     LonePart part{{}, is_void};
     for (const std::uint32_t e : loops[outer]) part.edges.push_back(edges[e]);
     const std::vector<Edge2> outline = part.edges;
@@ -71,6 +76,7 @@ LonePart part_within(std::span<const Edge2> edges, const std::vector<Loop>& loop
     for (std::size_t l = 0; l < loops.size(); ++l) {
         const Vec2 start = edges[loops[l].front()].a;
         if (l == outer || !box.contains(start) || !is_within(start, outline)) continue;
+        is_within_one[l] = true;
         for (const std::uint32_t e : loops[l]) part.edges.push_back(edges[e]);
     }
     if (is_void) {
@@ -133,19 +139,23 @@ double matched_share(const std::vector<Loop>& loops, std::size_t loop, const Bou
 std::vector<LonePart> lone_parts(const DistanceMap& here, const DistanceMap& there, double gap) {
     const std::span<const Edge2> edges = here.edges();
     const std::vector<Loop> loops = loops_of(edges);
+    std::vector<bool> is_within_one(loops.size(), false);  // of the parts found
     std::vector<LonePart> parts;
     std::optional<BoundarySide> side_here, side_there;
     for (std::size_t l = 0; l < loops.size(); ++l) {
         const bool is_void = twice_area(edges, loops[l]) < 0;
-        if (!is_apart(edges, loops[l], is_void, there)) continue;
-        LonePart part = part_within(edges, loops, l, is_void);
+        if (is_within_one[l] || !is_apart(edges, loops[l], is_void, there)) continue;
+        std::vector<bool> within = is_within_one;
+        LonePart part = part_within(edges, loops, l, is_void, within);
         if (!is_free_of(part, there)) continue;
         if (!side_here) {
             side_here.emplace(here, gap);
             side_there.emplace(there, gap);
         }
-        if (matched_share(loops, l, *side_here, *side_there) < least_matched)
+        if (matched_share(loops, l, *side_here, *side_there) < least_matched) {
             parts.push_back(std::move(part));
+            is_within_one = std::move(within);
+        }
     }
     return parts;
 }
@@ -159,9 +169,10 @@ std::vector<LonePart> lone_parts_of_union(const DistanceMap& here, const Distanc
         std::erase_if(parts, [](const LonePart& part) { return part.is_void; });
     } else {
         const std::vector<Loop> loops = loops_of(here.edges());
+        std::vector<bool> is_within_one(loops.size(), false);
         for (std::size_t l = 0; l < loops.size(); ++l) {
-            if (twice_area(here.edges(), loops[l]) > 0)
-                parts.push_back(part_within(here.edges(), loops, l, false));
+            if (!is_within_one[l] && twice_area(here.edges(), loops[l]) > 0)
+                parts.push_back(part_within(here.edges(), loops, l, false, is_within_one));
         }
     }
     if (parts.empty()) return parts;

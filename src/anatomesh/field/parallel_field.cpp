@@ -71,9 +71,9 @@ double ending(double d, double t, double gap, bool rounded) {
     return rounded ? rounded_end(d, t * gap, 0.5 * gap) : (1 - t) * d + t * std::abs(d);
 }
 
-// A part that ends between two levels though the structure goes on beside it.
+// The parts of a kind that end between two levels though the structure goes on beside them.
 struct LoneEnd {
-    DistanceMap map;  // of the part alone
+    DistanceMap map;  // of the parts alone
     bool from_below, is_void;
 };
 
@@ -182,9 +182,15 @@ class Track {
         add_lone_ends(i, lone_parts(below, above, gap), true, clamp);
         add_lone_ends(i, lone_parts(above, below, gap), false, clamp);
     }
-    void add_lone_ends(std::size_t i, std::vector<LonePart> parts, bool from_below, double clamp) {
-        for (LonePart& part : parts)
-            lone_ends_[i].push_back({DistanceMap(std::move(part.edges), clamp), from_below, part.is_void});
+    void add_lone_ends(std::size_t i, const std::vector<LonePart>& parts, bool from_below, double clamp) {
+        for (const bool is_void : {true, false}) {
+            std::vector<Edge2> edges;
+            for (const LonePart& part : parts) {
+                if (part.is_void == is_void) edges.insert(edges.end(), part.edges.begin(), part.edges.end());
+            }
+            if (!edges.empty())
+                lone_ends_[i].push_back({DistanceMap(std::move(edges), clamp), from_below, is_void});
+        }
     }
 
     // How the structure moves between levels i and i + 1; both must be drawn, else nothing happens. Requires:
@@ -243,8 +249,11 @@ class Track {
     };
 
     bool is_near_lone_end(std::size_t i, Vec2 q) const {
-        return std::any_of(lone_ends_[i].begin(), lone_ends_[i].end(),
-                           [&](const LoneEnd& lone) { return lone.map.box().contains(q); });
+        return std::any_of(lone_ends_[i].begin(), lone_ends_[i].end(), [&](const LoneEnd& lone) {
+            if (!lone.map.box().contains(q)) return false;
+            const DistanceMap::Bound bound = lone.map.bound(q);
+            return bound.sign <= 0 || bound.at_least < lone.map.limit();
+        });
     }
 
     // A value between levels i and i + 1 with the parts that end there: each keeps its half of the gap, first

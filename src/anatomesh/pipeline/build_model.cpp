@@ -102,8 +102,9 @@ class Builder {
     FieldAndVolumes field_and_volumes() const { return {field_, volumes_, warnings_of_field_}; }
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
-    // Whether less was done for the shape of cells than can be: the same size is to be tried again.
+    // Whether contour segments were split for each other's sake.
     bool conforming() const { return conforming_; }
+    // Whether less was done for the shape of cells than can be: the same size is to be tried again.
     bool spared_shapes() const { return spared_ || recovered_ || (pieces_ && pieces_->are_short()); }
 
     // Whether a structure that is hardly thicker than the size was torn.
