@@ -10,6 +10,8 @@
 #include <optional>
 
 #include "anatomesh/contour/near_planes.h"
+#include "anatomesh/contour/plane_sheets.h"
+#include "anatomesh/contour/point_scatter.h"
 
 namespace anatomesh {
 
@@ -18,75 +20,6 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::array<Vec3, 3> axes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
 constexpr std::array<int, 3> axis_order{2, 1, 0};  // axial first
-
-Vec3 canonical(Vec3 normal) {
-    const double ax = std::abs(normal.x), ay = std::abs(normal.y), az = std::abs(normal.z);
-    const double leading = az >= ax && az >= ay ? normal.z : ay >= ax ? normal.y : normal.x;
-    return leading < 0 ? -normal : normal;
-}
-
-// Symmetric 3 x 3 matrix: the sums of products of coordinates relative to a mean.
-struct Scatter {
-    double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-
-    void add(Vec3 d) {
-        xx += d.x * d.x, xy += d.x * d.y, xz += d.x * d.z;
-        yy += d.y * d.y, yz += d.y * d.z, zz += d.z * d.z;
-    }
-    void add(const Scatter& other) {
-        xx += other.xx, xy += other.xy, xz += other.xz;
-        yy += other.yy, yz += other.yz, zz += other.zz;
-    }
-    Vec3 times(Vec3 d) const {
-        return {xx * d.x + xy * d.y + xz * d.z, xy * d.x + yy * d.y + yz * d.z,
-                xz * d.x + yz * d.y + zz * d.z};
-    }
-};
-
-// Unit eigenvector of the smallest eigenvalue, by Jacobi rotations (Golub and Van Loan, Matrix Computations,
-// section 8.5). Eight sweeps are more than a 3 x 3 matrix needs for full precision.
-Vec3 least_direction(const Scatter& s) {
-    std::array<std::array<double, 3>, 3> a{{{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}}};
-    std::array<std::array<double, 3>, 3> v{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    for (int sweep = 0; sweep < 8; ++sweep) {
-        for (int p = 0; p < 2; ++p) {
-            for (int q = p + 1; q < 3; ++q) {
-                if (a[p][q] == 0) continue;
-                const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-                const double t = (theta >= 0 ? 1 : -1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
-                const double c = 1 / std::sqrt(t * t + 1), sine = t * c;
-                for (int k = 0; k < 3; ++k) {
-                    const double kp = a[k][p], kq = a[k][q];
-                    a[k][p] = c * kp - sine * kq, a[k][q] = sine * kp + c * kq;
-                }
-                for (int k = 0; k < 3; ++k) {
-                    const double pk = a[p][k], qk = a[q][k];
-                    a[p][k] = c * pk - sine * qk, a[q][k] = sine * pk + c * qk;
-                    const double kp = v[k][p], kq = v[k][q];
-                    v[k][p] = c * kp - sine * kq, v[k][q] = sine * kp + c * kq;
-                }
-            }
-        }
-    }
-    int least = 2;
-    for (int k = 1; k >= 0; --k) {
-        if (a[k][k] < a[least][least]) least = k;
-    }
-    return canonical(normalized(Vec3{v[0][least], v[1][least], v[2][least]}));
-}
-
-Vec3 mean_of(std::span<const Vec3> points) {
-    Vec3 mean;
-    for (const Vec3& p : points) mean += p - points[0];
-    return points[0] + (1.0 / static_cast<double>(points.size())) * mean;
-}
-
-Scatter scatter_of(std::span<const Vec3> points) {
-    const Vec3 mean = mean_of(points);
-    Scatter scatter;
-    for (const Vec3& p : points) scatter.add(p - mean);
-    return scatter;
-}
 
 double lower_median(std::vector<double>& values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
@@ -106,15 +39,6 @@ Fit fit_along(std::span<const Vec3> points, Vec3 normal, std::vector<double>& bu
     Fit fit{lower_median(buffer), 0};
     for (double d : buffer) fit.deviation = std::max(fit.deviation, std::abs(d - fit.offset));
     return fit;
-}
-
-// Size of the area vector of a closed polygon (Newell).
-double vector_area(std::span<const Vec3> points) {
-    Vec3 sum;
-    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
-        sum += cross(points[i] - points[0], points[i + 1] - points[0]);
-    }
-    return 0.5 * length(sum);
 }
 
 // The axis along which the contour lies at one coordinate: all its points, or three quarters of them with the
@@ -146,119 +70,7 @@ double rounding_of(std::span<const ContourToPlace> contours) {
     return 0;
 }
 
-constexpr double fitted = 1.25;       // times the noise, what points may be off a plane fitted to them
-constexpr double least_noise = 1e-5;  // of the contours' extent
 constexpr std::size_t least_points = 8;  // that show how far off a plane of their own they are
-
-// Contours that lie on one plane as well as each of them lies on its own.
-struct Sheet {
-    std::vector<std::uint32_t> contours;
-    double area = 0;   // of all of them
-    double noise = 0;  // how far points of one of them lie off that one's own plane
-    // Of all points.
-    double count = 0;
-    Vec3 mean, normal;
-    Scatter scatter;
-
-    // How much further off the plane may be at p than at the sheet's own points, for what is known of them.
-    double leverage(Vec3 p) const {
-        const Vec3 way = p - mean, inside = way - dot(way, normal) * normal;
-        const double spread = dot(inside, scatter.times(inside)) / count, square = squared_length(inside);
-        return spread > 0 ? square / std::sqrt(spread) : square > 0 ? infinity : 0;
-    }
-};
-
-Sheet joined(const Sheet& large, const Sheet& small) {
-    Sheet both = large;
-    both.contours.insert(both.contours.end(), small.contours.begin(), small.contours.end());
-    both.area += small.area;
-    both.noise = std::max(large.noise, small.noise);
-    both.count += small.count;
-    const Vec3 way = small.mean - large.mean;
-    both.mean += (small.count / both.count) * way;
-    both.scatter.add(small.scatter);
-    both.scatter.add(std::sqrt(large.count * small.count / both.count) * way);
-    both.normal = least_direction(both.scatter);
-    return both;
-}
-
-// Puts together the contours of one slice, the largest first: a small one alone says little of its plane.
-class SheetFinder {
-  public:
-    // Points of a contour that lie further than `tolerance` off its plane do not show what plane it is.
-    SheetFinder(std::span<const ContourToPlace> contours, double tolerance, double rounding)
-        : contours_(contours), tolerance_(tolerance), rounding_(rounding) {
-        Box3 box;
-        for (const ContourToPlace& contour : contours) {
-            for (const Vec3& p : contour.points) box.extend(p);
-        }
-        floor_ = least_noise * box.diagonal();
-    }
-
-    // Those without a declared plane.
-    std::vector<Sheet> run() const {
-        std::vector<Sheet> singles;
-        for (std::uint32_t c = 0; c < contours_.size(); ++c) {
-            if (contours_[c].plane < 0) singles.push_back(single(c));
-        }
-        std::stable_sort(singles.begin(), singles.end(),
-                         [](const Sheet& p, const Sheet& q) { return p.area > q.area; });
-        std::vector<Sheet> sheets;
-        for (Sheet& one : singles) {
-            const std::size_t host = one.noise <= tolerance_ ? host_of(one, sheets) : sheets.size();
-            if (host < sheets.size()) {
-                sheets[host] = joined(sheets[host], one);
-            } else {
-                sheets.push_back(std::move(one));
-            }
-        }
-        return sheets;
-    }
-
-  private:
-    Sheet single(std::uint32_t c) const {
-        const std::span<const Vec3> points = contours_[c].points;
-        Sheet one;
-        one.contours = {c};
-        one.area = vector_area(points);
-        one.count = static_cast<double>(points.size());
-        one.mean = mean_of(points);
-        one.scatter = scatter_of(points);
-        one.normal = least_direction(one.scatter);
-        one.noise = deviation(one);
-        return one;
-    }
-
-    double deviation(const Sheet& sheet) const {
-        double largest = 0;
-        for (const std::uint32_t c : sheet.contours) {
-            for (const Vec3& p : contours_[c].points)
-                largest = std::max(largest, std::abs(dot(p - sheet.mean, sheet.normal)));
-        }
-        return largest;
-    }
-
-    // The sheet whose plane fits best; their number if none does.
-    std::size_t host_of(const Sheet& one, const std::vector<Sheet>& sheets) const {
-        constexpr double furthest = 10;  // radii of a sheet beside it
-        std::size_t best = sheets.size();
-        double least = 1;
-        for (std::size_t s = 0; s < sheets.size(); ++s) {
-            const Sheet& sheet = sheets[s];
-            if (sheet.noise > tolerance_) continue;
-            const double allowed = fitted * std::max({one.noise, sheet.noise, rounding_}) + floor_;
-            const double reach = 1 + std::min(sheet.leverage(one.mean), furthest);
-            const double off = std::abs(dot(one.mean - sheet.mean, sheet.normal)) / (allowed * reach);
-            if (off >= least) continue;
-            const double worst = std::max(off, deviation(joined(sheet, one)) / allowed);
-            if (worst < least) least = worst, best = s;
-        }
-        return best;
-    }
-
-    std::span<const ContourToPlace> contours_;
-    double tolerance_, rounding_, floor_ = 0;
-};
 
 struct Orientation {
     Vec3 normal;
@@ -379,7 +191,7 @@ class OrientationFinder {
         for (std::size_t o = 0; o < orientations.size(); ++o) {
             if (orientations[o].fixed || off[o].own <= options_.plane_tolerance_mm) continue;
             for (int axis : axis_order) {
-                if (off[o].along[axis] <= fitted * off[o].own) orientations[o].normal = axes[axis];
+                if (off[o].along[axis] <= fitted_share * off[o].own) orientations[o].normal = axes[axis];
             }
         }
     }
@@ -409,7 +221,7 @@ class OrientationFinder {
     }
 
     // Points so far off a plane still show it.
-    double tolerance() const { return std::max(options_.plane_tolerance_mm, fitted * noise_); }
+    double tolerance() const { return std::max(options_.plane_tolerance_mm, fitted_share * noise_); }
 
     // The orientation that a contour's own points show when they lie on one plane within the tolerance.
     std::optional<Own> clean_orientation(std::span<const Vec3> points) {
@@ -432,7 +244,7 @@ class OrientationFinder {
     // A few points always lie near some plane: their own one counts only when it fits far better.
     bool is_far_better(const Own& own, double off, std::size_t points) const {
         return points >= least_points &&
-               own.deviation <= std::max(0.1 * off, std::min(0.5 * off, fitted * noise_));
+               own.deviation <= std::max(0.1 * off, std::min(0.5 * off, fitted_share * noise_));
     }
 
     // The best guess for a contour with points off its plane.
@@ -774,8 +586,8 @@ PlaneGroups group_planes(std::span<const ContourToPlace> contours, std::span<con
         }
     }
     if (!are_known) {
-        const double tolerance = std::max(options.plane_tolerance_mm, fitted * noise);
-        for (Sheet& sheet : SheetFinder(contours, tolerance, noise).run()) {
+        const double tolerance = std::max(options.plane_tolerance_mm, fitted_share * noise);
+        for (Sheet& sheet : find_sheets(contours, tolerance, noise)) {
             std::sort(sheet.contours.begin(), sheet.contours.end());
             sheets.push_back(std::move(sheet.contours));
         }

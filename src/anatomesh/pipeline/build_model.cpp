@@ -737,6 +737,7 @@ class Builder {
 struct KeptModel {
     Model model;
     std::vector<Warning> warnings;
+    std::string sought;  // what another one was tried for
 
     double over_bound() const { return model.report.quality.radius_edge_share_over_2; }
 };
@@ -783,12 +784,8 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
                 (!model.ok() || (attempts.finer_for_shape() && outcome.over_bound >= kept->over_bound()));
             if (!worse) return model;
             context.warnings = std::move(kept->warnings);
-            context.warn({"W-PIP-001",
-                          std::string("a shorter edge length was tried for the sake of ") +
-                              (attempts.finer_for_shape() ? "ill-shaped tetrahedra" : "torn walls") +
-                              ", and was no better",
-                          {},
-                          "the model before it was kept"});
+            context.warn(
+                {"W-PIP-001", kept->sought + ", and was no better", {}, "the model before it was kept"});
             return std::move(kept->model);
         }
         const std::string reason = !model.ok()         ? brief_reason(model.error().message)
@@ -796,7 +793,13 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
                                    : outcome.conformed_badly
                                        ? "a tetrahedron that nothing forces was ill-shaped"
                                        : "too many tetrahedra were above radius-edge ratio 2";
-        if (model.ok()) kept.emplace(KeptModel{std::move(model.value()), context.warnings});
+        if (model.ok()) {
+            const std::string way =
+                next == NextTry::finer ? "a shorter edge length" : "another way to build it";
+            kept.emplace(KeptModel{std::move(model.value()), context.warnings,
+                                   way + " was tried for the sake of " +
+                                       (outcome.tore_thin ? "torn walls" : "ill-shaped tetrahedra")});
+        }
         tried.size_mm = (next == NextTry::same_size ? 1 : finer) * builder.size_mm();
         known = builder.field_and_volumes();
         if (!warnings_before) warnings_before = known.warnings;
