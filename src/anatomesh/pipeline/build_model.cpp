@@ -742,11 +742,6 @@ struct KeptModel {
     double over_bound() const { return model.report.quality.radius_edge_share_over_2; }
 };
 
-// Up to the figures, which are of a model that nobody gets.
-std::string brief_reason(const std::string& message) {
-    return message.substr(0, message.find(" ("));
-}
-
 TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
     TryOutcome outcome;
     outcome.kept_contract = model.ok();
@@ -784,33 +779,21 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
                 (!model.ok() || (attempts.finer_for_shape() && outcome.over_bound >= kept->over_bound()));
             if (!worse) return model;
             context.warnings = std::move(kept->warnings);
-            context.warn(
-                {"W-PIP-001", kept->sought + ", and was no better", {}, "the model before it was kept"});
+            context.warn({"W-PIP-001",
+                          kept->sought + " was tried, and was no better",
+                          {},
+                          "the model before it was kept"});
             return std::move(kept->model);
         }
-        const std::string reason = !model.ok()         ? brief_reason(model.error().message)
-                                   : outcome.tore_thin ? "a thin wall had holes"
-                                   : outcome.conformed_badly
-                                       ? "a tetrahedron that nothing forces was ill-shaped"
-                                       : "too many tetrahedra were above radius-edge ratio 2";
-        if (model.ok()) {
-            const std::string way =
-                next == NextTry::finer ? "a shorter edge length" : "another way to build it";
-            kept.emplace(KeptModel{std::move(model.value()), context.warnings,
-                                   way + " was tried for the sake of " +
-                                       (outcome.tore_thin ? "torn walls" : "ill-shaped tetrahedra")});
-        }
-        tried.size_mm = (next == NextTry::same_size ? 1 : finer) * builder.size_mm();
+        const double size_mm = (next == NextTry::same_size ? 1 : finer) * builder.size_mm();
+        const Warning again = built_again(next, outcome, model.ok() ? "" : model.error().message, size_mm);
+        if (model.ok())
+            kept.emplace(KeptModel{std::move(model.value()), context.warnings, sought_by(next, outcome)});
+        tried.size_mm = size_mm;
         known = builder.field_and_volumes();
         if (!warnings_before) warnings_before = known.warnings;
         context.warnings.resize(*warnings_before);
-        context.warn({"W-PIP-001",
-                      std::string(next == NextTry::same_size
-                                      ? "what was tried first did not keep the contract: "
-                                      : "the default edge length was too coarse for the smallest parts: ") +
-                          reason,
-                      {},
-                      "built again with " + brief(tried.size_mm) + " mm"});
+        context.warn(again);
     }
 }
 

@@ -8,6 +8,7 @@
 #include "anatomesh/base/structure.h"
 #include "anatomesh/field/structure_field.h"
 #include "anatomesh/measure/report.h"
+#include "anatomesh/pipeline/attempts.h"
 
 namespace anatomesh {
 
@@ -24,5 +25,12 @@ void warn_of_model(const ModelReport& report, double size_mm, const std::string&
 // from a structure there, or gives it more than is drawn. Nothing is said where planes are not parallel.
 void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const Structure> structures,
                      const std::string& file, RunContext& context);
+
+// Of a model that is built again, W-PIP-001: why, and with what edge length. `error`: its message where there
+// is no model, else empty. Requires: next is not none.
+Warning built_again(NextTry next, const TryOutcome& outcome, const std::string& error, double size_mm);
+
+// What is tried next and for what sake, of a model that keeps the contract.
+std::string sought_by(NextTry next, const TryOutcome& outcome);
 
 }  // namespace anatomesh
