@@ -266,9 +266,9 @@ class Cleaner {
         }
         if (candidates_.empty() || box.diagonal() >= least_span_mm) return;
         const double scale = box.diagonal() / least_span_mm;
-        for (double* tolerance :
-             {&options_.plane_tolerance_mm, &options_.group_tolerance_mm, &options_.corridor_mm,
-              &options_.keyhole_mm, &options_.separation_mm, &options_.weld_mm})
+        for (double* tolerance : {&options_.plane_tolerance_mm, &options_.group_tolerance_mm,
+                                  &options_.corridor_mm, &options_.keyhole_mm, &options_.repeat_mm,
+                                  &options_.doubtful_wall_mm, &options_.separation_mm, &options_.weld_mm})
             *tolerance *= scale;
         context_.warn({"W-CON-023",
                        "all contours together span less than 1 mm: is the file in metres or centimetres?",

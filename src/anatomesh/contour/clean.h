@@ -33,6 +33,11 @@ struct CleanOptions {
     // The same of a corridor with straight sides, ten times as long as it is wide, that leads to a hole: from
     // slice to slice it would be a slit, or a new tunnel where it turns. [0, 10]
     double keyhole_mm = 0.5;
+    // A contour that keeps this near to another of its structure in its slice, and nearer than half of their
+    // mean edge length, repeats it: the smaller is dropped. [0, 1]
+    double repeat_mm = 0.05;
+    // A hole that follows its outline as near as that is warned about. [0, 10]
+    double doubtful_wall_mm = 0.5;
     // Rings that share a vertex are moved apart there by at most this. (0, 1]
     double separation_mm = 0.05;
     // Vertices of different structures nearer than this become one: a wall that two structures share. [0,
@@ -69,15 +74,15 @@ struct CleanResult {
 // in one slice; a contour that needed no repair keeps every vertex at its exact coordinates; equal contours
 // out for any order of the input's contours and structures, start index and direction. Structures come by
 // number, without those that have no contour; declared planes only say where contours lie (the planes' frames
-// are made anew). Same-plane rule, in this order: exact duplicates dropped; even-odd by containment; partial
-// overlaps of one structure united; exclusive or only where the file says CLOSEDPLANAR_XOR. A contour that
-// crosses itself is read by the even-odd rule. Where two rings have to share a vertex the larger keeps it,
-// and the other's copy moves into the smaller one's own polygon by at most separation_mm: a shared vertex
-// would make every surface non-manifold. Every repair is counted and warned about, with its displacement and
-// area; above its bound it is an error. Contours that span less than 1 mm in all are most likely in another
-// unit: there the tolerances (plane, group, corridor, separation, weld) shrink with the span, so that nothing
-// is lost. Errors: E-CON-001..009, warnings: W-CON-001..023. Complexity: O(n log
-// n) per slice in its points, plus the crossings found.
+// are made anew). Same-plane rule, in this order: exact duplicates and near ones dropped; even-odd by
+// containment; partial overlaps of one structure united; exclusive or only where the file says
+// CLOSEDPLANAR_XOR. A contour that crosses itself is read by the even-odd rule. Where two rings have to share
+// a vertex the larger keeps it, and the other's copy moves into the smaller one's own polygon by at most
+// separation_mm: a shared vertex would make every surface non-manifold. Every repair is counted and warned
+// about, with its displacement and area; above its bound it is an error. Contours that span less than 1 mm in
+// all are most likely in another unit: there the tolerances (plane, group, corridor, separation, weld) shrink
+// with the span, so that nothing is lost. Errors: E-CON-001..009, warnings: W-CON-001..026. Complexity: O(n
+// log n) per slice in its points, plus the crossings found.
 Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context);
 
 }  // namespace anatomesh

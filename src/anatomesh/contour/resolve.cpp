@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "anatomesh/contour/combine.h"
+#include "anatomesh/contour/doubled_rings.h"
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/contour/nesting.h"
 #include "anatomesh/contour/separate.h"
@@ -42,6 +43,7 @@ class Resolver {
 
     Result<Resolved> run() {
         open_corridors();
+        drop_doubled();
         const RingEdges edges(rings_);
         if (!several_planes() && keep_apart(edges, rings_)) {
             read_nesting(nest(edges, rings_));
@@ -105,6 +107,42 @@ class Resolver {
             append(readings_[ring.source].rule, "dropped: no area");
             return true;
         });
+    }
+
+    // An outline drawn again a hair off itself would leave a skin of that hair between the two.
+    void drop_doubled() {
+        std::vector<char> dropped(rings_.size(), 0);
+        for (const DoubledRings& pair : find_doubled_rings(rings_, options_.repeat_mm)) {
+            const Ring& ring = rings_[pair.smaller];
+            if (dropped[pair.larger] || dropped[pair.smaller]) continue;
+            dropped[pair.smaller] = 1;
+            note(ring.source, "W-CON-011",
+                 "a contour nearly repeats contour " + number(pair.larger) + " of its structure",
+                 brief(pair.apart_mm) + " mm apart", "dropped");
+            RingReading& reading = readings_[ring.source];
+            reading.rule = "near repeat of " + number(pair.larger);
+            reading.points_kept = 0;
+            reading.area_change_mm2 =
+                std::abs(signed_area(rings_[pair.larger].at)) - std::abs(signed_area(ring.at));
+        }
+        std::size_t r = 0;
+        std::erase_if(rings_, [&](const Ring&) { return dropped[r++] != 0; });
+    }
+
+    // A hole that follows its outline everywhere: a thin wall, or the outline drawn twice? Only the user can
+    // tell.
+    void ask_about_thin_walls(const Nesting& nesting) {
+        if (options_.holes == HoleRule::united && !exclusive_or_) return;
+        for (const DoubledRings& pair : find_doubled_rings(rings_, options_.doubtful_wall_mm)) {
+            if (nesting.depth[pair.smaller] % 2 == 0 ||
+                nesting.parent[pair.smaller] != static_cast<std::int32_t>(pair.larger))
+                continue;
+            note(rings_[pair.smaller].source, "W-CON-026",
+                 "a hole follows its outline, contour " + number(pair.larger) +
+                     ", all around: was it drawn twice?",
+                 brief(pair.apart_mm) + " mm apart",
+                 "read as a hole: what is left is the wall between the two");
+        }
     }
 
     // With unite_repeated_planes: takes away every contour that bounds the region of its own plane where that
@@ -333,6 +371,7 @@ class Resolver {
     // Orients the rings, which keep apart, by their depth.
     Resolved finish(const RingEdges& edges) {
         const Nesting nesting = nest(edges, rings_);
+        ask_about_thin_walls(nesting);
         Resolved resolved;
         for (std::size_t r = 0; r < rings_.size(); ++r) {
             if (options_.holes == HoleRule::united && !exclusive_or_ && nesting.depth[r] > 0) continue;
