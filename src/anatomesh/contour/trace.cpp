@@ -14,6 +14,7 @@
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/contour/small_pieces.h"
 #include "anatomesh/contour/trace_slice.h"
+#include "anatomesh/image/components.h"
 
 namespace anatomesh {
 
@@ -257,6 +258,35 @@ void warn_about_structures(const LabelMap& labels, const std::vector<SliceContou
     }
 }
 
+// A structure that has contours may still have pieces that the kept slices pass by.
+void warn_about_missed_pieces(const LabelMap& labels, const SliceAxes& axes, const TraceOptions& options,
+                              double least_voxels, const ContourSet& set, RunContext& context) {
+    if (options.every == 1) return;
+    const std::vector<MissedPieces> missed =
+        pieces_between(labels, {axes.axis[2], options.every, options.offset},
+                       static_cast<std::uint64_t>(std::ceil(least_voxels)));
+    std::vector<std::uint8_t> drawn(labels.structures.size(), 0);
+    for (const Contour& contour : set.contours) drawn[contour.structure] = 1;
+    const auto& step = labels.geometry.step;
+    const double voxel_mm3 = std::abs(dot(cross(step[0], step[1]), step[2]));
+    for (std::size_t s = 0; s < missed.size(); ++s) {
+        const MissedPieces& of = missed[s];
+        if (of.pieces == 0 || !drawn[s]) continue;
+        const bool one = of.pieces == 1;
+        context.warn(
+            {"W-TRC-006",
+             std::to_string(of.pieces) +
+                 (one ? " piece of the structure lies" : " pieces of the structure lie") +
+                 " wholly between the slices that --every keeps",
+             {labels.source, "", name_of(labels.structures[s]), "",
+              brief(static_cast<double>(of.voxels) * voxel_mm3) + " mm3" +
+                  (one ? ""
+                       : ", the largest " + brief(static_cast<double>(of.largest) * voxel_mm3) + " mm3")},
+             one ? "the model is without it; a smaller --every keeps it"
+                 : "the model is without them; a smaller --every keeps them"});
+    }
+}
+
 std::string list_of(const std::vector<Structure>& structures) {
     constexpr std::size_t most = 10;
     std::string list;
@@ -355,6 +385,7 @@ Result<TraceResult> trace_contours(const LabelMap& labels, const GreyImage* grey
     }
     warn_of_area_changes(changes, set.structures, set.source, context);
     warn_about_structures(labels, slices, set, context);
+    warn_about_missed_pieces(labels, axes, options, settings.min_pixels, set, context);
     return result;
 }
 

@@ -268,6 +268,42 @@ TEST(Trace, an_empty_structure_among_others_is_named) {
     EXPECT_EQ(context.warnings[0].place.structure, "s2");
 }
 
+TEST(Trace, pieces_that_no_kept_slice_meets_are_told) {
+    // A block through all slices and, between the slices 2 and 4, an island of 3 x 3 voxels.
+    for (const int turned : {0, 1, 2}) {
+        LabelMap map = label_map({12, 12, 12}, 2);
+        map.geometry.step = {Vec3{0.5, 0, 0}, Vec3{0, 0.5, 0}, Vec3{0, 0, 0.5}};
+        const int across = 2 - turned, u = (across + 1) % 3, v = (across + 2) % 3;
+        map.geometry.step[across] = 4 * map.geometry.step[across];
+        for (std::uint32_t n = 0; n < 1728; ++n) {
+            const std::array<std::uint32_t, 3> at{n % 12, n / 12 % 12, n / 144};
+            const bool block = at[u] < 5 && at[v] < 5;
+            const bool island = at[u] > 7 && at[u] < 11 && at[v] > 7 && at[v] < 11 && at[across] == 3;
+            map.voxels[n] = block ? 1 : island ? 1 : 0;
+        }
+        map.voxels[map.geometry.index(6, 6, 6)] = 2;  // a structure of its own that is lost: another warning
+        const auto told = [&](std::uint32_t every, std::uint32_t offset) {
+            TraceOptions options;
+            options.every = every;
+            options.offset = offset;
+            options.min_area_mm2 = 1;
+            RunContext context;
+            EXPECT_TRUE(trace_contours(map, nullptr, 0, options, context).ok());
+            std::vector<std::string> values;
+            for (const Warning& warning : context.warnings) {
+                if (warning.code == "W-TRC-006")
+                    values.push_back(warning.place.structure + " " + warning.place.value);
+            }
+            return values;
+        };
+        EXPECT_TRUE(told(1, 0).empty());
+        EXPECT_TRUE(told(2, 1).empty());
+        EXPECT_TRUE(told(3, 0).empty());
+        EXPECT_EQ(told(2, 0), std::vector<std::string>{"s1 4.5 mm3"});
+        EXPECT_EQ(told(4, 1), std::vector<std::string>{"s1 4.5 mm3"});
+    }
+}
+
 TEST(Trace, no_slice_kept) {
     RunContext context;
     TraceOptions options;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cstring>
 #include <utility>
 
 namespace anatomesh {
@@ -46,7 +47,11 @@ class Components {
             const std::uint16_t* voxels = labels.voxels.data() + row * length;
             for (std::uint32_t i = 0; i < length;) {
                 if (voxels[i] == 0) {
-                    ++i;
+                    // Most of an image is empty: four voxels at once.
+                    std::uint64_t four = 0;
+                    while (i + 4 <= length && (std::memcpy(&four, voxels + i, sizeof four), four == 0))
+                        i += 4;
+                    while (i < length && voxels[i] == 0) ++i;
                     continue;
                 }
                 const std::uint32_t begin = i;
@@ -156,6 +161,41 @@ ComponentStats keep_largest(LabelMap& labels, std::uint32_t count) {
         }
     }
     return stats;
+}
+
+std::vector<MissedPieces> pieces_between(const LabelMap& labels, const KeptSlices& kept,
+                                         std::uint64_t least_voxels) {
+    assert(kept.axis < 3 && kept.offset < kept.every);
+    assert(labels.voxels.size() == labels.geometry.voxel_count());
+    std::vector<MissedPieces> missed(labels.structures.size());
+    if (kept.every == 1) return missed;
+    Components components(labels);
+    const std::vector<Run>& runs = components.runs();
+    // Whether one of the slices [begin, end) is kept.
+    const auto any_kept = [&](std::uint64_t begin, std::uint64_t end) {
+        return (begin + kept.every - 1 - kept.offset) / kept.every <
+               (end + kept.every - 1 - kept.offset) / kept.every;
+    };
+    std::vector<std::uint64_t> voxels(runs.size(), 0);
+    std::vector<std::uint8_t> met(runs.size(), 0);
+    const std::size_t height = labels.geometry.size[1];
+    for (std::size_t row = 0; row < components.row_count(); ++row) {
+        const std::size_t slice = kept.axis == 2 ? row / height : row % height;
+        for (std::size_t r = components.row_begin(row); r < components.row_end(row); ++r) {
+            const std::size_t root = components.root(r);
+            voxels[root] += runs[r].end - runs[r].begin;
+            if (kept.axis == 0 ? any_kept(runs[r].begin, runs[r].end) : any_kept(slice, slice + 1))
+                met[root] = 1;
+        }
+    }
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        if (voxels[r] < std::max<std::uint64_t>(least_voxels, 1) || met[r]) continue;
+        MissedPieces& of = missed[runs[r].label - 1u];
+        ++of.pieces;
+        of.voxels += voxels[r];
+        of.largest = std::max(of.largest, voxels[r]);
+    }
+    return missed;
 }
 
 }  // namespace anatomesh

@@ -127,6 +127,51 @@ TEST(Components, agree_with_flooding_on_noise) {
     }
 }
 
+TEST(Components, pieces_between_kept_slices_agree_with_flooding_on_noise) {
+    std::mt19937 random(12);
+    LabelMap map = label_map({11, 10, 12}, 2);
+    std::uint32_t missed_in_all = 0;
+    for (const unsigned density : {6u, 12u, 40u}) {
+        for (auto& voxel : map.voxels) {
+            const unsigned n = random() % density;
+            voxel = static_cast<std::uint16_t>(n < 3 ? n : 0);
+        }
+        const std::vector<std::size_t> piece = flooded(map);
+        for (std::uint32_t axis = 0; axis < 3; ++axis) {
+            for (const KeptSlices kept :
+                 {KeptSlices{axis, 1, 0}, {axis, 2, 0}, {axis, 2, 1}, {axis, 5, 3}, {axis, 20, 19}}) {
+                std::vector<std::uint64_t> voxels(map.voxels.size(), 0);
+                std::vector<char> met(map.voxels.size(), 0);
+                for (std::size_t v = 0; v < piece.size(); ++v) {
+                    if (map.voxels[v] == 0) continue;
+                    ++voxels[piece[v]];
+                    const std::array<std::size_t, 3> at{v % 11, v / 11 % 10, v / 110};
+                    met[piece[v]] |= at[axis] % kept.every == kept.offset;
+                }
+                for (const std::uint64_t least : {0u, 1u, 3u}) {
+                    std::array<MissedPieces, 2> expected;
+                    for (std::size_t v = 0; v < piece.size(); ++v) {
+                        if (piece[v] != v || map.voxels[v] == 0 || met[v] || voxels[v] < least) continue;
+                        MissedPieces& of = expected[map.voxels[v] - 1u];
+                        ++of.pieces;
+                        of.voxels += voxels[v];
+                        of.largest = std::max(of.largest, voxels[v]);
+                    }
+                    const std::vector<MissedPieces> missed = pieces_between(map, kept, least);
+                    ASSERT_EQ(missed.size(), 2u);
+                    for (int s = 0; s < 2; ++s) {
+                        EXPECT_EQ(missed[s].pieces, expected[s].pieces);
+                        EXPECT_EQ(missed[s].voxels, expected[s].voxels);
+                        EXPECT_EQ(missed[s].largest, expected[s].largest);
+                        missed_in_all += missed[s].pieces;
+                    }
+                }
+            }
+        }
+    }
+    EXPECT_GT(missed_in_all, 100u);
+}
+
 TEST(Components, L15_voxels_that_share_a_corner_are_one_piece) {
     LabelMap map = label_map({4, 4, 4}, 1);
     for (std::uint32_t n = 0; n < 4; ++n) map.voxels[map.geometry.index(n, 3 - n, n)] = 1;
