@@ -82,19 +82,38 @@ bool Hole::grow(Vec3 p) {
 }
 
 bool Hole::take(std::uint32_t c, Vec3 p, double own) {
-    // Facets of an interface stay.
-    for (const Facet& f : facets_) {
-        if (f.beyond == c && f.region != bench_.mesh.region(c)) return false;
-    }
+    if (!may_take(c)) return false;
     for (int i = 0; i < 4; ++i) {
         if (!holds(bench_.mesh.neighbor(c, i)) && !(value(facet(c, i), p) > own)) return false;
     }
-    // The facets between the cell and the hole go.
+    take(c);
+    return true;
+}
+
+// Facets of an interface stay.
+bool Hole::may_take(std::uint32_t c) const {
+    return std::none_of(facets_.begin(), facets_.end(),
+                        [&](const Facet& f) { return f.beyond == c && f.region != bench_.mesh.region(c); });
+}
+
+// The facets between the cell and the hole go.
+void Hole::take(std::uint32_t c) {
     std::erase_if(facets_, [&](const Facet& f) { return f.beyond == c; });
     for (int i = 0; i < 4; ++i) {
         if (!holds(bench_.mesh.neighbor(c, i))) facets_.push_back(facet(c, i));
     }
     cells_.push_back(c);
+}
+
+bool Hole::add(const EdgeRing& ring) {
+    if (!ring.closed) return false;
+    const Region region = bench_.mesh.region(ring.cells.front());
+    for (const std::uint32_t c : ring.cells) {
+        if (bench_.mesh.region(c) != region) return false;
+        if (holds(c)) continue;
+        if (!may_take(c)) return false;
+        take(c);
+    }
     return true;
 }
 

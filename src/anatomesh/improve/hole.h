@@ -32,6 +32,10 @@ class Hole {
 
     const std::vector<std::uint32_t>& cells() const { return cells_; }
 
+    // Takes in the cells round another edge too, all of them of one region. False, and then it is no hole to
+    // be filled, where they are of several, or would take a facet of an interface with them.
+    bool add(const EdgeRing& ring);
+
     // Of its facets' corners.
     Vec3 centre() const;
 
@@ -78,6 +82,8 @@ class Hole {
     double begin_round(Vec3 p, const Bar& bar);
     bool grow(Vec3 p);
     bool take(std::uint32_t c, Vec3 p, double own);
+    bool may_take(std::uint32_t c) const;
+    void take(std::uint32_t c);
     bool keeps_vertices() const;
     bool commit(Vec3 p);
 

@@ -302,7 +302,7 @@ class Climber {
         for (int i = 0; i < 4; ++i) {
             if (split_facet(bench_, cell, i)) return true;
         }
-        return split_cell(bench_, cell);
+        return split_cell(bench_, cell) || insert_beside(bench_, cell);
     }
 
     Workbench& bench_;

@@ -137,6 +137,13 @@ TEST(LastOperations, giving_cells_away_leaves_the_cuts_by_slices) {
     }
 }
 
+std::vector<Triangle> sorted_surface(const TetMesh& mesh, const RegionTable& regions, std::uint32_t s) {
+    std::vector<Triangle> surface = structure_surface(mesh, regions, s);
+    for (Triangle& f : surface) std::sort(f.begin(), f.end());
+    std::sort(surface.begin(), surface.end());
+    return surface;
+}
+
 // All edges of the surfaces between fixed vertices.
 std::vector<VertexPair> fixed_edges_of(const LabelledCase& c) {
     std::vector<VertexPair> edges;
@@ -167,7 +174,7 @@ TEST(LastOperations, new_vertices_keep_surfaces_in_place_and_fixed_edges_as_chai
             for (int i = 0; i < 4; ++i) {
                 if (split_facet(w, cell, i)) return true;
             }
-            return split_cell(w, cell);
+            return split_cell(w, cell) || insert_beside(w, cell);
         });
         EXPECT_GT(done, 0u);
         EXPECT_EQ(bench.bench.stats.vertices_inserted, done);
@@ -188,6 +195,25 @@ TEST(LastOperations, new_vertices_keep_surfaces_in_place_and_fixed_edges_as_chai
             std::count(fixed.begin() + static_cast<std::ptrdiff_t>(c.fixed.size()), fixed.end(), 1);
         EXPECT_EQ(chains.size(), edges.size() + static_cast<std::size_t>(on_edges));
         for (const auto& [a, b] : chains) EXPECT_TRUE(fixed[a] && fixed[b]);
+    }
+}
+
+// Flat cells that lie on an interface one beside the other get a vertex under them all: facets of surfaces
+// stay what they are, and no angle but the flat ones changes for the worse.
+TEST(LastOperations, a_vertex_beside_flat_cells_leaves_every_facet_of_a_surface) {
+    for (const LabelledCase& c : labelled_cases()) {
+        SCOPED_TRACE(c.name);
+        Bench bench(c);
+        const std::size_t done = bench.try_all(
+            [](Workbench& w, std::uint32_t cell) { return w.sine(cell) <= 0.2 && insert_beside(w, cell); });
+        EXPECT_GT(done, 0u);
+        EXPECT_EQ(bench.bench.stats.vertices_inserted, done);
+        const TetMesh mesh = bench.take();
+        expect_sound_mesh(mesh, c.mesh);
+        EXPECT_GE(worst_sine(mesh), worst_sine(c.mesh));
+        EXPECT_LE(worst_ratio(mesh), std::max(2.0, worst_ratio(c.mesh)) * (1 + 1e-9));
+        for (std::uint32_t s = 0; s < c.structures; ++s)
+            EXPECT_EQ(sorted_surface(mesh, c.regions, s), sorted_surface(c.mesh, c.regions, s));
     }
 }
 

@@ -49,9 +49,14 @@ bool insert_vertex(Workbench& bench, std::uint32_t cell, int e);
 
 // Put a vertex on an edge of an interface, or on a facet of a cell, or into it, take out the cells there, and
 // more where it helps, and join it to the hole's facets. Interfaces keep their place; an edge that is fixed
-// becomes two.
+// becomes two. On an edge the cells round it are taken out, or, where that does not do, those round the edge
+// opposite to it in the cell too.
 bool split_edge(Workbench& bench, std::uint32_t cell, int e);
 bool split_facet(Workbench& bench, std::uint32_t cell, int facet);
 bool split_cell(Workbench& bench, std::uint32_t cell);
+
+// Puts a vertex at some distance from a flat cell, where that and others flat beside it lie on an interface:
+// takes out the cell and those between, and joins it to the hole's facets. Interfaces stay as they are.
+bool insert_beside(Workbench& bench, std::uint32_t cell);
 
 }  // namespace anatomesh
