@@ -73,10 +73,10 @@ class Judge {
             if (near.value <= tolerance) side_.may.push_back(near.structure);
         }
         if (field_.exclusive()) {
-            // Their surfaces meet in walls: cells of any may.
+            // Their surfaces meet in walls: cells of those that have theirs there may, or of outside.
             side_.in.clear();
-            side_.may = all_;
-            side_.depth = 0;
+            const double all = field_.union_value(p);
+            if (std::abs(all) > tolerance) side_.depth = std::min(side_.depth, std::abs(all));
         }
         return side_;
     }

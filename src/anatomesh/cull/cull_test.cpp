@@ -110,6 +110,31 @@ TEST(Cull, sides_tell_structures_that_overlap_apart) {
     EXPECT_EQ(parted_by(registry.table(), {first, both, 0}, {both, both, 1}), std::nullopt);
 }
 
+// Structures that exclude each other: a vertex on the surface of one of them is on no third one's.
+TEST(Cull, sides_of_a_partition_know_whose_surface_a_vertex_is_on) {
+    const AnalyticField field({ball({-4, 0, 0}, 5), ball({4, 0, 0}, 5), ball({0, 5, 0}, 5)}, 12, true);
+    const double tolerance = 0.02;
+    const CulledMesh mesh = culled_mesh(field, 3, 1);
+    const RegionTable& table = mesh.registry.table();
+    std::size_t of_one = 0, of_several = 0;
+    for (std::size_t n = 0; n < mesh.sides.size(); ++n) {
+        const VertexSide& side = mesh.sides[n];
+        if (side.off_interfaces()) continue;
+        const Vec3 p = mesh.points()[n];
+        for (std::uint32_t s = 0; s < 3; ++s) {
+            const bool touches = field.value(s, p) <= tolerance;
+            EXPECT_EQ(table.contains(side.may, s), touches);
+            EXPECT_EQ(allows(table, side, std::vector<std::uint32_t>{s}), touches);
+            if (!touches) {
+                EXPECT_LE(side.depth_mm, field.value(s, p));
+            }
+        }
+        ++(table.members[side.may].size() > 1 ? of_several : of_one);
+    }
+    EXPECT_GT(of_one, 300u);
+    EXPECT_GT(of_several, 30u);
+}
+
 TEST(Cull, only_the_chosen_cells_are_decided) {
     const AnalyticField field({ball({}, 5)}, 6);
     CulledMesh mesh = culled_mesh(field, 1, 1);

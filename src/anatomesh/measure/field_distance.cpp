@@ -82,24 +82,40 @@ class SurfaceDistances {
                                         : field_.value(of_field_[surface], p - origin_));
     }
 
-    // Where a structure ends between two slices the field's value falls faster than the distance. So the
-    // points round this one are asked, nearer ones first: the smallest step at which one is on the other
-    // side, or the value. No further than to `enough`, below which nobody wants to know.
+    // Where a structure ends between two slices, and on a slice, the field's value falls faster than the
+    // distance. So the points round this one are asked, nearer ones first: the smallest step at which one is
+    // on the other side, or is near to the surface itself, or the value. No further than to `enough`, below
+    // which nobody wants to know.
     double distance(const Measured& point, double enough) const {
         const Vec3 p = point.at - origin_;
         const bool here = inside(point.surface, p);
-        const auto differs_at = [&](double r) {
-            return std::any_of(ways_.begin(), ways_.end(),
-                               [&](Vec3 way) { return inside(point.surface, p + r * way) != here; });
+        const double per_value = per_value_of(point.surface), farthest = farthest_distance(point);
+        double nearest = farthest;
+        const auto look_at = [&](double r) {
+            for (const Vec3 way : ways_) {
+                const Vec3 q = p + r * way;
+                const double beyond =
+                    inside(point.surface, q) != here ? 0 : per_value * value(point.surface, q + origin_);
+                nearest = std::min(nearest, r + beyond);
+                if (nearest <= enough) return;
+            }
         };
-        if (enough > 0 && differs_at(enough)) return enough;
-        for (int k = 1; k < steps; ++k) {
-            if (const double r = point.value * k / steps; r > enough && differs_at(r)) return r;
-        }
-        return point.value;
+        if (enough > 0) look_at(0.5 * enough);
+        if (enough > 0 && nearest > enough) look_at(enough);
+        for (int k = 1; k < steps && nearest > enough && nearest > farthest * k / steps; ++k)
+            look_at(farthest * k / steps);
+        return std::max(nearest, enough);
+    }
+
+    // No point is farther from its surface by what the field says there.
+    double farthest_distance(const Measured& point) const {
+        return per_value_of(point.surface) * point.value;
     }
 
   private:
+    // Where structures exclude each other, half of what parts their own distances is their wall's.
+    double per_value_of(std::uint32_t surface) const { return with_all_ && !is_all(surface) ? 2 : 1; }
+
     bool inside(std::uint32_t surface, Vec3 p) const {
         static thread_local std::vector<std::uint32_t> members;
         field_.members(p, members);
@@ -136,7 +152,7 @@ Measured farthest_of(const std::vector<Measured>& points, const SurfaceDistances
     Measured worst = points.front();
     worst.value = 0;
     for (const Measured& point : points) {
-        if (point.value <= worst.value) break;
+        if (distances.farthest_distance(point) <= worst.value) continue;
         const double distance = distances.distance(point, worst.value);
         if (distance <= worst.value) continue;
         worst = point;

@@ -60,6 +60,25 @@ TEST(FieldDistance, a_facet_is_measured_to_its_own_structures) {
     EXPECT_EQ(again.joined_at, report.joined_at);
 }
 
+// A part that narrows to nothing on a slice which does not have it: its tip is on its surface, though the
+// value there knows nothing of it and the part lies between all directions that are looked in.
+TEST(FieldDistance, the_tip_of_a_wedge_is_near_though_the_value_jumps_there) {
+    for (const double lean : {0.0, 0.2, 0.3, 0.6}) {
+        const auto wedge = [=](Vec3 p) {
+            if (p.z <= 2) return 3.0;  // of the plane z = 2 and below
+            const double x = p.x - 2 - lean * (p.z - 2), y = p.y - 4;
+            return std::max({std::abs(x) - 0.15 * (p.z - 2), std::abs(y) - 2, p.z - 6});
+        };
+        const fixtures::AnalyticField field({cube(0, 8), wedge}, 9);
+        const TetMesh mesh = testing::brick_mesh({8, 8, 8}, [&](int i, int j, int k) {
+            return i == 2 && j == 4 && k == 2 ? Region{2} : Region{1};
+        });
+        const FieldDistanceReport report = measured(mesh, field);
+        EXPECT_EQ(report.structure, "core");
+        EXPECT_LT(report.max_mm, 1.3) << lean;  // the cell's far corner; 3 by the value
+    }
+}
+
 TEST(FieldDistance, structures_that_the_field_lacks_are_as_if_not_there) {
     const fixtures::AnalyticField body_alone({cube(0, 8)}, 9);
     const FieldDistanceReport report = measured(walled(false), body_alone, {0, no_cell});

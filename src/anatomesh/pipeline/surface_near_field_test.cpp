@@ -1,6 +1,7 @@
 // Where structures cross, touch or lie in each other, every surface stays near its own in the field.
 #include <gtest/gtest.h>
 
+#include "anatomesh/contour/trace.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
 namespace anatomesh {
@@ -73,6 +74,50 @@ TEST(SurfaceNearField, structures_that_cross_touch_or_lie_in_each_other_have_no_
             }
         }
     }
+}
+
+// Voxels of 1 x 1 x `step` mm: an organ, and a lesion of `slices` slices that touches it.
+LabelMap organ_and_lesion(double step, double radius, std::uint32_t slices) {
+    LabelMap map;
+    map.geometry.size = {44, 44, 11};
+    map.geometry.step = {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, step}};
+    map.voxels.assign(map.geometry.voxel_count(), 0);
+    map.structures = {{1, "organ", {}}, {2, "lesion", {}}};
+    for (std::uint32_t k = 1; k < 10; ++k) {
+        for (std::uint32_t j = 0; j < 44; ++j) {
+            for (std::uint32_t i = 0; i < 44; ++i) {
+                std::uint16_t& voxel = map.voxels[map.geometry.index(i, j, k)];
+                if (k >= 4 && k < 4 + slices && std::hypot(i - 24.0 - radius, j - 21.0) < radius) voxel = 2;
+                if (std::hypot(i - 14.0, j - 21.0) < 11) voxel = 1;
+            }
+        }
+    }
+    return map;
+}
+
+// The lesion ends half-way to the next slice, and the organ's contours there are not its own.
+TEST(SurfaceNearField, parts_that_touch_and_end_reach_to_no_contour_of_the_next_slice) {
+    int far = 0;  // one has a flat cell along the wall that was given to outside
+    for (const double step : {2.0, 5.0}) {
+        for (const double radius : {2.6, 4.2}) {
+            for (const std::uint32_t slices : {1u, 2u, 3u}) {
+                SCOPED_TRACE(std::to_string(step) + " mm, radius " + std::to_string(radius) + ", slices " +
+                             std::to_string(slices));
+                RunContext context;
+                TraceOptions options;
+                options.min_area_mm2 = 0;
+                const auto traced =
+                    trace_contours(organ_and_lesion(step, radius, slices), nullptr, 0, options, context);
+                ASSERT_TRUE(traced.ok());
+                const auto made = build(traced.value().kept);
+                ASSERT_TRUE(made.ok()) << to_line(made.error());
+                const ModelReport& report = made.value().report;
+                EXPECT_LT(report.field_distance.max_mm, 0.65 * report.size_mm);
+                far += report.field_distance.max_mm > 0.45 * report.size_mm;
+            }
+        }
+    }
+    EXPECT_LE(far, 1);
 }
 
 }  // namespace

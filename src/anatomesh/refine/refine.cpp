@@ -288,12 +288,22 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
             const double span = length(q - p);
             const VertexSide &from = sides[edges[n][0]], &to = sides[edges[n][1]];
             const bool off = from.off_interfaces() && to.off_interfaces();
+            const auto crossing_from = [&](Vec3 start, Vec3 end) {
+                return probe.first_crossing(start, end, 0.25 * span, 1e-3 * span);
+            };
+            std::optional<Vec3> crossing;
             if (off) {
                 probe.focus({});
+                crossing = crossing_from(p, q);
+            } else if (field.exclusive()) {
+                // Between the middle and the end that cells of its region may not have.
+                probe.focus({});
+                const Vec3 middle = 0.5 * (p + q);
+                crossing = crossing_from(middle, allows(table, from, probe.members(middle)) ? q : p);
             } else {
                 probe.focus(std::array{*parted_by(table, from, to)});
+                crossing = crossing_from(p, q);
             }
-            const std::optional<Vec3> crossing = probe.first_crossing(p, q, 0.25 * span, 1e-3 * span);
             if (!crossing || all_points.any_within(*crossing, options.min_spacing * span)) continue;
             const std::uint32_t ball = guard.ball_at(*crossing, options.protected_share);
             if (ball == SegmentGuard::no_ball) crossings[n] = crossing;
