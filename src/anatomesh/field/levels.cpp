@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <optional>
 
 #include "anatomesh/contour/repeated_planes.h"
 
@@ -18,6 +19,33 @@ double lower_median(std::vector<double> values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
     std::nth_element(values.begin(), middle, values.end());
     return *middle;
+}
+
+constexpr double same_spacing = 0.05;  // gaps that differ by less than this share of the larger are alike
+
+// The spacing that most of a few neighbouring gaps share, one slice left out where that makes more of them
+// alike; of several as good the first, or nothing. So neither one slice more nor one less moves it.
+std::optional<double> shared_spacing(const std::vector<double>& gaps) {
+    std::optional<double> best;
+    std::size_t fewest = gaps.size();
+    for (std::size_t extra = 0; extra < gaps.size(); ++extra) {
+        std::vector<double> left = gaps;
+        if (extra > 0) {  // the slice before this gap
+            left[extra - 1] += left[extra];
+            left.erase(left.begin() + static_cast<std::ptrdiff_t>(extra));
+        }
+        for (const double spacing : left) {
+            const auto alike =
+                static_cast<std::size_t>(std::count_if(left.begin(), left.end(), [&](double gap) {
+                    return std::abs(gap - spacing) <= same_spacing * std::max(gap, spacing);
+                }));
+            const std::size_t odd = left.size() - alike + (extra > 0 ? 1 : 0);
+            if (alike < 2 || 2 * alike <= left.size() || odd >= fewest) continue;
+            fewest = odd;
+            best = spacing;
+        }
+    }
+    return best;
 }
 
 // The gaps between slices of a stack, and what is usual among them: a plane given again counts once.
@@ -110,8 +138,9 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
     const auto is_open = [&](std::size_t gap) {
         return gaps[gap] > options.max_gap_spacings * gaps.local_spacing(gap) * 1.001;
     };
-    // Spacing where a part begins or ends: the local one, or that of the part itself where it is smaller; of
-    // gaps that alternate the median is the other one.
+    // Spacing where a part begins or ends: the one that most of its gaps there share. Where they share none,
+    // the local one, or that of the part itself where it is smaller; of gaps that alternate the median is the
+    // other.
     const auto spacing_at = [&](std::size_t end, int inward) {
         if (gaps.size() == 0) return spacing;
         std::vector<double> own;
@@ -120,6 +149,7 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
             if (gap >= gaps.size() || is_open(gap)) break;
             if (gaps.counts(gap)) own.push_back(gaps[gap]);
         }
+        if (const std::optional<double> shared = shared_spacing(own)) return *shared;
         const std::size_t beside =
             inward > 0 ? std::min(end, gaps.size() - 1) : std::max<std::size_t>(end, 1) - 1;
         const double local = gaps.local_spacing(beside);

@@ -141,6 +141,39 @@ TEST(Levels, of_even_gaps_with_some_missing_slices_end_half_a_spacing_beyond) {
     }
 }
 
+// One slice more, at any place and height, takes nothing off either end.
+TEST(Levels, of_even_gaps_with_a_slice_more_end_half_a_spacing_beyond) {
+    for (int slices = 3; slices <= 10; ++slices) {
+        for (int at = 0; at < slices - 1; ++at) {
+            for (const double off :
+                 {0.01, 0.05, 0.097, 0.11, 0.2, 1.0 / 3, 0.45, 0.5, 0.6, 0.75, 0.9, 0.97}) {
+                // Of three slices and one half-way two are as well a missing one.
+                if (slices == 3 && (off == 0.5 || off < 0.1 || off > 0.9)) continue;
+                std::vector<double> gaps(static_cast<std::size_t>(slices - 1), 1.0);
+                gaps[static_cast<std::size_t>(at)] = 1 - off;
+                gaps.insert(gaps.begin() + at, off);
+                const std::vector<Level> levels = levels_of(gaps, {}).levels;
+                EXPECT_NEAR(levels.front().low, -1, 0.051) << slices << ' ' << at << ' ' << off;
+                EXPECT_NEAR(levels.back().high, slices, 0.051) << slices << ' ' << at << ' ' << off;
+            }
+        }
+    }
+}
+
+// Nor does one slice less.
+TEST(Levels, of_even_gaps_with_a_slice_less_end_half_a_spacing_beyond) {
+    for (int slices = 4; slices <= 10; ++slices) {
+        for (std::size_t at = 0; at + 1 < static_cast<std::size_t>(slices - 1); ++at) {
+            std::vector<double> gaps(static_cast<std::size_t>(slices - 1), 1.0);
+            gaps.erase(gaps.begin() + static_cast<std::ptrdiff_t>(at));
+            gaps[at] = 2;
+            const std::vector<Level> levels = levels_of(gaps, {}).levels;
+            EXPECT_NEAR(levels.front().low, -1, 1e-12) << slices << ' ' << at;
+            EXPECT_NEAR(levels.back().high, slices, 1e-12) << slices << ' ' << at;
+        }
+    }
+}
+
 // A change of spacing at an open gap: each side keeps its own.
 TEST(Levels, of_two_spacings_apart_each_end_has_its_own) {
     for (const double wide : {2.0, 3.0}) {
