@@ -107,11 +107,12 @@ class Builder {
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
     bool spared_shapes() const { return spared_ || recovered_ || (pieces_ && pieces_->are_short()); }
 
-    // Whether a structure that is hardly thicker than the size was torn.
-    bool tore_a_thin_structure() const {
+    // Whether a structure was torn that a finer size may keep whole: one hardly thicker than the size, or one
+    // that goes on simply from end to end.
+    bool tore_a_structure() const {
         const std::vector<double> thickness = mean_thickness(contours_);
         return std::any_of(tears_.begin(), tears_.end(), [&](const SurfaceTear& tear) {
-            return thickness[tear.structure] < hardly_thicker * size_mm();
+            return tear.whole || thickness[tear.structure] < hardly_thicker * size_mm();
         });
     }
 
@@ -750,7 +751,7 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
         outcome.size_matters = model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001";
         return outcome;
     }
-    outcome.tore_thin = builder.tore_a_thin_structure();
+    outcome.tore_thin = builder.tore_a_structure();
     outcome.conformed_badly =
         builder.conforming() && model.value().report.certificate.at(3).state != ClauseState::kept;
     outcome.over_bound = model.value().report.quality.radius_edge_share_over_2;

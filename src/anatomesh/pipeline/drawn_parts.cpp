@@ -123,23 +123,26 @@ std::vector<DrawnPart> drawn_parts(const ContourSet& contours, std::uint32_t sli
     return parts;
 }
 
-std::vector<std::int32_t> continued_by(const ContourSet& contours, const std::vector<DrawnPart>& low,
+std::vector<Continuation> continued_by(const ContourSet& contours, const std::vector<DrawnPart>& low,
                                        const std::vector<DrawnPart>& high) {
     constexpr std::int32_t several = -2;
-    std::vector<std::int32_t> up(low.size(), -1), down(high.size(), -1);
+    std::vector<Continuation> up(low.size());
+    std::vector<std::int32_t> down(high.size(), -1);
     for (std::size_t a = 0; a < low.size(); ++a) {
         for (std::size_t b = 0; b < high.size(); ++b) {
             const std::optional<Intersection> common = intersect(contours, low[a], high[b]);
             if (!common) continue;
-            const bool alike =
-                common->pieces == 1 && common->holes == low[a].holes() && common->holes == high[b].holes();
-            up[a] = up[a] == -1 && alike ? static_cast<std::int32_t>(b) : several;
-            down[b] = down[b] == -1 && alike ? static_cast<std::int32_t>(a) : several;
+            const std::size_t fewer = std::min(low[a].holes(), high[b].holes()),
+                              more = std::max(low[a].holes(), high[b].holes());
+            const bool simply = common->pieces == 1 && common->holes == more && (fewer == more || fewer == 0);
+            up[a].part = up[a].part == -1 && simply ? static_cast<std::int32_t>(b) : several;
+            up[a].holes_closed = static_cast<std::uint32_t>(more - fewer);
+            down[b] = down[b] == -1 && simply ? static_cast<std::int32_t>(a) : several;
         }
     }
     for (std::size_t a = 0; a < low.size(); ++a) {
-        if (up[a] >= 0 && down[static_cast<std::size_t>(up[a])] != static_cast<std::int32_t>(a)) up[a] = -1;
-        up[a] = std::max(up[a], -1);
+        const std::int32_t b = up[a].part;
+        if (b < 0 || down[static_cast<std::size_t>(b)] != static_cast<std::int32_t>(a)) up[a] = {};
     }
     return up;
 }

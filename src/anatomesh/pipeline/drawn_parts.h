@@ -21,10 +21,16 @@ struct DrawnPart {
 // slices.
 std::vector<DrawnPart> drawn_parts(const ContourSet& contours, std::uint32_t slice, std::uint32_t structure);
 
-// For every part of `low` the index of the one part of `high` that continues it: each meets no part of the
-// other slice but the other, and their intersection is in one piece with as many holes as each of the two.
-// -1: there is none.
-std::vector<std::int32_t> continued_by(const ContourSet& contours, const std::vector<DrawnPart>& low,
+// How a part goes on in the next slice.
+struct Continuation {
+    std::int32_t part = -1;          // of the next slice; -1: none, or not in a simple way
+    std::uint32_t holes_closed = 0;  // of the one that end before the other, or begin after it
+};
+
+// For every part of `low` the one part of `high` that continues it: each meets no part of the other slice but
+// the other, and their intersection is in one piece. Either it has as many holes as each of the two, or one
+// of the two has none and the other's all lie within it: voids that close in between.
+std::vector<Continuation> continued_by(const ContourSet& contours, const std::vector<DrawnPart>& low,
                                        const std::vector<DrawnPart>& high);
 
 }  // namespace anatomesh

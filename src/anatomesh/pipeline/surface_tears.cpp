@@ -271,6 +271,7 @@ class TearSearch {
         std::vector<DrawnPart> parts;
         std::vector<std::uint8_t> simple;
         std::vector<std::array<std::uint32_t, 2>> links;
+        std::vector<std::uint32_t> holes_closed;  // per part, on the way to the next slice
     };
 
     void look(const Window& window) {
@@ -306,6 +307,8 @@ class TearSearch {
             if (!trusted[group]) continue;
             if (window.beyond_all_slices())
                 sums[group].expected += 1 - static_cast<std::int64_t>(drawn.parts[n].holes());
+            else
+                sums[group].expected += drawn.holes_closed[n];  // each by a disc
             for (const std::uint32_t c : drawn.parts[n].contours) {
                 chains_.join(drawn.parts[group].contours.front(), c);
                 come_to(window, c);
@@ -365,13 +368,15 @@ class TearSearch {
         drawn.simple.assign(drawn.parts.size(), window.beyond_all_slices());
         if (window.beyond_all_slices()) return drawn;
         const std::vector<DrawnPart> high = drawn_parts(contours_, window.high_slice, structure_);
-        const std::vector<std::int32_t> next = continued_by(contours_, drawn.parts, high);
+        const std::vector<Continuation> next = continued_by(contours_, drawn.parts, high);
         const auto first_high = static_cast<std::uint32_t>(drawn.parts.size());
         drawn.parts.insert(drawn.parts.end(), high.begin(), high.end());
         drawn.simple.resize(drawn.parts.size(), 0);
+        drawn.holes_closed.resize(drawn.parts.size(), 0);
         for (std::uint32_t n = 0; n < next.size(); ++n) {
-            if (next[n] < 0) continue;
-            const std::uint32_t other = first_high + static_cast<std::uint32_t>(next[n]);
+            if (next[n].part < 0) continue;
+            const std::uint32_t other = first_high + static_cast<std::uint32_t>(next[n].part);
+            drawn.holes_closed[n] = next[n].holes_closed;
             drawn.simple[n] = drawn.simple[other] = 1;
             drawn.links.push_back({n, other});
         }

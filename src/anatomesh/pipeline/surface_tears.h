@@ -21,11 +21,12 @@ struct SurfaceTear {
 
 // Where a drawn part of a structure meets one part of the next slice alone, and what they have in common is
 // in one piece with as many holes as each of them, the surface between is one annulus from every contour to
-// one of the next slice: its Euler number is 0. Before the first slice and beyond the last one it closes
-// without a handle. A hole through a wall takes two from the number, and so does a bridge to another wall; a
-// gap that is filled may leave cavities, which add two. Where parts branch, vanish or slip past each other
-// nothing is said; nor between slices further apart than 1.5 median gaps. Slices of a sweep are judged in its
-// straight coordinates (sweep.h), of a stack with a few planes across it those of the stack
+// one of the next slice: its Euler number is 0; and where the one part has holes, all of which lie within the
+// other, which has none, these close by a disc each, which add one. Before the first slice and beyond the
+// last one it closes without a handle. A hole through a wall takes two from the number, and so does a bridge
+// to another wall; a gap that is filled may leave cavities, which add two. Where parts branch, vanish or slip
+// past each other nothing is said; nor between slices further apart than 1.5 median gaps. Slices of a sweep
+// are judged in its straight coordinates (sweep.h), of a stack with a few planes across it those of the stack
 // (crossed_field.h), of planes in any position none. `surfaces[s]`
 // is the closed surface of the contour set's structure s as triangles of `points`; `vertex_of` the mesh
 // vertex of every contour point, or no_cell. Of a structure with whole_only[s] != 0 those runs alone are

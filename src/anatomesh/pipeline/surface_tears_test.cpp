@@ -262,6 +262,52 @@ TEST(SurfaceTears, a_gap_that_is_filled_but_for_cavities) {
     EXPECT_FALSE(solid.tears(drawing).empty());
 }
 
+// A box with voids that begin and end between slices, one side of it or a cap torn.
+TEST(SurfaceTears, the_wall_of_a_closed_shell) {
+    for (const int voids : {1, 2}) {
+        const auto box = [&] {
+            CubeSolid solid;
+            solid.add({0, 0, 0}, {10 * voids, 10, 22});
+            for (int n = 0; n < voids; ++n) solid.remove({10 * n + 2, 2, 4}, {10 * n + 8, 8, 18});
+            return solid;
+        };
+        Drawing drawing;
+        for (int z = 2; z < 22; z += 4) {
+            drawing.add(0, z, rectangle({0, 0}, {10.0 * voids, 10}));
+            for (int n = 0; n < voids && z > 4 && z < 18; ++n)
+                drawing.add(0, z, rectangle({10.0 * n + 2, 2}, {10.0 * n + 8, 8}));
+        }
+        EXPECT_TRUE(box().tears(drawing).empty()) << voids;
+        for (int z = 4; z < 17; ++z) {
+            CubeSolid torn = box();
+            torn.remove({4, 0, z}, {5, 2, z + 1});
+            const auto tears = torn.tears(drawing);
+            ASSERT_EQ(tears.size(), 1u) << voids << ' ' << z;
+            EXPECT_EQ(handles(tears), 1) << voids << ' ' << z;
+            EXPECT_TRUE(tears[0].whole);
+        }
+        CubeSolid open = box();  // through the top, beyond the last slice but one
+        open.remove({4, 4, 18}, {5, 5, 22});
+        EXPECT_EQ(handles(open.tears(drawing)), 1) << voids;
+    }
+}
+
+// The hole of the second slice reaches beyond the outline of the first, and none of what is left is judged.
+TEST(SurfaceTears, a_void_that_may_open_to_the_outside_is_not_judged) {
+    for (const bool opens : {false, true}) {
+        CubeSolid solid;
+        Drawing drawing;
+        solid.add({0, 0, 0}, {10, 10, 4});
+        solid.add({0, 0, 4}, {20, 10, 20});
+        solid.remove({4, 2, opens ? 4 : 5}, {16, 8, 20});
+        for (int z = 2; z < 20; z += 4) {
+            drawing.add(0, z, rectangle({0, 0}, {z < 4 ? 10.0 : 20.0, 10}));
+            if (z > 4) drawing.add(0, z, rectangle({4, 2}, {16, 8}));
+        }
+        EXPECT_TRUE(solid.tears(drawing).empty()) << opens;
+    }
+}
+
 // The lower half of the plate goes on as two: its run ends there.
 TEST(SurfaceTears, a_hole_in_a_run_that_ends_where_the_part_branches) {
     for (const bool torn : {false, true}) {
