@@ -55,7 +55,8 @@ constexpr int small_mesh_rounds = 60;         // tiny segments need a round for 
 constexpr std::size_t small_mesh = 20000;     // in meshes of fewer points than this
 constexpr int last_rounds = 1;                // after the last segments
 constexpr double crumb_share = 0.003;  // of a cube of the size: less is no piece of a structure by itself
-constexpr int relabel_rounds = 4;             // after the first, with such points where a piece was given up
+constexpr int relabel_rounds = 10;     // after the first, with points where a piece was given up
+constexpr int side_shape_rounds = 4;   // of these each, for the cells at such points
 // Where freehand planes lie closer than the vertices along them, contours tell the surface without more
 // points.
 constexpr double dense_growth = 2;            // of the edge length with the depth
@@ -246,19 +247,9 @@ class Builder {
             ANATOMESH_CHECK_STATUS(pieces_->grow(found, {}, context_));
         }
         ANATOMESH_CHECK_STATUS(pieces_->recover(500, context_));
-        RefineOptions options;
-        options.max_radius_edge = options_.max_radius_edge;
-        options.max_reach_mm = 3 * sample_->stats.size_mm;
-        options.given = given_;
-        if (spared_) {
-            const double share = crowded_share * plane_density(contours_, *field_);
-            options.crowded_mm = std::min(share, most_crowded_share) * sample_->stats.size_mm;
-        }
+        RefineOptions options = shape_options();
         const auto find_shapes = [&](std::vector<Vec3>& found) {
-            mesh_->look_again(shapes);
-            return find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), mesh_->sides(),
-                                          *field_, structures_, mesh_->grid(), sample_->guard, options,
-                                          shapes.cells, found, context_);
+            return find_shape_points(options, shapes, found);
         };
         for (int round = 0; round < (mesh_->points().size() < small_mesh ? small_mesh_rounds : refinement_rounds); ++round) {
             // Where contours meet at small angles, segments and shape cannot both have their way: shape has
@@ -318,6 +309,26 @@ class Builder {
         return end_stage("refine", 0.6);
     }
 
+    RefineOptions shape_options() const {
+        RefineOptions options;
+        options.max_radius_edge = options_.max_radius_edge;
+        options.max_reach_mm = 3 * sample_->stats.size_mm;
+        options.given = given_;
+        if (spared_) {
+            const double share = crowded_share * plane_density(contours_, *field_);
+            options.crowded_mm = std::min(share, most_crowded_share) * sample_->stats.size_mm;
+        }
+        return options;
+    }
+
+    RefineStats find_shape_points(const RefineOptions& options, CellSearch& search,
+                                  std::vector<Vec3>& found) {
+        mesh_->look_again(search);
+        return find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), mesh_->sides(),
+                                      *field_, structures_, mesh_->grid(), sample_->guard, options,
+                                      search.cells, found, context_);
+    }
+
     // Points where edges cross an interface; contour segments that keep them off are split instead.
     Status meet_crossings(const CrossingOptions& options, CellSearch& search, double& points) {
         for (int round = 0; round < crossing_rounds; ++round) {
@@ -354,6 +365,23 @@ class Builder {
                        mesh_->regions(), mesh_->registry(), unsound, look, context_.threads);
     }
 
+    // Cells that points beside pieces made, as the last rounds of refinement have it: next to one that is far
+    // nearer to its piece than the size asks for they are long.
+    Status refine_changed(CellSearch search) {
+        RefineOptions options = shape_options();
+        options.protected_share = 1;
+        for (int round = 0; round < side_shape_rounds; ++round) {
+            std::vector<Vec3> found;
+            RefineStats stats = find_shape_points(options, search, found);
+            if (!pieces_->are_short()) stats.balls.clear();
+            if (found.empty() && stats.balls.empty()) break;
+            const std::size_t before = mesh_->points().size();
+            ANATOMESH_CHECK_STATUS(pieces_->grow(found, stats.balls, context_, SplitLimits::beside_short()));
+            if (mesh_->points().size() == before) break;
+        }
+        return Nothing{};
+    }
+
     Status cut_cells() {
         std::vector<std::uint32_t> unsound;
         RelabelStats relabelled = relabel_cells(unsound);
@@ -365,6 +393,7 @@ class Builder {
             std::vector<std::uint32_t> look = unsound;
             ANATOMESH_TRY(const bool opened, pieces_->open_sides(context_, &look));
             if (!opened) break;
+            ANATOMESH_CHECK_STATUS(refine_changed(search));
             mesh_->look_again(search);
             for (const std::uint32_t c : search.cells) {
                 look.insert(look.end(), mesh_->cells().cells[c].begin(), mesh_->cells().cells[c].end());
