@@ -10,16 +10,19 @@ namespace anatomesh {
 
 namespace {
 
+constexpr double normal_reach_mm = 2;  // contours' normals are taken over chords of this half length
+
 struct Figures {
     double median = 0, p95 = 0, max = 0;
 };
 
-// Of sorted copies; the same elements give the same figures.
+// The least values that half and 95 % of the distances do not exceed. The same elements give the same
+// figures.
 Figures figures_of(std::vector<double> distances) {
     if (distances.empty()) return {};
     std::sort(distances.begin(), distances.end());
     const std::size_t n = distances.size();
-    return {distances[(n - 1) / 2], distances[(n - 1) * 95 / 100], distances.back()};
+    return {distances[(n - 1) / 2], distances[(95 * n + 99) / 100 - 1], distances.back()};
 }
 
 void append_distances(const LineComparison& comparison, std::vector<double>& distances) {
@@ -67,6 +70,21 @@ Arc arc_from(const ContourSet& set, const Contour& contour, std::uint32_t start,
     return arc;
 }
 
+std::uint32_t most_of(const std::vector<std::uint64_t>& counts) {
+    return static_cast<std::uint32_t>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+}
+
+// How far apart corresponding ends are across the contours: along the line, times the lesser sine of the
+// angles at which the two contours meet it.
+double distance_across(const ContourSet& set, const LineComparison& c, const LineEnd& a, const LineEnd& b) {
+    const auto sine = [&](const LineEnd& end, std::uint32_t slice) {
+        const Plane& plane = set.slices[slice].plane;
+        return std::abs(dot(contour_normal(set, end, normal_reach_mm),
+                            {dot(c.line.direction, plane.u), dot(c.line.direction, plane.v)}));
+    };
+    return std::abs(a.t - b.t) * std::min(sine(a, c.a), sine(b, c.b));
+}
+
 class WorstFinder {
   public:
     WorstFinder(const ContourSet& set, double bound)
@@ -87,8 +105,7 @@ class WorstFinder {
 
     std::optional<WorstPlace> result() {
         if (worst_.places == 0) return std::nullopt;
-        worst_.culprit =
-            static_cast<std::uint32_t>(std::max_element(counts_.begin(), counts_.end()) - counts_.begin());
+        worst_.culprit = most_of(counts_);
         return worst_;
     }
 
@@ -174,6 +191,25 @@ Arc arc_between(const ContourSet& set, const LineEnd& p, const LineEnd& q, const
     if (one.points.empty()) return two;
     if (two.points.empty()) return one;
     return two.height_mm < one.height_mm ? two : one;
+}
+
+std::optional<WorstPlace> worst_pair(const ContourSet& set, std::span<const LineComparison> comparisons,
+                                     double bound_mm) {
+    WorstPlace worst;
+    std::vector<std::uint64_t> counts(set.slices.size(), 0);
+    for (const LineComparison& c : comparisons) {
+        std::vector<double> distances;
+        for (const auto& [i, j] : c.matching.matched)
+            distances.push_back(distance_across(set, c, c.ends_a[i], c.ends_b[j]));
+        const double median = figures_of(std::move(distances)).median;
+        if (median <= bound_mm) continue;
+        ++worst.places, ++counts[c.a], ++counts[c.b];
+        if (median > worst.distance_mm)
+            worst.a = c.a, worst.b = c.b, worst.structure = c.structure, worst.distance_mm = median;
+    }
+    if (worst.places == 0) return std::nullopt;
+    worst.culprit = most_of(counts);
+    return worst;
 }
 
 std::optional<WorstPlace> worst_place(const ContourSet& set, std::span<const LineComparison> comparisons,

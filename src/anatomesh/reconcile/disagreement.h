@@ -33,9 +33,15 @@ Arc arc_between(const ContourSet& set, const LineEnd& p, const LineEnd& q, const
 struct WorstPlace {
     std::uint32_t a = 0, b = 0, structure = 0;
     double distance_mm = 0;
-    std::uint64_t places = 0;   // above the bound
+    std::uint64_t places = 0;   // above the bound; pairs of slices, of worst_pair
     std::uint32_t culprit = 0;  // the slice with most of them
 };
+
+// The two slices that are furthest apart as a whole, if that is above the bound: by the median over the
+// corresponding ends of a structure of their distance across the contours, that along the line times the
+// lesser sine of the angles at which the contours meet the line.
+std::optional<WorstPlace> worst_pair(const ContourSet& set, std::span<const LineComparison> comparisons,
+                                     double bound_mm);
 
 // The place where slices are furthest apart, if that is above the bound. Corresponding ends are as far apart
 // as the nearer of the two is from the other slice's contour: where a contour runs nearly along the line, a

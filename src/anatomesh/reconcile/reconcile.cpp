@@ -20,6 +20,7 @@
 #include "anatomesh/reconcile/shared_points.h"
 #include "anatomesh/reconcile/silences.h"
 #include "anatomesh/reconcile/slice_soundness.h"
+#include "anatomesh/reconcile/stray_slices.h"
 
 namespace anatomesh {
 
@@ -47,7 +48,11 @@ class Reconciler {
     Result<ReconcileResult> run() {
         stats_.movements.resize(set_.slices.size());
         measure_extents();
-        if (pairs_.empty()) return finish();
+        if (context_.cancelled()) return cancelled_error();
+        if (pairs_.empty()) {
+            warn_of_strays();
+            return finish();
+        }
         if (options_.align) {
             ANATOMESH_CHECK_STATUS(align());
         }
@@ -84,6 +89,7 @@ class Reconciler {
         // Of what a slice leaves undrawn it says nothing, however the others come to lie.
         comparisons_ = compare_planes(set_, patches_, pairs_, margin_, context_);
         silences_ = find_silences(set_, comparisons_, margin_);
+        strays_ = find_stray_slices(set_, patches_, comparisons_, context_);
     }
 
     void compare() {
@@ -147,21 +153,32 @@ class Reconciler {
         return Nothing{};
     }
 
-    // Refuses slices that are further apart than the bound, worst first.
+    // Refuses slices that are further apart than the bound: as a whole, or so that a contour would have to
+    // move further. The worst is named.
     Status check_bound() const {
-        const std::optional<WorstPlace> worst = worst_place(set_, comparisons_, options_.max_disagreement_mm);
-        if (!worst) return Nothing{};
-        Place place = place_of_slice(worst->a, worst->distance_mm);
-        const Structure& structure = set_.structures[worst->structure];
+        const double bound = options_.max_disagreement_mm;
+        if (const std::optional<WorstPlace> worst = worst_pair(set_, comparisons_, bound))
+            return contradiction(*worst,
+                                 " in the median of the region ends where their planes cross, more than ",
+                                 " such pairs, most of them with slice ");
+        if (const std::optional<WorstPlace> worst = worst_place(set_, comparisons_, bound))
+            return contradiction(*worst, " where their planes cross, more than ",
+                                 " such places, most of them in slice ");
+        return Nothing{};
+    }
+
+    Error contradiction(const WorstPlace& worst, const std::string& where, const std::string& which) const {
+        Place place = place_of_slice(worst.a, worst.distance_mm);
+        const Structure& structure = set_.structures[worst.structure];
         place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
         return Error{ErrorKind::geometry, "E-RCN-001",
-                     names(worst->a, worst->b) + " contradict each other by " + brief(worst->distance_mm) +
-                         " mm where their planes cross, more than " + brief(options_.max_disagreement_mm) +
-                         " mm; " + std::to_string(worst->places) + " such places, most of them in slice " +
-                         set_.slices[worst->culprit].name,
+                     names(worst.a, worst.b) + " contradict each other by " + brief(worst.distance_mm) +
+                         " mm" + where + brief(options_.max_disagreement_mm) + " mm; " +
+                         std::to_string(worst.places) + which + set_.slices[worst.culprit].name,
                      std::move(place),
-                     "leave a slice out, raise the bound with --max-disagreement, or keep every vertex with "
-                     "--reconcile 0"};
+                     std::string("leave a slice out, ") +
+                         (options_.align ? "" : "shift slices with --align, ") +
+                         "raise the bound with --max-disagreement, or keep every vertex with --reconcile 0"};
     }
 
     Status move() {
@@ -389,6 +406,26 @@ class Reconciler {
         warn_of_rest();
         warn_of_outliers();
         warn_of_silences();
+        warn_of_strays();
+    }
+
+    void warn_of_strays() {
+        std::vector<StraySlice> named = strays_;
+        std::stable_sort(named.begin(), named.end(),
+                         [](const StraySlice& p, const StraySlice& q) { return p.others > q.others; });
+        for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
+            const StraySlice& stray = named[n];
+            context_.warn({"W-RCN-008",
+                           "the slice has nothing in common with the " + std::to_string(stray.others) +
+                               (stray.others == 1 ? " slice" : " slices") +
+                               " that draw the same structure where their planes cross, but elsewhere; "
+                               "the nearest is slice " +
+                               set_.slices[stray.nearest].name + ": is it in its place?" +
+                               (named.size() > most_named_pairs && n == 0
+                                    ? "; " + std::to_string(named.size()) + " such slices"
+                                    : ""),
+                           place_of_slice(stray.slice, stray.gap_mm), "kept, as a part by itself"});
+        }
     }
 
     void warn_of_silences() {
@@ -547,6 +584,7 @@ class Reconciler {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
     std::vector<LineComparison> comparisons_;
     std::vector<Silence> silences_;
+    std::vector<StraySlice> strays_;
     ContourGraph graph_;
     std::vector<MovementNode> nodes_;
     std::vector<MovementEdge> edges_;

@@ -15,8 +15,8 @@ struct ReconcileOptions {
     bool reconcile = true;
     // First shift every slice rigidly in its plane (breathing, a probe that slips) so that they agree best.
     bool align = false;
-    // Contours further apart than this where their planes cross are refused, and so are larger shifts. mm,
-    // (0, 1000]
+    // Slices that are further apart than this where their planes cross are refused: by the median of a pair,
+    // or where a contour would have to move further; and so are larger shifts. mm, (0, 1000]
     double max_disagreement_mm = 10;
     // Over what length along a contour a movement fades. mm, [0.1, 1000]
     double smoothing_mm = 10;
@@ -70,7 +70,7 @@ struct ReconcileResult {
 // keep their nesting, by exact predicates; where that needs it a step is shortened. Slices that agree on
 // their common line afterwards (difference_after_mm of 0; all that can) have the same points there, bit for
 // bit. Where all ends agree within rounding no vertex moves. Parallel slices come back as they are. What
-// moved and what is left is said in stats and warnings W-RCN-001..007. Errors: geometry E-RCN-001 slices
+// moved and what is left is said in stats and warnings W-RCN-001..008. Errors: geometry E-RCN-001 slices
 // further apart than the bound (names both), E-RCN-002 a shift above it. The same at any thread count.
 // Complexity: O(n log n + crossings) per round. No earlier method is followed.
 Result<ReconcileResult> reconcile_contours(ContourSet set, const ReconcileOptions& options,

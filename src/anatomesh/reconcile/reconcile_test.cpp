@@ -165,6 +165,84 @@ TEST(Reconcile, C25_refuses_above_the_bound_and_names_both_slices) {
               "E-RCN-001");
 }
 
+// A ball of radius 20 in slices 4 mm apart, and a long axis, the last slice, of another radius and shifted.
+ContourSet ball_with_long_axis(double radius, Vec3 shift) {
+    std::mt19937 random(21);
+    std::vector<Plane> stack;
+    for (int k = -4; k <= 4; ++k) stack.push_back(make_plane({0, 0, 4.0 * k}, {0, 0, 1}));
+    ContourSet set = drawn_ball(20, stack, {0, 0, 150}, random);
+    const ContourSet across = drawn_ball(radius, {make_plane({}, {0, 1, 0})}, {0, 0, 150}, random);
+    Ring ring;
+    for (const Vec3& p : across.points) ring.push_back(across.slices[0].plane.to_plane(p + shift));
+    add_slice(set, across.slices[0].plane, ring);
+    return set;
+}
+
+TEST(Reconcile, C25_a_long_axis_out_of_place_by_more_than_the_bound_is_refused) {
+    for (const Vec3 way : {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0.9, 0, 0.436}}) {
+        for (const double far : {1.0, 5.0, 9.0}) EXPECT_EQ(refused(ball_with_long_axis(20, far * way)), "");
+        for (const double far : {12.0, 15.0, 18.0, 22.0, 25.0, 30.0, 35.0, 39.0}) {
+            const ContourSet set = ball_with_long_axis(20, far * way);
+            const std::string error = refused(set);
+            EXPECT_EQ(error.substr(0, 9), "E-RCN-001") << far << ' ' << way.x << ' ' << way.z;
+            EXPECT_NE(error.find(" and 9 contradict each other"), std::string::npos) << error;
+            ReconcileOptions wide;
+            wide.max_disagreement_mm = far + 1;
+            EXPECT_EQ(refused(set, wide), "") << far << ' ' << way.x << ' ' << way.z;
+        }
+    }
+}
+
+TEST(Reconcile, C25_regions_of_another_size_are_refused_above_the_bound) {
+    for (const double radius : {25.0, 28.0}) EXPECT_EQ(refused(ball_with_long_axis(radius, {})), "");
+    for (const double radius : {32.0, 35.0, 40.0})
+        EXPECT_EQ(refused(ball_with_long_axis(radius, {})).substr(0, 9), "E-RCN-001") << radius;
+}
+
+std::vector<std::string> slices_named(const ContourSet& set, const std::string& code) {
+    RunContext context;
+    ReconcileOptions options;
+    options.margin_mm = margin;
+    EXPECT_TRUE(reconcile_contours(set, options, context).ok());
+    std::vector<std::string> named;
+    for (const Warning& warning : context.warnings) {
+        if (warning.code == code) named.push_back(warning.place.slice);
+    }
+    return named;
+}
+
+TEST(Reconcile, C26_a_slice_apart_from_all_that_it_crosses_is_named) {
+    using Names = std::vector<std::string>;
+    for (const double far : {46.0, 60.0, 200.0}) {
+        EXPECT_EQ(slices_named(ball_with_long_axis(20, {far, 0, 0}), "W-RCN-008"), Names{"9"}) << far;
+        EXPECT_EQ(slices_named(ball_with_long_axis(20, {-far, 0, 8}), "W-RCN-008"), Names{"9"}) << far;
+    }
+    EXPECT_EQ(slices_named(ball_with_long_axis(20, {5, 0, 0}), "W-RCN-008"), Names{});
+    std::mt19937 random(22);
+    for (int n = 0; n < 12; ++n) {
+        const auto solid = polytope(30, 20, random);
+        for (const auto& planes :
+             {three_stacks(28, 7, 0.1), rotational_planes(12), random_planes(20, 25, random)})
+            EXPECT_EQ(slices_named(cut(solid, planes), "W-RCN-008"), Names{}) << n;
+    }
+}
+
+// Ends 1 and 3 mm apart: 95 % of two is both.
+TEST(Reconcile, few_ends_count_in_full_at_95_percent) {
+    std::mt19937 random(23);
+    ContourSet set = drawn_ball(20, {make_plane({}, {0, 0, 1})}, {0, 0, 400}, random);
+    const ContourSet larger = drawn_ball(22, {make_plane({}, {1, 0, 0})}, {0, 0, 400}, random);
+    Ring ring;
+    for (const Vec3& p : larger.points) ring.push_back(larger.slices[0].plane.to_plane(p + Vec3{0, 1, 0}));
+    add_slice(set, larger.slices[0].plane, ring);
+    const ReconcileStats stats = reconciled(set).stats;
+    ASSERT_EQ(stats.pairs.size(), 1u);
+    EXPECT_NEAR(stats.pairs[0].median_mm, 1, 0.01);
+    EXPECT_NEAR(stats.pairs[0].p95_mm, 3, 0.01);
+    EXPECT_EQ(stats.pairs[0].p95_mm, stats.pairs[0].max_mm);
+    EXPECT_EQ(stats.p95_mm, stats.max_mm);
+}
+
 TEST(Reconcile, C26_what_one_slice_alone_has_is_drawn_back_across_the_line) {
     std::mt19937 random(3);
     // A circle of radius 20 in z = 0, and a smaller section in x = 17 that does not reach down to it.
