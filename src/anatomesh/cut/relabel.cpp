@@ -15,6 +15,7 @@ namespace {
 
 constexpr int defect_weight = 256;    // against one end of a lost piece of a contour segment: a manifold comes first
 constexpr std::size_t stars_ahead = 2;  // are fetched into the cache so many before they are looked at
+constexpr int most_mends = 8;           // passes over the cells that are wrong in a slice's plane
 constexpr double flat_share = 1e-6;  // six volumes in cubes of the longest edge
 
 struct Move {
@@ -23,6 +24,7 @@ struct Move {
     int change = 0;     // of the sum of defects; negative is better
     int misplaced = 0;  // change of the number of vertices, cell by cell, that the field has on another side
     int spikes = 0;     // change of the number of vertices deep in a region that have a cell of another one
+    double spoiled = 0;  // mm^2 of the slices' cuts that become other than drawn, less those that were
 };
 
 bool nearly_flat(const std::vector<Vec3>& points, const Cell& cell) {
@@ -36,7 +38,8 @@ class Relabeler {
   public:
     Relabeler(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
               const VertexStars& stars, const ContourOwners& owners, const std::vector<VertexSide>& sides,
-              double deep_mm, std::vector<Region>& regions, RegionRegistry& registry)
+              double deep_mm, std::vector<Region>& regions, RegionRegistry& registry,
+              const std::vector<Vec3>& points, const SlicePlanes& slices)
         : cells_(cells),
           neighbors_(neighbors),
           stars_(stars),
@@ -44,10 +47,16 @@ class Relabeler {
           deep_mm_(deep_mm),
           regions_(regions),
           registry_(registry),
-          analyzer_(cells, neighbors, stars, regions, registry.table(), owners) {}
+          owners_(owners),
+          analyzer_(cells, neighbors, stars, regions, registry.table(), owners) {
+        if (!slices.slice_of.empty())
+            cuts_.emplace(points, cells, neighbors, regions, registry.table(), slices);
+    }
 
     // Whether moves that bring a deep vertex onto a surface are made.
     void allow_spikes(bool allowed) { may_spike_ = allowed; }
+    // Whether moves that make the slices' cuts less like what is drawn are made.
+    void allow_spoiling(bool allowed) { may_spoil_ = allowed; }
 
     int defect(std::uint32_t vertex) { return analyzer_.defect(vertex); }
     int lost_pieces(std::uint32_t vertex) { return analyzer_.lost_piece_count(vertex); }
@@ -64,6 +73,9 @@ class Relabeler {
         analyzer_.excess_pieces(vertex, pieces_);
         for (const StarPiece& piece : pieces_) {
             if (!piece.largest || pieces_.size() == 2) try_piece(piece);
+        }
+        if (may_bridge(vertex)) {
+            for (const StarPiece& piece : pieces_) try_bridges(vertex, piece);
         }
         if (!best_) {
             for (const StarPiece& piece : pieces_) try_single_cells(piece);
@@ -96,11 +108,83 @@ class Relabeler {
         return false;
     }
 
+    // Gives a cell that is wrong in a slice's plane to what is drawn there, if no defect rises.
+    // Its vertices are added to `touched`.
+    bool mend(std::uint32_t cell, std::vector<std::uint32_t>& touched) {
+        const std::vector<std::uint32_t>* drawn = cuts_ ? cuts_->wanted(cell) : nullptr;
+        if (!drawn) return false;
+        Move move{{cell}, registry_.intern(*drawn)};
+        if (cuts_->change(move.cells, move.region) >= 0 || change_of(move) > 0) return false;
+        if (misplaced(cell, move.region) > misplaced(cell, regions_[cell]) || spikes(move) > 0) return false;
+        regions_[cell] = move.region;
+        touched.insert(touched.end(), cells_[cell].begin(), cells_[cell].end());
+        return true;
+    }
+
   private:
     // Gives a whole piece to the region with which it shares most facets of the star across its cut.
     void try_piece(const StarPiece& piece) {
         if (const std::optional<Region> region = region_beside(piece.cells, piece.body, piece.inside)) {
             consider({piece.cells, *region, 0, 0});
+        }
+    }
+
+    // Where pieces may be joined: where what is drawn touches itself in a point, and, sooner than a cut is
+    // spoiled, where it is right.
+    bool may_bridge(std::uint32_t vertex) {
+        if (!cuts_) return false;
+        return touches_in_point(vertex) ||
+               (may_spoil_ && cuts_->in_slice(vertex) && !cuts_->protrudes(stars_.at(vertex)));
+    }
+
+    // Whether four contour segments or more end there.
+    bool touches_in_point(std::uint32_t vertex) const {
+        const auto pieces = owners_.pieces_at(vertex);  // by their other ends
+        std::size_t ends = 0;
+        for (std::size_t n = 0; n < pieces.size(); ++n)
+            ends += n == 0 || pieces[n].other != pieces[n - 1].other;
+        return ends >= 4;
+    }
+
+    // The other way to have one piece less: cells of the star join it to the nearest other one of its side.
+    // Where a structure touches itself in a point of a slice, this leaves the cut as it is drawn if they lie
+    // above the plane or below it; so both are tried.
+    void try_bridges(std::uint32_t vertex, const StarPiece& piece) {
+        for (const bool above : {false, true}) try_bridge(vertex, piece, above);
+    }
+
+    void try_bridge(std::uint32_t vertex, const StarPiece& piece, bool above) {
+        const auto star = stars_.at(vertex);
+        const auto position = [&](std::uint32_t c) {
+            return static_cast<std::size_t>(std::lower_bound(star.begin(), star.end(), c) - star.begin());
+        };
+        constexpr std::uint32_t unseen = 0xFFFFFFFEu;
+        from_.assign(star.size(), unseen);
+        queue_ = piece.cells;
+        for (const std::uint32_t c : piece.cells) from_[position(c)] = no_cell;
+        for (std::size_t head = 0; head < queue_.size(); ++head) {
+            const std::uint32_t c = queue_[head];
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t n = neighbors_[c][i];
+                if (cells_[c][i] == vertex || n == no_cell || from_[position(n)] != unseen) continue;
+                if (piece.body.holds(registry_.table(), regions_[n]) == piece.inside) {
+                    if (from_[position(c)] == no_cell) continue;  // none between
+                    Move move;
+                    std::uint32_t step = c;
+                    for (; from_[position(step)] != no_cell; step = from_[position(step)])
+                        move.cells.push_back(step);
+                    move.region = regions_[step];
+                    consider(move);
+                    if (regions_[n] != move.region) {
+                        move.region = regions_[n];
+                        consider(std::move(move));
+                    }
+                    return;
+                }
+                if (!cuts_->lies_beside(n, vertex, above)) continue;
+                from_[position(n)] = c;
+                queue_.push_back(n);
+            }
         }
     }
 
@@ -229,8 +313,10 @@ class Relabeler {
         if (move.misplaced > 0 && move.change > -defect_weight / 2) return;
         move.spikes = spikes(move);
         if (move.spikes > 0 && !may_spike_) return;
+        if (cuts_) move.spoiled = cuts_->change(move.cells, move.region);
+        if (move.spoiled > 0 && !may_spoil_) return;
         const auto key = [](const Move& m) {
-            return std::make_tuple(m.change, m.spikes, m.misplaced, m.cells.size());
+            return std::make_tuple(m.change, m.spikes, m.spoiled, m.misplaced, m.cells.size());
         };
         if (!best_ || key(move) < key(*best_)) best_ = std::move(move);
     }
@@ -240,13 +326,15 @@ class Relabeler {
     const VertexStars& stars_;
     const std::vector<VertexSide>& sides_;
     const double deep_mm_;
-    bool may_spike_ = false;
+    std::optional<DrawnCuts> cuts_;
+    bool may_spike_ = false, may_spoil_ = false;
     std::vector<Region>& regions_;
     RegionRegistry& registry_;
+    const ContourOwners& owners_;
     StarAnalyzer analyzer_;
     std::optional<Move> best_;
     std::vector<StarPiece> pieces_;
-    std::vector<std::uint32_t> lost_, around_;
+    std::vector<std::uint32_t> lost_, around_, from_, queue_;
     std::vector<ContourOwners::Piece> lost_pieces_;
     std::vector<Region> before_;
 };
@@ -308,14 +396,48 @@ std::vector<std::uint32_t> nearly_flat_cells(const std::vector<Vec3>& points, co
         });
 }
 
+// Those of the vertices, rising.
+std::vector<std::uint32_t> with_defects(Relabeler& relabeler, std::vector<std::uint32_t> vertices) {
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    std::erase_if(vertices, [&](std::uint32_t v) { return relabeler.total(v) == 0; });
+    return vertices;
+}
+
+// Those at the vertices of `look`, or of all where it is empty, that are other than what is drawn where a
+// plane cuts them; rising.
+std::vector<std::uint32_t> wrong_cells(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
+                                       const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
+                                       const std::vector<Region>& regions, const RegionTable& table,
+                                       const SlicePlanes& slices, const std::vector<std::uint32_t>& look,
+                                       int threads) {
+    std::vector<std::uint32_t> among;
+    for (const std::uint32_t v : look) among.insert(among.end(), stars.at(v).begin(), stars.at(v).end());
+    std::sort(among.begin(), among.end());
+    among.erase(std::unique(among.begin(), among.end()), among.end());
+    const auto on_interface = [&](std::uint32_t c) {
+        return std::any_of(neighbors[c].begin(), neighbors[c].end(),
+                           [&](std::uint32_t n) { return n != no_cell && regions[n] != regions[c]; });
+    };
+    return parallel_collect<std::uint32_t>(
+        look.empty() ? cells.size() : among.size(), 16384, threads,
+        [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
+            DrawnCuts cuts(points, cells, neighbors, regions, table, slices);
+            for (std::size_t n = first; n < last; ++n) {
+                const std::uint32_t c = look.empty() ? static_cast<std::uint32_t>(n) : among[n];
+                if (on_interface(c) && cuts.wanted(c)) found.push_back(c);
+            }
+        });
+}
+
 }  // namespace
 
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
                      const ContourOwners& owners, const std::vector<VertexSide>& sides, double deep_mm,
                      std::vector<Region>& regions, RegionRegistry& registry,
-                     std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look,
-                     int threads) {
+                     std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look, int threads,
+                     const SlicePlanes& slices) {
     RelabelStats stats;
     std::vector<std::uint32_t> queue;
     for (const Suspect& suspect : find_suspects(cells, neighbors, stars, owners, regions, registry.table(),
@@ -327,10 +449,12 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
     }
     stats.lost_pieces_before /= 2;
 
-    Relabeler relabeler(cells, neighbors, stars, owners, sides, deep_mm, regions, registry);
+    Relabeler relabeler(cells, neighbors, stars, owners, sides, deep_mm, regions, registry, points, slices);
     // Of one structure the pieces of contour segments that this would cost are worth more.
     bool spikes = registry.table().members.size() <= 2;
     relabeler.allow_spikes(spikes);
+    bool spoiling = slices.slice_of.empty();
+    relabeler.allow_spoiling(spoiling);
     while (!queue.empty()) {
         std::vector<std::uint32_t> next;
         bool moved = false;
@@ -341,19 +465,26 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
             moved = moved || count > 0;
             next.push_back(v);
         }
-        std::sort(next.begin(), next.end());
-        next.erase(std::unique(next.begin(), next.end()), next.end());
-        queue.clear();
-        for (const std::uint32_t v : next) {
-            if (relabeler.total(v) > 0) queue.push_back(v);
-        }
+        queue = with_defects(relabeler, std::move(next));
         if (!moved) {
-            if (spikes) break;
-            spikes = true;
-            relabeler.allow_spikes(true);
+            if (spikes && spoiling) break;
+            (spoiling ? spikes : spoiling) = true;
+            relabeler.allow_spikes(spikes);
+            relabeler.allow_spoiling(spoiling);
         }
     }
     for (const std::uint32_t c : nearly_flat_cells(points, cells, threads)) stats.flat_cells_peeled += relabeler.peel(c);
+    if (!slices.slice_of.empty()) {
+        const std::vector<std::uint32_t> wrong =
+            wrong_cells(points, cells, neighbors, stars, regions, registry.table(), slices, look, threads);
+        std::vector<std::uint32_t> touched = std::move(queue);
+        for (int pass = 0; pass < most_mends; ++pass) {
+            const std::uint64_t before = stats.cells_mended;
+            for (const std::uint32_t c : wrong) stats.cells_mended += relabeler.mend(c, touched);
+            if (stats.cells_mended == before) break;
+        }
+        queue = with_defects(relabeler, std::move(touched));
+    }
     unsound.clear();
     for (const std::uint32_t v : queue) {
         if (relabeler.defect(v) > 0) unsound.push_back(v);

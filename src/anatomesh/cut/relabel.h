@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
+#include "anatomesh/cut/drawn_cuts.h"
 #include "anatomesh/cut/star.h"
 #include "anatomesh/mesh/region_registry.h"
 #include "anatomesh/mesh/vertex_side.h"
@@ -18,11 +19,13 @@ struct RelabelStats {
     std::uint64_t lost_before = 0, lost_after = 0;        // contour vertices off their structure's surface
     std::uint64_t lost_pieces_before = 0, lost_pieces_after = 0;  // of contour segments, off their structure's surface
     std::uint64_t cells_moved = 0;
+    std::uint64_t cells_mended = 0;  // given to what is drawn where a slice's plane cuts them
     std::uint64_t flat_cells_peeled = 0;                  // nearly flat cells given to the region beside them
 
     // A call after this one: what is left is what that left.
     void add(const RelabelStats& later) {
         cells_moved += later.cells_moved;
+        cells_mended += later.cells_mended;
         flat_cells_peeled += later.flat_cells_peeled;
         unsound_after = later.unsound_after;
         lost_after = later.lost_after;
@@ -44,11 +47,16 @@ struct RelabelStats {
 // edge: four vertices of two contours one above the other) go to the other side where no defect rises: that
 // moves the surface by less than a millionth of an edge. `look`: the vertices that may have a defect, those
 // of cells new since the last call among them; empty: all. The figures before are of these alone.
+// With `slices`, of parallel planes: moves that make cuts less like what is drawn (drawn_cuts.h) wait until
+// no others are left, and of those of one effect the best for the cuts is taken. Two pieces of a side are
+// joined, besides, by cells of the star that lie all above the slice's plane, or all below it: where what is
+// drawn touches itself in a point of the slice, that is the only way to a manifold with the drawn cut. At the
+// end cells that are wrong where a plane cuts them are given to what is drawn there if no defect rises.
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
                      const ContourOwners& owners, const std::vector<VertexSide>& sides, double deep_mm,
                      std::vector<Region>& regions, RegionRegistry& registry,
                      std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look = {},
-                     int threads = 1);
+                     int threads = 1, const SlicePlanes& slices = {});
 
 }  // namespace anatomesh

@@ -359,10 +359,12 @@ class Builder {
                                const std::vector<std::uint32_t>& look = {}) {
         pieces_->regions_changed();
         const VertexStars stars(mesh_->cells().cells, mesh_->points().size(), context_.threads);
+        const PlanesOfStack planes =
+            planes_of_stack(contours_, vertices_of_contours(), pieces_->pieces(), mesh_->points().size());
         return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, stars,
                        contour_owners(pieces_->pieces(), mesh_->points().size()), mesh_->sides(),
-                       spike_share * sample_->stats.size_mm,
-                       mesh_->regions(), mesh_->registry(), unsound, look, context_.threads);
+                       spike_share * sample_->stats.size_mm, mesh_->regions(), mesh_->registry(), unsound,
+                       look, context_.threads, {planes.slice_of, planes.planes, field_.get(), structures_});
     }
 
     // Cells that points beside pieces made, as the last rounds of refinement have it: next to one that is far
@@ -425,6 +427,7 @@ class Builder {
         model_.regions = mesh_->registry().table();
         figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
+                    {"cells_mended", static_cast<double>(relabelled.cells_mended)},
                     {"flat_cells_peeled", static_cast<double>(relabelled.flat_cells_peeled)},
                     {"lost_pieces", static_cast<double>(relabelled.lost_pieces_before)},
                     {"lost_pieces_after_relabelling", static_cast<double>(relabelled.lost_pieces_after)},

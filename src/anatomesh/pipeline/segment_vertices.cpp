@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "anatomesh/field/parallel_field.h"
 #include "anatomesh/improve/improve_dihedrals.h"
 
 namespace anatomesh {
@@ -45,6 +46,14 @@ std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
     }
     std::replace(slice.begin(), slice.end(), several, no_slice);
     return slice;
+}
+
+PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
+                              const std::vector<SegmentPiece>& pieces, std::size_t vertex_count) {
+    if (!is_parallel(contours)) return {};
+    PlanesOfStack stack{slices_of_vertices(contours, vertex_of, pieces, vertex_count), {}};
+    for (const Slice& slice : contours.slices) stack.planes.push_back(slice.plane);
+    return stack;
 }
 
 }  // namespace anatomesh

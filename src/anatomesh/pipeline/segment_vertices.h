@@ -18,4 +18,13 @@ std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
                                               const std::vector<SegmentPiece>& pieces,
                                               std::size_t vertex_count);
 
+// What relabel() is to know of slices: of those that are parallel. Where planes cross, cells that are right
+// in one of them may be wrong in another: both lists are empty.
+struct PlanesOfStack {
+    std::vector<std::uint32_t> slice_of;  // slices_of_vertices()
+    std::vector<Plane> planes;            // by slice
+};
+PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
+                              const std::vector<SegmentPiece>& pieces, std::size_t vertex_count);
+
 }  // namespace anatomesh
