@@ -11,6 +11,9 @@ namespace anatomesh {
 
 struct ConformOptions {
     double shortest_mm = 0;  // no piece below it. > 0
+    // By point, or empty. Then those alone count that lie in the piece's slice and on no contour of its
+    // structures: what keeps apart that runs side by side within slices, and leaves the rest as it is.
+    std::vector<std::uint32_t> slices;
 };
 
 // Splits pieces until no other contour's vertex lies in the ball of one: then all are edges of the Delaunay

@@ -60,7 +60,7 @@ TEST(ConformPieces, about_a_pole_every_piece_has_its_ball_for_itself) {
         const std::vector<Vec3> before = drawn.points;
         const double whole = 3.0 * rays;
         EXPECT_EQ(static_cast<double>(drawn.pieces.size()), whole);
-        const std::size_t added = conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.002});
+        const std::size_t added = conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.002, {}});
         EXPECT_EQ(drawn.points.size(), before.size() + added);
         EXPECT_EQ(drawn.pieces.size(), static_cast<std::size_t>(whole) + added);
         EXPECT_EQ(points_in_balls(drawn), 0u) << rays;
@@ -73,7 +73,7 @@ TEST(ConformPieces, no_piece_is_shorter_than_asked_and_no_point_nearer_than_half
     const double shortest = 0.05;
     Drawn drawn = pole(26);
     const std::size_t first = drawn.points.size();
-    conform_pieces(drawn.points, drawn.pieces, drawn.guard, {shortest});
+    conform_pieces(drawn.points, drawn.pieces, drawn.guard, {shortest, {}});
     ASSERT_GT(drawn.points.size(), first);
     for (std::size_t n = first; n < drawn.points.size(); ++n) {
         for (std::size_t m = 0; m < n; ++m)
@@ -87,10 +87,10 @@ TEST(ConformPieces, segments_apart_stay_whole_and_shared_ones_are_split_for_all)
                d = drawn.add({1, 2, 0});
     drawn.join(a, b, 2);
     drawn.join(c, d);
-    EXPECT_EQ(conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.01}), 0u);
+    EXPECT_EQ(conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.01, {}}), 0u);
     EXPECT_EQ(drawn.pieces.size(), 3u);
     drawn.add({0.5, 0.1, 0.2});
-    EXPECT_EQ(conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.01}), 1u);
+    EXPECT_EQ(conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.01, {}}), 1u);
     EXPECT_EQ(points_in_balls(drawn), 0u);
     for (std::uint32_t s = 0; s < 2; ++s) {
         double whole = 0;
@@ -100,6 +100,53 @@ TEST(ConformPieces, segments_apart_stay_whole_and_shared_ones_are_split_for_all)
         }
         EXPECT_NEAR(whole, 1, 1e-12) << s;
     }
+}
+
+// Wedges of two structures in slices one above the other, whose vertices lie in each other's balls.
+TEST(ConformPieces, within_slices_only_what_strangers_of_the_slice_ask_for_is_split) {
+    for (const double degrees : {4.0, 10.0, 25.0, 50.0}) {
+        Drawn drawn;
+        std::vector<std::uint32_t> slices, structures;
+        const double angle = degrees * std::numbers::pi / 180;
+        for (std::uint32_t slice = 0; slice < 4; ++slice) {
+            const double z = 0.3 * slice;
+            const auto apex = drawn.add({0, 0, z}), a = drawn.add({3, 0, z}),
+                       b = drawn.add({2.7 * std::cos(angle), 2.7 * std::sin(angle), z}),
+                       own = drawn.add({1.5, -0.2, z}), end = drawn.add({1.5, -3, z});
+            for (const std::uint32_t v : {a, b}) {
+                const std::uint32_t ball = drawn.guard.add_segment(drawn.points[apex], drawn.points[v]);
+                drawn.pieces.push_back({apex, v, v == b, ball});
+            }
+            drawn.pieces.push_back(
+                {own, end, 0, drawn.guard.add_segment(drawn.points[own], drawn.points[end])});
+            slices.insert(slices.end(), 5, slice);
+        }
+        conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.02, slices});
+        // By slice the same.
+        EXPECT_EQ(drawn.points.size() % 4, 0u) << degrees;
+        for (const SegmentPiece& piece : drawn.pieces) {
+            const Vec3 p = drawn.points[piece.a], q = drawn.points[piece.b];
+            for (const SegmentPiece& other : drawn.pieces) {
+                if (other.structure == piece.structure || drawn.points[other.a].z != p.z) continue;
+                for (const std::uint32_t v : {other.a, other.b}) {
+                    if (v == piece.a || v == piece.b) continue;
+                    EXPECT_GE(length(drawn.points[v] - 0.5 * (p + q)), 0.4999 * length(q - p)) << degrees;
+                }
+            }
+            // Nobody asked for these.
+            if (p.y < 0) {
+                EXPECT_NEAR(length(q - p), 2.8, 1e-12);
+            }
+        }
+        EXPECT_LE(drawn.points.size(), 20u + 4u * 24u) << degrees;
+    }
+    Drawn apart;
+    const auto a = apart.add({0, 0, 0}), b = apart.add({3, 0, 0}), c = apart.add({1.5, 0.2, 0.5}),
+               d = apart.add({1.5, 3, 0.5}), e = apart.add({1.4, 0.3, 0}), f = apart.add({1.4, 3, 0});
+    apart.join(a, b);
+    apart.pieces.push_back({c, d, 1, apart.guard.add_segment(apart.points[c], apart.points[d])});
+    apart.join(e, f);
+    EXPECT_EQ(conform_pieces(apart.points, apart.pieces, apart.guard, {0.02, {0, 0, 1, 1, 0, 0}}), 0u);
 }
 
 }  // namespace

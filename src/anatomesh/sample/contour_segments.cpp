@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 
 #include "anatomesh/contour/segment_index.h"
 #include "anatomesh/geom/predicates.h"
@@ -11,7 +13,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double touching = 1e-7;  // an end this near to another segment lies on it, in lengths of that segment
+// An end this near to another segment lies on it, in lengths of that segment: contours drawn on one grid
+// touch to within the last digits of their files. The certificate's chains have the same tolerance.
+constexpr double touching = 1e-6;
 
 // Whether a point this share of the way along s is no nearer than `distance` to its ends.
 bool clear_of_ends(const Segment2& s, double share, double distance) {
@@ -71,7 +75,7 @@ class SliceContacts {
     bool cut_at_end(std::uint32_t segment, const Segment2& s, Vec2 end, std::uint32_t point) {
         double share = 0;
         if (point == segments_[segment].a || point == segments_[segment].b || !lies_on(s, end, share)) return false;
-        if (clear_of_ends(s, share, clearance_)) cuts_.push_back({segment, share, point});
+        if (clear_of_ends(s, share, 0)) cuts_.push_back({segment, share, point});
         return true;
     }
 
@@ -82,6 +86,35 @@ class SliceContacts {
     std::vector<Vec3>& points_;
     std::vector<SegmentCut>& cuts_;
 };
+
+// Contours that run along each other are crossed by a third at one place, and vertices lie where others
+// cross: one point, the first of them. Points from `before` on that no cut has any more go.
+void unite_contacts(std::vector<SegmentCut>& cuts, std::size_t before, std::vector<Vec3>& points) {
+    std::vector<std::uint32_t> first(points.size());
+    std::iota(first.begin(), first.end(), 0u);
+    const auto first_of = [&](std::uint32_t point) {
+        while (first[point] != point) point = first[point];
+        return point;
+    };
+    std::sort(cuts.begin(), cuts.end());
+    for (std::size_t n = 1; n < cuts.size(); ++n) {
+        if (cuts[n].segment != cuts[n - 1].segment || cuts[n].share - cuts[n - 1].share > touching) continue;
+        const std::uint32_t one = first_of(cuts[n - 1].point), other = first_of(cuts[n].point);
+        first[std::max(one, other)] = std::min(one, other);
+    }
+    std::vector<std::uint32_t> now(points.size());
+    auto kept = static_cast<std::uint32_t>(before);
+    for (std::uint32_t p = 0; p < points.size(); ++p) {
+        now[p] = first[p] != p ? now[first_of(p)] : p < before ? p : kept++;
+        if (first[p] == p) points[now[p]] = points[p];
+    }
+    points.resize(kept);
+    for (SegmentCut& cut : cuts) cut.point = now[cut.point];
+    const auto repeats = [](const SegmentCut& x, const SegmentCut& y) {
+        return x.segment == y.segment && x.point == y.point;
+    };
+    cuts.erase(std::unique(cuts.begin(), cuts.end(), repeats), cuts.end());
+}
 
 }  // namespace
 
@@ -115,18 +148,52 @@ std::vector<SegmentCut> cuts_at_contacts(const ContourSet& contours, const std::
                                          double clearance_mm, std::vector<Vec3>& points) {
     std::vector<SegmentCut> cuts;
     if (contours.structures.size() < 2) return cuts;  // contours of one structure do not meet
+    const std::size_t before = points.size();
     std::vector<std::vector<std::uint32_t>> by_slice(contours.slices.size());
     for (std::uint32_t s = 0; s < segments.size(); ++s) by_slice[segments[s].slice].push_back(s);
     for (std::uint32_t slice = 0; slice < by_slice.size(); ++slice) {
         SliceContacts(contours.slices[slice].plane, segments, std::move(by_slice[slice]), clearance_mm, points, cuts).find();
     }
-    std::sort(cuts.begin(), cuts.end(), [](const SegmentCut& x, const SegmentCut& y) {
-        return x.segment != y.segment ? x.segment < y.segment : x.point < y.point;
-    });
-    const auto repeats = [](const SegmentCut& x, const SegmentCut& y) { return x.segment == y.segment && x.point == y.point; };
-    cuts.erase(std::unique(cuts.begin(), cuts.end(), repeats), cuts.end());
-    std::sort(cuts.begin(), cuts.end());
+    unite_contacts(cuts, before, points);
     return cuts;
+}
+
+std::vector<SegmentPart> parts_between(const std::vector<ContourSegment>& segments,
+                                       const std::vector<SegmentCut>& cuts) {
+    std::vector<SegmentPart> parts;
+    auto cut = cuts.begin();
+    for (std::uint32_t s = 0; s < segments.size(); ++s) {
+        std::uint32_t from = segments[s].a;
+        const auto add_to = [&](std::uint32_t to) {
+            if (from == to) return;
+            parts.push_back({segments[s], {s}});
+            parts.back().segment.a = std::min(from, to);
+            parts.back().segment.b = std::max(from, to);
+            from = to;
+        };
+        for (; cut != cuts.end() && cut->segment == s; ++cut) add_to(cut->point);
+        add_to(segments[s].b);
+    }
+    if (cuts.empty()) return parts;
+    std::vector<std::uint32_t> order(parts.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto ends = [&](std::uint32_t n) { return std::pair{parts[n].segment.a, parts[n].segment.b}; };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t m, std::uint32_t n) { return ends(m) < ends(n); });
+    for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
+        for (last = first + 1; last < order.size() && ends(order[last]) == ends(order[first]); ++last) {
+            SegmentPart &one = parts[order[first]], &other = parts[order[last]];
+            std::vector<std::uint32_t> all;
+            std::set_union(one.segment.structures.begin(), one.segment.structures.end(),
+                           other.segment.structures.begin(), other.segment.structures.end(),
+                           std::back_inserter(all));
+            one.segment.structures = std::move(all);
+            one.of.insert(one.of.end(), other.of.begin(), other.of.end());
+            other.of.clear();
+        }
+    }
+    std::erase_if(parts, [](const SegmentPart& part) { return part.of.empty(); });
+    return parts;
 }
 
 std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,

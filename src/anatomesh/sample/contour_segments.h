@@ -35,12 +35,24 @@ struct SegmentCut {
     friend auto operator<=>(const SegmentCut&, const SegmentCut&) = default;
 };
 
-// Both segments of a crossing are cut at one new point, appended to `points`; where a segment's end lies on another one
-// (within 1e-7 of its length), that one is cut there. Nothing is cut within `clearance_mm` of an end: points so close would
-// force tiny cells. Sorted; at most one cut of a segment at a point.
-// Complexity: O(n log n + contacts).
+// Both segments of a crossing are cut at one new point, appended to `points`, but not within `clearance_mm`
+// of an end: points so close would force tiny cells. Where a segment's end lies on another one (within 1e-6
+// of its length), that one is cut there, however near to its own ends: the point is there in any case.
+// Sorted; at most one cut of a segment at a point. Complexity: O(n log n + contacts).
 std::vector<SegmentCut> cuts_at_contacts(const ContourSet& contours, const std::vector<ContourSegment>& segments,
                                          double clearance_mm, std::vector<Vec3>& points);
+
+// A part of segments between cuts, a < b; where contours run along each other several have it, and their
+// structures are its.
+struct SegmentPart {
+    ContourSegment segment;
+    std::vector<std::uint32_t> of;  // the segments; rising
+};
+
+// What the cuts leave of the segments, each once, along the segments in their order. `cuts`: as
+// cuts_at_contacts(). Complexity: O(n log n).
+std::vector<SegmentPart> parts_between(const std::vector<ContourSegment>& segments,
+                                       const std::vector<SegmentCut>& cuts);
 
 // Vertices at which pieces of contour segments meet at acute angles, in rising order. Complexity: O(n log n)
 // in the pieces, and the pairs at a vertex.

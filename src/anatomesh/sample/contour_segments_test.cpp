@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "anatomesh/refine/missing_segments.h"
 #include "anatomesh/sample/drawing_for_test.h"
 
@@ -66,6 +68,64 @@ TEST(ContourSegments, a_segment_is_cut_where_another_ends_on_it) {
     EXPECT_EQ(cuts[0].segment, cuts[1].segment);
     EXPECT_NEAR(cuts[1].share - cuts[0].share, 3.0 / 8, 1e-12);
     for (const SegmentCut& cut : cuts) EXPECT_EQ(given.points[cut.point].y, 4);
+}
+
+TEST(ContourSegments, an_end_on_a_segment_cuts_it_however_near_to_its_ends_and_but_for_rounding) {
+    for (const double off : {0.0, 4e-7, -4e-7}) {
+        Drawing drawing;
+        drawing.add(0, 0, rectangle({0, 0}, {8, 4}));
+        drawing.add(1, 0, {{0.05, 4 + off}, {5, 4}, {5, 7}});
+        Given given = given_by(drawing);
+        const auto segments = distinct_segments(given.set, given.vertices);
+        const auto cuts = cuts_at_contacts(given.set, segments, 0.4, given.points);
+        ASSERT_EQ(cuts.size(), 2u) << off;
+        EXPECT_EQ(given.points.size(), 7u) << off;
+        const auto parts = parts_between(segments, cuts);
+        EXPECT_EQ(parts.size(), 8u) << off;
+        EXPECT_EQ(std::count_if(parts.begin(), parts.end(),
+                                [](auto& p) { return p.segment.structures.size() == 2; }),
+                  1)
+            << off;
+    }
+}
+
+// Two edges that leave a common end in one direction would be split at the same places, twice.
+TEST(ContourSegments, parts_of_contours_that_run_along_each_other_are_those_of_all) {
+    std::mt19937 random(7);
+    const auto corner = [&] {
+        return Vec2{static_cast<double>(random() % 7), static_cast<double>(random() % 7)};
+    };
+    for (int round = 0; round < 200; ++round) {
+        Drawing drawing;
+        std::vector<double> around;
+        for (std::uint32_t s = 0; s < 4; ++s) {
+            const Vec2 low = corner(), size = corner() + Vec2{1, 1};
+            drawing.add(s, 0, rectangle(low, low + size));
+            around.push_back(2 * (size.x + size.y));
+        }
+        Given given = given_by(drawing);
+        const auto segments = distinct_segments(given.set, given.vertices);
+        const auto cuts = cuts_at_contacts(given.set, segments, 0.4, given.points);
+        std::vector<ContourSegment> parts;
+        for (const SegmentPart& part : parts_between(segments, cuts)) parts.push_back(part.segment);
+        std::vector<double> kept(4, 0);
+        for (const ContourSegment& part : parts) {
+            EXPECT_LT(part.a, part.b);
+            EXPECT_TRUE(std::is_sorted(part.structures.begin(), part.structures.end()));
+            for (const std::uint32_t s : part.structures)
+                kept[s] += length(given.points[part.b] - given.points[part.a]);
+        }
+        for (std::uint32_t s = 0; s < 4; ++s) EXPECT_NEAR(kept[s], around[s], 1e-9);
+        // Points that are distinct differ by 1 here, so parts that overlap have a middle on one another.
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            const Vec3 middle = 0.5 * (given.points[parts[i].a] + given.points[parts[i].b]);
+            for (std::size_t j = 0; j < parts.size(); ++j) {
+                const Vec3 a = given.points[parts[j].a], b = given.points[parts[j].b];
+                const bool on = length(cross(b - a, middle - a)) < 1e-9 && dot(middle - a, middle - b) < 0;
+                EXPECT_EQ(on, i == j);
+            }
+        }
+    }
 }
 
 TEST(ContourSegments, contours_of_one_structure_are_left_alone) {

@@ -29,6 +29,7 @@ constexpr double size_per_thickness =
 constexpr double contact_clearance = 0.2;   // of a contact of two contours from the ends of its segments, in sizes
 constexpr double shortest_conforming =
     0.025;  // pieces are not split below it for other contours' sake, in sizes
+constexpr double shortest_beside_others = 0.1;  // the same within parallel slices
 constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
 constexpr double position_tolerance = 2e-3; // surface points lie on the interface to within this, in sizes
 
@@ -241,20 +242,25 @@ class SegmentSplitter {
         const std::vector<SegmentCut> cuts = cuts_at_contacts(contours, segments, contact_clearance * size_, sample_.points);
         const std::vector<int> levels = segment_levels(segments, sample_.points, field, size_, threads);
         for (const Vec3& p : sample_.points) guard_.add_point(p);
-        auto cut = cuts.begin();
-        for (std::uint32_t s = 0; s < segments.size(); ++s) {
-            const ContourSegment& segment = segments[s];
-            std::uint32_t from = segment.a;
-            for (; cut != cuts.end() && cut->segment == s; from = cut++->point) add_pieces(segment, levels[s], from, cut->point, thin);
-            add_pieces(segment, levels[s], from, segment.b, thin);
+        for (const SegmentPart& part : parts_between(segments, cuts)) {
+            int level = 0;
+            for (const std::uint32_t s : part.of) level = std::max(level, levels[s]);
+            add_pieces(part.segment, level, thin);
         }
-        if (conforming) conform_pieces(sample_.points, sample_.pieces, guard_, {shortest_conforming * size_});
+        // On parallel slices contours of several structures may run side by side too, in their slices.
+        const bool side_by_side = contours.structures.size() > 1 && is_parallel(contours);
+        if (conforming || side_by_side) {
+            ConformOptions options{(conforming ? shortest_conforming : shortest_beside_others) * size_, {}};
+            if (!conforming) options.slices = std::move(slices_);
+            conform_pieces(sample_.points, sample_.pieces, guard_, options);
+        }
         sample_.stats.segment_points = sample_.points.size() - sample_.stats.contour_points;
         return std::move(guard_);
     }
 
   private:
-    void add_pieces(const ContourSegment& segment, int level, std::uint32_t a, std::uint32_t b, std::vector<ThinSpot>& thin) {
+    void add_pieces(const ContourSegment& segment, int level, std::vector<ThinSpot>& thin) {
+        const std::uint32_t a = segment.a, b = segment.b;
         const Vec3 p = sample_.points[a], q = sample_.points[b];
         const int pieces = std::max(1, static_cast<int>(std::ceil(length(q - p) * (1 << level) / (longest_segment * size_))));
         const auto at = [&](int piece) { return p + (static_cast<double>(piece) / pieces) * (q - p); };
@@ -270,6 +276,8 @@ class SegmentSplitter {
             from = to;
         }
         add_piece(segment, from, b);
+        slices_.resize(sample_.points.size(), segment.slice);
+        slices_[a] = slices_[b] = segment.slice;
     }
 
     void add_piece(const ContourSegment& segment, std::uint32_t from, std::uint32_t to) {
@@ -281,6 +289,7 @@ class SegmentSplitter {
     double size_;
     PointSample& sample_;
     SegmentGuard guard_;
+    std::vector<std::uint32_t> slices_;  // by point: the last one that a segment through it lies in
 };
 
 struct LatticePoint {
