@@ -1,29 +1,59 @@
 #include "anatomesh/contour/repeated_planes.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace anatomesh {
 
-std::vector<bool> gaps_within_repeats(const std::vector<double>& gaps) {
-    constexpr double repeated = 0.1;
-    std::vector<bool> within(gaps.size(), false);
+namespace {
+
+constexpr double alike = 0.05;  // gaps beside a group, in shares of the larger
+
+// Marks rows of gaps that together are less than a share of the gap on either side; at the ends of the stack
+// too, where asked. Whether one has gaps alike on both sides.
+bool mark_rows(const std::vector<double>& gaps, double share, bool at_ends, std::vector<bool>& within) {
+    bool regular = false;
     for (std::size_t first = 0; first < gaps.size(); ++first) {
         double sum = 0;
         for (std::size_t last = first; last < gaps.size(); ++last) {
             sum += gaps[last];
-            if (first > 0 && sum >= repeated * gaps[first - 1]) break;
-            if (last + 1 == gaps.size() ? first == 0 : sum >= repeated * gaps[last + 1]) continue;
+            if (first > 0 && sum >= share * gaps[first - 1]) break;
+            const bool is_first = first == 0, is_last = last + 1 == gaps.size();
+            if (is_first && is_last) continue;
+            if (!is_last && sum >= share * gaps[last + 1]) continue;
+            if ((is_first || is_last) && !at_ends) continue;
             for (std::size_t i = first; i <= last; ++i) within[i] = true;
+            if (is_first || is_last) continue;
+            const double below = gaps[first - 1], above = gaps[last + 1];
+            regular |= std::abs(below - above) <= alike * std::max(below, above);
         }
     }
-    return within;
+    return regular;
+}
+
+}  // namespace
+
+RegularGaps regular_gaps(const std::vector<double>& gaps) {
+    constexpr double repeated = 0.1, grouped = 0.5;
+    RegularGaps regular{std::vector<bool>(gaps.size(), false), gaps};
+    if (std::vector<bool> rows = regular.within; mark_rows(gaps, grouped, false, rows))
+        mark_rows(gaps, grouped, true, regular.within);
+    mark_rows(gaps, repeated, true, regular.within);
+    for (std::size_t i = 0; i < gaps.size(); ++i) {
+        if (regular.within[i]) continue;
+        for (std::size_t k = i; k > 0 && regular.within[k - 1]; --k) regular.distance[i] += 0.5 * gaps[k - 1];
+        for (std::size_t k = i + 1; k < gaps.size() && regular.within[k]; ++k)
+            regular.distance[i] += 0.5 * gaps[k];
+    }
+    return regular;
 }
 
 std::vector<double> usual_gaps(const std::vector<double>& gaps) {
-    const std::vector<bool> within = gaps_within_repeats(gaps);
+    const RegularGaps regular = regular_gaps(gaps);
     std::vector<double> usual;
     for (std::size_t i = 0; i < gaps.size(); ++i) {
-        if (!within[i]) usual.push_back(gaps[i]);
+        if (!regular.within[i]) usual.push_back(gaps[i]);
     }
     return usual;
 }

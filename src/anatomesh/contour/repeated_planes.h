@@ -1,16 +1,25 @@
-// gaps_within_repeats: planes of a stack that were given again a little off themselves.
+// regular_gaps: what the spacing of a stack is told from where its slices come in groups, or are given again.
 #pragma once
 
 #include <vector>
 
 namespace anatomesh {
 
-// Whether a gap lies between planes that are one given several times: gaps in a row that together are less
-// than a tenth of the gap on either side. Never all of them; the largest is none. `gaps`: between the planes
-// of a stack in their order, all > 0. Complexity: O(n), times the length of such rows.
-std::vector<bool> gaps_within_repeats(const std::vector<double>& gaps);
+// Gaps between planes of a stack, in their order: which lie within a group of planes, and for the others how
+// far the middles of the groups are apart that they part (a plane alone is its own middle).
+struct RegularGaps {
+    std::vector<bool> within;
+    std::vector<double> distance;  // of those within: the gap itself
+};
 
-// The gaps of a stack without those: what its spacing is told from.
+// A group: gaps in a row that together are less than a tenth of the gap on either side (one plane given
+// several times), or less than half of both (slices in pairs). The latter count where some group that is not
+// at an end of the stack has gaps alike on both sides: a slice more makes none, and two pairs may as well be
+// four of many slices. Never all gaps; the largest is in none. Requires: all > 0. Complexity: O(n), times the
+// length of such rows.
+RegularGaps regular_gaps(const std::vector<double>& gaps);
+
+// The gaps of a stack that are not within groups: what its spacing is told from.
 std::vector<double> usual_gaps(const std::vector<double>& gaps);
 
 }  // namespace anatomesh

@@ -48,33 +48,48 @@ std::optional<double> shared_spacing(const std::vector<double>& gaps) {
     return best;
 }
 
-// The gaps between slices of a stack, and what is usual among them: a plane given again counts once.
+// The gaps between slices that tell of a structure, and what is usual among them. Slices in groups, and
+// planes given again, count once; what is a group the whole stack tells.
 class Gaps {
   public:
-    explicit Gaps(std::vector<double> all)
-        : all_(std::move(all)), within_repeats_(gaps_within_repeats(all_)) {
-        for (std::size_t i = 0; i < all_.size(); ++i) {
+    // `around`: the gaps of the stack; those from `first` on, `count` of them, are the structure's.
+    // `spacing`: where these tell none.
+    Gaps(const std::vector<double>& around, std::size_t first, std::size_t count, double spacing)
+        : spacing_(spacing) {
+        const RegularGaps regular = regular_gaps(around);
+        for (std::size_t i = first; i < first + count; ++i) {
             place_.push_back(usual_.size());
-            if (counts(i)) usual_.push_back(all_[i]);
+            all_.push_back(around[i]);
+            distances_.push_back(regular.distance[i]);
+            counts_.push_back(!regular.within[i]);
+            if (!counts_.back()) continue;
+            usual_.push_back(all_.back());
+            usual_distances_.push_back(distances_.back());
         }
     }
 
     std::size_t size() const { return all_.size(); }
     double operator[](std::size_t i) const { return all_[i]; }
-    bool counts(std::size_t i) const { return !within_repeats_[i]; }
+    bool counts(std::size_t i) const { return counts_[i]; }
 
     // Lower median of the gaps that count within three of gap i: one missing slice does not move it, a change
     // of spacing does.
-    double local_spacing(std::size_t i) const {
-        const std::size_t at = std::min(place_[i], usual_.size() - 1);
-        const std::size_t first = at < 3 ? 0 : at - 3, last = std::min(usual_.size(), at + 4);
-        return lower_median({usual_.begin() + static_cast<std::ptrdiff_t>(first),
-                             usual_.begin() + static_cast<std::ptrdiff_t>(last)});
-    }
+    double local_spacing(std::size_t i) const { return local(usual_, i); }
+    // How many times as far the middles of what gap i parts are from each other as is usual there.
+    double spacings(std::size_t i) const { return distances_[i] / local(usual_distances_, i); }
 
   private:
-    std::vector<double> all_, usual_;
-    std::vector<bool> within_repeats_;
+    double local(const std::vector<double>& of, std::size_t i) const {
+        if (of.empty()) return spacing_;
+        const std::size_t at = std::min(place_[i], of.size() - 1);
+        const std::size_t first = at < 3 ? 0 : at - 3, last = std::min(of.size(), at + 4);
+        return lower_median({of.begin() + static_cast<std::ptrdiff_t>(first),
+                             of.begin() + static_cast<std::ptrdiff_t>(last)});
+    }
+
+    double spacing_;
+    std::vector<double> all_, distances_, usual_, usual_distances_;
+    std::vector<bool> counts_;
     std::vector<std::size_t> place_;  // in usual_, of each gap or the next one that counts
 };
 
@@ -130,17 +145,24 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
     StructureLevels result;
     const std::vector<std::uint32_t> telling = telling_slices(drawn, every_slice);
     const bool own_spacing = telling.size() < drawn.back() - drawn.front() + 1u;
-    std::vector<double> between;
-    for (std::size_t i = 1; i < telling.size(); ++i) {
-        between.push_back(intervals[telling[i]].low - intervals[telling[i - 1]].high);
+    // A structure on slices of its own knows these alone.
+    const auto gap_between = [&](const SliceInterval& below, const SliceInterval& above) {
+        return above.low - below.high;
+    };
+    std::vector<double> around;
+    if (own_spacing) {
+        for (std::size_t i = 1; i < telling.size(); ++i)
+            around.push_back(gap_between(intervals[telling[i - 1]], intervals[telling[i]]));
+    } else {
+        for (std::size_t i = 1; i < intervals.size(); ++i)
+            around.push_back(gap_between(intervals[i - 1], intervals[i]));
     }
-    const Gaps gaps(std::move(between));
+    const Gaps gaps(around, own_spacing ? 0 : telling.front(), telling.size() - 1, spacing);
     const auto is_open = [&](std::size_t gap) {
-        return gaps[gap] > options.max_gap_spacings * gaps.local_spacing(gap) * 1.001;
+        return gaps.spacings(gap) > options.max_gap_spacings * 1.001;
     };
     // Spacing where a part begins or ends: the one that most of its gaps there share. Where they share none,
-    // the local one, or that of the part itself where it is smaller; of gaps that alternate the median is the
-    // other.
+    // the local one, or that of the part itself where it is smaller.
     const auto spacing_at = [&](std::size_t end, int inward) {
         if (gaps.size() == 0) return spacing;
         std::vector<double> own;
@@ -196,7 +218,7 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                 const double above = std::max(ends.second - std::min(spacing_at(i, 1), 0.5 * gap), below);
                 close_part({below, below, Level::no_slice});
                 result.levels.push_back({above, above, Level::no_slice});
-            } else if (gap > 1.5 * gaps.local_spacing(i - 1)) {
+            } else if (gaps.spacings(i - 1) > 1.5) {
                 result.bridged_gaps.push_back(ends);
             }
         }
