@@ -38,7 +38,8 @@ std::string slice_name(const ContourSet& kept, std::int64_t slice) {
 
 std::string place_of(const ContourSet& kept, const NextPlane& next) {
     if (next.slice_b < 0) return "beside " + slice_name(kept, next.slice_a);
-    return fmt::format("between {} and {}", slice_name(kept, next.slice_a), slice_name(kept, next.slice_b));
+    return fmt::format("between {} and {}{}", slice_name(kept, next.slice_a), slice_name(kept, next.slice_b),
+                       next.gap_mm3 > 0 ? ", where slices are missing" : "");
 }
 
 nlohmann::ordered_json plane_json(const ContourSet& kept, const NextPlane& next) {
@@ -47,6 +48,7 @@ nlohmann::ordered_json plane_json(const ContourSet& kept, const NextPlane& next)
                                  {"origin_mm", {origin.x, origin.y, origin.z}},
                                  {"normal", {normal.x, normal.y, normal.z}},
                                  {"gain_mm3", next.gain_mm3},
+                                 {"gap_mm3", next.gap_mm3},
                                  {"expected_error_mm", next.expected_mm}};
     nlohmann::ordered_json structures = nlohmann::ordered_json::array();
     for (std::size_t s = 0; s < next.gain_by_structure.size(); ++s) {
@@ -83,7 +85,13 @@ std::string table_of(const ContourSet& kept, const WhereNext& next) {
                             plane.expected_mm, fmt::format("{:.3f} {:.3f} {:.3f}", d.x, d.y, d.z),
                             fmt::format("{:.2f} {:.2f} {:.2f}", o.x, o.y, o.z), place_of(kept, plane));
     }
-    return text + fmt::format("expected error on the whole surface: {:.1f} mm3\n", next.expected_mm3);
+    text +=
+        fmt::format("expected error on the whole surface: {:.1f} mm3\n", next.expected_mm3 - next.gaps_mm3);
+    if (next.gaps_mm3 > 0) {
+        text += fmt::format("and where slices are missing and the sides are not joined: {:.1f} mm3\n",
+                            next.gaps_mm3);
+    }
+    return text;
 }
 
 Status run_where_next(WhereNextVerbOptions options, Session& session) {
@@ -104,11 +112,13 @@ Status run_where_next(WhereNextVerbOptions options, Session& session) {
     ANATOMESH_TRY(const LeftOut errors, leave_slices_out(contours.kept, leaving, context));
     const SurfaceUncertainty uncertainty =
         surface_uncertainty(contours.kept, errors, model.mesh, model.regions, context);
+    options.choosing.field = leaving.field;
     const WhereNext next =
         where_next(contours.kept, uncertainty, model.mesh, model.regions, options.choosing);
     nlohmann::ordered_json answer;
     answer["unit"] = "mm";
     answer["expected_error_mm3"] = next.expected_mm3;
+    answer["expected_in_gaps_mm3"] = next.gaps_mm3;
     answer["planes"] = nlohmann::ordered_json::array();
     for (const NextPlane& plane : next.planes) answer["planes"].push_back(plane_json(contours.kept, plane));
     answer["left_out_slices"] = slices_json(contours.kept, errors);

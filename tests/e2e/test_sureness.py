@@ -134,6 +134,22 @@ class Sureness(harness.TestCase):
                   for more in ((), ("--max-gap", "4"))]
         self.assertNotEqual(*errors)
 
+    def test_where_next_names_the_middle_of_a_gap_that_is_not_joined(self):
+        for missing in (2, 3, 5):
+            shape = shapes.Shape({1: "tube"}, 3)
+            for k in range(14):
+                if not 5 <= k < 5 + missing:
+                    shape.add_slice(3.0 * k, [(1, shapes.circle(8 + math.sin(k), 48, (0.0, 0.0)))])
+            self.write("gap.json", shape.document())
+            answer = self.run_program("where-next", "gap.json", "--count", "2", "--json").json()
+            first = answer["planes"][0]
+            self.assertAlmostEqual(first["origin_mm"][2], 3 * (5 + 0.5 * (missing - 1)), delta=1e-6)
+            self.assertIn("where slices are missing", first["place"])
+            self.assertGreater(first["gap_mm3"], 0)
+            self.assertLessEqual(first["gap_mm3"], answer["expected_in_gaps_mm3"] * (1 + 1e-9))
+            joined = self.run_program("where-next", "gap.json", "--max-gap", "9", "--json").json()
+            self.assertEqual(joined["expected_in_gaps_mm3"], 0)
+
     def test_where_next_names_the_missing_slice(self):
         self.write("gap.json", two_cylinders(missing=15).document())
         answer = self.run_program("where-next", "gap.json", "--count", "2", "--json").json()

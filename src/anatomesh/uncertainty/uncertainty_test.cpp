@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/uncertainty/gap_doubts.h"
 #include "anatomesh/uncertainty/left_out.h"
 #include "anatomesh/uncertainty/surface_uncertainty.h"
 #include "anatomesh/uncertainty/where_next.h"
@@ -137,7 +138,7 @@ TEST(WhereNext, names_the_missing_slice_first) {
     RunContext context;
     const SurfaceUncertainty uncertainty =
         surface_uncertainty(set, left_out(set), solid.mesh, solid.regions, context);
-    const WhereNext next = where_next(set, uncertainty, solid.mesh, solid.regions, {3});
+    const WhereNext next = where_next(set, uncertainty, solid.mesh, solid.regions, {3, {}});
     ASSERT_FALSE(next.planes.empty());
     EXPECT_EQ(next.planes.front().slice_a, 3);
     EXPECT_EQ(next.planes.front().slice_b, 4);
@@ -150,6 +151,121 @@ TEST(WhereNext, names_the_missing_slice_first) {
         gain += next.planes[n].gain_mm3;
     }
     EXPECT_LE(gain, next.expected_mm3);
+}
+
+// A wavy tube with slices missing in the middle, about any axis: the stack at the heights of `at`.
+ContourSet with_gap(const std::vector<double>& at, Vec3 normal) {
+    SetBuilder builder;
+    for (const double z : at) {
+        builder.slice(make_plane(z * normalized(normal), normal));
+        builder.ring(0, circle({}, 10 + 2 * std::sin(0.3 * z), 60));
+    }
+    return builder.set;
+}
+
+std::vector<double> heights_with_gap(int before, int missing, int after, double spacing) {
+    std::vector<double> at;
+    for (int k = 0; k < before + missing + after; ++k) {
+        if (k < before || k >= before + missing) at.push_back(spacing * k);
+    }
+    return at;
+}
+
+TEST(WhereNext, names_the_middle_of_an_open_gap_first) {
+    for (const double spacing : {1.0, 3.0}) {
+        for (int missing = 2; missing <= 7; ++missing) {
+            for (const auto& [before, after] : {std::pair{3, 9}, {6, 6}, {10, 4}}) {
+                const ContourSet set = with_gap(heights_with_gap(before, missing, after, spacing), {0, 0, 1});
+                const Tube solid = tube(spacing * (before - 0.5));  // up to the gap
+                RunContext context;
+                const SurfaceUncertainty uncertainty =
+                    surface_uncertainty(set, left_out(set), solid.mesh, solid.regions, context);
+                const WhereNext next = where_next(set, uncertainty, solid.mesh, solid.regions, {1, {}});
+                ASSERT_EQ(next.planes.size(), 1u);
+                const NextPlane& first = next.planes.front();
+                EXPECT_EQ(first.slice_a, before - 1);
+                EXPECT_EQ(first.slice_b, before);
+                EXPECT_NEAR(first.plane.origin.z, spacing * (before + 0.5 * (missing - 1)), 1e-9);
+                EXPECT_GT(first.gap_mm3, 0);
+                EXPECT_LE(first.gap_mm3, next.gaps_mm3);
+                EXPECT_LE(next.gaps_mm3, next.expected_mm3);
+            }
+        }
+    }
+}
+
+// Whatever the axis, a plane half-way takes more than any other.
+TEST(GapDoubts, are_least_with_a_plane_half_way) {
+    for (int missing = 2; missing <= 9; ++missing) {
+        for (const Vec3 normal : {Vec3{0, 0, 1}, Vec3{0, 0, -1}, Vec3{1, 2, 3}}) {
+            const Vec3 up = normalized(normal);
+            const GapDoubts doubts(with_gap(heights_with_gap(5, missing, 4, 2), normal), {});
+            ASSERT_EQ(doubts.middles().size(), 1u);
+            const PlaneBetween middle = doubts.middles().front();
+            const double low = 8, high = 8 + 2 * (missing + 1);
+            EXPECT_EQ(middle.slice_a, 4);
+            EXPECT_EQ(middle.slice_b, 5);
+            EXPECT_NEAR(dot(middle.plane.origin, up), 0.5 * (low + high), 1e-9);
+            std::vector<double> unused(1, 0);
+            const double most = doubts.gain(middle.plane.origin, unused);
+            for (double z = low - 3; z < high + 3; z += 0.1) {
+                const double gain = doubts.gain(z * up, unused);
+                EXPECT_GE(gain, 0);
+                EXPECT_LE(gain, most * (1 + 1e-12));
+                if (z < low || z > high) {
+                    EXPECT_EQ(gain, 0);
+                }
+            }
+        }
+    }
+}
+
+// However many planes it takes until the sides are joined, they take all of the doubt away, and no more
+// planes are named for it; joined sides have none.
+TEST(GapDoubts, is_taken_away_by_halving_the_gap) {
+    for (int missing = 1; missing <= 12; ++missing) {
+        for (const double max_gap : {1.0, 2.0, 3.5, 20.0}) {
+            const ContourSet set = with_gap(heights_with_gap(5, missing, 6, 2), {0, 0, 1});
+            FieldOptions options;
+            options.max_gap_spacings = max_gap;
+            GapDoubts doubts(set, options);
+            EXPECT_EQ(doubts.volume() > 0, missing + 1 > max_gap) << missing << ' ' << max_gap;
+            double left = doubts.volume();
+            for (int planes = 0; planes < 31 && !doubts.middles().empty(); ++planes) {
+                std::vector<double> by_structure(set.structures.size(), 0);
+                const Vec3 middle = doubts.middles().front().plane.origin;
+                const double gain = doubts.gain(middle, by_structure);
+                EXPECT_GT(gain, 0);
+                EXPECT_NEAR(by_structure[0], gain, 1e-9);
+                doubts.draw(middle);
+                left -= gain;
+                EXPECT_NEAR(doubts.volume(), left, 1e-6);
+            }
+            EXPECT_TRUE(doubts.middles().empty());
+            EXPECT_NEAR(left, 0, 1e-6);
+        }
+    }
+}
+
+// Slices that lean against each other: the plane leans as much as half of those beside it.
+TEST(GapDoubts, of_a_sweep_is_in_its_gap) {
+    const double lean = 0.02;
+    SetBuilder builder;
+    for (int k = 0; k < 16; ++k) {
+        if (k >= 6 && k < 10) continue;
+        const double angle = lean * k;
+        const Vec3 normal{0, std::sin(angle), std::cos(angle)};
+        builder.slice(make_plane({0, -60 * std::cos(angle), 60 * std::sin(angle)}, normal));
+        builder.ring(0, circle({0, 0}, 10, 60));
+    }
+    const GapDoubts doubts(builder.set, {});
+    ASSERT_EQ(doubts.middles().size(), 1u);
+    const PlaneBetween middle = doubts.middles().front();
+    EXPECT_EQ(middle.slice_a, 5);
+    EXPECT_EQ(middle.slice_b, 6);
+    const double angle = lean * 7.5;
+    EXPECT_NEAR(dot(middle.plane.normal, Vec3{0, std::sin(angle), std::cos(angle)}), 1, 1e-9);
+    EXPECT_NEAR(middle.plane.signed_distance({0, 0, 0}), 0, 0.1);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/reconcile/plane_patches.h"
+#include "anatomesh/uncertainty/gap_doubts.h"
 
 namespace anatomesh {
 
@@ -25,11 +26,6 @@ struct Sample {
     double evidence = 0;  // mm to the nearest contour
     double rate = 0;      // expected error per mm of it
     std::uint32_t structure = 0;
-};
-
-struct Candidate {
-    Plane plane;
-    std::int64_t slice_a = -1, slice_b = -1;
 };
 
 void add_samples(const TetMesh& mesh, const std::vector<Triangle>& surface,
@@ -65,7 +61,7 @@ void thin(std::vector<Sample>& samples) {
     samples.resize(kept);
 }
 
-std::vector<Candidate> candidates_of(const ContourSet& set) {
+std::vector<PlaneBetween> candidates_of(const ContourSet& set) {
     const std::vector<PlanePatch> patches = plane_patches(set);
     const double spacing = all_parallel(set, 0.01) && set.slices.size() > 1
                                ? median_spacing(set)
@@ -73,7 +69,7 @@ std::vector<Candidate> candidates_of(const ContourSet& set) {
     std::vector<Vec3> centers;
     for (const PlanePatch& patch : patches)
         centers.push_back(patch.plane.to_space(0.5 * (patch.box.low + patch.box.high)));
-    std::vector<Candidate> candidates;
+    std::vector<PlaneBetween> candidates;
     std::set<std::pair<std::size_t, std::size_t>> paired;
     for (std::size_t i = 0; i < patches.size(); ++i) {
         if (patches[i].box.empty()) continue;
@@ -117,9 +113,12 @@ double evidence_on(const Plane& plane, const Sample& sample) {
     return std::abs(plane.signed_distance(sample.at)) / sine;
 }
 
-NextPlane gain_of(const Candidate& candidate, const std::vector<Sample>& samples, std::size_t structures) {
+NextPlane gain_of(const PlaneBetween& candidate, const std::vector<Sample>& samples, const GapDoubts& doubts,
+                  std::size_t structures) {
     NextPlane next{
-        candidate.plane, candidate.slice_a, candidate.slice_b, 0, 0, std::vector<double>(structures, 0)};
+        candidate.plane, candidate.slice_a, candidate.slice_b, 0, 0, 0, std::vector<double>(structures, 0)};
+    next.gap_mm3 = doubts.gain(candidate.plane.origin, next.gain_by_structure);
+    next.gain_mm3 = next.gap_mm3;
     double area = 0;
     for (const Sample& sample : samples) {
         if (std::abs(candidate.plane.signed_distance(sample.at)) >= sample.evidence) continue;
@@ -146,16 +145,23 @@ WhereNext where_next(const ContourSet& set, const SurfaceUncertainty& uncertaint
     thin(samples);
     WhereNext result;
     for (const Sample& sample : samples) result.expected_mm3 += sample.area * sample.rate * sample.evidence;
-    const std::vector<Candidate> candidates = candidates_of(set);
+    GapDoubts doubts(set, options.field);
+    result.gaps_mm3 = doubts.volume();
+    result.expected_mm3 += result.gaps_mm3;
+    std::vector<PlaneBetween> candidates = candidates_of(set);
+    std::erase_if(candidates, [&](const PlaneBetween& plane) { return doubts.is_across(plane); });
     while (result.planes.size() < options.count) {
         NextPlane best;
-        for (const Candidate& candidate : candidates) {
-            NextPlane next = gain_of(candidate, samples, set.structures.size());
+        const auto consider = [&](const PlaneBetween& candidate) {
+            NextPlane next = gain_of(candidate, samples, doubts, set.structures.size());
             if (next.gain_mm3 > best.gain_mm3) best = std::move(next);
-        }
+        };
+        for (const PlaneBetween& middle : doubts.middles()) consider(middle);
+        for (const PlaneBetween& candidate : candidates) consider(candidate);
         if (!(best.gain_mm3 > 0)) break;
         for (Sample& sample : samples)
             sample.evidence = std::min(sample.evidence, evidence_on(best.plane, sample));
+        doubts.draw(best.plane.origin);
         result.planes.push_back(std::move(best));
     }
     return result;
