@@ -19,6 +19,8 @@ constexpr std::string_view frame_prefix = "Seq_Frame", transform_suffix = "Trans
                            status_suffix = "TransformStatus";
 constexpr double farthest_mm = 1e7;
 
+constexpr double rotation_tolerance = 0.005;  // of lengths and cosines: headers have six digits
+
 // x -> the columns of a 3 x 3 matrix times x, plus a translation.
 struct Affine {
     std::array<Vec3, 3> columns{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
@@ -56,6 +58,18 @@ std::optional<Affine> affine_of(const std::vector<double>& m) {
     for (std::size_t c = 0; c < 3; ++c) affine.columns[c] = {m[c], m[4 + c], m[8 + c]};
     affine.shift = {m[3], m[7], m[11]};
     return affine;
+}
+
+bool is_mirrored(const Affine& affine) {
+    return dot(affine.columns[0], cross(affine.columns[1], affine.columns[2])) < 0;
+}
+bool is_rotation(const Affine& affine) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (!(std::abs(length(affine.columns[c]) - 1) <= rotation_tolerance)) return false;
+        if (!(std::abs(dot(affine.columns[c], affine.columns[(c + 1) % 3])) <= rotation_tolerance))
+            return false;
+    }
+    return true;
 }
 
 // "ProbeToTracker" is from Probe to Tracker.
@@ -195,6 +209,26 @@ class PoseReader {
                 : "give the probe's calibration with --image-to-probe, 12 or 16 numbers");
     }
 
+    // Tools and rooms lie to each other by rotations; a calibration scales pixels, but mirrors no more than
+    // they.
+    Status check_part(std::uint32_t frame, const Name& name, const Affine& part) const {
+        const std::string which =
+            fmt::format("the transform {}To{} of frame {}", shown(name.from), shown(name.to), frame);
+        const bool is_calibration = name.from == "Image" || name.to == "Image";
+        if (is_mirrored(part))
+            return failure("E-TRK-007", which + " mirrors: its determinant is negative", "",
+                           is_calibration
+                               ? "check which side of the probe is marked; where the first two columns "
+                                 "are right, give --image-to-probe with the third one's sign changed, "
+                                 "which moves no pixel"
+                               : "correct the header of the sequence");
+        if (!is_calibration && !is_rotation(part))
+            return failure("E-TRK-003",
+                           which + " is no rotation: its axes are not at right angles or not of length 1", "",
+                           "correct the header of the sequence");
+        return Nothing{};
+    }
+
     Result<std::optional<Affine>> pose_of(std::uint32_t frame, const Transforms& of_frame,
                                           const std::vector<Step>& way) const {
         Affine pose;
@@ -220,6 +254,7 @@ class PoseReader {
                                     shown(step.name.from), shown(step.name.to), frame),
                         std::string(transform.numbers), "correct the header of the sequence");
             }
+            ANATOMESH_CHECK_STATUS(check_part(frame, step.name, *part));
             if (step.is_inverse) part = inverse(*part);
             if (!part)
                 return failure("E-TRK-002",

@@ -27,8 +27,9 @@ bool has_tracked_frames(const KeyValues& keys);
 // whose status is not OK or whose transform is missing, and counted.
 // Errors: E-TRK-001 no way from Image to the target, with the transforms there are; E-TRK-002 a transform
 // that is not 16 finite numbers, or projective; E-TRK-003 a pose whose axes span no plane, are not at right
-// angles, or that lies beyond 1e7 mm; E-TRK-004 no frame has a pose; E-TRK-005 without options.tracked;
-// E-TRK-006 an orientation that is not known. Warnings: W-TRK-001 frames without a pose were left out;
+// angles, or that lies beyond 1e7 mm, or a transform between tools that is no rotation within 0.005;
+// E-TRK-004 no frame has a pose; E-TRK-005 without options.tracked; E-TRK-006 an orientation that is not
+// known; E-TRK-007 a transform that mirrors. Warnings: W-TRK-001 frames without a pose were left out;
 // W-TRK-002 the axes of the target are not the patient's as far as the file tells (without options.frame).
 Result<std::vector<FramePose>> read_poses(const KeyValues& keys, const std::array<std::uint64_t, 3>& sizes,
                                           const std::string& path, const ReadImageOptions& options,

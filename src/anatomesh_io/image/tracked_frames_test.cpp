@@ -169,6 +169,44 @@ TEST(TrackedFrames, frames_without_a_pose_are_left_out_and_wrong_ones_refused) {
     }
 }
 
+std::string code_with_probe(const std::string& probe_to_tracker) {
+    Sequence sequence;
+    sequence.probe_to_tracker[2] = probe_to_tracker;
+    return read_bytes(sequence.metaimage(), tracked()).code;
+}
+
+std::string code_with_calibration(const std::vector<double>& matrix) {
+    ReadImageOptions options = tracked();
+    options.image_to_probe = matrix;
+    return read_bytes(Sequence().metaimage(), options).code;
+}
+
+TEST(TrackedFrames, C31_matrices_that_are_no_rotation) {
+    EXPECT_EQ(code_with_probe("1.000001 0 0 5 0 1 0 0 0.000001 0 1 100 0 0 0 1"), "");
+    EXPECT_EQ(code_with_probe("1.01 0 0 5 0 1 0 0 0 0 1 100 0 0 0 1"), "E-TRK-003");
+    EXPECT_EQ(code_with_probe("1 0.01 0 5 0 1 0 0 0 0 1 100 0 0 0 1"), "E-TRK-003");
+    EXPECT_EQ(code_with_probe("1 0 0 5 0 1 0.01 0 0 0 1 100 0 0 0 1"), "E-TRK-003");
+    for (const char* mirrored : {"-1 0 0 5 0 1 0 0 0 0 1 100 0 0 0 1", "1 0 0 5 0 1 0 0 0 0 -1 100 0 0 0 1",
+                                 "0 1 0 5 1 0 0 0 0 0 1 100 0 0 0 1"})
+        EXPECT_EQ(code_with_probe(mirrored), "E-TRK-007") << mirrored;
+    EXPECT_EQ(code_with_probe("nan 0 0 5 0 1 0 0 0 0 1 100 0 0 0 1"), "E-TRK-002");
+    EXPECT_EQ(code_with_probe("1 0 0 0 0 1 0 0 0 0 1 0 5 0 100 1"), "E-TRK-002");  // by columns
+}
+
+TEST(TrackedFrames, C31_calibrations_that_are_no_rotation_and_scales) {
+    EXPECT_EQ(code_with_calibration({0.5, 5e-7, 0, -2, 0, 0.25, 0, 0, 0, 0, 1, 10}), "");
+    EXPECT_EQ(code_with_calibration({0.5, 0.025, 0, -2, 0, 0.25, 0, 0, 0, 0, 1, 10}), "E-TRK-003");
+    EXPECT_EQ(code_with_calibration({0.5, 0, 0, -2, 0, NAN, 0, 0, 0, 0, 1, 10}), "E-TRK-002");
+    EXPECT_EQ(code_with_calibration({0.5, 0, 0, 0, 0, 0.25, 0, 0, 0, 0, 1, 0, -2, 0, 10, 1}), "E-TRK-002");
+    EXPECT_EQ(code_with_calibration({-0.5, 0, 0, -2, 0, 0.25, 0, 0, 0, 0, 1, 10}), "E-TRK-007");
+    // Said to be meant so: the image is seen from behind.
+    ReadImageOptions behind = tracked();
+    behind.image_to_probe = {-0.5, 0, 0, 2, 0, 0.25, 0, 0, 0, 0, -1, 10};
+    const Outcome outcome = read_bytes(Sequence().metaimage(), behind);
+    ASSERT_TRUE(outcome.ok()) << to_line(outcome.error);
+    EXPECT_NEAR(length(outcome.loaded.poses[0].step[0] - Vec3{-0.5, 0, 0}), 0, 1e-9);
+}
+
 TEST(TrackedFrames, contours_lie_in_the_planes_of_their_frames) {
     const Outcome outcome = read_bytes(Sequence().metaimage(), tracked());
     ASSERT_TRUE(outcome.ok());
