@@ -12,6 +12,7 @@
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/plane_trace.h"
 #include "anatomesh/field/slice_regions.h"
+#include "anatomesh/field/sparse_planes.h"
 #include "anatomesh/field/sweep.h"
 #include "anatomesh/field/swept_field.h"
 #include "anatomesh/field/thin_structures.h"
@@ -353,8 +354,10 @@ Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSe
         context.warnings.erase(bridged, context.warnings.end());
     }
     warn_about_thin_structures(set, stack->slice_spacing(), context);
-    return std::shared_ptr<const StructureField>(std::make_shared<CrossedField>(
-        std::move(stack), set, slices, Unsaid::of(set, context), context.threads));
+    std::shared_ptr<const StructureField> field = std::make_shared<CrossedField>(
+        std::move(stack), set, slices, Unsaid::of(set, context), context.threads);
+    warn_about_sparse_planes(set, *field, context);
+    return field;
 }
 
 }  // namespace anatomesh

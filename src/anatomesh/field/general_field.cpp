@@ -12,6 +12,7 @@
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/slice_regions.h"
+#include "anatomesh/field/sparse_planes.h"
 #include "anatomesh/field/thin_structures.h"
 #include "anatomesh/field/unsaid.h"
 #include "anatomesh/reconcile/plane_patches.h"
@@ -673,9 +674,13 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
         fields.push_back(std::move(field));
     }
     warn_about_thin_structures(set, spacings.median, context);
-    if (fields.size() == 1) return std::shared_ptr<const StructureField>(std::move(fields.front()));
-    return std::shared_ptr<const StructureField>(
-        std::make_shared<PartlySaidField>(std::move(fields), std::move(field_of)));
+    std::shared_ptr<const StructureField> field;
+    if (fields.size() == 1)
+        field = std::move(fields.front());
+    else
+        field = std::make_shared<PartlySaidField>(std::move(fields), std::move(field_of));
+    warn_about_sparse_planes(set, *field, context);
+    return field;
 }
 
 }  // namespace anatomesh

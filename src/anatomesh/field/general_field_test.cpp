@@ -43,6 +43,48 @@ std::shared_ptr<const StructureField> field_of(const ContourSet& set) {
     return make_structure_field(set, {}, context).value();
 }
 
+// A ball on the planes through its middle with the given normals.
+ContourSet ball_on(const std::vector<Vec3>& normals) {
+    SetBuilder builder;
+    for (const Vec3 normal : normals) {
+        builder.slice(make_plane({}, normal));
+        builder.ring(0, circle({}, radius, 180, 0.01));
+    }
+    return builder.set;
+}
+
+bool is_poorly_sampled(const ContourSet& set) {
+    RunContext context;
+    EXPECT_TRUE(make_structure_field(set, {}, context).ok());
+    return std::any_of(context.warnings.begin(), context.warnings.end(),
+                       [](const Warning& warning) { return warning.code == "W-FLD-008"; });
+}
+
+TEST(GeneralField, C30_few_planes_that_cross_are_told) {
+    const Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+    EXPECT_TRUE(is_poorly_sampled(ball_on({x, y})));
+    EXPECT_TRUE(is_poorly_sampled(ball_on({x, y, z})));
+    for (const int count : {2, 3, 5, 6, 8, 12}) {
+        std::vector<Vec3> normals;
+        for (int k = 0; k < count; ++k) {
+            const double angle = std::numbers::pi * k / count;
+            normals.push_back({std::cos(angle), std::sin(angle), 0});
+        }
+        EXPECT_EQ(is_poorly_sampled(ball_on(normals)), count <= 3) << count;
+    }
+    EXPECT_FALSE(is_poorly_sampled(crossing_stacks()));
+    // Two balls, and planes across through one of them alone: the other is drawn on the stack.
+    SetBuilder stack;
+    for (double h = -16; h < radius; h += 4) {
+        stack.slice(make_plane({0, 0, h}, z));
+        for (const double at : {-30.0, 30.0})
+            stack.ring(0, circle({at, 0}, std::sqrt(radius * radius - h * h), 90));
+    }
+    stack.slice(make_plane({-30, 0, 0}, x));
+    stack.ring(0, circle({}, radius, 90));
+    EXPECT_FALSE(is_poorly_sampled(stack.set));
+}
+
 TEST(GeneralField, zero_exactly_at_every_contour_vertex) {
     for (const ContourSet& set : {crossing_stacks(), rotational_sweep()}) {
         const auto field = field_of(set);

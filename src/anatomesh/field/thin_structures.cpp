@@ -8,7 +8,7 @@
 
 namespace anatomesh {
 
-void warn_about_thin_structures(const ContourSet& set, double spacing, RunContext& context) {
+std::vector<double> mean_thicknesses(const ContourSet& set) {
     std::vector<double> area(set.structures.size(), 0), length_of(set.structures.size(), 0);
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
         for (const SliceRegion& region : slice_regions(set, s, set.slices[s].plane)) {
@@ -19,10 +19,18 @@ void warn_about_thin_structures(const ContourSet& set, double spacing, RunContex
             }
         }
     }
+    std::vector<double> thickness(area.size(), 0);
     for (std::size_t s = 0; s < area.size(); ++s) {
-        if (!(length_of[s] > 0)) continue;
-        const double thickness = 2 * area[s] / length_of[s];
-        if (thickness >= spacing) continue;
+        if (length_of[s] > 0) thickness[s] = 2 * area[s] / length_of[s];
+    }
+    return thickness;
+}
+
+void warn_about_thin_structures(const ContourSet& set, double spacing, RunContext& context) {
+    const std::vector<double> thicknesses = mean_thicknesses(set);
+    for (std::size_t s = 0; s < thicknesses.size(); ++s) {
+        const double thickness = thicknesses[s];
+        if (!(thickness > 0) || thickness >= spacing) continue;
         const Structure& structure = set.structures[s];
         context.warn(
             {"W-FLD-007",
