@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "anatomesh/geom/polygon.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
@@ -225,6 +226,50 @@ TEST(BuildModel, C13_contours_of_3_points_and_of_300) {
         }
     }
     expect_structure(certified_model(drawing), 0, {1, 0, pi * 25 * 12, 0.1});
+}
+
+// Between two triangles turned against each other there are polyhedra that no tetrahedra fill without new
+// points (Schoenhardt, Math. Ann. 98, 1928), and between a triangle and arms that wind about it none at all
+// that has no more vertices (Gitlin, O'Rourke and Subramanian, Int. J. Comput. Geom. Appl. 6, 1996, show such
+// pairs). The lattice between the slices has the points.
+TEST(BuildModel, C22_pairs_that_no_triangles_join_without_new_points) {
+    const auto triangle = [](double radius, double turned) {
+        Polygon corners;
+        for (int i = 0; i < 3; ++i) {
+            const double angle = 2 * pi * i / 3 + turned;
+            corners.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+        }
+        return corners;
+    };
+    for (const double degrees : {30.0, 45.0, 59.0, 60.0}) {
+        Drawing drawing;
+        drawing.add(0, 0, triangle(10, 0));
+        drawing.add(0, 5, triangle(10, degrees * pi / 180));
+        expect_structure(certified_model(drawing), 0, {1, 0, 1.5 * 10 * 10 * std::sqrt(0.75) * 10, 0.1});
+    }
+    for (const int arms : {2, 3, 4}) {
+        Polygon winding;
+        for (int arm = 0; arm < arms; ++arm) {
+            const double start = 2 * pi * arm / arms;
+            const auto at = [&](double r, double angle) {
+                return Vec2{r * std::cos(start + angle), r * std::sin(start + angle)};
+            };
+            for (int k = 0; k <= 12; ++k) winding.push_back(at(4 + 0.8 * k, 0.2 * k));         // out
+            for (int k = 12; k >= 1; --k) winding.push_back(at(3 + 0.8 * k, 0.2 * k + 0.25));  // and back
+        }
+        for (const double turned : {0.0, 0.5, 1.0}) {
+            Drawing drawing;
+            drawing.add(0, 0, triangle(9, turned));
+            drawing.add(0, 4, winding);
+            // How arms and triangle are joined half-way is a guess in any case: in one piece, of a volume
+            // between.
+            const Model model = certified_model(drawing);
+            ASSERT_EQ(model.report.structures.size(), 1u);
+            const double drawn = std::abs(signed_area(winding)) + signed_area(triangle(9, turned));
+            EXPECT_EQ(model.report.structures[0].components, 1u);
+            EXPECT_NEAR(model.report.structures[0].volume_mesh_mm3, 4 * drawn, 0.15 * 4 * drawn);
+        }
+    }
 }
 
 TEST(BuildModel, C33_a_million_millimetres_away) {

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <tuple>
 
@@ -64,21 +65,28 @@ std::size_t most_broken(const Case& drawn, std::size_t segments) {
 
 struct Range {
     std::uint32_t first = 0, last = coarse_cases - 1;
-    bool printed = false;
 };
 
-Range range_of_cases() {
+// "first-last", or one number alone; nothing for other texts and for cases that there are not.
+std::optional<Range> range_of(std::string_view text) {
     Range range;
-    const char* text = std::getenv("ANATOMESH_RANDOM_SOLIDS");
-    if (text == nullptr) return range;
-    const std::string_view view = text;
-    const char* end = view.data() + view.size();
-    const auto first = std::from_chars(view.data(), end, range.first);
+    const char* end = text.data() + text.size();
+    auto read = std::from_chars(text.data(), end, range.first);
     range.last = range.first;
-    if (first.ptr < end && *first.ptr == '-') std::from_chars(first.ptr + 1, end, range.last);
-    range.last = std::min(range.last, all_cases - 1);
-    range.printed = true;
+    if (read.ec == std::errc{} && read.ptr < end && *read.ptr == '-')
+        read = std::from_chars(read.ptr + 1, end, range.last);
+    if (read.ec != std::errc{} || read.ptr != end || range.first > range.last || range.last >= all_cases)
+        return {};
     return range;
+}
+
+TEST(RangeOfRandomSolids, is_refused_where_there_are_no_such_cases) {
+    for (const char* text : {"0", "999", "0-999", "7-7", "100-199"}) EXPECT_TRUE(range_of(text)) << text;
+    EXPECT_EQ(range_of("100-199").value().first, 100u);
+    EXPECT_EQ(range_of("100-199").value().last, 199u);
+    for (const char* text :
+         {"", "x", "5000-5009", "0-1000", "1000", "9-3", "3-", "-3", "1-2x", "99999999999"})
+        EXPECT_FALSE(range_of(text)) << text;
 }
 
 // Points of a solid's true surface, spread by area, within the ball that the planes cut.
@@ -335,15 +343,17 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
 class RandomSolids : public testing::TestWithParam<std::tuple<int, int>> {};
 
 TEST_P(RandomSolids, are_modelled_soundly_and_near_the_truth) {
-    const Range range = range_of_cases();
+    const char* asked = std::getenv("ANATOMESH_RANDOM_SOLIDS");
+    const std::optional<Range> cases = asked != nullptr ? range_of(asked) : Range{};
+    ASSERT_TRUE(cases) << "ANATOMESH_RANDOM_SOLIDS=" << asked << ": cases are 0 to " << all_cases - 1;
     const auto [planes, part] = GetParam();
     Segments segments;
-    for (std::uint32_t number = range.first; number <= range.last; ++number) {
+    for (std::uint32_t number = cases->first; number <= cases->last; ++number) {
         const auto drawing = static_cast<int>(number % coarse_cases);
         if (drawing % plane_sets == planes && drawing / plane_sets % parts == part)
-            check_case(number, range.printed, segments);
+            check_case(number, asked != nullptr, segments);
     }
-    if (range.printed) return;  // a few of them tell nothing of all
+    if (asked != nullptr) return;  // a few of them tell nothing of all
     EXPECT_GT(segments.all, 1000u);
     EXPECT_LT(static_cast<double>(segments.broken),
               broken_in_all[static_cast<std::size_t>(planes)] * static_cast<double>(segments.all));

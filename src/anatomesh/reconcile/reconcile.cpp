@@ -296,7 +296,11 @@ class Reconciler {
         const Vec3 to = set_.points[point] + (move.x * plane.u + move.y * plane.v), way = to - drawn_[point];
         const double distance = length(way);
         if (distance <= options_.max_disagreement_mm) return to;
-        return drawn_[point] + (options_.max_disagreement_mm / distance) * way;
+        // As rounded, too.
+        for (double less = 0;; less = std::max(2 * less, std::numeric_limits<double>::epsilon())) {
+            const Vec3 at = drawn_[point] + ((1 - less) * options_.max_disagreement_mm / distance) * way;
+            if (length(at - drawn_[point]) <= options_.max_disagreement_mm) return at;
+        }
     }
 
     // Moves every slice as far as it stays sound: round a fault the step is shortened by half, again and

@@ -262,6 +262,33 @@ TEST(Reconcile, C26_what_one_slice_alone_has_is_drawn_back_across_the_line) {
     expect_sound(result.kept);
 }
 
+// As rounded, not only as meant: a report that says "10 against a bound of 10" reads it off.
+TEST(Reconcile, C26_no_vertex_moves_further_than_the_bound) {
+    std::mt19937 random(6);
+    std::uniform_real_distribution<double> any(-300, 300), near(12, 18);
+    for (int n = 0; n < 60; ++n) {
+        const double x = near(random);
+        ContourSet set = drawn_ball(20, {make_plane({}, {0, 0, 1})}, {0, 0, 400}, random);
+        const Plane upright = make_plane({x, 0, 0}, {1, 0, 0});
+        Ring ring;
+        for (int i = 0; i < 60; ++i) {
+            const double angle = 2 * std::numbers::pi * i / 60;
+            ring.push_back(upright.to_plane({x, 8 * std::cos(angle), 10 + 8 * std::sin(angle)}));
+        }
+        add_slice(set, upright, ring);
+        const Vec3 away{any(random), any(random), any(random)};
+        for (Vec3& p : set.points) p += away;
+        for (Slice& slice : set.slices) slice.plane.origin += away;
+        ReconcileOptions options;
+        options.max_disagreement_mm = 20.0005 - x;  // just as high as the arc that is drawn back across x
+        RunContext context;
+        const auto result = reconcile_contours(std::move(set), options, context);
+        ASSERT_TRUE(result.ok());
+        EXPECT_GT(result.value().stats.max_movement_mm, 20 - x - 0.1);
+        EXPECT_LE(result.value().stats.max_movement_mm, options.max_disagreement_mm);
+    }
+}
+
 TEST(Reconcile, C26_beyond_its_contours_a_slice_says_nothing) {
     std::mt19937 random(4);
     ContourSet set = drawn_ball(20, {make_plane({}, {0, 0, 1})}, {0, 0, 200}, random);

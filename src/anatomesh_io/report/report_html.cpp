@@ -326,7 +326,7 @@ std::string contour_log(const ModelReport& report) {
     }
     return folded("How the contours were read", report.contour_log.size(),
                   table({"Structure", "Slice", "Contour", "Rule", "#Points in", "#Points kept",
-                         "#Largest move, mm", "#Area changed, mm&sup2;"},
+                         "#Largest move in reading, mm", "#Area changed, mm&sup2;"},
                         rows) +
                       more_rows(shown, report.contour_log.size()));
 }
