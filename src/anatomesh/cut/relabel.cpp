@@ -450,10 +450,11 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
     stats.lost_pieces_before /= 2;
 
     Relabeler relabeler(cells, neighbors, stars, owners, sides, deep_mm, regions, registry, points, slices);
-    // Of one structure the pieces of contour segments that this would cost are worth more.
-    bool spikes = registry.table().members.size() <= 2;
+    // Of one structure the pieces of contour segments that waiting would cost are worth more than a spike;
+    // but a spike is no way round a cut that is spoiled.
+    const bool one_structure = registry.table().members.size() <= 2;
+    bool spoiling = slices.slice_of.empty(), spikes = one_structure && spoiling;
     relabeler.allow_spikes(spikes);
-    bool spoiling = slices.slice_of.empty();
     relabeler.allow_spoiling(spoiling);
     while (!queue.empty()) {
         std::vector<std::uint32_t> next;
@@ -468,7 +469,8 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
         queue = with_defects(relabeler, std::move(next));
         if (!moved) {
             if (spikes && spoiling) break;
-            (spoiling ? spikes : spoiling) = true;
+            spikes = spikes || spoiling || one_structure;
+            spoiling = true;
             relabeler.allow_spikes(spikes);
             relabeler.allow_spoiling(spoiling);
         }

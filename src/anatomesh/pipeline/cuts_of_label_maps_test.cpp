@@ -68,5 +68,44 @@ TEST(CutsOfLabelMaps, are_what_is_drawn) {
     EXPECT_LT(3000 * wrong, drawn);
 }
 
+// A wall along a surface of random waves, thin against the voxels' distance.
+LabelMap random_wall(std::uint32_t seed) {
+    constexpr std::uint32_t width = 40, height = 8;
+    LabelMap map;
+    map.geometry.size = {width, width, height};
+    map.geometry.step = {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 6}};
+    map.voxels.assign(map.geometry.voxel_count(), 0);
+    map.structures = {{1, "wall", {}}};
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> frequency(-0.3, 0.3), phase(0, 6.28);
+    std::array<std::array<double, 4>, 8> waves;
+    for (auto& w : waves) w = {frequency(random), frequency(random), 2 * frequency(random), phase(random)};
+    for (std::uint32_t k = 1; k + 1 < height; ++k) {
+        for (std::uint32_t j = rim; j + rim < width; ++j) {
+            for (std::uint32_t i = rim; i + rim < width; ++i) {
+                double sum = 0;
+                for (const auto& w : waves) sum += std::cos(w[0] * i + w[1] * j + w[2] * k + w[3]);
+                map.voxels[map.geometry.index(i, j, k)] = std::abs(sum) < 0.6;
+            }
+        }
+    }
+    return map;
+}
+
+// Where edges are longer than the slices are apart, a cell that is given away for a cut's sake reaches far.
+TEST(CutsOfLabelMaps, of_coarse_models_of_thin_walls_are_not_had_by_spikes) {
+    for (std::uint32_t seed = 1; seed <= 40; ++seed) {
+        SCOPED_TRACE(seed);
+        RunContext context;
+        const auto traced = trace_contours(random_wall(seed), nullptr, 0, {}, context);
+        ASSERT_TRUE(traced.ok()) << to_line(traced.error());
+        ModelOptions options;
+        options.size_mm = 10;
+        const auto model = build_model(traced.value().kept, options, context);
+        ASSERT_TRUE(model.ok()) << to_line(model.error());
+        EXPECT_LT(model.value().report.field_distance.max_mm, 0.5 * options.size_mm);
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh
