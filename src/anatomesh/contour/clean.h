@@ -36,7 +36,8 @@ struct CleanOptions {
     // A contour that keeps this near to another of its structure in its slice, and nearer than half of their
     // mean edge length, repeats it: the smaller is dropped. [0, 1]
     double repeat_mm = 0.05;
-    // A hole that follows its outline as near as that is warned about. [0, 10]
+    // A hole that follows its outline as near as that is warned about, if that is also less than a tenth of
+    // its radius or half of their mean edge length. [0, 10]
     double doubtful_wall_mm = 0.5;
     // Rings that share a vertex are moved apart there by at most this. (0, 1]
     double separation_mm = 0.05;

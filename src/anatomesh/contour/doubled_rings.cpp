@@ -26,6 +26,8 @@ struct Outline {
           mean_edge(perimeter / static_cast<double>(ring.size())) {
         for (Vec2 p : ring.at) box.extend(p);
     }
+
+    double radius() const { return perimeter > 0 ? 2 * area / perimeter : 0; }
 };
 
 // Whether boxes and areas leave it open that the two keep within `within` of each other.
@@ -65,7 +67,8 @@ double farthest_vertex(const Ring& from, const Ring& to, double within) {
 
 }  // namespace
 
-std::vector<DoubledRings> find_doubled_rings(std::span<const Ring> rings, double within_mm) {
+std::vector<DoubledRings> find_doubled_rings(std::span<const Ring> rings, double within_mm,
+                                             double of_radius) {
     const std::vector<Outline> outlines(rings.begin(), rings.end());
     std::vector<std::uint32_t> by_left(rings.size());
     std::iota(by_left.begin(), by_left.end(), 0u);
@@ -80,8 +83,9 @@ std::vector<DoubledRings> find_doubled_rings(std::span<const Ring> rings, double
         for (std::size_t j = i + 1; j < by_left.size(); ++j) {
             const std::uint32_t a = by_left[i], b = by_left[j];
             if (outlines[b].box.low.x - outlines[a].box.low.x > within_mm) break;
-            const double within =
-                std::min(within_mm, of_mean_edge * std::min(outlines[a].mean_edge, outlines[b].mean_edge));
+            const double edge = std::min(outlines[a].mean_edge, outlines[b].mean_edge);
+            const double radius = std::min(outlines[a].radius(), outlines[b].radius());
+            const double within = std::min(within_mm, std::max(of_mean_edge * edge, of_radius * radius));
             if (rings[a].plane != rings[b].plane || !may_follow(outlines[a], outlines[b], within)) continue;
             const double apart = std::max(farthest_vertex(rings[a], rings[b], within),
                                           farthest_vertex(rings[b], rings[a], within));

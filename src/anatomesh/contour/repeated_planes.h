@@ -12,11 +12,12 @@ struct RegularGaps {
     std::vector<double> distance;  // of those within: the gap itself
 };
 
-// A group: gaps in a row that together are less than a tenth of the gap on either side (one plane given
-// several times), or less than half of both (slices in pairs). The latter count where some group that is not
-// at an end of the stack has gaps alike on both sides: a slice more makes none, and two pairs may as well be
-// four of many slices. Never all gaps; the largest is in none. Requires: all > 0. Complexity: O(n), times the
-// length of such rows.
+// A group: gaps in a row that together are less than a tenth of the gap on either side and no more than half
+// a millimetre (one plane given several times), or one gap that is less than half of both (slices in pairs).
+// The latter count where some pair that is not at an end of the stack has gaps alike on both sides: a slice
+// more makes none, and two pairs may as well be four of many. Three slices near each other or more are no
+// group: islands are drawn so. Never all gaps; the largest is in none. Requires: all > 0. Complexity: O(n),
+// times the length of such rows.
 RegularGaps regular_gaps(const std::vector<double>& gaps);
 
 // The gaps of a stack that are not within groups: what its spacing is told from.

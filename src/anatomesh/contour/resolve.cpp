@@ -26,6 +26,8 @@ void append(std::string& rule, const std::string& more) {
     rule += rule.empty() ? more : "; " + more;
 }
 
+constexpr double doubtful_wall_of_radius = 0.1;
+
 class Resolver {
   public:
     Resolver(std::vector<Ring> rings, const Plane& plane, bool exclusive_or, const CleanOptions& options,
@@ -133,7 +135,8 @@ class Resolver {
     // tell.
     void ask_about_thin_walls(const Nesting& nesting) {
         if (options_.holes == HoleRule::united && !exclusive_or_) return;
-        for (const DoubledRings& pair : find_doubled_rings(rings_, options_.doubtful_wall_mm)) {
+        for (const DoubledRings& pair :
+             find_doubled_rings(rings_, options_.doubtful_wall_mm, doubtful_wall_of_radius)) {
             if (nesting.depth[pair.smaller] % 2 == 0 ||
                 nesting.parent[pair.smaller] != static_cast<std::int32_t>(pair.larger))
                 continue;

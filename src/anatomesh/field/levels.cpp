@@ -74,14 +74,16 @@ class Gaps {
 
     // Lower median of the gaps that count within three of gap i: one missing slice does not move it, a change
     // of spacing does.
-    double local_spacing(std::size_t i) const { return local(usual_, i); }
+    double local_spacing(std::size_t i) const { return local(usual_, place_[i]); }
+    // The same of all gaps, those within groups too.
+    double spacing_without_groups(std::size_t i) const { return local(all_, i); }
     // How many times as far the middles of what gap i parts are from each other as is usual there.
-    double spacings(std::size_t i) const { return distances_[i] / local(usual_distances_, i); }
+    double spacings(std::size_t i) const { return distances_[i] / local(usual_distances_, place_[i]); }
 
   private:
-    double local(const std::vector<double>& of, std::size_t i) const {
+    double local(const std::vector<double>& of, std::size_t place) const {
         if (of.empty()) return spacing_;
-        const std::size_t at = std::min(place_[i], of.size() - 1);
+        const std::size_t at = std::min(place, of.size() - 1);
         const std::size_t first = at < 3 ? 0 : at - 3, last = std::min(of.size(), at + 4);
         return lower_median({of.begin() + static_cast<std::ptrdiff_t>(first),
                              of.begin() + static_cast<std::ptrdiff_t>(last)});
@@ -158,9 +160,8 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
             around.push_back(gap_between(intervals[i - 1], intervals[i]));
     }
     const Gaps gaps(around, own_spacing ? 0 : telling.front(), telling.size() - 1, spacing);
-    const auto is_open = [&](std::size_t gap) {
-        return gaps.spacings(gap) > options.max_gap_spacings * 1.001;
-    };
+    const double widest = options.max_gap_spacings * 1.001;  // that is joined, in spacings
+    const auto is_open = [&](std::size_t gap) { return gaps.spacings(gap) > widest; };
     // Spacing where a part begins or ends: the one that most of its gaps there share. Where they share none,
     // the local one, or that of the part itself where it is smaller.
     const auto spacing_at = [&](std::size_t end, int inward) {
@@ -220,6 +221,8 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                 result.levels.push_back({above, above, Level::no_slice});
             } else if (gaps.spacings(i - 1) > 1.5) {
                 result.bridged_gaps.push_back(ends);
+            } else if (gap > widest * gaps.spacing_without_groups(i - 1)) {
+                result.gaps_by_groups.push_back(ends);
             }
         }
         if (i == 0) result.levels.push_back(end_level(telling[0], -1, spacing_at(0, 1)));

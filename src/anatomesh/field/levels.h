@@ -43,7 +43,8 @@ struct StructureLevels {
     };
     std::vector<Extent> flat;
     bool flat_island = false;  // a part of one slice that got half ends although flat ones were asked
-    std::vector<std::pair<double, double>> open_gaps, bridged_gaps;  // along the normal, for warnings
+    // Along the normal, for warnings; gaps_by_groups: joined only since slices count in groups.
+    std::vector<std::pair<double, double>> open_gaps, bridged_gaps, gaps_by_groups;
     std::vector<std::uint32_t> not_drawn;  // slices between its first and last on which it is empty
 };
 

@@ -95,6 +95,50 @@ TEST(Levels, of_slices_in_pairs_are_joined_and_end_half_a_wide_gap_beyond) {
     }
 }
 
+// But since islands may be drawn so as well, it is told.
+TEST(Levels, of_slices_in_groups_are_told_where_the_groups_alone_join_them) {
+    for (const double ratio : {2.1, 3.0, 9.0, 50.0}) {
+        for (int slices = 6; slices <= 15; ++slices) {
+            for (const bool pair_first : {true, false}) {
+                const auto gaps =
+                    pair_first ? alternating(1, ratio, slices - 1) : alternating(ratio, 1, slices - 1);
+                const auto wide = static_cast<std::size_t>(std::count(gaps.begin(), gaps.end(), ratio));
+                const std::size_t told = levels_of(gaps, {}).gaps_by_groups.size();
+                EXPECT_GE(told, 1u) << ratio << ' ' << slices << pair_first;
+                EXPECT_LE(told, wide) << ratio << ' ' << slices << pair_first;
+            }
+        }
+    }
+    for (const std::vector<double>& gaps : {std::vector{3.0, 3.0, 3.0, 3.0},
+                                            {3.0, 3.0, 0.2, 2.8, 3.0, 3.0},
+                                            {3.0, 6.0, 3.0, 3.0, 3.0},
+                                            {3.0, 3.0, 1.0, 3.0, 3.0},
+                                            {1.0, 1.0, 1.0, 1.0, 4.0, 4.0, 4.0, 4.0}}) {
+        EXPECT_TRUE(levels_of(gaps, {}).gaps_by_groups.empty()) << gaps[1] << ' ' << gaps[2];
+    }
+}
+
+// Three or more slices near each other are islands, however alike the gaps between; and so are two of two
+// slices that are further apart than a plane from itself.
+TEST(Levels, of_islands_of_slices_are_not_joined) {
+    for (int in_one = 3; in_one <= 6; ++in_one) {
+        for (const double apart : {4.0, 9.0, 15.0, 40.0, 100.0}) {
+            for (int islands = 2; islands <= 5; ++islands) {
+                std::vector<double> gaps;
+                for (int n = 0; n < islands; ++n) {
+                    if (n > 0) gaps.push_back(apart);
+                    gaps.insert(gaps.end(), static_cast<std::size_t>(in_one - 1), 1.0);
+                }
+                const StructureLevels levels = levels_of(gaps, {});
+                EXPECT_EQ(levels.open_gaps.size(), static_cast<std::size_t>(islands - 1))
+                    << in_one << ' ' << apart;
+                EXPECT_NEAR(inside_of(levels).first, islands * in_one, 1e-9);
+            }
+        }
+    }
+    for (const double apart : {15.0, 40.0}) EXPECT_EQ(levels_of({1, apart, 1}, {}).open_gaps.size(), 1u);
+}
+
 // Gaps that are nearly even are no pairs, and two pairs alone may be four slices of many.
 TEST(Levels, of_few_slices_or_gaps_alike_tell_no_pairs) {
     for (const double ratio : {1.0, 1.5, 1.99}) {
@@ -249,7 +293,8 @@ TEST(Levels, the_field_of_slices_in_pairs_is_one_part) {
             FieldOptions options;
             options.caps = caps;
             const auto field = make_structure_field(builder.set, options, context).value();
-            EXPECT_TRUE(context.warnings.empty());
+            ASSERT_EQ(context.warnings.size(), 1u);
+            EXPECT_EQ(context.warnings[0].code, "W-FLD-009");
             EXPECT_NEAR(field->slice_spacing(), ratio, 1e-12);
             int parts = 0;
             bool inside = false;

@@ -418,6 +418,15 @@ void warn_about_levels(const ContourSet& set, std::uint32_t structure, const Str
     for (const auto& gap : levels.bridged_gaps) {
         warn_gap(gap, "W-FLD-002", "slices are missing inside the structure", "the gap was bridged");
     }
+    if (!levels.gaps_by_groups.empty()) {
+        const auto& first = levels.gaps_by_groups.front();
+        context.warn({"W-FLD-009",
+                      "slices come in pairs or groups, and what is drawn on the next one was joined to each",
+                      {set.source, "", name, "",
+                       std::to_string(levels.gaps_by_groups.size()) + " gaps, the first from " +
+                           text(first.first) + " to " + text(first.second) + " mm along the normal"},
+                      "the gaps were bridged; parts that are apart are to be structures of their own"});
+    }
     if (set.drawn && !levels.not_drawn.empty()) {
         context.warn({"W-FLD-003",
                       "not drawn on every slice between its first and its last one",
