@@ -353,10 +353,12 @@ Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSe
                                             [](const Warning& w) { return w.code == "W-FLD-002"; });
         context.warnings.erase(bridged, context.warnings.end());
     }
-    warn_about_thin_structures(set, stack->slice_spacing(), context);
+    const double spacing = stack->slice_spacing();
+    warn_about_thin_structures(set, spacing, context);
     std::shared_ptr<const StructureField> field = std::make_shared<CrossedField>(
         std::move(stack), set, slices, Unsaid::of(set, context), context.threads);
-    warn_about_sparse_planes(set, *field, context);
+    // What lies between two slices of the stack they tell.
+    warn_about_sparse_planes(set, *field, 0.5 * spacing, context);
     return field;
 }
 

@@ -679,7 +679,7 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
         field = std::move(fields.front());
     else
         field = std::make_shared<PartlySaidField>(std::move(fields), std::move(field_of));
-    warn_about_sparse_planes(set, *field, context);
+    warn_about_sparse_planes(set, *field, 0, context);
     return field;
 }
 

@@ -73,6 +73,18 @@ TEST(GeneralField, C30_few_planes_that_cross_are_told) {
         EXPECT_EQ(is_poorly_sampled(ball_on(normals)), count <= 3) << count;
     }
     EXPECT_FALSE(is_poorly_sampled(crossing_stacks()));
+    // A stack alone is not asked, and a plane across it takes nothing away.
+    for (const double spacing : {2.0, 5.0, 8.0, 11.0}) {
+        SetBuilder stack;
+        for (double h = 0.5 * spacing - radius; h < radius; h += spacing) {
+            stack.slice(make_plane({0, 0, h}, z));
+            stack.ring(0, circle({}, std::sqrt(radius * radius - h * h), 90));
+        }
+        EXPECT_FALSE(is_poorly_sampled(stack.set)) << spacing;
+        stack.slice(make_plane({}, x));
+        stack.ring(0, circle({}, radius, 90));
+        EXPECT_FALSE(is_poorly_sampled(stack.set)) << spacing;
+    }
     // Two balls, and planes across through one of them alone: the other is drawn on the stack.
     SetBuilder stack;
     for (double h = -16; h < radius; h += 4) {

@@ -59,13 +59,15 @@ double share_far_off(const StructureField& field, std::uint32_t structure,
 
 }  // namespace
 
-void warn_about_sparse_planes(const ContourSet& set, const StructureField& field, RunContext& context) {
+void warn_about_sparse_planes(const ContourSet& set, const StructureField& field, double known_mm,
+                              RunContext& context) {
     const std::vector<double> thickness = mean_thicknesses(set);
     for (std::uint32_t s = 0; s < thickness.size(); ++s) {
         if (!(thickness[s] > 0) || context.cancelled()) continue;
         Box3 box;
         const std::vector<PlanePatch> patches = patches_of(set, s, box);
-        const double share = share_far_off(field, s, patches, box, far_share * thickness[s]);
+        const double far = std::max(far_share * thickness[s], known_mm);
+        const double share = share_far_off(field, s, patches, box, far);
         if (share <= most_far_off) continue;
         const Structure& structure = set.structures[s];
         context.warn(
@@ -73,8 +75,8 @@ void warn_about_sparse_planes(const ContourSet& set, const StructureField& field
              "poorly sampled: much of the structure is far from the planes that it is drawn on, and what "
              "is there follows from none of them",
              {set.source, "", structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
-              brief(100 * share) + " % of its volume further than " + brief(far_share * thickness[s]) +
-                  " mm from " + std::to_string(patches.size()) + " planes"},
+              brief(100 * share) + " % of its volume further than " + brief(far) + " mm from " +
+                  std::to_string(patches.size()) + " planes"},
              "kept; its shape and volume may be wrong there: draw planes between"});
     }
 }
