@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
 #include "anatomesh/contour/repeated_planes.h"
 
@@ -23,26 +24,28 @@ double lower_median(std::vector<double> values) {
 
 constexpr double same_spacing = 0.05;  // gaps that differ by less than this share of the larger are alike
 
-// The spacing that most of a few neighbouring gaps share, one slice left out where that makes more of them
-// alike; of several as good the first, or nothing. So neither one slice more nor one less moves it.
+// The spacing that most of a few neighbouring gaps share, from an end inwards, one slice left out where that
+// makes more of them alike; of several as good that of the gap nearest to the end, or nothing. So neither one
+// slice more nor one less moves it, and where the spacing changes before the end, that beside it counts.
 std::optional<double> shared_spacing(const std::vector<double>& gaps) {
     std::optional<double> best;
-    std::size_t fewest = gaps.size();
+    // How many gaps are odd, whether a slice was left out, and which gap is the first that is not odd.
+    std::tuple<std::size_t, bool, std::size_t> least{gaps.size(), false, 0};
     for (std::size_t extra = 0; extra < gaps.size(); ++extra) {
         std::vector<double> left = gaps;
         if (extra > 0) {  // the slice before this gap
             left[extra - 1] += left[extra];
             left.erase(left.begin() + static_cast<std::ptrdiff_t>(extra));
         }
-        for (const double spacing : left) {
+        for (std::size_t n = 0; n < left.size(); ++n) {
             const auto alike =
                 static_cast<std::size_t>(std::count_if(left.begin(), left.end(), [&](double gap) {
-                    return std::abs(gap - spacing) <= same_spacing * std::max(gap, spacing);
+                    return std::abs(gap - left[n]) <= same_spacing * std::max(gap, left[n]);
                 }));
-            const std::size_t odd = left.size() - alike + (extra > 0 ? 1 : 0);
-            if (alike < 2 || 2 * alike <= left.size() || odd >= fewest) continue;
-            fewest = odd;
-            best = spacing;
+            const std::tuple key{left.size() - alike + (extra > 0 ? 1 : 0), extra > 0, n};
+            if (alike < 2 || 2 * alike <= left.size() || !(key < least)) continue;
+            least = key;
+            best = left[n];
         }
     }
     return best;

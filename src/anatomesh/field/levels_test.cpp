@@ -268,6 +268,26 @@ TEST(Levels, of_even_gaps_with_a_slice_less_end_half_a_spacing_beyond) {
     }
 }
 
+// Where the spacing changes two slices before an end, the end has that beside it (of half the spacing the
+// slice between two gaps may be one more).
+TEST(Levels, of_two_spacings_in_one_part_each_end_has_the_one_beside_it) {
+    for (const double fine : {0.55, 0.6, 0.75, 0.9}) {
+        for (int coarse = 3; coarse <= 7; ++coarse) {
+            for (int finer = 2; finer <= 4; ++finer) {
+                std::vector<double> gaps(static_cast<std::size_t>(coarse), 1.0);
+                gaps.insert(gaps.end(), static_cast<std::size_t>(finer), fine);
+                for (const bool turned : {false, true}) {
+                    if (turned) std::reverse(gaps.begin(), gaps.end());
+                    const StructureLevels levels = levels_of(gaps, {});
+                    const double all = coarse + finer * fine;
+                    EXPECT_NEAR(inside_of(levels).first, all + 0.5 * (1 + fine), 1e-9)
+                        << fine << ' ' << coarse << ' ' << finer << turned;
+                }
+            }
+        }
+    }
+}
+
 // A change of spacing at an open gap: each side keeps its own.
 TEST(Levels, of_two_spacings_apart_each_end_has_its_own) {
     for (const double wide : {2.0, 3.0}) {
