@@ -51,7 +51,7 @@ bench:
 	@scripts/install-dependencies.sh build demo bench
 	@cmake --preset release -DANATOMESH_TESTS=OFF -DANATOMESH_BENCH=ON
 	@cmake --build $(BUILD) --parallel $(JOBS)
-	@bench/run.py --program $(PROGRAM) --build $(BUILD)
+	@bench/run.py --all --program $(PROGRAM) --build $(BUILD)
 
 format:
 	git ls-files '*.h' '*.cpp' | xargs clang-format -i

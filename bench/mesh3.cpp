@@ -17,8 +17,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "anatomesh/mesh/quality.h"
-
 namespace anatomesh {
 
 namespace {
@@ -103,46 +101,6 @@ void copy_cells(const Complex& complex, TetMesh& mesh) {
     }
 }
 
-// The empty cells that no path of empty cells leads out of: of each such set the centroid of its largest
-// cell.
-std::vector<Vec3> find_cavities(const Complex& complex) {
-    const Triangulation& triangulation = complex.triangulation();
-    std::unordered_map<const void*, bool> seen;
-    std::vector<Vec3> cavities;
-    for (const auto first : triangulation.all_cell_handles()) {
-        if (complex.is_in_complex(first) || seen[&*first]) continue;
-        seen[&*first] = true;
-        bool outside = false;
-        double largest = -1;
-        Vec3 centroid;
-        std::vector<Triangulation::Cell_handle> open{first};
-        while (!open.empty()) {
-            const auto cell = open.back();
-            open.pop_back();
-            if (triangulation.is_infinite(cell)) {
-                outside = true;
-            } else {
-                std::array<Vec3, 4> p;
-                for (int i = 0; i < 4; ++i)
-                    p[static_cast<std::size_t>(i)] = to_vec(cell->vertex(i)->point().point());
-                const double volume = signed_volume(p[0], p[1], p[2], p[3]);
-                if (volume > largest) {
-                    largest = volume;
-                    centroid = 0.25 * (p[0] + p[1] + p[2] + p[3]);
-                }
-            }
-            for (int i = 0; i < 4; ++i) {
-                const auto next = cell->neighbor(i);
-                if (complex.is_in_complex(next) || seen[&*next]) continue;
-                seen[&*next] = true;
-                open.push_back(next);
-            }
-        }
-        if (!outside) cavities.push_back(centroid);
-    }
-    return cavities;
-}
-
 }  // namespace
 
 Mesh3Result mesh3(const ContourSet& contours, const StructureField& field, const Mesh3Options& options) {
@@ -176,7 +134,6 @@ Mesh3Result mesh3(const ContourSet& contours, const StructureField& field, const
         result.slivers_seconds = watch.lap();
     }
     copy_cells(complex, result.mesh);
-    result.cavities = find_cavities(complex);
     result.regions = labels.table();
     return result;
 }

@@ -24,9 +24,6 @@ struct Mesh3Options {
 struct Mesh3Result {
     TetMesh mesh;  // the cells of a region, positive, with the points that they use
     RegionTable regions;
-    // A point in every cavity that the mesh encloses, so that a mesher of surfaces can be told to leave it
-    // empty.
-    std::vector<Vec3> cavities;
     double insert_seconds = 0, refine_seconds = 0, slivers_seconds = 0;
 };
 

@@ -15,8 +15,9 @@ python3-pydicom python3-jsonschema gmsh calculix-ccx locales dcmtk dicom3tools o
 orthanc orthanc-dicomweb"
 # The CT skull of the demonstration.
 demo="invesalius-examples"
-# What the benchmark runs beside the program.
-bench="libcgal-dev libgmp-dev libmpfr-dev tetgen gmsh python3-netgen python3 libbenchmark-dev"
+# What the benchmark runs beside the program, and what judges their models.
+bench="libcgal-dev libgmp-dev libmpfr-dev tetgen gmsh python3-netgen libbenchmark-dev python3 python3-numpy python3-scipy
+python3-vtk9 python3-nibabel"
 
 # libFuzzer.
 fuzz="clang libclang-rt-14-dev"

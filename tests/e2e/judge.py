@@ -5,6 +5,56 @@ from vtk.util.numpy_support import vtk_to_numpy
 
 FACETS = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])  # outward for positive cells
 EDGES = np.array([[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]])
+FACET_PAIRS = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]  # which meet in an edge each
+
+
+def distinct(rows):
+    """As numpy.unique of rows of vertex numbers, any order within a row: first index, group of each row, sizes."""
+    rows = np.sort(rows, axis=1).astype(np.int64)
+    span = int(rows.max()) + 1 if len(rows) else 1
+    key = rows[:, 0]
+    for column in range(1, rows.shape[1]):
+        if int(key.max(initial=0)) + 1 > (2 ** 63 - 1) // span:
+            key = np.unique(key, return_inverse=True)[1].astype(np.int64)
+        key = key * span + rows[:, column]
+    _, index, group, count = np.unique(key, return_index=True, return_inverse=True, return_counts=True)
+    return index, group, count
+
+
+def volumes(points, cells):
+    a, b, c, d = (points[cells[:, i]] for i in range(4))
+    return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+
+
+def boundary(cells):
+    """Facets with one of these positive cells on them, outward: (k, 3)."""
+    facets = cells[:, FACETS].reshape(-1, 3)
+    index, _, count = distinct(facets)
+    assert count.max(initial=0) <= 2, "a facet in more than two cells"
+    return facets[index[count == 1]]
+
+
+def radius_edge(points, cells):
+    a, b, c, d = (points[cells[:, i]] for i in range(4))
+    b, c, d = b - a, c - a, d - a
+    top = ((b ** 2).sum(1)[:, None] * np.cross(c, d) + (c ** 2).sum(1)[:, None] * np.cross(d, b)
+           + (d ** 2).sum(1)[:, None] * np.cross(b, c))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        radius = np.linalg.norm(top, axis=1) / (2 * np.abs(np.einsum("ij,ij->i", b, np.cross(c, d))))
+    ends = points[cells[:, EDGES]]
+    return radius / np.linalg.norm(ends[:, :, 0] - ends[:, :, 1], axis=2).min(1)
+
+
+def smallest_dihedral(points, cells):
+    """Of every cell, degrees."""
+    corners = points[cells]
+    normals = []
+    for facet in FACETS:
+        a, b, c = (corners[:, v] for v in facet)
+        normal = np.cross(b - a, c - a)
+        normals.append(normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None])
+    cosines = [-np.einsum("ij,ij->i", normals[i], normals[j]) for i, j in FACET_PAIRS]
+    return np.degrees(np.arccos(np.clip(np.max(cosines, axis=0), -1, 1)))
 
 
 class Model:
@@ -22,29 +72,17 @@ class Model:
         self.structure = vtk_to_numpy(grid.GetCellData().GetArray("structure")).astype(np.int64)
 
     def volumes(self):
-        a, b, c, d = (self.points[self.cells[:, i]] for i in range(4))
-        return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+        return volumes(self.points, self.cells)
 
     def volume(self, number):
         return float(self.volumes()[self.structure == number].sum())
 
     def surface(self, chosen=None):
         """Outward facets with one chosen cell on them (all cells when None): (k, 3)."""
-        cells = self.cells if chosen is None else self.cells[chosen]
-        facets = cells[:, FACETS].reshape(-1, 3)
-        key = np.sort(facets, axis=1)
-        _, index, count = np.unique(key, axis=0, return_index=True, return_counts=True)
-        assert count.max() <= 2, "a facet in more than two cells"
-        return facets[index[count == 1]]
+        return boundary(self.cells if chosen is None else self.cells[chosen])
 
     def radius_edge(self):
-        a, b, c, d = (self.points[self.cells[:, i]] for i in range(4))
-        b, c, d = b - a, c - a, d - a
-        top = ((b ** 2).sum(1)[:, None] * np.cross(c, d) + (c ** 2).sum(1)[:, None] * np.cross(d, b)
-               + (d ** 2).sum(1)[:, None] * np.cross(b, c))
-        radius = np.linalg.norm(top, axis=1) / (2 * np.abs(np.einsum("ij,ij->i", b, np.cross(c, d))))
-        ends = self.points[self.cells[:, EDGES]]
-        return radius / np.linalg.norm(ends[:, :, 0] - ends[:, :, 1], axis=2).min(1)
+        return radius_edge(self.points, self.cells)
 
 
 def topology(triangles):
@@ -52,7 +90,7 @@ def topology(triangles):
     edges = np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     owner = np.tile(np.arange(len(triangles)), 3)
     key = np.sort(edges, axis=1)
-    _, inverse, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
+    _, inverse, count = distinct(edges)
     figures = {"open_edges": int((count == 1).sum()), "nonmanifold_edges": int((count > 2).sum())}
     order = np.argsort(inverse, kind="stable")
     pairs = order[np.searchsorted(inverse[order], np.nonzero(count == 2)[0])[:, None] + [0, 1]]
@@ -71,8 +109,8 @@ def topology(triangles):
     rows, cols = np.concatenate(rows), np.concatenate(cols)
     _, fan = connected_components(coo_matrix((np.ones(len(rows)), (rows, cols)), shape=(3 * m, 3 * m)), directed=False)
     vertex_of_corner = triangles.T.reshape(-1)
-    fans = np.unique(np.c_[vertex_of_corner, fan], axis=0)
-    _, fan_count = np.unique(fans[:, 0], return_counts=True)
+    fans = np.unique(vertex_of_corner.astype(np.int64) * 3 * m + fan)
+    _, fan_count = np.unique(fans // (3 * m), return_counts=True)
     figures["nonmanifold_vertices"] = int((fan_count > 1).sum())
     shells, _ = connected_components(coo_matrix((np.ones(len(one)), (one, other)), shape=(m, m)), directed=False)
     euler = len(np.unique(triangles)) - len(count) + m
