@@ -68,6 +68,9 @@ constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
 // Of the cells inside, so many may come above the bound for contour pieces' sake at the first tries;
 // at further ones none.
 constexpr std::array<double, 2> most_more_bad{0.003, 0.001};
+// Of the contour pieces of parallel slices: where more are missing, they belong to structures whose contours
+// cross at small angles, and the cells there would pay too much.
+constexpr double most_missing_of_parallel = 0.0005;
 constexpr double most_dense = 3;              // as plane_density() has it: more are left as they come first
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
@@ -412,10 +415,8 @@ class Builder {
         piece_list_ = pieces_->pieces();
         find_neighbors(true);
         RecoverStats recovered;
-        // On parallel slices the few that are missing belong to structures whose contours cross at small
-        // angles: the cells there would pay too much. Between dense planes they are too many: some ms each.
-        if (!dense_ && sparing_ < most_more_bad.size() && !is_parallel(contours_))
-            recovered = recover_pieces(unsound, relabelled);
+        // Between dense planes they are too many: some ms each.
+        if (!dense_ && sparing_ < most_more_bad.size()) recovered = recover_pieces(unsound, relabelled);
         const ContourOwners owners = contour_owners(piece_list_, mesh.points.size());
         ANATOMESH_TRY(const SplitStats split,
                       split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
@@ -452,7 +453,7 @@ class Builder {
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
             {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
-             most_more_bad[sparing_]});
+             most_more_bad[sparing_], is_parallel(contours_) ? most_missing_of_parallel : 1});
         recovered.run(unsound, relabelled, context_);
         piece_list_ = recovered.pieces();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),

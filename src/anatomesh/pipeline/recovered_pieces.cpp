@@ -41,6 +41,10 @@ void RecoveredPieces::run(std::vector<std::uint32_t>& unsound, RelabelStats& rel
                           RunContext& context) {
     stats_.missing_before =
         missing_pieces(mesh_.cells, mesh_.points.size(), drawn_.pieces, context.threads).size();
+    stats_.missing_after = stats_.missing_before;
+    if (static_cast<double>(stats_.missing_before) >
+        options_.most_missing * static_cast<double>(drawn_.pieces.size()))
+        return;
     std::vector<std::uint32_t> look;
     if (stats_.missing_before > 0) recover(look, context);
     if (!look.empty()) relabel_at(look, unsound, relabelled, context);
@@ -54,7 +58,6 @@ void RecoveredPieces::run(std::vector<std::uint32_t>& unsound, RelabelStats& rel
 // What spoils too many cells is undone.
 void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& context) {
     const BadShares bad_before = shares_of_bad();
-    stats_.missing_after = stats_.missing_before;
     for (std::size_t n = 0; n < least_shapes.size() && stats_.missing_after > 0; ++n) {
         auto before = std::make_tuple(mesh_, neighbors_, drawn_.pieces, sides_);
         RecoverOptions options;
