@@ -126,6 +126,11 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
     add("--closing-gap", cleaning.closing_gap_mm, 0, 100, "MM",
         fmt::format("Close open contours over a gap up to MM, 0 to 100 (default {})",
                     cleaning.closing_gap_mm));
+    add("--same-line", options.same_line_mm, 0, 0.1, "MM",
+        fmt::format(
+            "Contours of different structures share their vertices where they lie less than MM apart, "
+            "0 to 0.1 (default {}: copies of one line; 0: as drawn)",
+            options.same_line_mm));
     add("--close-gaps", options.close_gaps_mm, 0, 10, "MM",
         "Give neighbouring structures drawn less than MM apart, about a pixel, one wall through the vertices "
         "of both, "

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "anatomesh/contour/clean.h"
+#include "anatomesh/contour/share_lines.h"
 #include "limits.h"
 
 namespace anatomesh {
@@ -42,6 +43,7 @@ struct InputOptions {
     std::uint32_t offset = 0;
     std::optional<double> epsilon_mm;  // 0: exact
     double close_gaps_mm = 0;
+    double same_line_mm = ShareLinesOptions{}.width_mm;
     std::optional<double> min_area_mm2;
 
     CleanOptions cleaning;
@@ -55,8 +57,8 @@ struct InputOptions {
 // --ultrasound-region, --image-to-probe, --pose-to.
 void add_reading_options(CLI::App& verb, InputOptions& options);
 
-// How drawn contours are read and repaired: --holes, --unite-repeated-planes, --closing-gap, --close-gaps,
-// --plane-repair, --keyhole, --max-repair.
+// How drawn contours are read and repaired: --holes, --unite-repeated-planes, --closing-gap, --same-line,
+// --close-gaps, --plane-repair, --keyhole, --max-repair.
 void add_cleaning_options(CLI::App& verb, InputOptions& options);
 
 // Which part of it, and how closely: --structure, --threshold, --keep-largest, --every, --offset, --epsilon,

@@ -10,6 +10,7 @@
 #include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/contour/clean.h"
 #include "anatomesh/contour/close_gaps.h"
+#include "anatomesh/contour/share_lines.h"
 #include "anatomesh/contour/simplify.h"
 #include "anatomesh/contour/trace.h"
 #include "anatomesh/image/components.h"
@@ -377,6 +378,30 @@ std::vector<ContourReport> contour_log(const RawContours& raw, const CleanResult
     return log;
 }
 
+// Lines that structures share but for what a hand or a file rounded away.
+void share_copied_lines(InputContours& contours, const InputOptions& options, RunContext& context) {
+    ContourSet& kept = contours.kept;
+    ShareLinesOptions sharing;
+    sharing.width_mm = options.same_line_mm;
+    contours.options.emplace_back("same_line_mm", number_text(sharing.width_mm));
+    const ShareLinesStats stats = share_lines(kept, sharing);
+    if (stats.widest_mm > 0) {
+        context.warn(
+            {"W-CON-027",
+             fmt::format(
+                 "{} moved onto one of another structure and {} taken from others into segments, where "
+                 "contours of different structures lie less than {} mm apart: {} on {}, {} mm2 changed "
+                 "hands",
+                 counted(stats.vertices_moved, "vertex", "vertices"),
+                 counted(stats.vertices_taken, "vertex", "vertices"), fmt::format("{:.3g}", stats.width_mm),
+                 counted(stats.contours_changed, "contour"), counted(stats.slices, "slice"),
+                 fmt::format("{:.3g}", stats.area_mm2)),
+             {kept.source, kept.slices[stats.worst_slice].name, "", "",
+              fmt::format("at most {:.3g} mm", stats.widest_mm)},
+             "copies of one line share its vertices; --same-line 0 keeps them as drawn"});
+    }
+}
+
 // Walls that neighbouring structures share but for less than a pixel.
 void close_narrow_gaps(InputContours& contours, const InputOptions& options, RunContext& context) {
     ContourSet& kept = contours.kept;
@@ -439,6 +464,7 @@ Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& op
     if (options.close_gaps_mm > 0 && result.kept.structures.size() == 1) {
         return does_not_apply("--close-gaps", options.input, "there is one structure alone");
     }
+    share_copied_lines(result, options, context);
     close_narrow_gaps(result, options, context);
     return result;
 }

@@ -6,48 +6,17 @@
 #include <cmath>
 #include <vector>
 
+#include "anatomesh/contour/led_contours.h"
 #include "anatomesh/contour/segment_index.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {
 namespace {
 
-using Edge = std::array<std::uint32_t, 2>;   // vertices
-using Place = std::array<std::uint32_t, 2>;  // loop, number of a vertex or segment in it
-
-constexpr std::uint32_t no_vertex = 0xFFFFFFFFu;
-
-// A contour as vertices of its slice, with those taken from others; `drawn` as it came.
-struct Loop {
-    std::uint32_t structure = 0;
-    std::vector<std::uint32_t> vertices, drawn;
-    std::vector<std::uint8_t> taken;  // by position in `vertices`
-};
-
-// A vertex beside a segment of a loop: how far along it in lengths of the segment, and how far from it.
-struct Beside {
-    std::uint32_t vertex = 0, loop = 0, segment = 0;
-    double along = 0, distance = 0;
-};
-
-class SliceGaps {
+class SliceGaps : public LedContours {
   public:
-    SliceGaps(const ContourSet& set, const Slice& slice, double width) : width_(width) {
-        for (const Contour& contour : set.contours_of(slice)) {
-            for (const Vec3& p : set.points_of(contour)) points_.push_back(p);
-        }
-        std::sort(points_.begin(), points_.end(), [](Vec3 p, Vec3 q) { return lexicographic_less(p, q); });
-        points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
-        for (const Vec3& p : points_) at_.push_back(slice.plane.to_plane(p));
-        for (const Contour& contour : set.contours_of(slice)) {
-            Loop loop;
-            loop.structure = contour.structure;
-            for (const Vec3& p : set.points_of(contour)) loop.vertices.push_back(vertex_of(p));
-            loop.drawn = loop.vertices;
-            loop.taken.assign(loop.vertices.size(), 0);
-            loops_.push_back(std::move(loop));
-        }
-    }
+    SliceGaps(const ContourSet& set, const Slice& slice, double width)
+        : LedContours(set, slice), width_(width) {}
 
     void close() {
         if (loops_.empty() || loops_.front().structure == loops_.back().structure) return;
@@ -61,70 +30,7 @@ class SliceGaps {
         take_back();
     }
 
-    const std::vector<Loop>& loops() const { return loops_; }
-    Vec3 point(std::uint32_t vertex) const { return points_[vertex]; }
-
-    // Between what was drawn of a loop and what it became.
-    void measure(const Loop& loop, CloseGapsStats& stats, double& widest) const {
-        std::size_t k = 0;  // along the new loop, from a drawn vertex to the next
-        const std::size_t count = loop.vertices.size();
-        while (loop.vertices[k] != loop.drawn[0]) ++k;
-        for (std::size_t n = 0; n < loop.drawn.size(); ++n) {
-            const std::uint32_t a = loop.drawn[n], b = loop.drawn[(n + 1) % loop.drawn.size()];
-            // Both sides of the drawn segment count.
-            const Vec2 way = at_[b] - at_[a];
-            double changed = 0, last_height = 0, last_along = 0;
-            const auto step_to = [&](Vec2 p) {
-                const double height = cross(way, p - at_[a]) / dot(way, way), here = along(p, at_[a], at_[b]);
-                const double sum = std::abs(height) + std::abs(last_height);
-                const double mean =
-                    height * last_height >= 0 ? sum : (height * height + last_height * last_height) / sum;
-                changed += 0.5 * mean * std::abs(here - last_along) * dot(way, way);
-                last_height = height;
-                last_along = here;
-            };
-            for (k = (k + 1) % count; loop.vertices[k] != b; k = (k + 1) % count) {
-                const Vec2 p = at_[loop.vertices[k]];
-                ++stats.vertices_taken;
-                widest = std::max(widest, distance(p, at_[a], at_[b]));
-                step_to(p);
-            }
-            step_to(at_[b]);
-            stats.area_mm2 += changed;
-        }
-    }
-
   private:
-    std::uint32_t vertex_of(Vec3 p) const {
-        const auto less = [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); };
-        return static_cast<std::uint32_t>(std::lower_bound(points_.begin(), points_.end(), p, less) -
-                                          points_.begin());
-    }
-
-    // The vertex after the n-th, and before it.
-    static std::uint32_t next_of(const Loop& loop, std::size_t n) {
-        return loop.vertices[(n + 1) % loop.vertices.size()];
-    }
-    static std::uint32_t last_of(const Loop& loop, std::size_t n) {
-        return loop.vertices[(n + loop.vertices.size() - 1) % loop.vertices.size()];
-    }
-
-    // The ends of the drawn segment that this one is a part of, or was led away from.
-    static Edge drawn_segment(const Loop& loop, std::size_t n) {
-        const std::size_t count = loop.vertices.size();
-        std::size_t a = n, b = (n + 1) % count;
-        while (loop.taken[a]) a = (a + count - 1) % count;
-        while (loop.taken[b]) b = (b + 1) % count;
-        return {loop.vertices[a], loop.vertices[b]};
-    }
-
-    // In lengths of the segment, 0 at a and 1 at b, beyond them too.
-    static double along(Vec2 p, Vec2 a, Vec2 b) { return dot(p - a, b - a) / dot(b - a, b - a); }
-    static double distance(Vec2 p, Vec2 a, Vec2 b) {
-        const double t = std::clamp(along(p, a, b), 0.0, 1.0);
-        return length(p - (a + t * (b - a)));
-    }
-
     // The loops' segments with whether another structure has them too, the other way round.
     struct Segments {
         std::vector<Edge> ends;
@@ -135,7 +41,7 @@ class SliceGaps {
         Segments all;
         for (std::uint32_t l = 0; l < loops_.size(); ++l) {
             for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n) {
-                all.ends.push_back({loops_[l].vertices[n], next_of(loops_[l], n)});
+                all.ends.push_back({loops_[l].vertices[n], loops_[l].next_of(n)});
                 all.loop.push_back(l);
                 all.number.push_back(n);
             }
@@ -147,16 +53,6 @@ class SliceGaps {
         return all;
     }
 
-    // (structure, vertex), sorted.
-    std::vector<Edge> owned() const {
-        std::vector<Edge> pairs;
-        for (const Loop& loop : loops_) {
-            for (const std::uint32_t v : loop.vertices) pairs.push_back({loop.structure, v});
-        }
-        std::sort(pairs.begin(), pairs.end());
-        return pairs;
-    }
-
     // Puts vertices of earlier structures, or of later ones, that lie beside a segment into it.
     void take_vertices(bool to_later) {
         const Segments all = segments();
@@ -164,7 +60,7 @@ class SliceGaps {
         std::vector<Beside> found;
         const auto consider = [&](std::uint32_t i, std::uint32_t j) {
             // The first end of segment i beside segment j.
-            const Loop &from = loops_[all.loop[i]], &to = loops_[all.loop[j]];
+            const LedContour &from = loops_[all.loop[i]], &to = loops_[all.loop[j]];
             if (all.shared[j] || (to_later ? from.structure >= to.structure : from.structure <= to.structure))
                 return;
             const std::uint32_t v = all.ends[i][0];
@@ -173,7 +69,7 @@ class SliceGaps {
             const double apart = distance(at_[v], a, b);
             const Edge drawn = drawn_segment(to, all.number[j]);
             if (!(apart < width_) || !(distance(at_[v], at_[drawn[0]], at_[drawn[1]]) < width_)) return;
-            const Vec2 course = at_[all.ends[i][1]] - at_[last_of(from, all.number[i])];
+            const Vec2 course = at_[all.ends[i][1]] - at_[from.last_of(all.number[i])];
             if (dot(course, b - a) >= 0) return;
             found.push_back({v, all.loop[j], all.number[j], along(at_[v], a, b), apart});
         };
@@ -197,22 +93,6 @@ class SliceGaps {
         }
         found.resize(kept);
         put_in(std::move(found));
-    }
-
-    // For each vertex and structure the nearest segment; at a corner the one that the vertex is less beyond.
-    std::vector<Beside> nearest(std::vector<Beside> found) const {
-        const auto beyond = [](const Beside& x) { return std::max({0.0, -x.along, x.along - 1}); };
-        const auto key = [&](const Beside& x) { return Edge{x.vertex, loops_[x.loop].structure}; };
-        std::sort(found.begin(), found.end(), [&](const Beside& x, const Beside& y) {
-            if (key(x) != key(y)) return key(x) < key(y);
-            if (x.distance != y.distance) return x.distance < y.distance;
-            if (beyond(x) != beyond(y)) return beyond(x) < beyond(y);
-            return x.loop != y.loop ? x.loop < y.loop : x.segment < y.segment;
-        });
-        found.erase(std::unique(found.begin(), found.end(),
-                                [&](const Beside& x, const Beside& y) { return key(x) == key(y); }),
-                    found.end());
-        return found;
     }
 
     // From a point to the nearest one of a segment.
@@ -255,36 +135,10 @@ class SliceGaps {
     std::vector<std::uint8_t> hidden(const std::vector<Beside>& found, const Segments& all) const {
         std::vector<Way> ways;
         for (const Beside& x : found) {
-            const Edge to{loops_[x.loop].vertices[x.segment], next_of(loops_[x.loop], x.segment)};
+            const Edge to{loops_[x.loop].vertices[x.segment], loops_[x.loop].next_of(x.segment)};
             ways.push_back({at_[x.vertex], to, {to}, x.vertex});
         }
         return hidden(ways, all.ends);
-    }
-
-    static bool has(const Edge& e, std::uint32_t v) { return e[0] == v || e[1] == v; }
-
-    void put_in(std::vector<Beside> found) {
-        std::sort(found.begin(), found.end(), [](const Beside& x, const Beside& y) {
-            if (x.loop != y.loop) return x.loop < y.loop;
-            if (x.segment != y.segment) return x.segment < y.segment;
-            return x.along != y.along ? x.along < y.along : x.vertex < y.vertex;
-        });
-        auto next = found.begin();
-        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
-            Loop& loop = loops_[l];
-            std::vector<std::uint32_t> vertices;
-            std::vector<std::uint8_t> taken;
-            for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
-                vertices.push_back(loop.vertices[n]);
-                taken.push_back(loop.taken[n]);
-                for (; next != found.end() && next->loop == l && next->segment == n; ++next) {
-                    vertices.push_back(next->vertex);
-                    taken.push_back(1);
-                }
-            }
-            loop.vertices = std::move(vertices);
-            loop.taken = std::move(taken);
-        }
     }
 
     // Where both ends of a segment are vertices of another structure's loop, with a path beside the segment
@@ -300,7 +154,7 @@ class SliceGaps {
         std::vector<Beside> found;
         for (std::uint32_t l = 0; l < loops_.size(); ++l) {
             for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n) {
-                const std::uint32_t a = loops_[l].vertices[n], b = next_of(loops_[l], n);
+                const std::uint32_t a = loops_[l].vertices[n], b = loops_[l].next_of(n);
                 std::vector<Beside> best;
                 for (auto p = std::lower_bound(places.begin(), places.end(),
                                                std::array<std::uint32_t, 3>{b, 0, 0});
@@ -332,8 +186,8 @@ class SliceGaps {
                                     std::uint32_t from, const std::vector<Edge>& owners) const {
         std::vector<Beside> path;
         const Edge drawn = drawn_segment(loops_[l], n);
-        const Loop& way = loops_[other];
-        const Vec2 back = at_[a] - at_[next_of(loops_[l], n)];
+        const LedContour& way = loops_[other];
+        const Vec2 back = at_[a] - at_[loops_[l].next_of(n)];
         for (std::size_t k = 1; k < way.vertices.size(); ++k) {
             const std::uint32_t v = way.vertices[(from + k) % way.vertices.size()];
             const std::uint32_t last = way.vertices[(from + k - 1) % way.vertices.size()];
@@ -358,8 +212,7 @@ class SliceGaps {
             again = drop(lone());
             again = drop(out_of_sight()) || again;
             for (std::size_t first = 0; first < loops_.size();) {
-                std::size_t last = first + 1;
-                while (last < loops_.size() && loops_[last].structure == loops_[first].structure) ++last;
+                const std::size_t last = end_of_structure(first);
                 again = drop(touching(first, last)) || again;
                 if (!again) again = drop(turned_or_nested(first, last));
                 first = last;
@@ -375,7 +228,7 @@ class SliceGaps {
             const std::size_t count = loops_[l].vertices.size();
             for (std::uint32_t n = 0; n < count; ++n) {
                 const bool serves = all.shared[first + n] || all.shared[first + (n + count - 1) % count];
-                if (loops_[l].taken[n] && !serves) places.push_back({l, n});
+                if (loops_[l].taken(n) && !serves) places.push_back({l, n});
             }
             first += count;
         }
@@ -387,20 +240,20 @@ class SliceGaps {
         std::vector<Edge> drawn;
         std::vector<std::pair<Edge, Place>> by_ends;
         for (std::uint32_t l = 0; l < loops_.size(); ++l) {
-            const Loop& loop = loops_[l];
+            const LedContour& loop = loops_[l];
             for (std::size_t n = 0; n < loop.drawn.size(); ++n)
                 drawn.push_back({loop.drawn[n], loop.drawn[(n + 1) % loop.drawn.size()]});
             for (std::uint32_t n = 0; n < loop.vertices.size(); ++n)
-                by_ends.push_back({{loop.vertices[n], next_of(loop, n)}, {l, n}});
+                by_ends.push_back({{loop.vertices[n], loop.next_of(n)}, {l, n}});
         }
         std::sort(by_ends.begin(), by_ends.end());
         std::vector<Way> ways;
         std::vector<Place> starts, places;
         for (std::uint32_t l = 0; l < loops_.size(); ++l) {
-            const Loop& loop = loops_[l];
+            const LedContour& loop = loops_[l];
             for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
-                const std::uint32_t a = loop.vertices[n], b = next_of(loop, n);
-                if (!loop.taken[n] && !loop.taken[(n + 1) % loop.taken.size()]) continue;
+                const std::uint32_t a = loop.vertices[n], b = loop.next_of(n);
+                if (!loop.taken(n) && !loop.taken((n + 1) % loop.vertices.size())) continue;
                 const auto other =
                     std::lower_bound(by_ends.begin(), by_ends.end(), std::pair{Edge{b, a}, Place{0, 0}});
                 if (other == by_ends.end() || other->first != Edge{b, a}) continue;
@@ -415,113 +268,13 @@ class SliceGaps {
             const auto [l, n] = starts[k];
             const auto after = static_cast<std::uint32_t>((n + 1) % loops_[l].vertices.size());
             for (const std::uint32_t m : {n, after}) {
-                if (cut_off[k] && loops_[l].taken[m]) places.push_back({l, m});
+                if (cut_off[k] && loops_[l].taken(m)) places.push_back({l, m});
             }
         }
         return places;
-    }
-
-    // Of the loops of one structure.
-    std::vector<Place> touching(std::size_t first, std::size_t last) const {
-        std::vector<Segment2> segments;
-        std::vector<Edge> ends;
-        std::vector<Place> at, places;
-        std::vector<std::pair<std::uint32_t, Place>> taken;  // by vertex
-        for (std::size_t l = first; l < last; ++l) {
-            const Loop& loop = loops_[l];
-            for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
-                at.push_back({static_cast<std::uint32_t>(l), n});
-                ends.push_back({loop.vertices[n], next_of(loop, n)});
-                segments.push_back({at_[ends.back()[0]], at_[ends.back()[1]]});
-                if (loop.taken[n]) taken.emplace_back(loop.vertices[n], at.back());
-            }
-        }
-        if (taken.empty()) return places;
-        std::sort(taken.begin(), taken.end());
-        for (std::size_t k = 1; k < taken.size(); ++k) {
-            if (taken[k].first == taken[k - 1].first)
-                places.insert(places.end(), {taken[k - 1].second, taken[k].second});
-        }
-        SegmentIndex(std::move(segments)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
-            if (!touch(ends[i], ends[j])) return true;
-            // Of the vertices taken there, that which was taken from farthest.
-            double most = -1;
-            Place worst{};
-            for (const std::uint32_t s : {i, j}) {
-                const auto& [l, n] = at[s];
-                const auto after = static_cast<std::uint32_t>((n + 1) % loops_[l].vertices.size());
-                for (const std::uint32_t k : {n, after}) {
-                    if (!loops_[l].taken[k]) continue;
-                    const Edge drawn = drawn_segment(loops_[l], k);
-                    const double far = distance(at_[loops_[l].vertices[k]], at_[drawn[0]], at_[drawn[1]]);
-                    if (far <= most) continue;
-                    most = far;
-                    worst = {l, k};
-                }
-            }
-            if (most >= 0) places.push_back(worst);
-            return true;
-        });
-        return places;
-    }
-
-    // All that the loops of a structure took, if one was turned inside out or came to lie in another one, or
-    // out of it.
-    std::vector<Place> turned_or_nested(std::size_t first, std::size_t last) const {
-        std::vector<Place> places;
-        bool wrong = false;
-        for (std::size_t l = first; l < last; ++l) {
-            const Loop& loop = loops_[l];
-            for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
-                if (loop.taken[n]) places.push_back({static_cast<std::uint32_t>(l), n});
-            }
-        }
-        if (places.empty()) return places;
-        for (std::size_t l = first; l < last && !wrong; ++l) {
-            wrong = signed_area(polygon(loops_[l].vertices)) * signed_area(polygon(loops_[l].drawn)) <= 0;
-            const Vec2 p = at_[loops_[l].drawn[0]];
-            for (std::size_t m = first; m < last && !wrong; ++m)
-                wrong = m != l && side_of_polygon(polygon(loops_[m].vertices), p) !=
-                                      side_of_polygon(polygon(loops_[m].drawn), p);
-        }
-        if (!wrong) places.clear();
-        return places;
-    }
-
-    std::vector<Vec2> polygon(const std::vector<std::uint32_t>& loop) const {
-        std::vector<Vec2> points;
-        for (const std::uint32_t v : loop) points.push_back(at_[v]);
-        return points;
-    }
-
-    // Says whether there were any.
-    bool drop(std::vector<Place> places) {
-        std::sort(places.begin(), places.end());
-        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
-            Loop& loop = loops_[l];
-            std::size_t kept = 0;
-            for (std::uint32_t n = 0; n < loop.vertices.size(); ++n) {
-                if (std::binary_search(places.begin(), places.end(), Place{l, n})) continue;
-                loop.vertices[kept] = loop.vertices[n];
-                loop.taken[kept++] = loop.taken[n];
-            }
-            loop.vertices.resize(kept);
-            loop.taken.resize(kept);
-        }
-        return !places.empty();
-    }
-
-    // Of one structure: elsewhere than in a common end.
-    bool touch(Edge p, Edge q) const {
-        const SegmentContact contact = segment_contact(at_[p[0]], at_[p[1]], at_[q[0]], at_[q[1]]);
-        const bool joined = has(q, p[0]) || has(q, p[1]);
-        return joined ? contact == SegmentContact::overlap : contact != SegmentContact::none;
     }
 
     double width_;
-    std::vector<Vec3> points_;  // of the slice, distinct, in lexicographic order
-    std::vector<Vec2> at_;
-    std::vector<Loop> loops_;
 };
 
 }  // namespace
@@ -537,27 +290,19 @@ CloseGapsStats close_gaps(ContourSet& set, const CloseGapsOptions& options) {
         gaps.close();
         const std::uint64_t changed_before = stats.contours_changed;
         double widest = 0;
-        // The contours of a slice by structure, then by their smallest vertex, which comes first.
-        std::vector<std::pair<std::uint32_t, std::vector<std::uint32_t>>> loops;
-        for (const Loop& loop : gaps.loops()) {
-            if (loop.vertices.size() > loop.drawn.size()) {
-                ++stats.contours_changed;
-                gaps.measure(loop, stats, widest);
-            }
-            std::vector<std::uint32_t> vertices = loop.vertices;
-            std::rotate(vertices.begin(), std::min_element(vertices.begin(), vertices.end()), vertices.end());
-            loops.emplace_back(loop.structure, std::move(vertices));
+        for (const LedContour& loop : gaps.loops()) {
+            if (loop.vertices.size() == loop.drawn.size()) continue;
+            const LedContours::Change change = gaps.change_of(loop);
+            ++stats.contours_changed;
+            stats.vertices_taken += change.taken;
+            stats.area_mm2 += change.area_mm2;
+            widest = std::max(widest, change.widest_mm);
         }
+        gaps.append_to(contours, points, s);
         stats.slices += stats.contours_changed > changed_before;
         if (widest > stats.widest_mm) {
             stats.widest_mm = widest;
             stats.worst_slice = s;
-        }
-        std::sort(loops.begin(), loops.end());
-        for (const auto& [structure, vertices] : loops) {
-            contours.push_back({structure, s, static_cast<std::uint32_t>(points.size()),
-                                static_cast<std::uint32_t>(vertices.size())});
-            for (const std::uint32_t v : vertices) points.push_back(gaps.point(v));
         }
     }
     set.contours = std::move(contours);

@@ -266,11 +266,12 @@ std::uint64_t leading_number(const std::string& text) {
 
 // What cleaning moved before the contours were kept: a vertex is exact with regard to those.
 std::string moves_text(std::span<const Warning> warnings) {
-    std::uint64_t onto_plane = 0, apart = 0, welded = 0;
+    std::uint64_t onto_plane = 0, apart = 0, welded = 0, copied = 0;
     for (const Warning& warning : warnings) {
         onto_plane += warning.code == "W-CON-009";
         if (warning.code == "W-CON-020") apart += leading_number(warning.place.value);
         if (warning.code == "W-CON-021") welded += leading_number(warning.message);
+        if (warning.code == "W-CON-027") copied += leading_number(warning.message);
     }
     std::string text;
     const auto add = [&](std::uint64_t count, const std::string& what) {
@@ -278,6 +279,7 @@ std::string moves_text(std::span<const Warning> warnings) {
     };
     add(apart, std::to_string(apart) + " moved apart where rings touch (W-CON-020)");
     add(welded, std::to_string(welded) + " moved onto one of another structure (W-CON-021)");
+    add(copied, std::to_string(copied) + " moved onto one of another structure beside it (W-CON-027)");
     add(onto_plane,
         "those of " + counted(onto_plane, "contour") + " off their plane moved onto it (W-CON-009)");
     return text.empty() ? "" : "; cleaning moved vertices before: " + text;

@@ -1,0 +1,172 @@
+#include "anatomesh/contour/share_lines.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <iterator>
+#include <tuple>
+#include <vector>
+
+#include "anatomesh/contour/led_contours.h"
+#include "anatomesh/contour/segment_index.h"
+#include "anatomesh/geom/point_grid.h"
+
+namespace anatomesh {
+namespace {
+
+class SliceLines : public LedContours {
+  public:
+    SliceLines(const ContourSet& set, const Slice& slice, double width)
+        : LedContours(set, slice), width_(width) {}
+
+    void share() {
+        if (loops_.empty() || loops_.front().structure == loops_.back().structure) return;
+        unite_vertices();
+        take_vertices();
+        take_back();
+    }
+
+  private:
+    // The structures that have each vertex, rising.
+    std::vector<std::vector<std::uint32_t>> structures_by_vertex() const {
+        std::vector<std::vector<std::uint32_t>> all(points_.size());
+        for (const auto& [structure, v] : owned()) all[v].push_back(structure);
+        return all;
+    }
+
+    // Vertices of different structures within the width of each other become one, the nearest first; one that
+    // something moved onto stays.
+    void unite_vertices() {
+        std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> pairs;  // squared distance
+        PointGrid grid(2 * width_, points_.size());
+        for (std::uint32_t v = 0; v < points_.size(); ++v) {
+            grid.for_each_within(points_[v], width_, [&](std::uint32_t u, double squared) {
+                if (squared < width_ * width_) pairs.emplace_back(squared, u, v);
+            });
+            grid.add(points_[v]);
+        }
+        if (pairs.empty()) return;
+        std::sort(pairs.begin(), pairs.end());
+        std::vector<std::vector<std::uint32_t>> owners = structures_by_vertex();
+        std::vector<std::uint32_t> now(points_.size(), no_vertex);  // where a vertex moved; itself: it stays
+        for (auto [squared, stays, moves] : pairs) {
+            if (owners[moves].front() < owners[stays].front()) std::swap(stays, moves);
+            if (now[moves] == moves) std::swap(stays, moves);
+            const bool free = now[moves] == no_vertex && (now[stays] == no_vertex || now[stays] == stays);
+            std::vector<std::uint32_t> both;
+            std::set_union(owners[stays].begin(), owners[stays].end(), owners[moves].begin(),
+                           owners[moves].end(), std::back_inserter(both));
+            if (!free || both.size() < owners[stays].size() + owners[moves].size()) continue;
+            owners[stays] = std::move(both);
+            now[stays] = stays;
+            now[moves] = stays;
+        }
+        for (LedContour& loop : loops_) {
+            for (std::uint32_t& v : loop.vertices)
+                if (now[v] != no_vertex) v = now[v];
+        }
+    }
+
+    // Puts the vertices of other structures that lie beside a segment into it: into the nearest of a
+    // structure's.
+    void take_vertices() {
+        std::vector<Segment2> boxes;  // wider by half the width: they meet where segments are nearer than it
+        std::vector<Place> at;
+        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
+            for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n) {
+                const Vec2 p = at_[loops_[l].vertices[n]], q = at_[loops_[l].next_of(n)];
+                const Vec2 margin{0.5 * width_, 0.5 * width_};
+                boxes.push_back({Vec2{std::min(p.x, q.x), std::min(p.y, q.y)} - margin,
+                                 Vec2{std::max(p.x, q.x), std::max(p.y, q.y)} + margin});
+                at.push_back({l, n});
+            }
+        }
+        const std::vector<Edge> owners = owned();
+        std::vector<Beside> found;
+        const auto consider = [&](Place from, Place to) {
+            // The first end of the one beside the other.
+            const std::uint32_t v = loops_[from[0]].vertices[from[1]];
+            const LedContour& loop = loops_[to[0]];
+            if (std::binary_search(owners.begin(), owners.end(), Edge{loop.structure, v})) return;
+            const Vec2 a = at_[loop.vertices[to[1]]], b = at_[loop.next_of(to[1])];
+            const double share = along(at_[v], a, b), apart = distance(at_[v], a, b);
+            const Edge drawn = drawn_segment(loop, to[1]);
+            if (!(share > 0 && share < 1) || !(apart < width_)) return;
+            if (!(distance(at_[v], at_[drawn[0]], at_[drawn[1]]) < width_)) return;
+            found.push_back({v, to[0], to[1], share, apart});
+        };
+        SegmentIndex(std::move(boxes)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
+            if (loops_[at[i][0]].structure == loops_[at[j][0]].structure) return true;
+            consider(at[i], at[j]);
+            consider(at[j], at[i]);
+            return true;
+        });
+        put_in(nearest(std::move(found)));
+    }
+
+    // Takes out again, and moves back, what made contours of a structure touch or cross one another.
+    void take_back() {
+        for (bool again = true; again;) {
+            again = false;
+            for (std::size_t first = 0; first < loops_.size(); first = end_of_structure(first)) {
+                const std::size_t last = end_of_structure(first);
+                again = drop(touching(first, last)) || again;
+                if (!again) again = drop(turned_or_nested(first, last));
+            }
+        }
+    }
+
+    double width_;
+};
+
+double median_segment(const ContourSet& set) {
+    std::vector<double> lengths;
+    for (const Contour& contour : set.contours) {
+        const auto points = set.points_of(contour);
+        for (std::size_t n = 0; n < points.size(); ++n)
+            lengths.push_back(length(points[(n + 1) % points.size()] - points[n]));
+    }
+    if (lengths.empty()) return 0;
+    const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+    std::nth_element(lengths.begin(), middle, lengths.end());
+    return *middle;
+}
+
+}  // namespace
+
+ShareLinesStats share_lines(ContourSet& set, const ShareLinesOptions& options) {
+    assert(options.width_mm >= 0 && options.width_mm <= 0.1);
+    assert(options.share_of_segment >= 0 && options.share_of_segment <= 0.5);
+    ShareLinesStats stats;
+    if (options.width_mm == 0 || set.structures.size() < 2) return stats;
+    stats.width_mm = std::min(options.width_mm, options.share_of_segment * median_segment(set));
+    if (!(stats.width_mm > 0)) return stats;
+    std::vector<Contour> contours;
+    std::vector<Vec3> points;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        SliceLines lines(set, set.slices[s], stats.width_mm);
+        lines.share();
+        bool any = false;
+        for (const LedContour& loop : lines.loops()) {
+            if (loop.vertices == loop.drawn) continue;
+            const LedContours::Change change = lines.change_of(loop);
+            any = true;
+            ++stats.contours_changed;
+            stats.vertices_taken += change.taken;
+            stats.vertices_moved += change.moved;
+            stats.area_mm2 += change.area_mm2;
+            if (change.widest_mm > stats.widest_mm) {
+                stats.widest_mm = change.widest_mm;
+                stats.worst_slice = s;
+            }
+        }
+        stats.slices += any;
+        lines.append_to(contours, points, s);
+    }
+    if (stats.contours_changed == 0) return stats;
+    set.contours = std::move(contours);
+    set.points = std::move(points);
+    return stats;
+}
+
+}  // namespace anatomesh

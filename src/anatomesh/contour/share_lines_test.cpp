@@ -1,0 +1,219 @@
+#include "anatomesh/contour/share_lines.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "anatomesh/geom/polygon.h"
+
+namespace anatomesh {
+namespace {
+
+using Polygon = std::vector<Vec2>;
+
+struct Drawing {
+    std::uint32_t structure;
+    Polygon polygon;  // outer ones counter-clockwise
+};
+
+const Plane tilted = make_plane({3, -2, 40}, normalized(Vec3{0.3, -0.2, 0.9}));
+
+ContourSet slice_of(const std::vector<Drawing>& drawings, const Plane& plane = make_plane({}, {0, 0, 1})) {
+    ContourSet set;
+    set.slices = {{plane, 0, static_cast<std::uint32_t>(drawings.size()), "0"}};
+    for (const Drawing& drawing : drawings) {
+        while (set.structures.size() <= drawing.structure)
+            set.structures.push_back({static_cast<std::int32_t>(set.structures.size() + 1), "", {}});
+        std::vector<Vec3> points;
+        for (const Vec2 p : drawing.polygon) points.push_back(plane.to_space(p));
+        std::rotate(points.begin(),
+                    std::min_element(points.begin(), points.end(),
+                                     [](Vec3 p, Vec3 q) { return lexicographic_less(p, q); }),
+                    points.end());
+        set.contours.push_back({drawing.structure, 0, static_cast<std::uint32_t>(set.points.size()),
+                                static_cast<std::uint32_t>(points.size())});
+        set.points.insert(set.points.end(), points.begin(), points.end());
+    }
+    return set;
+}
+
+Polygon flat(const ContourSet& set, std::size_t contour) {
+    Polygon polygon;
+    for (const Vec3& p : set.points_of(set.contours[contour]))
+        polygon.push_back(set.slices[0].plane.to_plane(p));
+    return polygon;
+}
+
+double perimeter(const Polygon& p) {
+    double sum = 0;
+    for (std::size_t n = 0; n < p.size(); ++n) sum += length(p[(n + 1) % p.size()] - p[n]);
+    return sum;
+}
+
+bool is_simple(const Polygon& p) {
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        for (std::size_t j = i + 1; j < p.size(); ++j) {
+            const bool joined = j == i + 1 || (i == 0 && j + 1 == p.size());
+            const SegmentContact contact =
+                segment_contact(p[i], p[(i + 1) % p.size()], p[j], p[(j + 1) % p.size()]);
+            if (contact == SegmentContact::overlap || (!joined && contact != SegmentContact::none))
+                return false;
+        }
+    }
+    return true;
+}
+
+// Length of edges that two structures both have, either way round.
+double common_length(const ContourSet& set, std::size_t one, std::size_t other) {
+    const auto p = set.points_of(set.contours[one]), q = set.points_of(set.contours[other]);
+    double sum = 0;
+    for (std::size_t n = 0; n < p.size(); ++n) {
+        const Vec3 a = p[n], b = p[(n + 1) % p.size()];
+        for (std::size_t m = 0; m < q.size(); ++m) {
+            const Vec3 c = q[m], d = q[(m + 1) % q.size()];
+            if ((a == c && b == d) || (a == d && b == c)) sum += length(b - a);
+        }
+    }
+    return sum;
+}
+
+// The line from x = 0 to 20 at a height, in steps as random as the noise about it.
+Polygon noisy_line(std::mt19937_64& random, double height, double noise) {
+    std::uniform_real_distribution<double> step(0.3, 1.5), off(-noise, noise);
+    Polygon line;
+    for (double x = 0.1 + step(random); x < 19.5; x += step(random))
+        line.push_back({x, height + off(random)});
+    return line;
+}
+
+// A box above the line with its lower side along it; as high as `top` (below the line where that is
+// negative).
+Polygon box_along(const Polygon& line, double left, double right, double top) {
+    Polygon polygon{{left, line.front().y}};
+    polygon.insert(polygon.end(), line.begin(), line.end());
+    polygon.insert(polygon.end(), {{right, line.back().y}, {right, top}, {left, top}});
+    if (top < line.front().y) std::reverse(polygon.begin(), polygon.end());
+    return polygon;
+}
+
+class CopiedLines : public testing::TestWithParam<int> {};
+
+TEST_P(CopiedLines, have_the_same_edges_and_nothing_runs_farther_off_than_the_width) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(GetParam()));
+    for (const double noise : {0.0, 0.0001, 0.001, 0.004, 0.009}) {
+        for (const bool nested : {true, false}) {
+            const Polygon one = noisy_line(random, 0, noise), other = noisy_line(random, 0, noise);
+            const ContourSet before = slice_of(
+                {{0, box_along(one, -1, 21, 9)}, {1, box_along(other, 0.03, 19.97, nested ? 6 : -6)}},
+                tilted);
+            ContourSet after = before;
+            const ShareLinesStats stats = share_lines(after, {});
+            SCOPED_TRACE(testing::Message() << "noise " << noise << (nested ? ", nested" : ", side by side"));
+            EXPECT_LT(stats.widest_mm, 0.02);
+            EXPECT_GT(stats.vertices_taken, one.size());
+            // All between the outermost vertices on the line.
+            EXPECT_GT(common_length(after, 0, 1), 19.5 - 3);
+            for (const std::size_t c : {0u, 1u}) {
+                const Polygon drawn = flat(before, c), led = flat(after, c);
+                EXPECT_TRUE(is_simple(led));
+                EXPECT_LE(std::abs(signed_area(led) - signed_area(drawn)), 0.02 * perimeter(drawn));
+                EXPECT_GT(signed_area(led) * signed_area(drawn), 0);
+            }
+            ContourSet twice = after;
+            EXPECT_EQ(share_lines(twice, {}).widest_mm, 0);
+            EXPECT_EQ(twice.points, after.points);
+        }
+    }
+}
+
+TEST_P(CopiedLines, farther_apart_than_the_width_stay_as_drawn) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(GetParam()));
+    for (const double apart : {0.0201, 0.05, 0.3}) {
+        for (const bool nested : {true, false}) {
+            const Polygon one = noisy_line(random, 0, 0),
+                          other = noisy_line(random, nested ? apart : -apart, 0);
+            const ContourSet before =
+                slice_of({{0, box_along(one, -1, 21, 9)}, {1, box_along(other, 0.5, 19.5, nested ? 6 : -6)}});
+            ContourSet after = before;
+            EXPECT_EQ(share_lines(after, {}).contours_changed, 0u);
+            EXPECT_EQ(after.points, before.points);
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, CopiedLines, testing::Range(0, 20));
+
+Polygon ring_of(double radius, int steps, double turn, Vec2 centre = {}) {
+    Polygon polygon;
+    for (int n = 0; n < steps; ++n) {
+        const double angle = turn + 2 * std::numbers::pi * n / steps;
+        polygon.push_back(centre + Vec2{radius * std::cos(angle), radius * std::sin(angle)});
+    }
+    return polygon;
+}
+
+TEST(ShareLines, vertices_of_different_structures_within_the_width_become_one) {
+    for (const double off : {1e-4, 0.003, 0.012}) {
+        Polygon copy = ring_of(10, 40, 0);
+        for (std::size_t n = 0; n < copy.size(); ++n)
+            copy[n] = copy[n] + off * Vec2{std::cos(3.0 * static_cast<double>(n)),
+                                           std::sin(3.0 * static_cast<double>(n))};
+        const ContourSet before = slice_of({{0, ring_of(10, 40, 0)}, {1, copy}});
+        ContourSet after = before;
+        const ShareLinesStats stats = share_lines(after, {});
+        EXPECT_EQ(stats.vertices_moved, 40u) << off;
+        EXPECT_NEAR(stats.widest_mm, off, 1e-12);
+        EXPECT_NEAR(common_length(after, 0, 1), perimeter(ring_of(10, 40, 0)), 1e-9);
+        // The first structure's stay where they are.
+        EXPECT_EQ(flat(after, 0), flat(before, 0));
+    }
+}
+
+TEST(ShareLines, a_contour_that_crosses_another_beside_a_vertex_goes_through_it) {
+    ContourSet set =
+        slice_of({{0, {{0, 0}, {10, 0}, {10, 10}, {0, 10}}}, {1, {{5, 0.01}, {9, -3}, {12, 4}}}});
+    const ShareLinesStats stats = share_lines(set, {});
+    EXPECT_EQ(stats.vertices_taken, 1u);
+    EXPECT_NEAR(stats.widest_mm, 0.01, 1e-12);
+    EXPECT_NEAR(stats.area_mm2, 0.5 * 10 * 0.01, 1e-9);
+    EXPECT_EQ(set.contours[0].point_count, 5u);
+}
+
+TEST(ShareLines, contours_of_one_structure_never_come_to_touch) {
+    // A slit of one structure, narrower than the width, with another structure's edge within it.
+    const Polygon slit{{0, 0}, {10, 0}, {10, 5}, {2, 5}, {2, 5.012}, {10, 5.012}, {10, 10}, {0, 10}};
+    const Polygon between{{5, 5.006}, {20, 4}, {20, 6}};
+    ContourSet set = slice_of({{0, slit}, {1, between}});
+    share_lines(set, {});
+    for (const std::size_t c : {0u, 1u}) EXPECT_TRUE(is_simple(flat(set, c)));
+    EXPECT_GT(signed_area(flat(set, 0)), 99);
+}
+
+TEST(ShareLines, small_drawings_are_not_copies_of_each_other) {
+    // Rings a hundredth of a millimetre apart, of segments as short as that.
+    const ContourSet before = slice_of({{0, ring_of(0.2, 40, 0)}, {1, ring_of(0.19, 40, 0)}});
+    ContourSet after = before;
+    const ShareLinesStats stats = share_lines(after, {});
+    EXPECT_LT(stats.width_mm, 0.002);
+    EXPECT_EQ(after.points, before.points);
+}
+
+TEST(ShareLines, the_same_for_other_directions_of_the_plane_and_none_without_a_width) {
+    const std::vector<Drawing> drawings{
+        {0, ring_of(10, 40, 0)}, {1, ring_of(10, 33, 0.1)}, {2, ring_of(10, 40, 1e-4)}};
+    ContourSet up = slice_of(drawings), none = up;
+    EXPECT_EQ(share_lines(none, {0, 0.05}).contours_changed, 0u);
+    EXPECT_EQ(none.points, slice_of(drawings).points);
+    ContourSet down = up;
+    down.slices[0].plane = make_plane({}, {0, 0, -1});
+    share_lines(up, {});
+    share_lines(down, {});
+    EXPECT_EQ(up.points, down.points);
+    EXPECT_GT(common_length(up, 0, 2), 62);
+}
+
+}  // namespace
+}  // namespace anatomesh
