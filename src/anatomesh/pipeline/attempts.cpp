@@ -7,7 +7,7 @@ namespace anatomesh {
 NextTry Attempts::next(const TryOutcome& last) {
     const bool refused = !last.kept_contract && last.size_matters;
     const bool small = last.kept_contract && last.cells < again_below;
-    const bool torn = small && last.tore_thin;
+    const bool torn = small && last.tore_walls;
     const bool ill_shaped = small && !size_given_ && !last.spared_work && !finer_for_shape_ &&
                             last.over_bound > certificate_share_over_bound;
     // What a finer size only made worse stays as it was.

@@ -3,7 +3,7 @@
 // A default edge length may be too coarse for the smallest parts, and the first tries spare work that most
 // inputs do not need (dense planes, recovered pieces of contours, pieces left short). So a model that breaks
 // the contract is built again, first with all the work, then finer. One that keeps the contract is built
-// again too, where walls came out torn that are hardly thicker than the cells, where contour segments were
+// again too, where walls came out torn that a finer edge length may keep whole, where contour segments were
 // split for each other's sake and left ill-shaped cells, or where many cells are ill-shaped; but for the
 // shapes only once: where two contours lie a hundredth of an edge from each other, any size has such cells,
 // and each try costs three times the one before it.
@@ -22,7 +22,7 @@ struct TryOutcome {
     bool kept_contract = false;
     bool size_matters = false;  // where not kept: what is broken may hold with another edge length
     bool spared_work = false;   // less was done for the shape of cells than can be
-    bool tore_thin = false;     // a structure that is hardly thicker than the edge length
+    bool tore_walls = false;    // of a structure that a finer edge length may keep whole
     bool conformed_badly = false;  // work was spared for the contours' sake, and single cells are ill-shaped
     double over_bound = 0;      // share of the tetrahedra above the radius-edge ratio, in [0, 1]
     std::size_t cells = 0;

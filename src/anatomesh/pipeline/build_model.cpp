@@ -29,9 +29,9 @@
 #include "anatomesh/pipeline/labelled_mesh.h"
 #include "anatomesh/pipeline/model_warnings.h"
 #include "anatomesh/pipeline/recovered_pieces.h"
+#include "anatomesh/pipeline/refinement_rounds.h"
 #include "anatomesh/pipeline/segment_vertices.h"
 #include "anatomesh/pipeline/tear_warnings.h"
-#include "anatomesh/refine/refine.h"
 #include "anatomesh/sample/sample_points.h"
 
 namespace anatomesh {
@@ -44,25 +44,13 @@ constexpr double surface_deviation =
     0.06;  // of the middle of an interface facet from the interface, in sizes
 constexpr double finer = 0.7;                    // a further try's edge length, in those of the one before
 constexpr double too_thin = 0.8;                 // a mean thickness below so many sizes is warned of
-constexpr double hardly_thicker = 1.3;  // than the size: a structure that a finer one may keep whole,
-constexpr double shortest_spike = 0.4;  // an edge across a surface, with an end on another one, in sizes
-constexpr double highest_apex = 0.35;   // of a surface over the field's, in sizes
-constexpr int crossing_rounds = 3;
-constexpr int deviation_rounds = 5;
-constexpr int refinement_rounds = 12;
-constexpr int protected_rounds = 4;           // of these, the first keep out of the balls of contour segments
-constexpr int small_mesh_rounds = 60;         // tiny segments need a round for each doubling of the size,
-constexpr std::size_t small_mesh = 20000;     // in meshes of fewer points than this
-constexpr int last_rounds = 1;                // after the last segments
+constexpr double hardly_thicker = 1.3;           // than the size: a structure that a finer one may keep whole
+constexpr double highest_apex = 0.35;            // of a surface over the field's, in sizes
 constexpr double crumb_share = 0.003;  // of a cube of the size: less is no piece of a structure by itself
 constexpr int relabel_rounds = 10;     // after the first, with points where a piece was given up
-constexpr int side_shape_rounds = 4;   // of these each, for the cells at such points
 // Where freehand planes lie closer than the vertices along them, contours tell the surface without more
 // points.
-constexpr double dense_growth = 2;            // of the edge length with the depth
-constexpr double crowded_crossing_spacing =
-    0.05;  // of points where edges cross an interface from others, in edges
-constexpr int dense_deviation_rounds = 2;
+constexpr double dense_growth = 2;  // of the edge length with the depth
 // Contour vertices nearer to each other than this may spoil cells, in sizes: more where planes are denser.
 constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
 // Of the cells inside, so many may come above the bound for contour pieces' sake at the first tries;
@@ -231,125 +219,25 @@ class Builder {
     }
 
     Status refine_cells() {
-        double crossing_points = 0, deviation_points = 0, circumcenters = 0, surface_points = 0;
-        CellSearch crossings, deviations, shapes;
-        CrossingOptions crossing;
-        crossing.shortest_mm = shortest_spike * sample_->stats.size_mm;
-        ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
-        DeviationOptions deviation;
-        deviation.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
-        if (conforming_) deviation.protected_share = 1;
-        for (int round = 0; round < (spared_ ? dense_deviation_rounds : deviation_rounds); ++round) {
-            std::vector<Vec3> found;
-            mesh_->look_again(deviations);
-            find_deviation_points(mesh_->points(), mesh_->cells(), mesh_->regions(),
-                                  mesh_->registry().table(), *field_, structures_, mesh_->grid(),
-                                  sample_->guard, deviation, deviations.cells, found, context_);
-            if (not_worth_a_round(found.size(), 500)) break;
-            deviation_points += static_cast<double>(found.size());
-            ANATOMESH_CHECK_STATUS(pieces_->grow(found, {}, context_));
-        }
-        ANATOMESH_CHECK_STATUS(pieces_->recover(500, context_));
-        RefineOptions options = shape_options();
-        const auto find_shapes = [&](std::vector<Vec3>& found) {
-            return find_shape_points(options, shapes, found);
-        };
-        for (int round = 0; round < (mesh_->points().size() < small_mesh ? small_mesh_rounds : refinement_rounds); ++round) {
-            // Where contours meet at small angles, segments and shape cannot both have their way: shape has
-            // the last word, but for a try that splits segments for each other's sake.
-            if (round == protected_rounds) options.protected_share = 0;
-            if (conforming_) options.protected_share = 1;
-            std::vector<Vec3> found;
-            const RefineStats stats = find_shapes(found);
-            if (round == 0) report().radius_edge_mean_before_refinement = stats.radius_edge_mean;
-            circumcenters += static_cast<double>(stats.circumcenters);
-            surface_points += static_cast<double>(stats.surface_points);
-            const std::size_t count = found.size() + stats.balls.size();
-            if (count == 0 || (round > 2 && not_worth_a_round(count, 800))) break;
-            const std::size_t before = mesh_->points().size();
-            ANATOMESH_CHECK_STATUS(
-                pieces_->grow(found, stats.balls, context_,
-                              conforming_ ? SplitLimits::beside_short() : SplitLimits::scaled(1)));
-            // Balls that may not be split ask for it again and again.
-            if (conforming_ && not_worth_a_round(mesh_->points().size() - before, 800)) break;
-        }
-        // Edges that came to cross an interface since the first rounds would end as spikes.
-        if (!conforming_) crossing.protected_share = 0.5;
-        ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
-        // Where contours crowd each other, what is left is met beside them as well: a surface without a
-        // vertex there has a pit.
+        const double size_mm = sample_->stats.size_mm;
+        RefinementOptions options{
+            size_mm, options_.max_radius_edge, 0, surface_deviation * size_mm, spared_, conforming_};
         if (spared_) {
-            crossing.protected_share = 0;
-            crossing.min_spacing = crowded_crossing_spacing;
-            ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
+            const double share = crowded_share * plane_density(contours_, *field_);
+            options.crowded_mm = std::min(share, most_crowded_share) * size_mm;
         }
-        ANATOMESH_CHECK_STATUS(pieces_->finish(context_));
-        // What that spoiled, out of the balls of the segments.
-        options.protected_share = 1;
-        for (int round = 0; round < (mesh_->points().size() < small_mesh ? small_mesh_rounds : last_rounds);
-             ++round) {
-            std::vector<Vec3> found;
-            RefineStats stats = find_shapes(found);
-            if (!pieces_->are_short()) stats.balls.clear();
-            if (found.empty() && stats.balls.empty()) break;
-            circumcenters += static_cast<double>(stats.circumcenters);
-            surface_points += static_cast<double>(stats.surface_points);
-            const std::size_t before = mesh_->points().size();
-            ANATOMESH_CHECK_STATUS(pieces_->grow(found, stats.balls, context_, SplitLimits::beside_short()));
-            ANATOMESH_CHECK_STATUS(pieces_->finish(context_));
-            if (mesh_->points().size() == before) break;
-        }
-        if (spared_) {
-            ANATOMESH_CHECK_STATUS(meet_crossings(crossing, crossings, crossing_points));
-            ANATOMESH_CHECK_STATUS(pieces_->finish(context_));
-        }
-        figures_ = {{"crossing_points", crossing_points},
-                    {"deviation_points", deviation_points},
-                    {"circumcenters", circumcenters},
-                    {"surface_points", surface_points},
+        refinement_.emplace(*mesh_, *pieces_, sample_->guard, *field_, structures_, given_, options);
+        ANATOMESH_CHECK_STATUS(refinement_->run(context_));
+        const RefinementStats& stats = refinement_->stats();
+        report().radius_edge_mean_before_refinement = stats.radius_edge_mean_before;
+        figures_ = {{"crossing_points", static_cast<double>(stats.crossing_points)},
+                    {"deviation_points", static_cast<double>(stats.deviation_points)},
+                    {"circumcenters", static_cast<double>(stats.circumcenters)},
+                    {"surface_points", static_cast<double>(stats.surface_points)},
                     {"side_points", static_cast<double>(pieces_->side_points())},
                     {"segment_points", static_cast<double>(pieces_->vertices().size())}};
         return end_stage("refine", 0.6);
     }
-
-    RefineOptions shape_options() const {
-        RefineOptions options;
-        options.max_radius_edge = options_.max_radius_edge;
-        options.max_reach_mm = 3 * sample_->stats.size_mm;
-        options.given = given_;
-        if (spared_) {
-            const double share = crowded_share * plane_density(contours_, *field_);
-            options.crowded_mm = std::min(share, most_crowded_share) * sample_->stats.size_mm;
-        }
-        return options;
-    }
-
-    RefineStats find_shape_points(const RefineOptions& options, CellSearch& search,
-                                  std::vector<Vec3>& found) {
-        mesh_->look_again(search);
-        return find_refinement_points(mesh_->points(), mesh_->cells(), mesh_->regions(), mesh_->sides(),
-                                      *field_, structures_, mesh_->grid(), sample_->guard, options,
-                                      search.cells, found, context_);
-    }
-
-    // Points where edges cross an interface; contour segments that keep them off are split instead.
-    Status meet_crossings(const CrossingOptions& options, CellSearch& search, double& points) {
-        for (int round = 0; round < crossing_rounds; ++round) {
-            std::vector<Vec3> found;
-            mesh_->look_again(search);
-            const CrossingStats stats = find_crossing_points(
-                mesh_->points(), mesh_->cells(), mesh_->sides(), mesh_->registry().table(), *field_,
-                structures_, mesh_->grid(), sample_->guard, options, search.cells, found, context_);
-            if (found.empty() && (options.protected_share == 1 || stats.balls.empty())) break;
-            points += static_cast<double>(found.size());
-            ANATOMESH_CHECK_STATUS(pieces_->grow(
-                found, options.protected_share == 1 ? std::vector<std::uint32_t>{} : stats.balls, context_));
-        }
-        return Nothing{};
-    }
-
-    // The last few points.
-    bool not_worth_a_round(std::size_t count, std::size_t share) const { return count * share < mesh_->points().size(); }
 
     ContourOwners contour_owners(const std::vector<SegmentPiece>& all, std::size_t point_count) const {
         std::vector<std::array<std::uint32_t, 3>> pieces;
@@ -370,23 +258,6 @@ class Builder {
                        look, context_.threads, {planes.slice_of, planes.planes, field_.get(), structures_});
     }
 
-    // Cells that points beside pieces made, as the last rounds of refinement have it: next to one that is far
-    // nearer to its piece than the size asks for they are long.
-    Status refine_changed(CellSearch search) {
-        RefineOptions options = shape_options();
-        options.protected_share = 1;
-        for (int round = 0; round < side_shape_rounds; ++round) {
-            std::vector<Vec3> found;
-            RefineStats stats = find_shape_points(options, search, found);
-            if (!pieces_->are_short()) stats.balls.clear();
-            if (found.empty() && stats.balls.empty()) break;
-            const std::size_t before = mesh_->points().size();
-            ANATOMESH_CHECK_STATUS(pieces_->grow(found, stats.balls, context_, SplitLimits::beside_short()));
-            if (mesh_->points().size() == before) break;
-        }
-        return Nothing{};
-    }
-
     Status cut_cells() {
         std::vector<std::uint32_t> unsound;
         RelabelStats relabelled = relabel_cells(unsound);
@@ -398,7 +269,7 @@ class Builder {
             std::vector<std::uint32_t> look = unsound;
             ANATOMESH_TRY(const bool opened, pieces_->open_sides(context_, &look));
             if (!opened) break;
-            ANATOMESH_CHECK_STATUS(refine_changed(search));
+            ANATOMESH_CHECK_STATUS(refinement_->refine_changed(search, context_));
             mesh_->look_again(search);
             for (const std::uint32_t c : search.cells) {
                 look.insert(look.end(), mesh_->cells().cells[c].begin(), mesh_->cells().cells[c].end());
@@ -750,6 +621,7 @@ class Builder {
     std::optional<LabelledMesh> mesh_;
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
     std::optional<ContourPieces> pieces_;          // of contour segments, in mesh_
+    std::optional<RefinementRounds> refinement_;   // of mesh_
     bool dense_ = false;  // the planes: closer than two thirds of the contours' vertices
     bool crammed_ =
         false;  // so much so, or so many, that all that can be done would take several times as long
@@ -784,7 +656,7 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
         outcome.size_matters = model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001";
         return outcome;
     }
-    outcome.tore_thin = builder.tore_a_structure();
+    outcome.tore_walls = builder.tore_a_structure();
     outcome.conformed_badly =
         builder.conforming() && model.value().report.certificate.at(3).state != ClauseState::kept;
     outcome.over_bound = model.value().report.quality.radius_edge_share_over_2;

@@ -158,8 +158,8 @@ void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const S
 
 Warning built_again(NextTry next, const TryOutcome& outcome, const std::string& error, double size_mm) {
     // Of a message up to the figures, which are of a model that nobody gets.
-    const std::string reason = !error.empty()      ? error.substr(0, error.find(" ("))
-                               : outcome.tore_thin ? "a thin wall had holes"
+    const std::string reason = !error.empty()       ? error.substr(0, error.find(" ("))
+                               : outcome.tore_walls ? "a thin wall had holes"
                                : outcome.conformed_badly
                                    ? "a tetrahedron that nothing forces was ill-shaped"
                                    : "too many tetrahedra were above radius-edge ratio 2";
@@ -173,7 +173,7 @@ Warning built_again(NextTry next, const TryOutcome& outcome, const std::string& 
 
 std::string sought_by(NextTry next, const TryOutcome& outcome) {
     return std::string(next == NextTry::finer ? "a shorter edge length" : "another way to build it") +
-           " for the sake of " + (outcome.tore_thin ? "torn walls" : "ill-shaped tetrahedra");
+           " for the sake of " + (outcome.tore_walls ? "torn walls" : "ill-shaped tetrahedra");
 }
 
 }  // namespace anatomesh

@@ -93,7 +93,7 @@ TEST(ModelWarnings, a_model_built_again_says_why_and_how) {
               std::string::npos);
     EXPECT_EQ(sought_by(NextTry::same_size, outcome),
               "another way to build it for the sake of ill-shaped tetrahedra");
-    outcome.tore_thin = true;
+    outcome.tore_walls = true;
     EXPECT_EQ(sought_by(NextTry::finer, outcome), "a shorter edge length for the sake of torn walls");
 }
 

@@ -17,6 +17,7 @@ namespace {
 
 using namespace fixtures;
 
+using Polygons = std::vector<Polygon>;
 using Cube = std::array<int, 3>;  // its low corner
 
 // The surface of a set of cubes, of which no two meet in an edge or corner alone.
@@ -162,14 +163,26 @@ class CubeSolid {
     std::vector<Vec3> points_;
 };
 
-// 20 x 2 mm, from z = 0 to 20, with slices at 2, 6, 10, 14 and 18.
+// Contours on slices at 2, 6, 10 ... below `top`: those that `at_height` gives for each.
+template <class AtHeight>
+Drawing drawn_below(int top, const AtHeight& at_height) {
+    Drawing drawing;
+    for (int z = 2; z < top; z += 4) {
+        for (const Polygon& polygon : at_height(z)) drawing.add(0, z, polygon);
+    }
+    return drawing;
+}
+
+// The same ones on all slices up to 18.
+Drawing drawn_on_all(const Polygons& polygons) {
+    return drawn_below(20, [&](int) { return polygons; });
+}
+
+// 20 x 2 mm, from z = 0 to 20.
 struct Plate {
     CubeSolid solid;
-    Drawing drawing;
-    Plate() {
-        solid.add({0, 0, 0}, {20, 2, 20});
-        for (int z = 2; z < 20; z += 4) drawing.add(0, z, rectangle({0, 0}, {20, 2}));
-    }
+    Drawing drawing = drawn_on_all({rectangle({0, 0}, {20, 2})});
+    Plate() { solid.add({0, 0, 0}, {20, 2, 20}); }
     std::vector<SurfaceTear> tears() { return solid.tears(drawing); }
 };
 
@@ -221,14 +234,10 @@ TEST(SurfaceTears, dents_bumps_and_notches_are_no_tears) {
 TEST(SurfaceTears, the_wall_of_a_tube) {
     for (const bool torn : {false, true}) {
         CubeSolid solid;
-        Drawing drawing;
         solid.add({0, 0, 0}, {9, 9, 20});
         solid.remove({2, 2, 0}, {7, 7, 20});
-        for (int z = 2; z < 20; z += 4) {
-            drawing.add(0, z, rectangle({0, 0}, {9, 9}));
-            drawing.add(0, z, rectangle({2, 2}, {7, 7}));
-        }
         if (torn) solid.remove({4, 0, 9}, {5, 2, 11});
+        const Drawing drawing = drawn_on_all({rectangle({0, 0}, {9, 9}), rectangle({2, 2}, {7, 7})});
         EXPECT_EQ(handles(solid.tears(drawing)), torn);
     }
 }
@@ -236,13 +245,9 @@ TEST(SurfaceTears, the_wall_of_a_tube) {
 TEST(SurfaceTears, a_bridge_over_a_gap) {
     for (const int bridges : {0, 1, 2}) {
         CubeSolid solid;
-        Drawing drawing;
         solid.add({0, 0, 0}, {20, 2, 20});
         solid.add({0, 3, 0}, {20, 5, 20});
-        for (int z = 2; z < 20; z += 4) {
-            drawing.add(0, z, rectangle({0, 0}, {20, 2}));
-            drawing.add(0, z, rectangle({0, 3}, {20, 5}));
-        }
+        const Drawing drawing = drawn_on_all({rectangle({0, 0}, {20, 2}), rectangle({0, 3}, {20, 5})});
         for (int n = 0; n < bridges; ++n) solid.add({5 + 6 * n, 2, 7}, {7 + 6 * n, 3, 9});
         EXPECT_EQ(handles(solid.tears(drawing)), bridges);
     }
@@ -250,11 +255,9 @@ TEST(SurfaceTears, a_bridge_over_a_gap) {
 
 TEST(SurfaceTears, a_gap_that_is_filled_but_for_cavities) {
     CubeSolid solid;
-    Drawing drawing;
     solid.add({0, 0, 0}, {20, 5, 20});
+    const Drawing drawing = drawn_on_all({rectangle({0, 0}, {20, 2}), rectangle({0, 3}, {20, 5})});
     for (int z = 2; z < 20; z += 4) {
-        drawing.add(0, z, rectangle({0, 0}, {20, 2}));
-        drawing.add(0, z, rectangle({0, 3}, {20, 5}));
         for (const int x : {0, 18})
             solid.remove({x, 2, z - 1}, {x + 2, 3, z + 1});  // corners are on the surface
         solid.remove({4, 2, z - 1}, {16, 3, z + 1});         // a cavity
@@ -271,12 +274,12 @@ TEST(SurfaceTears, the_wall_of_a_closed_shell) {
             for (int n = 0; n < voids; ++n) solid.remove({10 * n + 2, 2, 4}, {10 * n + 8, 8, 18});
             return solid;
         };
-        Drawing drawing;
-        for (int z = 2; z < 22; z += 4) {
-            drawing.add(0, z, rectangle({0, 0}, {10.0 * voids, 10}));
+        const Drawing drawing = drawn_below(22, [&](int z) {
+            Polygons polygons{rectangle({0, 0}, {10.0 * voids, 10})};
             for (int n = 0; n < voids && z > 4 && z < 18; ++n)
-                drawing.add(0, z, rectangle({10.0 * n + 2, 2}, {10.0 * n + 8, 8}));
-        }
+                polygons.push_back(rectangle({10.0 * n + 2, 2}, {10.0 * n + 8, 8}));
+            return polygons;
+        });
         EXPECT_TRUE(box().tears(drawing).empty()) << voids;
         for (int z = 4; z < 17; ++z) {
             CubeSolid torn = box();
@@ -296,14 +299,13 @@ TEST(SurfaceTears, the_wall_of_a_closed_shell) {
 TEST(SurfaceTears, a_void_that_may_open_to_the_outside_is_not_judged) {
     for (const bool opens : {false, true}) {
         CubeSolid solid;
-        Drawing drawing;
         solid.add({0, 0, 0}, {10, 10, 4});
         solid.add({0, 0, 4}, {20, 10, 20});
         solid.remove({4, 2, opens ? 4 : 5}, {16, 8, 20});
-        for (int z = 2; z < 20; z += 4) {
-            drawing.add(0, z, rectangle({0, 0}, {z < 4 ? 10.0 : 20.0, 10}));
-            if (z > 4) drawing.add(0, z, rectangle({4, 2}, {16, 8}));
-        }
+        const Drawing drawing = drawn_below(20, [](int z) {
+            if (z < 4) return Polygons{rectangle({0, 0}, {10, 10})};
+            return Polygons{rectangle({0, 0}, {20, 10}), rectangle({4, 2}, {16, 8})};
+        });
         EXPECT_TRUE(solid.tears(drawing).empty()) << opens;
     }
 }
@@ -312,17 +314,12 @@ TEST(SurfaceTears, a_void_that_may_open_to_the_outside_is_not_judged) {
 TEST(SurfaceTears, a_hole_in_a_run_that_ends_where_the_part_branches) {
     for (const bool torn : {false, true}) {
         CubeSolid solid;
-        Drawing drawing;
         solid.add({0, 0, 0}, {20, 2, 20});
         solid.remove({9, 0, 12}, {11, 2, 20});
-        for (int z = 2; z < 20; z += 4) {
-            if (z < 12) {
-                drawing.add(0, z, rectangle({0, 0}, {20, 2}));
-            } else {
-                drawing.add(0, z, rectangle({0, 0}, {9, 2}));
-                drawing.add(0, z, rectangle({11, 0}, {20, 2}));
-            }
-        }
+        const Drawing drawing = drawn_below(20, [](int z) {
+            if (z < 12) return Polygons{rectangle({0, 0}, {20, 2})};
+            return Polygons{rectangle({0, 0}, {9, 2}), rectangle({11, 0}, {20, 2})};
+        });
         if (torn) solid.remove({4, 0, 7}, {6, 2, 8});
         const auto tears = solid.tears(drawing);
         EXPECT_EQ(handles(tears), torn);
@@ -333,17 +330,12 @@ TEST(SurfaceTears, a_hole_in_a_run_that_ends_where_the_part_branches) {
 // One contour, two, and one again: a handle that is drawn.
 TEST(SurfaceTears, C16_branches_are_not_judged) {
     CubeSolid solid;
-    Drawing drawing;
     solid.add({0, 0, 0}, {20, 4, 20});
     solid.remove({8, 0, 8}, {12, 4, 12});
-    for (int z = 2; z < 20; z += 4) {
-        if (z != 10) {
-            drawing.add(0, z, rectangle({0, 0}, {20, 4}));
-        } else {
-            drawing.add(0, z, rectangle({0, 0}, {8, 4}));
-            drawing.add(0, z, rectangle({12, 0}, {20, 4}));
-        }
-    }
+    const Drawing drawing = drawn_below(20, [](int z) {
+        if (z != 10) return Polygons{rectangle({0, 0}, {20, 4})};
+        return Polygons{rectangle({0, 0}, {8, 4}), rectangle({12, 0}, {20, 4})};
+    });
     EXPECT_TRUE(solid.tears(drawing).empty());
 }
 
