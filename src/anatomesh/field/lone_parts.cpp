@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double least_matched = 0.5;  // share of an outline that must correspond for it to move
 constexpr double most_covered = 0.5;   // share of an outline's area beyond which the union goes on
+constexpr std::size_t few_chords = 8;  // across a hole
 constexpr int covered_lattice = 24;    // points a side over an outline, to find that share
 
 // Edges of a region that close, by their numbers.
@@ -68,7 +70,7 @@ bool is_apart(std::span<const Edge2> edges, const Loop& loop, bool is_void, cons
 // A loop with all that lies within it, the part on the left of the edges. Marks the loops within.
 LonePart part_within(std::span<const Edge2> edges, const std::vector<Loop>& loops, std::size_t outer,
                      bool is_void, std::vector<bool>& is_within_one) {
-    LonePart part{{}, is_void};
+    LonePart part{{}, is_void, true};
     for (const std::uint32_t e : loops[outer]) part.edges.push_back(edges[e]);
     const std::vector<Edge2> outline = part.edges;
     Box2 box;
@@ -111,27 +113,80 @@ double covered_share(const LonePart& part, const DistanceMap& there) {
     return within > 0 ? static_cast<double>(covered) / static_cast<double>(within) : 1;
 }
 
-// The share of a loop that corresponds to an outline there which no other loop here is nearer to.
-double matched_share(const std::vector<Loop>& loops, std::size_t loop, const BoundarySide& here,
-                     const BoundarySide& there) {
-    const std::vector<std::uint32_t>& first = here.boundary.first;
-    std::vector<bool> own(here.boundary.pieces.size(), false);
-    for (const std::uint32_t e : loops[loop])
-        std::fill(own.begin() + first[e], own.begin() + first[e + 1], true);
-    double matched = 0, perimeter = 0;
-    for (const std::uint32_t e : loops[loop]) {
-        for (std::uint32_t p = first[e]; p < first[e + 1]; ++p) {
-            const BoundaryPiece& piece = here.boundary.pieces[p];
-            perimeter += piece.length;
-            if (piece.facing == Vec2{}) continue;
-            const Vec2 start = piece.middle();
-            const PieceIndex::Match match = there.index.nearest(start, piece.facing, start);
-            if (match.piece == no_piece) continue;
-            const PieceIndex::Match back = here.index.nearest(match.point, piece.facing, match.point);
-            if (back.piece != no_piece && own[back.piece]) matched += piece.length;
+// Whether a hole lies mostly, but not wholly, in the other region: with nothing in it here, and no hole of
+// the other one beginning in it.
+bool is_mostly_covered(const DistanceMap& here, const Loop& loop, const LonePart& part,
+                       const DistanceMap& there) {
+    if (part.edges.size() != loop.size()) return false;
+    // First the middles of a few chords: most holes go on as holes.
+    const std::size_t half = loop.size() / 2, stride = std::max<std::size_t>(half / few_chords, 1);
+    int tried = 0, covered = 0;
+    for (std::size_t n = 0; n < half; n += stride) {
+        const Vec2 middle = 0.5 * (here.edges()[loop[n]].a + here.edges()[loop[n + half]].a);
+        if (here.value(middle) <= 0) continue;
+        ++tried;
+        covered += there.value(middle) < 0;
+    }
+    if (2 * covered < tried) return false;
+    for (const Loop& other : loops_of(there.edges())) {
+        if (twice_area(there.edges(), other) < 0 && is_within(there.edges()[other.front()].a, part.edges))
+            return false;
+    }
+    return covered_share(part, there) >= most_covered;
+}
+
+// A region with its outlines and holes, ready to be matched with.
+struct Matchable {
+    std::vector<Loop> loops;
+    BoundarySide side;
+    std::vector<bool> of_hole;  // piece by piece
+
+    Matchable(const DistanceMap& map, double gap) : loops(loops_of(map.edges())), side(map, gap) {
+        of_hole.assign(side.boundary.pieces.size(), false);
+        for (const Loop& loop : loops) {
+            if (twice_area(map.edges(), loop) < 0) mark(loop, of_hole);
         }
     }
-    return matched / perimeter;
+    void mark(const Loop& loop, std::vector<bool>& pieces) const {
+        const std::vector<std::uint32_t>& first = side.boundary.first;
+        for (const std::uint32_t e : loop)
+            std::fill(pieces.begin() + first[e], pieces.begin() + first[e + 1], true);
+    }
+};
+
+// The share of a loop that corresponds to an outline there which no other loop here is nearer to; and what is
+// left of that without matches of a hole and an outline further than across half of the loop: a side of the
+// one faces as the opposite side of the other does.
+struct MatchedShare {
+    double all = 0, likely = 0;
+};
+MatchedShare matched_share(const Loop& loop, double area, bool is_void, const Matchable& here,
+                           const Matchable& there) {
+    const double radius = std::sqrt(area / std::numbers::pi);
+    const std::vector<std::uint32_t>& first = here.side.boundary.first;
+    std::vector<bool> own(here.side.boundary.pieces.size(), false);
+    here.mark(loop, own);
+    double perimeter = 0;
+    for (const std::uint32_t e : loop) {
+        for (std::uint32_t p = first[e]; p < first[e + 1]; ++p)
+            perimeter += here.side.boundary.pieces[p].length;
+    }
+    MatchedShare matched;
+    for (const std::uint32_t e : loop) {
+        for (std::uint32_t p = first[e]; p < first[e + 1]; ++p) {
+            const BoundaryPiece& piece = here.side.boundary.pieces[p];
+            if (piece.facing == Vec2{}) continue;
+            const Vec2 start = piece.middle();
+            const PieceIndex::Match match = there.side.index.nearest(start, piece.facing, start);
+            if (match.piece == no_piece) continue;
+            const PieceIndex::Match back = here.side.index.nearest(match.point, piece.facing, match.point);
+            if (back.piece == no_piece || !own[back.piece]) continue;
+            matched.all += piece.length / perimeter;
+            if (there.of_hole[match.piece] == is_void || length(match.point - start) <= radius)
+                matched.likely += piece.length / perimeter;
+        }
+    }
+    return matched;
 }
 
 }  // namespace
@@ -141,18 +196,25 @@ std::vector<LonePart> lone_parts(const DistanceMap& here, const DistanceMap& the
     const std::vector<Loop> loops = loops_of(edges);
     std::vector<bool> is_within_one(loops.size(), false);  // of the parts found
     std::vector<LonePart> parts;
-    std::optional<BoundarySide> side_here, side_there;
+    std::optional<Matchable> match_here, match_there;
     for (std::size_t l = 0; l < loops.size(); ++l) {
         const bool is_void = twice_area(edges, loops[l]) < 0;
-        if (is_within_one[l] || !is_apart(edges, loops[l], is_void, there)) continue;
+        if (is_within_one[l]) continue;
+        const bool apart = is_apart(edges, loops[l], is_void, there);
+        if (!apart && !is_void) continue;
         std::vector<bool> within = is_within_one;
         LonePart part = part_within(edges, loops, l, is_void, within);
-        if (!is_free_of(part, there)) continue;
-        if (!side_here) {
-            side_here.emplace(here, gap);
-            side_there.emplace(there, gap);
+        const bool is_alone = apart && is_free_of(part, there);
+        if (!is_alone && !(is_void && is_mostly_covered(here, loops[l], part, there))) continue;
+        if (!match_here) {
+            match_here.emplace(here, gap);
+            match_there.emplace(there, gap);
         }
-        if (matched_share(loops, l, *side_here, *side_there) < least_matched) {
+        const double area = 0.5 * std::abs(twice_area(edges, loops[l]));
+        const MatchedShare matched = matched_share(loops[l], area, is_void, *match_here, *match_there);
+        part.is_sure = is_alone && matched.all < least_matched;
+        const bool is_simple = part.edges.size() == loops[l].size();
+        if (part.is_sure || (is_simple && matched.likely < least_matched)) {
             parts.push_back(std::move(part));
             is_within_one = std::move(within);
         }
@@ -166,7 +228,7 @@ std::vector<LonePart> lone_parts_of_union(const DistanceMap& here, const Distanc
     std::vector<LonePart> parts;
     if (there != nullptr) {
         parts = lone_parts(here, *there, gap);
-        std::erase_if(parts, [](const LonePart& part) { return part.is_void; });
+        std::erase_if(parts, [](const LonePart& part) { return part.is_void || !part.is_sure; });
     } else {
         const std::vector<Loop> loops = loops_of(here.edges());
         std::vector<bool> is_within_one(loops.size(), false);

@@ -58,6 +58,33 @@ TEST(LoneParts, islands_and_cavities_of_one_slice) {
     }
 }
 
+// A hole over a disc of about its size is neither in it nor beside it; one that goes on, shrinks or opens is
+// another matter.
+TEST(LoneParts, holes_that_the_next_slice_covers_mostly) {
+    const Ring ring = circle({}, 30, 120);
+    for (const double radius : {3.0, 4.5, 12.0}) {
+        const DistanceMap here = map_of({ring, reversed(circle({}, radius, 40, 0.1))});
+        for (const double share : {1.005, 1.01, 1.02}) {
+            const auto parts = lone_parts(here, map_of({circle({}, share * radius, 11)}), 3);
+            ASSERT_EQ(parts.size(), 1u) << radius << " " << share;
+            EXPECT_TRUE(parts[0].is_void);
+            EXPECT_FALSE(parts[0].is_sure) << radius << " " << share;
+            EXPECT_EQ(parts[0].edges.size(), 40u);
+        }
+        const auto covered = lone_parts(here, map_of({circle({}, 1.3 * radius, 40)}), 3);
+        ASSERT_EQ(covered.size(), 1u) << radius;
+        // A small one may be taken for the opposite side of the disc.
+        EXPECT_EQ(covered[0].is_sure, radius > 10) << radius;
+        // Wholly beside the disc it is the ring round the hole that ends.
+        const auto beside = lone_parts(here, map_of({circle({}, 0.8 * radius, 40)}), 3);
+        ASSERT_EQ(beside.size(), 1u) << radius;
+        EXPECT_FALSE(beside[0].is_void);
+        for (const double share : {0.7, 1.0, 1.4})
+            EXPECT_TRUE(lone_parts(here, map_of({ring, reversed(circle({}, share * radius, 40))}), 3).empty())
+                << radius << " " << share;
+    }
+}
+
 // What lies within an outline goes with it: the hole of a ring, an island in a cavity.
 TEST(LoneParts, keep_what_lies_within) {
     const Ring ring = circle({40, 0}, 5, 40), hole = circle({40, 0}, 2, 30);

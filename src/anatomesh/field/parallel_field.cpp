@@ -12,18 +12,18 @@
 #include "anatomesh/contour/repeated_planes.h"
 #include "anatomesh/field/caps.h"
 #include "anatomesh/field/distance_map.h"
+#include "anatomesh/field/domes.h"
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/levels.h"
 #include "anatomesh/field/lone_parts.h"
 #include "anatomesh/field/slice_motion.h"
 #include "anatomesh/field/slice_regions.h"
+#include "anatomesh/field/track.h"
 #include "anatomesh/field/volume.h"
 
 namespace anatomesh {
 
 namespace {
-
-constexpr std::int32_t empty_level = -1;
 
 std::string text(double value) {
     std::array<char, 32> buffer;
@@ -40,246 +40,7 @@ std::string slice_text(const ContourSet& set, std::uint32_t slice) {
     return set.slices[slice].name.empty() ? "slice " + std::to_string(slice) : set.slices[slice].name;
 }
 
-// A bow moves a surface by no more than this beyond nine tenths of the distances, in gaps; so by no more than
-// ten times as much.
-constexpr double most_bow = 0.025;
 constexpr double much_bowed = 0.05;  // gaps: a column through such a bow is integrated in finer steps
-
-// What the bends of a path add to the distance, before the bound of blend_distances().
-double bow_of(double t, const SliceMotion::Path& path) {
-    return t * (1 - t) * ((1 - t) * path.bend_below - t * path.bend_above);
-}
-
-// Between two slices, at the ends of a path from one to the other: the mean of their distances, weighted with
-// the nearness of the slice and of its contour. Its zero set is that of (1 - t) s(a) + t s(b) with s(d) = d /
-// (1 + |d| / softness): a contour without a counterpart is left at a steep angle. The bends of the path are
-// added as a cubic has them, but never so much that a path well inside at both ends leaves the structure, or
-// the other way round: a bend moves the surface by a share of the gap at most.
-double blend_distances(double a, double b, double t, double gap, double softness,
-                       const SliceMotion::Path& path) {
-    const double weight_a = (1 - t) * (softness + std::abs(b)), weight_b = t * (softness + std::abs(a));
-    const double inverse = 1 / (weight_a + weight_b), ease = t * (1 - t);
-    const double most =
-        0.9 * (weight_a * std::abs(a) + weight_b * std::abs(b)) * inverse + 4 * ease * most_bow * gap;
-    const double bow = bow_of(t, path);
-    return (weight_a * a + weight_b * b) * inverse + std::clamp(bow, -most, most);
-}
-
-// Between a slice (distance d, t = 0) and one on which the structure is not drawn at all, a gap away: it keeps its
-// shape half-way, or is rounded there.
-double ending(double d, double t, double gap, bool rounded) {
-    return rounded ? rounded_end(d, t * gap, 0.5 * gap) : (1 - t) * d + t * std::abs(d);
-}
-
-// The parts of a kind that end between two levels though the structure goes on beside them.
-struct LoneEnd {
-    DistanceMap map;  // of the parts alone
-    bool from_below, is_void;
-};
-
-// A structure along the normal: its levels, each with its distance map, and a table from position to level.
-class Track {
-  public:
-    Track() = default;
-    Track(StructureLevels levels, const std::vector<std::int32_t>& map_of_slice, bool rounded)
-        : flat_(std::move(levels.flat)), rounded_(rounded) {
-        for (const Level& level : levels.levels) {
-            levels_.push_back({level.low, level.high,
-                               level.slice == Level::no_slice ? empty_level : map_of_slice[level.slice]});
-        }
-        motions_.resize(levels_.size() - 1);
-        lone_ends_.resize(levels_.size() - 1);
-        is_flat_ =
-            std::any_of(flat_.begin(), flat_.end(), [](const auto& e) { return std::isfinite(e.low); });
-        const double length = high() - low();
-        buckets_.resize(4 * levels_.size());
-        inverse_bucket_ = length > 0 ? static_cast<double>(buckets_.size()) / length : 0;
-        std::uint32_t level = 0;
-        for (std::size_t b = 0; b < buckets_.size(); ++b) {
-            // One bucket early, so that rounding never starts the search beyond the level sought.
-            const double start =
-                low() + (static_cast<double>(b) - 1) * length / static_cast<double>(buckets_.size());
-            while (level + 1 < levels_.size() && levels_[level + 1].low <= start) ++level;
-            buckets_[b] = level;
-        }
-    }
-
-    bool empty() const { return levels_.empty(); }
-    double low() const { return levels_.front().low; }
-    double high() const { return levels_.back().high; }
-
-    // The structure at (q, z): the two levels around z, each with its clamped distance, blended. Where that
-    // lies beyond +-reach by what the maps' grids know, a number of the same sign beyond reach. Where it or a
-    // part of it ends, `end` (of a partition) gets the signed distance from its half of the gap. `lone_ends`:
-    // with the parts of it that end.
-    double blend(const std::vector<std::optional<DistanceMap>>& maps, double clamp, Vec2 q, double z,
-                 double reach, double* end = nullptr, bool lone_ends = true) const {
-        if (levels_.empty() || !(z > low() && z < high())) return clamp;
-        const auto bucket = static_cast<std::size_t>((z - low()) * inverse_bucket_);
-        std::size_t i = buckets_[std::min(bucket, buckets_.size() - 1)];
-        while (i + 1 < levels_.size() && levels_[i + 1].low <= z) ++i;
-        const auto distance = [&](const Known& level, Vec2 at) {
-            return maps[static_cast<std::size_t>(level.map)]->value(at);
-        };
-        const Known& below = levels_[i];
-        if (z <= below.high) return below.map == empty_level ? clamp : distance(below, q);
-        const Known& above = levels_[i + 1];
-        const double gap = above.low - below.high, t = (z - below.high) / gap;
-        if (below.map == empty_level && above.map == empty_level) return clamp;
-        if (below.map == empty_level || above.map == empty_level) {
-            const double away = above.map == empty_level ? t : 1 - t;
-            const double d = distance(above.map == empty_level ? below : above, q);
-            const double value = std::min(ending(d, away, gap, rounded_), clamp);
-            if (end == nullptr || is_flat_) return value;
-            *end = rounded_ ? value : std::max(d, (away - 0.5) * gap);
-            // Beyond its half it has no claim to what is only beside it, so that two that end face to face do
-            // not tie there.
-            return *end > 0 ? std::max(value, *end) : value;
-        }
-        const SliceMotion::Path path = motions_[i].at(q, t);
-        const Vec2 from = q - t * path.move, to = q + (1 - t) * path.move;
-        const DistanceMap &a = *maps[static_cast<std::size_t>(below.map)],
-                          &b = *maps[static_cast<std::size_t>(above.map)];
-        const std::uint32_t at_a = a.place(from), at_b = b.place(to);
-        a.prefetch(at_a);
-        b.prefetch(at_b);
-        if (reach < clamp && !is_near_lone_end(i, q)) {
-            // A weighted mean of two distances is not below the smaller one.
-            const DistanceMap::Bound in_a = a.bound(at_a), in_b = b.bound(at_b);
-            const double beyond = std::min(in_a.at_least, in_b.at_least) - std::abs(bow_of(t, path));
-            if (in_a.sign == in_b.sign && in_a.sign != 0 && beyond > reach) return in_a.sign * std::min(beyond, clamp);
-        }
-        const double value =
-            blend_distances(a.value(from, at_a), b.value(to, at_b), t, gap, 0.5 * clamp, path);
-        const double clamped = std::clamp(value, -clamp, clamp);
-        return lone_ends ? with_lone_ends(i, q, t, gap, clamped, end) : clamped;
-    }
-
-    // How far z lies beyond the flat ends of its part; negative within.
-    double beyond_end(double z) const {
-        if (!is_flat_) return -std::numeric_limits<double>::infinity();
-        std::size_t part = 0;
-        while (z > flat_[part].until) ++part;
-        return std::max(flat_[part].low - z, z - flat_[part].high);
-    }
-
-    void add_flat_ends(std::vector<double>& heights) const {
-        for (const StructureLevels::Extent& part : flat_) {
-            for (const double height : {part.low, part.high}) {
-                if (std::isfinite(height)) heights.push_back(height);
-            }
-        }
-    }
-
-    std::size_t pair_count() const { return levels_.empty() ? 0 : levels_.size() - 1; }
-
-    // The parts that end between levels i and i + 1; both must be drawn, else nothing happens.
-    void find_lone_ends(std::size_t i, const std::vector<std::optional<DistanceMap>>& maps, double clamp) {
-        if (is_flat_ || levels_[i].map == empty_level || levels_[i + 1].map == empty_level) return;
-        const DistanceMap &below = *maps[static_cast<std::size_t>(levels_[i].map)],
-                          &above = *maps[static_cast<std::size_t>(levels_[i + 1].map)];
-        const double gap = levels_[i + 1].low - levels_[i].high;
-        add_lone_ends(i, lone_parts(below, above, gap), true, clamp);
-        add_lone_ends(i, lone_parts(above, below, gap), false, clamp);
-    }
-    void add_lone_ends(std::size_t i, const std::vector<LonePart>& parts, bool from_below, double clamp) {
-        for (const bool is_void : {true, false}) {
-            std::vector<Edge2> edges;
-            for (const LonePart& part : parts) {
-                if (part.is_void == is_void) edges.insert(edges.end(), part.edges.begin(), part.edges.end());
-            }
-            if (!edges.empty())
-                lone_ends_[i].push_back({DistanceMap(std::move(edges), clamp), from_below, is_void});
-        }
-    }
-
-    // How the structure moves between levels i and i + 1; both must be drawn, else nothing happens. Requires:
-    // find_lone_ends() for all levels.
-    void find_motion(std::size_t i, const std::vector<std::optional<DistanceMap>>& maps) {
-        if (levels_[i].map == empty_level || levels_[i + 1].map == empty_level) return;
-        const auto map = [&](std::size_t level) {
-            return &*maps[static_cast<std::size_t>(levels_[level].map)];
-        };
-        const auto gap = [&](std::size_t level) { return levels_[level + 1].low - levels_[level].high; };
-        SliceMotion::Beyond below, above;
-        if (i > 0 && levels_[i - 1].map != empty_level) below = {map(i - 1), gap(i - 1), {}};
-        if (i + 2 < levels_.size() && levels_[i + 2].map != empty_level) above = {map(i + 2), gap(i + 1), {}};
-        // Where what ends is the nearest, the slice beyond says nothing about how a path bends.
-        const auto add_ends = [&](std::size_t pair, bool from_below, SliceMotion::Beyond& beyond) {
-            for (const LoneEnd& lone : lone_ends_[pair]) {
-                if (lone.from_below == from_below) beyond.ending.push_back(&lone.map);
-            }
-        };
-        if (below.map != nullptr) add_ends(i - 1, false, below);
-        if (above.map != nullptr) add_ends(i + 1, true, above);
-        motions_[i] = SliceMotion(*map(i), *map(i + 1), gap(i), below, above);
-    }
-    const SliceMotion& motion(std::size_t i) const { return motions_[i]; }
-
-    // Two neighbouring levels as the maps drawn there (empty_level: none) and the positions they reach.
-    struct Pair {
-        std::int32_t below, above;
-        double below_low, below_high, above_low;
-        const SliceMotion* motion;
-        const std::vector<LoneEnd>* lone_ends;
-        bool rounded;  // how it ends where one of them is empty
-    };
-    Pair pair(std::size_t i) const {
-        return {levels_[i].map,     levels_[i + 1].map, levels_[i].low, levels_[i].high,
-                levels_[i + 1].low, &motions_[i],       &lone_ends_[i], rounded_};
-    }
-
-    // Calls body(z from, z to, map, how far the structure moves beside it) for the stretch of the axis on
-    // which a map has a say.
-    template <class Body>
-    void each_stretch(Body body) const {
-        for (std::size_t i = 0; i < levels_.size(); ++i) {
-            if (levels_[i].map == empty_level) continue;
-            body(i > 0 ? levels_[i - 1].high : low(), i + 1 < levels_.size() ? levels_[i + 1].low : high(),
-                 static_cast<std::size_t>(levels_[i].map),
-                 std::max(i > 0 ? motions_[i - 1].max_move() : 0.0,
-                          i < motions_.size() ? motions_[i].max_move() : 0.0));
-        }
-    }
-
-  private:
-    struct Known {
-        double low, high;
-        std::int32_t map;
-    };
-
-    bool is_near_lone_end(std::size_t i, Vec2 q) const {
-        return std::any_of(lone_ends_[i].begin(), lone_ends_[i].end(), [&](const LoneEnd& lone) {
-            if (!lone.map.box().contains(q)) return false;
-            const DistanceMap::Bound bound = lone.map.bound(q);
-            return bound.sign <= 0 || bound.at_least < lone.map.limit();
-        });
-    }
-
-    // A value between levels i and i + 1 with the parts that end there: each keeps its half of the gap, first
-    // the holes, then the pieces.
-    double with_lone_ends(std::size_t i, Vec2 q, double t, double gap, double value, double* end) const {
-        for (const bool is_void : {true, false}) {
-            for (const LoneEnd& lone : lone_ends_[i]) {
-                if (lone.is_void != is_void || !lone.map.box().contains(q)) continue;
-                const double away = lone.from_below ? t : 1 - t, d = lone.map.value(q);
-                const double ends = ending(d, away, gap, rounded_);
-                value = is_void ? std::max(value, -ends) : std::min(value, ends);
-                if (end != nullptr && !is_void)
-                    *end = std::min(*end, rounded_ ? ends : std::max(d, (away - 0.5) * gap));
-            }
-        }
-        return value;
-    }
-
-    std::vector<Known> levels_;
-    std::vector<SliceMotion> motions_;             // between a level and the next
-    std::vector<std::vector<LoneEnd>> lone_ends_;  // the same
-    std::vector<StructureLevels::Extent> flat_;
-    std::vector<std::uint32_t> buckets_;
-    double inverse_bucket_ = 0;
-    bool is_flat_ = false, rounded_ = false;
-};
 
 class ParallelField final : public FieldQueries<ParallelField> {
   public:
@@ -489,7 +250,8 @@ Status ParallelField::find_motions(const ContourSet& set, RunContext& context) {
     add(union_);
     parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
-            jobs[j].first->find_lone_ends(jobs[j].second, maps_, clamp_);
+            // In a partition a part ends where what it touches begins.
+            jobs[j].first->find_lone_ends(jobs[j].second, maps_, clamp_, !partition_);
             if (jobs[j].first == &union_) add_lone_ends_to_union(jobs[j].second);
         }
     });
@@ -652,9 +414,12 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
         return map == empty_level ? clamp_ : maps_[static_cast<std::size_t>(map)]->value(q);
     };
     const double a = distance(pair.below), b = distance(pair.above);
+    const double rest_a = pair.rest[0] ? pair.rest[0]->value(q) : a,
+                 rest_b = pair.rest[1] ? pair.rest[1]->value(q) : b;
     // Where the boundary is further away on both levels than it moves and bows between them, nothing changes.
     const double nearest = std::min(std::abs(a), std::abs(b));
-    const bool alike = (a < 0) == (b < 0) && (a < 0 || !partition_);
+    const bool alike =
+        (a < 0) == (b < 0) && (a < 0) == (rest_a < 0) && (b < 0) == (rest_b < 0) && (a < 0 || !partition_);
     if (alike && nearest > 0.99 * clamp_) return 0;
     const double gap = pair.above_low - pair.below_high;
     const SliceMotion::Path path = pair.motion->at(q, 0.5);
@@ -669,7 +434,7 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
         if (pair.below == empty_level || pair.above == empty_level)
             return pair.rounded ? rounded_height(std::min(a, b), 0.5 * gap) / gap - by_slices : 0;
         const Vec3 foot = frame_.to_space(q) + pair.below_high * frame_.normal;
-        std::array<double, 9> values{a};
+        std::array<double, 9> values{rest_a};
         const std::size_t parts = bow > much_bowed * gap ? 8 : 4;
         for (std::size_t k = 1; k < parts; ++k) {
             const double z = static_cast<double>(k) * gap / static_cast<double>(parts);
@@ -677,16 +442,17 @@ double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& p
             values[k] = tracks_[structure].blend(maps_, clamp_, frame_.to_plane(p), frame_.signed_distance(p),
                                                  everywhere, nullptr, false);
         }
-        values[parts] = b;
+        values[parts] = rest_b;
         std::array<double, 2> halves = inside_halves(column, std::span(values).first(parts + 1));
         for (const bool is_void : {true, false}) {
             for (const LoneEnd& lone : *pair.lone_ends) {
-                if (lone.is_void != is_void || !lone.map.box().contains(q)) continue;
+                if (lone.is_void != is_void || !lone.box.contains(q)) continue;
                 const double d = lone.map.value(q);
-                const double part =
-                    pair.rounded ? rounded_height(d, 0.5 * gap) / (0.5 * gap) : column.inside(d);
-                double& half = halves[lone.from_below ? 0 : 1];
-                half = is_void ? std::min(half, 1 - part) : std::max(half, part);
+                const std::array<double, 2> parts_of = lone.filled(d, gap, pair.rounded, column.inside(d));
+                for (const std::size_t n : {0u, 1u}) {
+                    double& half = halves[lone.from_below ? n : 1 - n];
+                    half = is_void ? std::min(half, 1 - parts_of[n]) : std::max(half, parts_of[n]);
+                }
             }
         }
         return 0.5 * (halves[0] + halves[1]) - by_slices;

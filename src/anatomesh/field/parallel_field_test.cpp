@@ -86,6 +86,42 @@ TEST(ParallelField, a_shell_as_thick_as_the_spacing_is_closed) {
         EXPECT_EQ(topology_of(shell(80, 3, 3, top), 1.2), (Topology{1, 0, 1})) << top;
 }
 
+// Wherever the slices lie: the void ends in a dome below the last slice, which may be a disc that hardly
+// covers it.
+TEST(ParallelField, a_shell_is_closed_at_any_position_of_its_slices) {
+    struct Shell {
+        double radius, thickness, spacing, step;
+    };
+    for (const Shell& of : {Shell{40, 3, 3, 0.8}, Shell{30, 2, 2, 0.55}, Shell{40, 4, 3, 0.8}}) {
+        for (int n = 0; n < 10; ++n) {
+            const double top = (n + 0.2) / 10 * of.spacing;
+            EXPECT_EQ(topology_of(shell(of.radius, of.thickness, of.spacing, top), of.step),
+                      (Topology{1, 0, 1}))
+                << of.radius << " " << of.thickness << " " << top;
+        }
+    }
+}
+
+// Between the void's end and the outside there is as much as in the shell elsewhere, but for half a slice's
+// cap.
+TEST(ParallelField, the_wall_over_a_void_is_not_pinched) {
+    for (const double thickness : {3.0, 4.0}) {
+        for (int n = 0; n < 20; ++n) {
+            const double radius = 60, spacing = 3, top = (n + 0.3) / 20 * spacing;
+            RunContext context;
+            const auto field = field_of(shell(radius, thickness, spacing, top), context);
+            for (double x = 0; x < 20; x += 0.5) {
+                double wall = 0, z = radius - 9;
+                while (z < radius + 3) {
+                    z += 0.02;
+                    if (field->value(0, {x, 0.1, z}) < 0) wall += 0.02;
+                }
+                EXPECT_GT(wall, 0.4 * thickness) << thickness << " " << top << " " << x;
+            }
+        }
+    }
+}
+
 TEST(ParallelField, C17_a_shell_whose_rings_do_not_overlap_is_closed_or_a_warning_names_the_slices) {
     for (const double spacing : {5.0, 7.0}) {
         RunContext context;

@@ -151,6 +151,36 @@ ContourSet leaning_blocks(bool exclusive) {
     return builder.set;
 }
 
+// A ball with a void, and two balls of which one ends first, at several positions of the slices: what ends in
+// a dome counts as every point of it does, and the whole has the volume of its slices.
+TEST(FieldVolumes, what_ends_in_a_dome_equals_the_count_of_every_point) {
+    for (const bool is_void : {true, false}) {
+        for (int n = 0; n < 5; ++n) {
+            SetBuilder builder;
+            for (double z = -26.9 + 0.6 * n; z < 27; z += 3) {
+                builder.slice(axial(z));
+                builder.ring(0, circle({}, std::sqrt(27 * 27 - z * z), 90));
+                const double r2 = 12 * 12 - z * z;
+                if (r2 < 0.1) continue;
+                const Ring inner = circle({is_void ? 3.0 : 45.0, 0}, std::sqrt(r2), 60);
+                builder.ring(0, is_void ? reversed(inner) : inner);
+            }
+            RunContext context;
+            const auto field = make_structure_field(builder.set, {}, context).value();
+            const StructureVolume volume = volumes_of(builder.set, {}).front();
+            double counted = 0;
+            const double step = 0.31;
+            for (double x = -28.1; x < 60; x += step) {
+                for (double y = -28.1; y < 29; y += step) {
+                    for (double z = -30.1; z < 31; z += step) counted += field->value(0, {x, y, z}) < 0;
+                }
+            }
+            EXPECT_NEAR(volume.by_field / (counted * step * step * step), 1, 0.001) << is_void << " " << n;
+            EXPECT_NEAR(volume.by_field / volume.by_slices, 1, 0.01) << is_void << " " << n;
+        }
+    }
+}
+
 TEST(FieldVolumes, walls_along_the_axes_and_shared_walls) {
     const auto alone = volumes_of(leaning_blocks(false)), pair = volumes_of(leaning_blocks(true));
     EXPECT_NEAR(alone[0].by_field / by_counting(leaning_blocks(false), 0.125)[0], 1, 1e-3);

@@ -82,6 +82,28 @@ TEST(BuildModel, spherical_shell_3_mm_thick) {
     expect_structure(certified_model(drawing), 0, {2, 0, 4 / 3.0 * pi * (1728 - 729), 0.03});
 }
 
+// Slices as far apart as the shell is thick, at any height: the last slice is a disc that hardly covers the
+// void of the one below it.
+TEST(BuildModel, spherical_shell_as_thick_as_the_slices_are_apart) {
+    for (const double radius : {20.0, 36.0}) {
+        for (int n = 0; n < 6; ++n) {
+            Drawing drawing;
+            for (double z = -radius + (n + 0.3) / 6 * 3; z < radius; z += 3) {
+                for (const double r : {radius, radius - 3}) {
+                    const double r2 = r * r - z * z;
+                    if (r2 < 0.3) continue;
+                    const int corners = std::max(8, static_cast<int>(2 * pi * std::sqrt(r2) / 2.5));
+                    drawing.add(0, z, circle({}, std::sqrt(r2), corners));
+                }
+            }
+            SCOPED_TRACE(testing::Message() << radius << " " << n);
+            const double inner = radius - 3;
+            expect_structure(certified_model(drawing), 0,
+                             {2, 0, 4 / 3.0 * pi * (std::pow(radius, 3) - std::pow(inner, 3)), 0.03});
+        }
+    }
+}
+
 // M-08: two structures that share one point of their surfaces, or nearly.
 TEST(BuildModel, M08_two_touching_balls) {
     Drawing drawing;
