@@ -144,6 +144,57 @@ std::vector<InterfaceFacet> interface_facets(const DelaunaySnapshot& mesh, const
     return facets;
 }
 
+using Edge = std::array<std::uint32_t, 2>;
+
+// The edges of the cells looked at that cross something, rising; `look` is left with their cells.
+template <class Crosses>
+std::vector<Edge> crossing_edges(const DelaunaySnapshot& mesh, std::vector<std::uint32_t>& look,
+                                 const Crosses& crosses, int threads) {
+    look = parallel_collect<std::uint32_t>(
+        look.size(), 16384, threads,
+        [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& out) {
+            for (std::size_t n = first; n < last; ++n) {
+                const Cell& cell = mesh.cells[look[n]];
+                if (std::any_of(cell_edges.begin(), cell_edges.end(),
+                                [&](auto& e) { return crosses(cell[e[0]], cell[e[1]]); })) {
+                    out.push_back(look[n]);
+                }
+            }
+        });
+    std::vector<Edge> edges;
+    for (const std::uint32_t c : look) {
+        for (const auto& [i, j] : cell_edges) {
+            const std::uint32_t a = std::min(mesh.cells[c][i], mesh.cells[c][j]),
+                                b = std::max(mesh.cells[c][i], mesh.cells[c][j]);
+            if (crosses(a, b)) edges.push_back({a, b});
+        }
+    }
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    return edges;
+}
+
+// Where an edge from p to q, with ends of these sides, crosses what parts them.
+std::optional<Vec3> crossing_of(InterfaceProbe& probe, const RegionTable& table, bool exclusive, Vec3 p,
+                                Vec3 q, const VertexSide& from, const VertexSide& to) {
+    const double span = length(q - p);
+    const auto crossing_from = [&](Vec3 start, Vec3 end) {
+        return probe.first_crossing(start, end, 0.25 * span, 1e-3 * span);
+    };
+    if (from.off_interfaces() && to.off_interfaces()) {
+        probe.focus({});
+        return crossing_from(p, q);
+    }
+    if (!exclusive) {
+        probe.focus(std::array{*parted_by(table, from, to)});
+        return crossing_from(p, q);
+    }
+    // Between the middle and the end that cells of its region may not have.
+    probe.focus({});
+    const Vec3 middle = 0.5 * (p + q);
+    return crossing_from(middle, allows(table, from, probe.members(middle)) ? q : p);
+}
+
 }  // namespace
 
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
@@ -250,33 +301,12 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
                                    const CrossingOptions& options, std::vector<std::uint32_t>& look,
                                    std::vector<Vec3>& found, RunContext& context) {
     CrossingStats stats;
-    using Edge = std::array<std::uint32_t, 2>;
     const auto crosses = [&](std::uint32_t a, std::uint32_t b) {
         if (sides[a].off_interfaces() && sides[b].off_interfaces()) return sides[a].in != sides[b].in;
         return parted_by(table, sides[a], sides[b]).has_value() &&
                length(points[b] - points[a]) >= options.shortest_mm;
     };
-    look = parallel_collect<std::uint32_t>(
-        look.size(), 16384, context.threads,
-        [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& out) {
-            for (std::size_t n = first; n < last; ++n) {
-                const Cell& cell = mesh.cells[look[n]];
-                if (std::any_of(cell_edges.begin(), cell_edges.end(),
-                                [&](auto& e) { return crosses(cell[e[0]], cell[e[1]]); })) {
-                    out.push_back(look[n]);
-                }
-            }
-        });
-    std::vector<Edge> edges;
-    for (const std::uint32_t c : look) {
-        for (const auto& [i, j] : cell_edges) {
-            const std::uint32_t a = std::min(mesh.cells[c][i], mesh.cells[c][j]),
-                                b = std::max(mesh.cells[c][i], mesh.cells[c][j]);
-            if (crosses(a, b)) edges.push_back({a, b});
-        }
-    }
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    const std::vector<Edge> edges = crossing_edges(mesh, look, crosses, context.threads);
     stats.crossing_edges = edges.size();
 
     std::vector<std::optional<Vec3>> crossings(edges.size());
@@ -284,30 +314,14 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
     parallel_for(edges.size(), 256, context.threads, [&](std::size_t first, std::size_t last) {
         InterfaceProbe probe(field, structures);
         for (std::size_t n = first; n < last; ++n) {
-            const Vec3 p = points[edges[n][0]], q = points[edges[n][1]];
-            const double span = length(q - p);
-            const VertexSide &from = sides[edges[n][0]], &to = sides[edges[n][1]];
-            const bool off = from.off_interfaces() && to.off_interfaces();
-            const auto crossing_from = [&](Vec3 start, Vec3 end) {
-                return probe.first_crossing(start, end, 0.25 * span, 1e-3 * span);
-            };
-            std::optional<Vec3> crossing;
-            if (off) {
-                probe.focus({});
-                crossing = crossing_from(p, q);
-            } else if (field.exclusive()) {
-                // Between the middle and the end that cells of its region may not have.
-                probe.focus({});
-                const Vec3 middle = 0.5 * (p + q);
-                crossing = crossing_from(middle, allows(table, from, probe.members(middle)) ? q : p);
-            } else {
-                probe.focus(std::array{*parted_by(table, from, to)});
-                crossing = crossing_from(p, q);
-            }
+            const auto [a, b] = edges[n];
+            const double span = length(points[b] - points[a]);
+            const std::optional<Vec3> crossing =
+                crossing_of(probe, table, field.exclusive(), points[a], points[b], sides[a], sides[b]);
             if (!crossing || all_points.any_within(*crossing, options.min_spacing * span)) continue;
             const std::uint32_t ball = guard.ball_at(*crossing, options.protected_share);
             if (ball == SegmentGuard::no_ball) crossings[n] = crossing;
-            if (off) balls[n] = ball;
+            if (sides[a].off_interfaces() && sides[b].off_interfaces()) balls[n] = ball;
         }
     });
     double total = 0;
