@@ -316,7 +316,7 @@ class Relabeler {
         if (cuts_) move.spoiled = cuts_->change(move.cells, move.region);
         if (move.spoiled > 0 && !may_spoil_) return;
         const auto key = [](const Move& m) {
-            return std::make_tuple(m.change, m.spikes, m.spoiled, m.misplaced, m.cells.size());
+            return std::make_tuple(m.change, m.spikes, m.spoiled > 0, m.misplaced, m.cells.size(), m.spoiled);
         };
         if (!best_ || key(move) < key(*best_)) best_ = std::move(move);
     }

@@ -48,11 +48,11 @@ struct RelabelStats {
 // moves the surface by less than a millionth of an edge. `look`: the vertices that may have a defect, those
 // of cells new since the last call among them; empty: all. The figures before are of these alone.
 // With `slices`, of parallel planes: moves that make cuts less like what is drawn (drawn_cuts.h) wait until
-// no others are left, as do, meanwhile, those that bring a deep vertex onto a surface; of those of one effect
-// the best for the cuts is taken. Two pieces of a side are
-// joined, besides, by cells of the star that lie all above the slice's plane, or all below it: where what is
-// drawn touches itself in a point of the slice, that is the only way to a manifold with the drawn cut. At the
-// end cells that are wrong where a plane cuts them are given to what is drawn there if no defect rises.
+// no others are left, as do, meanwhile, those that bring a deep vertex onto a surface; then one that does
+// neither is taken sooner. Two pieces of a side are joined, besides, by cells of the star that lie all above
+// the slice's plane, or all below it: where what is drawn touches itself in a point of the slice, that is the
+// only way to a manifold with the drawn cut. At the end cells that are wrong where a plane cuts them are given
+// to what is drawn there if no defect rises.
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
                      const ContourOwners& owners, const std::vector<VertexSide>& sides, double deep_mm,
