@@ -26,7 +26,8 @@ constexpr double lattice_shift = 0.04;      // of a lattice point from its place
 constexpr double size_per_spacing = 1.05;   // of the default size: thin walls get finer points of their own
 constexpr double size_per_thickness =
     0.49;  // walls two edges thick in the mean have cells with vertices inside
-constexpr double contact_clearance = 0.2;   // of a contact of two contours from the ends of its segments, in sizes
+constexpr double contact_clearance =
+    0.01;  // of a contact of two contours from the ends of its segments, in sizes
 constexpr double shortest_conforming =
     0.025;  // pieces are not split below it for other contours' sake, in sizes
 constexpr double shortest_beside_others = 0.1;  // the same within parallel slices

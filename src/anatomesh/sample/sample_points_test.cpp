@@ -68,6 +68,27 @@ TEST(SamplePoints, a_vertex_shared_by_two_structures_is_one_point) {
     EXPECT_EQ(sample.stats.contour_points, 18u);
 }
 
+TEST(SamplePoints, contours_that_cross_share_the_point_however_near_to_a_vertex) {
+    // Squares whose corners reach over each other by a share of the size.
+    for (const double reach : {0.05, 0.1, 0.19, 0.3, 0.7}) {
+        Drawing drawing;
+        for (int z = 0; z < 3; ++z) {
+            drawing.add(0, z, rectangle({0, 0}, {4, 4}));
+            drawing.add(1, z, rectangle({4 - reach, 4 - reach}, {8, 8}));
+        }
+        const Case given = case_of(kept(drawing.raw));
+        const PointSample sample = sample_of(given, 1);
+        for (int z = 0; z < 3; ++z) {
+            for (const Vec2 p : {Vec2{4, 4 - reach}, Vec2{4 - reach, 4}}) {
+                const Vec3 at{p.x, p.y, static_cast<double>(z)};
+                EXPECT_TRUE(std::any_of(sample.points.begin(), sample.points.end(),
+                                        [&](Vec3 q) { return length(q - at) < 1e-9; }))
+                    << reach << ' ' << z;
+            }
+        }
+    }
+}
+
 TEST(SamplePoints, the_counts_add_up) {
     const PointSample sample = sample_of(case_of(ball_with_a_long_bar()), 1);
     const SampleStats& stats = sample.stats;
