@@ -11,6 +11,7 @@ FACET_RADIUS, CELL_RADIUS, FACET_DISTANCE, SURFACE_ERROR = 0.7, 0.7, 0.1, 0.02
 
 PYTHON = "/usr/bin/python3"
 JUDGE_LIMIT = 600  # seconds
+CGAL_MESHING = ("insert", "refine", "slivers")  # of its stages; reading, contours and field are ours
 
 
 class Case:
@@ -51,7 +52,9 @@ class Case:
                     *(word for name, share in lengths.items() for word in (f"--{name}", f"{share * self.size:.9f}"))], self.limit)
         answer = json.loads(done["out"])
         # What writing took does not count.
-        done.update(seconds=sum(answer["seconds"].values()), cpu=answer["cpu_seconds"], mb=answer["peak_memory_mb"], model=model)
+        seconds = answer["seconds"]
+        done.update(seconds=sum(seconds.values()), meshing=sum(seconds[stage] for stage in CGAL_MESHING), cpu=answer["cpu_seconds"],
+                    mb=answer["peak_memory_mb"], model=model)
         return done
 
     def cgal_for_surface(self):
