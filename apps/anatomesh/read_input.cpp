@@ -378,6 +378,18 @@ std::vector<ContourReport> contour_log(const RawContours& raw, const CleanResult
     return log;
 }
 
+// Of share_lines() and close_gaps(): how much was changed, and where most.
+template <class Stats>
+std::string extent_of(const Stats& stats) {
+    return fmt::format("{} on {}, {:.3g} mm2 changed hands", counted(stats.contours_changed, "contour"),
+                       counted(stats.slices, "slice"), stats.area_mm2);
+}
+template <class Stats>
+Place worst_place(const ContourSet& kept, const Stats& stats, const char* measure) {
+    return {kept.source, kept.slices[stats.worst_slice].name, "", "",
+            fmt::format("at most {:.3g} {}", stats.widest_mm, measure)};
+}
+
 // Lines that structures share but for what a hand or a file rounded away.
 void share_copied_lines(InputContours& contours, const InputOptions& options, RunContext& context) {
     ContourSet& kept = contours.kept;
@@ -390,14 +402,10 @@ void share_copied_lines(InputContours& contours, const InputOptions& options, Ru
             {"W-CON-027",
              fmt::format(
                  "{} moved onto one of another structure and {} taken from others into segments, where "
-                 "contours of different structures lie less than {} mm apart: {} on {}, {} mm2 changed "
-                 "hands",
+                 "contours of different structures lie less than {:.3g} mm apart: {}",
                  counted(stats.vertices_moved, "vertex", "vertices"),
-                 counted(stats.vertices_taken, "vertex", "vertices"), fmt::format("{:.3g}", stats.width_mm),
-                 counted(stats.contours_changed, "contour"), counted(stats.slices, "slice"),
-                 fmt::format("{:.3g}", stats.area_mm2)),
-             {kept.source, kept.slices[stats.worst_slice].name, "", "",
-              fmt::format("at most {:.3g} mm", stats.widest_mm)},
+                 counted(stats.vertices_taken, "vertex", "vertices"), stats.width_mm, extent_of(stats)),
+             worst_place(kept, stats, "mm"),
              "copies of one line share its vertices; --same-line 0 keeps them as drawn"});
     }
 }
@@ -413,11 +421,9 @@ void close_narrow_gaps(InputContours& contours, const InputOptions& options, Run
         context.warn(
             {"W-CON-025",
              fmt::format("contours of neighbouring structures run less than {} mm apart; led through each "
-                         "other's vertices: {} on {}, {} mm2 changed hands",
-                         number_text(closing.width_mm), counted(stats.contours_changed, "contour"),
-                         counted(stats.slices, "slice"), fmt::format("{:.3g}", stats.area_mm2)),
-             {kept.source, kept.slices[stats.worst_slice].name, "", "",
-              fmt::format("at most {:.3g} mm wide", stats.widest_mm)},
+                         "other's vertices: {}",
+                         number_text(closing.width_mm), extent_of(stats)),
+             worst_place(kept, stats, "mm wide"),
              "no vertex moves for it; without --close-gaps the contours stay as they are"});
     }
 }
