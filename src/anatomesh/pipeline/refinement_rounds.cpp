@@ -1,5 +1,11 @@
 #include "anatomesh/pipeline/refinement_rounds.h"
 
+#include <algorithm>
+
+#include "anatomesh/base/parallel.h"
+#include "anatomesh/mesh/prefetch.h"
+#include "anatomesh/mesh/quality.h"
+
 namespace anatomesh {
 
 namespace {
@@ -12,6 +18,12 @@ constexpr int protected_rounds = 4;         // of these, the first keep out of t
 constexpr double protected_at_first = 0.5;  // of the balls, by radius
 constexpr int small_mesh_rounds = 60;       // tiny segments need a round for each doubling of the size,
 constexpr std::size_t small_mesh = 20000;   // in meshes of fewer points than this
+// Means of the ratio, each at most the bound: the rounds for the shape of cells go on with a lower bound
+// above the first until the second is reached; what follows takes about a twentieth off.
+constexpr double too_uneven = 1.0, even = 0.985;
+constexpr double bound_step = 0.05;         // of the bound, and so many of them
+constexpr int bound_steps = 5;
+constexpr int even_rounds = 4;              // with each of these bounds
 constexpr int last_rounds = 1;              // after the last segments
 constexpr int changed_rounds = 4;           // of what changes later on
 // Where freehand planes lie closer than the vertices along them, contours tell the surface without more
@@ -19,6 +31,30 @@ constexpr int changed_rounds = 4;           // of what changes later on
 constexpr double crowded_crossing_spacing =
     0.05;  // of points where edges cross an interface from others, in edges
 constexpr int dense_deviation_rounds = 2;
+
+// Radius-edge ratio of the cells inside in the mean, each at most the bound. Pieces of a fixed size: the same
+// at any number of threads.
+double mean_ratio(const LabelledMesh& mesh, double bound, int threads) {
+    struct Sum {
+        double ratios = 0, cells = 0;
+    };
+    constexpr std::size_t grain = 16384;
+    const std::vector<Cell>& cells = mesh.cells().cells;
+    std::vector<Sum> sums(cells.size() / grain + 1);
+    parallel_for(cells.size(), grain, threads, [&](std::size_t first, std::size_t last) {
+        Sum& sum = sums[first / grain];
+        for (std::size_t c = first; c < last; ++c) {
+            if (c + cells_ahead < last) prefetch_points(mesh.points(), cells[c + cells_ahead]);
+            if (mesh.regions()[c] == 0) continue;
+            const auto at = [&](std::size_t i) { return mesh.points()[cells[c][i]]; };
+            sum.ratios += std::min(bound, radius_edge_ratio(at(0), at(1), at(2), at(3)));
+            sum.cells += 1;
+        }
+    });
+    Sum total;
+    for (const Sum& sum : sums) total = {total.ratios + sum.ratios, total.cells + sum.cells};
+    return total.cells > 0 ? total.ratios / total.cells : 0;
+}
 
 }  // namespace
 
@@ -98,7 +134,7 @@ Status RefinementRounds::improve_shapes(RunContext& context) {
         // last word, but for a try that splits segments for each other's sake.
         const double share = options_.conforming ? 1 : round < protected_rounds ? protected_at_first : 0;
         std::vector<Vec3> found;
-        const RefineStats stats = find_shape_points(share, shapes_, found, context);
+        const RefineStats stats = find_shape_points(options_.max_radius_edge, share, shapes_, found, context);
         if (round == 0) stats_.radius_edge_mean_before = stats.radius_edge_mean;
         stats_.circumcenters += stats.circumcenters;
         stats_.surface_points += stats.surface_points;
@@ -108,6 +144,28 @@ Status RefinementRounds::improve_shapes(RunContext& context) {
         ANATOMESH_CHECK_STATUS(pieces_.grow(found, stats.balls, context, limits));
         // Balls that may not be split ask for it again and again.
         if (options_.conforming && not_worth_a_round(mesh_.points().size() - before, 800)) break;
+    }
+    return options_.spared ? Nothing{} : even_shapes(context);
+}
+
+// Where contour vertices lie many times closer than the slices, cells grow from their spacing to the size
+// over all the way between, as fast as the bound lets them: most of them end near it. All of this out of the
+// balls of segments.
+Status RefinementRounds::even_shapes(RunContext& context) {
+    const double first = options_.max_radius_edge;
+    const auto mean = [&] { return mean_ratio(mesh_, first, context.threads); };
+    if (mean() <= too_uneven) return Nothing{};
+    for (int step = 1; step <= bound_steps && mean() > even; ++step) {
+        const double bound = (1 - step * bound_step) * first;
+        CellSearch search;
+        for (int round = 0; round < even_rounds; ++round) {
+            std::vector<Vec3> found;
+            const RefineStats stats = find_shape_points(bound, 1, search, found, context);
+            if (not_worth_a_round(found.size(), 800)) break;
+            stats_.circumcenters += stats.circumcenters;
+            stats_.surface_points += stats.surface_points;
+            ANATOMESH_CHECK_STATUS(pieces_.grow(found, {}, context));
+        }
     }
     return Nothing{};
 }
@@ -121,7 +179,7 @@ Status RefinementRounds::refine_changed(CellSearch search, RunContext& context) 
 Status RefinementRounds::mend_shapes(CellSearch& search, bool finishing, RunContext& context) {
     for (int round = 0; round < (finishing ? rounds_in_small_meshes(last_rounds) : changed_rounds); ++round) {
         std::vector<Vec3> found;
-        RefineStats stats = find_shape_points(1, search, found, context);
+        RefineStats stats = find_shape_points(options_.max_radius_edge, 1, search, found, context);
         if (!pieces_.are_short()) stats.balls.clear();
         if (found.empty() && stats.balls.empty()) break;
         stats_.circumcenters += stats.circumcenters;
@@ -136,10 +194,10 @@ Status RefinementRounds::mend_shapes(CellSearch& search, bool finishing, RunCont
     return Nothing{};
 }
 
-RefineStats RefinementRounds::find_shape_points(double protected_share, CellSearch& search,
+RefineStats RefinementRounds::find_shape_points(double bound, double protected_share, CellSearch& search,
                                                 std::vector<Vec3>& found, RunContext& context) const {
     RefineOptions options;
-    options.max_radius_edge = options_.max_radius_edge;
+    options.max_radius_edge = bound;
     options.max_reach_mm = 3 * options_.size_mm;
     options.given = given_;
     options.crowded_mm = options_.crowded_mm;

@@ -43,9 +43,9 @@ class RefinementRounds {
                      std::span<const std::uint8_t> given, const RefinementOptions& options);
 
     // First the surface: points where edges cross an interface, then where facets deviate from it. Then the
-    // shape of cells, the pieces that are still no edges (ContourPieces::finish()), and the shapes that these
-    // spoiled. Every loop ends after a bounded number of rounds, the longer ones when next to nothing is
-    // left.
+    // shape of cells, with bounds below the given one where their mean is above 1, the pieces that are still
+    // no edges (ContourPieces::finish()), and the shapes that these spoiled. Every loop ends after a bounded
+    // number of rounds, the longer ones when next to nothing is left.
     Status run(RunContext& context);
 
     // A few more rounds for the shape of the cells that the search has not seen: points put beside pieces
@@ -59,8 +59,9 @@ class RefinementRounds {
     Status meet_deviations(RunContext& context);
     Status improve_shapes(RunContext& context);
     Status mend_shapes(CellSearch& search, bool finishing, RunContext& context);
-    RefineStats find_shape_points(double protected_share, CellSearch& search, std::vector<Vec3>& found,
-                                  RunContext& context) const;
+    Status even_shapes(RunContext& context);
+    RefineStats find_shape_points(double bound, double protected_share, CellSearch& search,
+                                  std::vector<Vec3>& found, RunContext& context) const;
     int rounds_in_small_meshes(int otherwise) const;
     bool not_worth_a_round(std::size_t count, std::size_t share) const;
 
