@@ -68,6 +68,16 @@ class BodyLabels(harness.JudgedTestCase):
     def test_body_of_a_computed_tomography(self):
         self.judged(harness.data("body_ct_mr_labels", "example_seg_fast_force_split.nii.gz"))
 
+    def test_labels_cut_by_the_image_border_keep_their_long_segments(self):
+        # Along the border segments are many edges long; vertices once came so near to them that 184 were lost.
+        for folder, name in (("body_ct_mr_labels", "example_seg_dicom.nii.gz"), ("dicom_seg", "spine_seg.nrrd"),
+                             ("dicom_seg", "partial_overlaps-1.nrrd"), ("dicom_seg", "sparse_labelmap_ppv5_seg.nrrd")):
+            with self.subTest(name):
+                self.run_program("model", harness.data(folder, name), "-o", "model.vtu", "--quiet")
+                missed, total = missed_segments(self.folder)
+                self.assertGreater(total, 70)
+                self.assertLessEqual(missed, total / 10000)
+
 
 class Rtstruct(harness.JudgedTestCase):
     def test_abdomen(self):

@@ -32,6 +32,9 @@ constexpr double shortest_conforming =
     0.025;  // pieces are not split below it for other contours' sake, in sizes
 constexpr double shortest_beside_others = 0.1;  // the same within parallel slices
 constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
+// Of the guard: 22 degrees at half the ball. On planes that cross there are short pieces in each other's
+// balls: points refused for them left bad cells.
+constexpr double lens_slope = 0.8;
 constexpr double position_tolerance = 2e-3; // surface points lie on the interface to within this, in sizes
 
 // The body-centred cubic lattice in half steps: the points whose three indices are all even or all odd.
@@ -234,7 +237,8 @@ std::vector<int> segment_levels(const std::vector<ContourSegment>& segments, con
 // Cuts contour segments where they meet those of other structures, and into pieces short enough.
 class SegmentSplitter {
   public:
-    SegmentSplitter(double size, PointSample& sample) : size_(size), sample_(sample), guard_(size, 2 * sample.points.size()) {}
+    SegmentSplitter(double size, bool parallel, PointSample& sample)
+        : size_(size), sample_(sample), guard_(size, 2 * sample.points.size(), parallel ? lens_slope : 0) {}
 
     // `thin` receives the places where a segment runs along a thin wall.
     SegmentGuard split(const ContourSet& contours, const StructureField& field, int threads,
@@ -473,8 +477,8 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
     }
     collect_contour_vertices(contours, sample);
     std::vector<ThinSpot> thin;
-    sample.guard =
-        SegmentSplitter(size, sample).split(contours, field, context.threads, thin, options.conforming);
+    sample.guard = SegmentSplitter(size, is_parallel(contours), sample)
+                       .split(contours, field, context.threads, thin, options.conforming);
     const SegmentGuard& guard = sample.guard;
     for (int a = 0; a < 3; ++a) lattice.size[a] = 2 * static_cast<std::uint32_t>(extent[a] / size) + 1;
 

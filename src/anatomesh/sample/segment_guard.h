@@ -1,6 +1,7 @@
 // SegmentGuard: keeps free points off the contours, so that contour segments tend to be edges of the mesh.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -13,17 +14,19 @@ namespace anatomesh {
 // smallest ball round it) holds no vertex is an edge of the Delaunay tetrahedralization (Shewchuk, Comput. Geom. 22, 2002).
 class SegmentGuard {
   public:
-    // `size` is the edge length about which queries are made, mm.
-    SegmentGuard(double size, std::size_t expected_points)
-        : points_(0.5 * size, expected_points), midpoints_(size, expected_points) {}
+    // `size` is the edge length about which queries are made, mm. `lens_slope`: see ball_at(). >= 0
+    SegmentGuard(double size, std::size_t expected_points, double lens_slope = 0)
+        : points_(0.5 * size, expected_points), midpoints_(size, expected_points), lens_slope_(lens_slope) {}
 
     void add_point(Vec3 p) { points_.add(p); }
     // Returns the number of the segment's ball.
     std::uint32_t add_segment(Vec3 p, Vec3 q) {
-        const double half = 0.5 * length(q - p);
+        const Vec3 half = 0.5 * (q - p);
         midpoints_.add(0.5 * (p + q));
-        squared_half_lengths_.push_back(half * half);
-        longest_half_ = half > longest_half_ ? half : longest_half_;
+        halves_.push_back(half);
+        squared_half_lengths_.push_back(squared_length(half));
+        middles_.push_back(0.5 * (p + q));
+        longest_half_ = std::max(longest_half_, length(half));
         return static_cast<std::uint32_t>(squared_half_lengths_.size() - 1);
     }
     // For a segment that was split: its halves are added by themselves.
@@ -33,16 +36,24 @@ class SegmentGuard {
 
     static constexpr std::uint32_t no_ball = 0xFFFFFFFFu;
 
-    // The diametral ball that p lies in, within `share` of its radius from its middle; of several that of the longest
-    // segment, then the first.
+    // The diametral ball that p lies in, within `share` of its radius from its middle, or so near to the
+    // segment that it sees this under an angle close to 180 degrees: only pieces as short as it is near would
+    // keep clear of such a point. Of several that of the longest segment, then the first. `share`: [0, 1]; 0
+    // finds none, 1 whole balls. The tangent of what that angle may lack of 180 degrees is the lens slope
+    // times the share.
     std::uint32_t ball_at(Vec3 p, double share = 1) const {
         std::uint32_t found = no_ball;
-        midpoints_.for_each_within(p, share * longest_half_, [&](std::uint32_t ball, double squared) {
-            if (squared >= share * share * squared_half_lengths_[ball]) return;
-            const bool better = found == no_ball || squared_half_lengths_[ball] > squared_half_lengths_[found] ||
-                                (squared_half_lengths_[ball] == squared_half_lengths_[found] && ball < found);
-            if (better) found = ball;
-        });
+        midpoints_.for_each_within(
+            p, (lens_slope_ > 0 && share > 0 ? 1 : share) * longest_half_,
+            [&](std::uint32_t ball, double squared) {
+                if (squared >= share * share * squared_half_lengths_[ball] &&
+                    !in_lens(p, ball, squared, lens_slope_ * share))
+                    return;
+                const bool better =
+                    found == no_ball || squared_half_lengths_[ball] > squared_half_lengths_[found] ||
+                    (squared_half_lengths_[ball] == squared_half_lengths_[found] && ball < found);
+                if (better) found = ball;
+            });
         return found;
     }
     double ball_radius(std::uint32_t ball) const { return std::sqrt(squared_half_lengths_[ball]); }
@@ -52,9 +63,21 @@ class SegmentGuard {
     bool allows(Vec3 p, double distance) const { return !any_point_within(p, distance) && outside_balls(p); }
 
   private:
+    // The diametral lens (Shewchuk, Comput. Geom. 22, 2002): the tangent of what the angle under which p sees
+    // the segment lacks of 180 degrees is 2 h d / (h^2 - m^2), with half the length h, p at m from its middle
+    // and d from its line.
+    bool in_lens(Vec3 p, std::uint32_t ball, double squared_to_middle, double slope) const {
+        const double inside = squared_half_lengths_[ball] - squared_to_middle;
+        if (inside <= 0) return false;
+        const double bound = slope * inside;
+        return 4 * squared_length(cross(halves_[ball], p - middles_[ball])) < bound * bound;
+    }
+
     PointGrid points_, midpoints_;
+    std::vector<Vec3> halves_, middles_;
     std::vector<double> squared_half_lengths_;
     double longest_half_ = 0;
+    double lens_slope_ = 0;
 };
 
 }  // namespace anatomesh
