@@ -65,6 +65,13 @@ ContourOwners::ContourOwners(std::vector<std::array<std::uint32_t, 2>> vertices,
     for (std::size_t v = 0; v < point_count; ++v) piece_start_[v + 1] += piece_start_[v];
 }
 
+bool ContourOwners::has(std::uint32_t vertex, std::uint32_t structure) const {
+    const auto owners = at(vertex);
+    const auto pieces = pieces_at(vertex);
+    return std::find(owners.begin(), owners.end(), structure) != owners.end() ||
+           std::any_of(pieces.begin(), pieces.end(), [&](Piece p) { return p.structure == structure; });
+}
+
 StarAnalyzer::StarAnalyzer(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
                            const VertexStars& stars, const std::vector<Region>& regions, const RegionTable& table,
                            const ContourOwners& owners)

@@ -48,6 +48,10 @@ class ContourOwners {
         return {pieces_.data() + piece_start_[vertex], piece_start_[vertex + 1] - piece_start_[vertex]};
     }
 
+    bool knows(std::uint32_t vertex) const { return vertex + 1 < start_.size(); }
+    // Whether a contour of the structure has a vertex there, or the end of a piece.
+    bool has(std::uint32_t vertex, std::uint32_t structure) const;
+
   private:
     std::vector<std::uint32_t> start_, structures_, piece_start_;
     std::vector<Piece> pieces_;

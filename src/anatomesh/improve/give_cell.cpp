@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include "anatomesh/improve/operations.h"
+#include "anatomesh/mesh/cell_shape.h"
 
 namespace anatomesh {
 
@@ -22,7 +23,8 @@ struct Part {
 // What a part's surface gets and loses where a cell comes to it or leaves it.
 class SurfaceChange {
   public:
-    SurfaceChange(Workbench& bench, std::uint32_t cell, Part part) : bench_(bench), cell_(cell), part_(part) {
+    SurfaceChange(Workbench& bench, std::uint32_t cell, Part part, const ContourOwners* owners)
+        : bench_(bench), cell_(cell), part_(part), owners_(owners) {
         for (int i = 0; i < 4; ++i) {
             on_surface_[i] = differs(bench.mesh.neighbor(cell, i));
             count_ += on_surface_[i];
@@ -35,7 +37,7 @@ class SurfaceChange {
     bool keeps_surface() const {
         const Cell& c = bench_.mesh.cell(cell_);
         if (count_ == 1) return !vertex_on_surface(c[first(true)]);
-        if (count_ == 3) return !bench_.fixed(c[first(false)]);
+        if (count_ == 3) return !must_have(c[first(false)]);
         if (count_ == 4) return part_.is_region && part_.holds(cell_);
         if (count_ == 0) return false;
         // The facets opposite i and j share the edge of the other two vertices; the edge ij comes to the
@@ -43,10 +45,19 @@ class SurfaceChange {
         int e = 0;
         while (!on_surface_[cell_edges[e][0]] || !on_surface_[cell_edges[e][1]]) ++e;
         const auto [k, l] = across_edges[e];
-        return !bench_.fixed_edge(c[k], c[l]) && !edge_on_surface(e);
+        return !must_have(c[k], c[l]) && !edge_on_surface(e);
     }
 
   private:
+    // Whether a vertex, or an edge, must stay on the surface: of those that are fixed all where nothing is
+    // known of owners.
+    bool must_have(std::uint32_t v) const { return bench_.fixed(v) && is_owner(v); }
+    bool must_have(std::uint32_t a, std::uint32_t b) const {
+        return bench_.fixed_edge(a, b) && is_owner(a) && is_owner(b);
+    }
+    bool is_owner(std::uint32_t v) const {
+        return !owners_ || !owners_->knows(v) || (!part_.is_region && owners_->has(v, part_.number));
+    }
     bool differs(std::uint32_t c) const { return part_.holds(c) != part_.holds(cell_); }
     int first(bool on) const {
         return static_cast<int>(std::find(on_surface_.begin(), on_surface_.end(), on) - on_surface_.begin());
@@ -66,21 +77,23 @@ class SurfaceChange {
     Workbench& bench_;
     std::uint32_t cell_;
     Part part_;
+    const ContourOwners* owners_;
     std::array<bool, 4> on_surface_{};
     int count_ = 0;
 };
 
 // The surfaces of the structures concerned and of both regions stay manifolds.
-bool keeps_surfaces(Workbench& bench, std::uint32_t cell, Region from, Region to) {
+bool keeps_surfaces(Workbench& bench, std::uint32_t cell, Region from, Region to,
+                    const ContourOwners* owners = nullptr) {
     for (const Region region : {from, to}) {
-        if (!SurfaceChange(bench, cell, {bench, true, region}).keeps_surface()) return false;
+        if (!SurfaceChange(bench, cell, {bench, true, region}, owners).keeps_surface()) return false;
     }
     const std::vector<std::uint32_t>&here = bench.table->members[from], &there = bench.table->members[to];
     std::vector<std::uint32_t> changed;
     std::set_symmetric_difference(here.begin(), here.end(), there.begin(), there.end(),
                                   std::back_inserter(changed));
     return std::all_of(changed.begin(), changed.end(), [&](std::uint32_t structure) {
-        return SurfaceChange(bench, cell, {bench, false, structure}).keeps_surface();
+        return SurfaceChange(bench, cell, {bench, false, structure}, owners).keeps_surface();
     });
 }
 
@@ -90,7 +103,7 @@ int facets_between_regions(const Workbench& bench, std::uint32_t cell, Region ow
     return count;
 }
 
-bool keeps_near(Workbench& bench, std::uint32_t cell, Region to) {
+bool keeps_near(Workbench& bench, std::uint32_t cell, Region to, double most) {
     const Cell c = bench.mesh.cell(cell);
     double before = 0;
     for (const bool was : {true, false}) {
@@ -104,7 +117,8 @@ bool keeps_near(Workbench& bench, std::uint32_t cell, Region to) {
                                                        bench.mesh.point(c[f[2]])));
             } else if (!was && beyond != to &&
                        (bench.spoils_cut(c[f[0]], c[f[1]], c[f[2]], beyond, to) ||
-                        !bench.near_interface(c[f[0]], c[f[1]], c[f[2]], before))) {
+                        bench.facet_distance(bench.mesh.point(c[f[0]]), bench.mesh.point(c[f[1]]),
+                                             bench.mesh.point(c[f[2]])) > std::max(before, most))) {
                 return false;
             }
         }
@@ -112,18 +126,39 @@ bool keeps_near(Workbench& bench, std::uint32_t cell, Region to) {
     return true;
 }
 
+bool ends_the_mesh(const Workbench& bench, std::uint32_t cell) {
+    for (int i = 0; i < 4; ++i) {
+        if (bench.mesh.neighbor(cell, i) == no_cell) return true;
+    }
+    return false;
+}
+
 }  // namespace
+
+bool may_give(Workbench& bench, std::uint32_t cell, Region to, const ContourOwners& owners,
+              double least_sine_inside, double most_ratio) {
+    if (ends_the_mesh(bench, cell)) return false;
+    const Region own = bench.mesh.region(cell);
+    if (own == 0) {
+        const Cell& c = bench.mesh.cell(cell);
+        const CellMeasures m = measure_cell(bench.mesh.point(c[0]), bench.mesh.point(c[1]),
+                                            bench.mesh.point(c[2]), bench.mesh.point(c[3]));
+        if (m.least_sine() < least_sine_inside || m.squared_ratio > most_ratio * most_ratio) return false;
+    }
+    return keeps_surfaces(bench, cell, own, to, &owners) &&
+           keeps_near(bench, cell, to, bench.options.apex_mm);
+}
 
 bool give_cell(Workbench& bench, std::uint32_t cell) {
     const Region own = bench.mesh.region(cell);
-    for (int i = 0; i < 4; ++i) {
-        if (bench.mesh.neighbor(cell, i) == no_cell) return false;
-    }
+    if (ends_the_mesh(bench, cell)) return false;
     const int now = facets_between_regions(bench, cell, own);
     for (int i = 0; i < 4; ++i) {
         const Region to = bench.mesh.region(bench.mesh.neighbor(cell, i));
         if (to == own || (to != 0 && facets_between_regions(bench, cell, to) >= now)) continue;
-        if (!keeps_surfaces(bench, cell, own, to) || !keeps_near(bench, cell, to)) continue;
+        if (!keeps_surfaces(bench, cell, own, to) ||
+            !keeps_near(bench, cell, to, bench.options.max_deviation_mm))
+            continue;
         bench.mesh.set_region(cell, to);
         bench.changed.assign(1, cell);
         ++bench.stats.cells_given;

@@ -13,6 +13,7 @@
 #include "anatomesh/improve/flip_surface_edges.h"
 #include "anatomesh/improve/lift_facets.h"
 #include "anatomesh/improve/lower_apexes.h"
+#include "anatomesh/improve/mend_cuts.h"
 #include "anatomesh/improve/operations.h"
 #include "anatomesh/mesh/cell_shape.h"
 #include "anatomesh/mesh/prefetch.h"
@@ -71,13 +72,16 @@ class Climber {
         bench_.stats.facets_left = lifted.facets_left;
         bench_.moves_junctions = true;
         // Those that the climb left are bad still; others may be where facets were lifted.
-        std::vector<std::uint32_t> left = std::move(lifted.changed);
+        std::vector<std::uint32_t> left = mend(context.threads);
+        left.insert(left.end(), lifted.changed.begin(), lifted.changed.end());
         for (; !queue_.empty(); queue_.pop()) left.push_back(queue_.top().cell);
         collect(std::move(left), context.threads);
         // From here on few cells change: those and the bad ones are all that may be bad in the end.
         for (auto queue = queue_; !queue.empty(); queue.pop()) watched_.push_back(queue.top().cell);
         climb_at_last(context);
         lower_ratios(context);
+        const std::vector<std::uint32_t> mended = mend(context.threads);
+        watched_.insert(watched_.end(), mended.begin(), mended.end());
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
@@ -146,6 +150,15 @@ class Climber {
         bench_.lowers_ratios = false;
         bench_.least_needed_sine = 0;
         bench_.options.max_radius_edge = before;
+    }
+
+    std::vector<std::uint32_t> mend(int threads) {
+        const MendStats mended =
+            mend_cuts(bench_, drawn_, std::sin(listed_degrees * radians_per_degree), threads);
+        bench_.stats.cuts_found += mended.places_found;
+        bench_.stats.cuts_mended +=
+            mended.vertices_moved + mended.cells_given + mended.edges_flipped + mended.vertices_inserted;
+        return mended.changed;
     }
 
     // Those of surfaces, for smaller angles between facets; cells that are bad now are queued.

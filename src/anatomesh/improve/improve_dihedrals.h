@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
+#include "anatomesh/cut/star.h"
 #include "anatomesh/field/structure_field.h"
+#include "anatomesh/geom/plane.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
 namespace anatomesh {
@@ -22,6 +24,11 @@ struct DrawnSlices {
     const RegionTable* table = nullptr;       // of the mesh's regions
     std::span<const std::uint32_t> slice_of;  // for every point of the mesh the slice in whose plane it lies
                                               // as a part of a contour, or no_slice; empty: no slices
+    const ContourOwners* owners = nullptr;    // of the vertices
+    std::span<const Plane> planes = {};       // by slice, where they are parallel; else empty
+    std::span<const double> weights = {};     // at structure * planes + slice: 1 / mm^2 drawn; 0 where the
+                                              // slice does not tell where the structure is
+    double on_plane_mm = 0;                   // a vertex this near to a plane lies in it. >= 0
 };
 
 struct DihedralOptions {
@@ -52,6 +59,7 @@ struct DihedralStats {
                   surface_edges_flipped = 0, surface_edges_smoothed = 0, cells_given = 0, ears_dropped = 0,
                   edges_collapsed = 0, vertices_inserted = 0, facets_lifted = 0, apexes_lowered = 0,
                   tries = 0;
+    std::uint64_t cuts_found = 0, cuts_mended = 0;  // places (mend_cuts.h)
     std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (lift_facets.h)
 };
 

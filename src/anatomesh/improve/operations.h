@@ -32,6 +32,13 @@ bool move_vertex(Workbench& bench, std::uint32_t v);
 // the field's interface: to the outside, or to where fewer of the cell's facets lie between two regions.
 bool give_cell(Workbench& bench, std::uint32_t cell);
 
+// Whether a cell may be given to a region beside it so that the surface of every structure concerned stays a
+// disc with the contours that it must have: if it comes inside with this sine and no higher ratio, and no
+// facet of it that becomes one between two regions is further than `apex_mm`, and than those that were, from
+// the field's interface.
+bool may_give(Workbench& bench, std::uint32_t cell, Region to, const ContourOwners& owners,
+              double least_sine_inside, double most_ratio);
+
 // Gives an ear - a cell with three facets on one surface, whose common vertex is free and off the field's
 // interface - to the region beyond, where the facet that comes to the surface in their place lies nearer to
 // the field's interface: the surface loses a spike, or a pit. A cell that comes inside must have at least

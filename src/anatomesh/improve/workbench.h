@@ -49,6 +49,7 @@ class Workbench {
         return mesh.add_point(p);
     }
 
+    void fix(std::uint32_t v) { fixed_[v] = 1; }
     // A point on a fixed edge, which becomes two.
     void fix_on_edge(std::uint32_t v, std::uint32_t a, std::uint32_t b);
 

@@ -50,8 +50,8 @@ class TrianglesAtPlanes {
     std::vector<std::uint32_t> waiting_;
 };
 
-// Whether a slice without a structure says that it is not there: not where most of its gaps skip slices (as
-// the field has it).
+}  // namespace
+
 bool every_slice_tells(const ContourSet& contours, std::uint32_t structure) {
     if (contours.exclusive) return true;
     std::vector<std::uint32_t> drawn;
@@ -64,6 +64,13 @@ bool every_slice_tells(const ContourSet& contours, std::uint32_t structure) {
     for (std::size_t i = 1; i < drawn.size(); ++i) skips += drawn[i] - drawn[i - 1] >= 2;
     return drawn.size() < 3 || 2 * skips <= drawn.size() - 1;
 }
+
+double on_plane_mm(const ContourSet& contours) {
+    const Box3 box = contours.box();
+    return on_plane_share * length(box.high - box.low);
+}
+
+namespace {
 
 // Kept contours may lie a little off their slice's plane, and with them the vertices on their segments.
 double farthest_off_plane(const ContourSet& contours, const Slice& slice) {
@@ -158,8 +165,7 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
     assert(surfaces.size() == contours.structures.size() && vertex_of.size() == contours.points.size());
     std::vector<SliceCut> cuts;
     if (contours.slices.empty()) return cuts;
-    const Box3 box = contours.box();
-    const double tolerance = on_plane_share * length(box.high - box.low);
+    const double tolerance = on_plane_mm(contours);
     const bool parallel = all_parallel(contours, parallel_mm);
     RunContext context;
     const Unsaid unsaid = Unsaid::of(contours, context);

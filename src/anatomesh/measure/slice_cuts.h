@@ -29,4 +29,11 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
                                  std::span<const std::vector<Triangle>> surfaces, const ContourSet& contours,
                                  std::span<const std::uint32_t> vertex_of);
 
+// Whether a slice of a stack without a structure says that it is not there: not where most of its gaps skip
+// slices (as the field has it).
+bool every_slice_tells(const ContourSet& contours, std::uint32_t structure);
+
+// A vertex this near to a plane lies in it.
+double on_plane_mm(const ContourSet& contours);
+
 }  // namespace anatomesh

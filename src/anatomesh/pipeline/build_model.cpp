@@ -409,6 +409,8 @@ class Builder {
                     {"facets_lifted", static_cast<double>(dihedrals.facets_lifted)},
                     {"apexes_lowered", static_cast<double>(dihedrals.apexes_lowered)},
                     {"facets_left_in_slices", static_cast<double>(dihedrals.facets_left)},
+                    {"cuts_found_wrong", static_cast<double>(dihedrals.cuts_found)},
+                    {"cuts_mended", static_cast<double>(dihedrals.cuts_mended)},
                     {"largest_volume_offset_mm", balanced.largest_offset_mm},
                     {"flat_ends_held", balanced.ends_held ? 1.0 : 0.0},
                     {"volume_difference_before", balanced.worst_before},
@@ -458,9 +460,13 @@ class Builder {
         }
         const std::vector<std::uint32_t> slice_of =
             slices_of_vertices(contours_, vertices_of_contours(), piece_list_, model_.mesh.points.size());
-        return improve_dihedrals(model_.mesh, neighbors_, fixed,
-                                 edges_along(model_.mesh, neighbors_, segments), *field_, structures_,
-                                 {&model_.regions, slice_of}, options, context_);
+        const ContourOwners owners = contour_owners(piece_list_, model_.mesh.points.size());
+        const SlicesThatTell slices = slices_that_tell(contours_, field_->flat_ends());
+        return improve_dihedrals(
+            model_.mesh, neighbors_, fixed, edges_along(model_.mesh, neighbors_, segments), *field_,
+            structures_,
+            {&model_.regions, slice_of, &owners, slices.planes, slices.weights, slices.on_plane_mm}, options,
+            context_);
     }
 
     void drop_outside_cells() {

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <numeric>
 
 #include "anatomesh/field/parallel_field.h"
+#include "anatomesh/geom/polygon.h"
 #include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/measure/slice_cuts.h"
 
 namespace anatomesh {
 
@@ -54,6 +58,41 @@ PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::u
     PlanesOfStack stack{slices_of_vertices(contours, vertex_of, pieces, vertex_count), {}};
     for (const Slice& slice : contours.slices) stack.planes.push_back(slice.plane);
     return stack;
+}
+
+SlicesThatTell slices_that_tell(const ContourSet& contours, const FlatEnds& ends) {
+    SlicesThatTell slices;
+    if (!is_parallel(contours)) return slices;
+    for (const Slice& slice : contours.slices) slices.planes.push_back(slice.plane);
+    slices.on_plane_mm = on_plane_mm(contours);
+    const std::size_t count = slices.planes.size(), structures = contours.structures.size();
+    std::vector<double> areas(structures * count, 0);
+    for (const Contour& contour : contours.contours) {
+        std::vector<Vec2> ring;
+        for (const Vec3& p : contours.points_of(contour))
+            ring.push_back(slices.planes[contour.slice].to_plane(p));
+        areas[contour.structure * count + contour.slice] += signed_area(ring);
+    }
+    slices.weights.assign(structures * count, 0);
+    for (std::uint32_t s = 0; s < structures; ++s) {
+        const auto first = areas.begin() + static_cast<std::ptrdiff_t>(s * count);
+        const auto drawn = std::count_if(first, first + static_cast<std::ptrdiff_t>(count),
+                                         [](double area) { return area > 0; });
+        if (drawn == 0) continue;
+        const double mean = std::accumulate(first, first + static_cast<std::ptrdiff_t>(count), 0.0) /
+                            static_cast<double>(drawn);
+        const bool all_tell = every_slice_tells(contours, s);
+        for (std::size_t k = s * count; k < (s + 1) * count; ++k)
+            slices.weights[k] = areas[k] > 0 ? 1 / areas[k] : all_tell ? 1 / mean : 0;
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        const double height = ends.frame.signed_distance(slices.planes[k].origin);
+        const bool flat = std::any_of(ends.heights.begin(), ends.heights.end(), [&](double end) {
+            return std::abs(end - height) <= slices.on_plane_mm;
+        });
+        for (std::size_t s = 0; flat && s < structures; ++s) slices.weights[s * count + k] = 0;
+    }
+    return slices;
 }
 
 }  // namespace anatomesh

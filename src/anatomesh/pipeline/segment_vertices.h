@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "anatomesh/contour/contour_set.h"
+#include "anatomesh/field/structure_field.h"
 #include "anatomesh/sample/contour_segments.h"
 
 namespace anatomesh {
@@ -26,5 +27,15 @@ struct PlanesOfStack {
 };
 PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
                               const std::vector<SegmentPiece>& pieces, std::size_t vertex_count);
+
+// What slices say of structures, for the facets of surfaces that meet their planes.
+struct SlicesThatTell {
+    std::vector<Plane> planes;    // by slice; none where planes are not parallel
+    std::vector<double> weights;  // at structure * planes + slice: 1 / area drawn, or, if none is, in the
+                                  // mean of the structure's slices; 1 / mm^2. 0 where the slice does not say
+                                  // where the structure is, or any ends flat in its plane
+    double on_plane_mm = 0;  // vertices this near to a plane lie in it
+};
+SlicesThatTell slices_that_tell(const ContourSet& contours, const FlatEnds& ends);
 
 }  // namespace anatomesh

@@ -1,0 +1,312 @@
+#include "anatomesh/improve/mend_cuts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/base/parallel.h"
+#include "anatomesh/improve/hole.h"
+#include "anatomesh/improve/operations.h"
+#include "anatomesh/improve/section_areas.h"
+#include "anatomesh/mesh/cell_shape.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double enough_less = 0.5;     // of the wrong share
+constexpr double worth_a_price = 7e-4;  // the share of what is drawn that is wrong
+constexpr std::array heights{0.05, -0.05, 0.1,  -0.1,
+                             0.2,  -0.2,  0.35, -0.35};  // of a moved vertex over the plane, in edges at it
+constexpr std::array lifts{0.1, 0.2, 0.3, 0.45};         // of a new vertex, as a share of the cell's height
+constexpr double radians_per_degree = std::numbers::pi / 180;
+constexpr double most_turned = 0.5;  // cosine of a facet's turning
+
+class Mender {
+  public:
+    Mender(Workbench& bench, const DrawnSlices& drawn, double least_sine)
+        : bench_(bench),
+          areas_(bench, drawn),
+          owners_(*drawn.owners),
+          axis_(drawn.planes.front().normal),
+          bounds_{
+              {{std::sin(bench.options.target_degrees * radians_per_degree), bench.options.max_radius_edge},
+               {least_sine, bench.options.max_radius_edge},
+               {least_sine, bench.options.last_radius_edge}}} {}
+
+    MendStats run(int threads) {
+        std::vector<std::uint32_t> waiting = parallel_collect<std::uint32_t>(
+            bench_.mesh.cell_count(), 16384, threads,
+            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
+                for (std::size_t c = first; c < last; ++c) {
+                    if (suspect_facet(static_cast<std::uint32_t>(c), 0) < 4)
+                        found.push_back(static_cast<std::uint32_t>(c));
+                }
+            });
+        mend_all(waiting, 1);
+        // Those of cuts that still are further from what is drawn are worth worse cells.
+        std::vector<std::uint32_t> cells;
+        for (const std::uint32_t c : waiting) {
+            if (suspect_facet(c, 0) == 4) continue;
+            cells.push_back(c);
+            for (int i = 0; i < 4; ++i) cells.push_back(bench_.mesh.neighbor(c, i));
+        }
+        std::sort(cells.begin(), cells.end());
+        cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+        std::erase(cells, no_cell);
+        areas_.sum_cuts(cells);
+        mend_all(waiting, bounds_.size());
+        return stats_;
+    }
+
+  private:
+    // The first facet of the cell from that on between regions that passes through a plane or lies in it; 4:
+    // none.
+    int suspect_facet(std::uint32_t c, int from) const {
+        if (!bench_.mesh.alive(c)) return 4;
+        for (int i = from; i < 4; ++i) {
+            const std::uint32_t other = bench_.mesh.neighbor(c, i);
+            if (other == no_cell || bench_.mesh.region(other) == bench_.mesh.region(c)) continue;
+            const Cell& cell = bench_.mesh.cell(c);
+            std::array<std::uint32_t, 3> level{};
+            for (std::size_t k = 0; k < 3; ++k) level[k] = areas_.level(cell[facet_vertices[i][k]]);
+            if (SectionAreas::meets(level)) return i;
+        }
+        return 4;
+    }
+
+    // What new cells inside must keep.
+    struct Bounds {
+        double sine, ratio;
+    };
+
+    // Within the first so many bounds; `waiting` grows by the cells to be looked at again.
+    void mend_all(std::vector<std::uint32_t>& waiting, std::size_t count) {
+        for (std::size_t n = 0; n < waiting.size(); ++n) {
+            const std::uint32_t c = waiting[n];
+            for (int i = suspect_facet(c, 0); i < 4; i = suspect_facet(c, i + 1)) {
+                if (!(areas_.wrong_at(c, i) > 0)) continue;
+                ++stats_.places_found;
+                if ((count > 1 && areas_.largest_cut_at(c, i) < worth_a_price) || !mend(c, i, count))
+                    continue;
+                stats_.changed.insert(stats_.changed.end(), bench_.changed.begin(), bench_.changed.end());
+                for (const std::uint32_t changed : bench_.changed) {
+                    if (suspect_facet(changed, 0) < 4) waiting.push_back(changed);
+                }
+                break;
+            }
+        }
+    }
+
+    bool mend(std::uint32_t c, int i, std::size_t count) {
+        const std::uint32_t other = bench_.mesh.neighbor(c, i);
+        std::vector<std::uint32_t> vertices(bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
+        for (const std::uint32_t v : bench_.mesh.cell(other)) {
+            if (std::find(vertices.begin(), vertices.end(), v) == vertices.end()) vertices.push_back(v);
+        }
+        const Region here = bench_.mesh.region(c), there = bench_.mesh.region(other);
+        const auto last = bounds_.begin() + static_cast<std::ptrdiff_t>(count);
+        return std::any_of(bounds_.begin(), last, [&](const Bounds& bounds) {
+            return std::any_of(vertices.begin(), vertices.end(),
+                               [&](std::uint32_t v) { return move(v, bounds); }) ||
+                   give(c, there, bounds) || give(other, here, bounds) || flip(c, i, bounds) ||
+                   fill(c, i, bounds);
+        });
+    }
+
+    struct Facet {
+        Vec3 b, c;
+        Region here, there;
+        double most;
+    };
+
+    // To a place over or under a plane that its cells meet.
+    bool move(std::uint32_t v, const Bounds& bounds) {
+        if (bench_.fixed(v)) return false;
+        bench_.mesh.star(v, bench_.star);
+        const double before = areas_.wrong_round(v, bench_.star);
+        if (!(before > 0)) return false;
+        std::vector<std::uint32_t> planes;
+        double edges = 0;
+        std::size_t count = 0;
+        const Vec3 from = bench_.mesh.point(v);
+        std::uint32_t low = areas_.level(v), high = low;
+        for (const std::uint32_t c : bench_.star) {
+            for (const std::uint32_t u : bench_.mesh.cell(c)) {
+                if (u == v) continue;
+                edges += length(bench_.mesh.point(u) - from);
+                ++count;
+                low = std::min(low, areas_.level(u));
+                high = std::max(high, areas_.level(u));
+            }
+        }
+        const double edge = edges / static_cast<double>(count);
+        const Bar bar = bench_.bar_of(bench_.star);
+        const std::vector<Facet> facets = facets_at(v);
+        const std::vector<std::uint32_t> star = bench_.star;
+        bench_.local.reset(bench_.needed_outside_sine(bar), bounds.ratio * bounds.ratio);
+        for (const std::uint32_t c : star) {
+            const Cell& cell = bench_.mesh.cell(c);
+            const auto& f = facet_vertices[std::find(cell.begin(), cell.end(), v) - cell.begin()];
+            bench_.local.add(bench_.mesh.point(cell[f[0]]), bench_.mesh.point(cell[f[1]]),
+                             bench_.mesh.point(cell[f[2]]), bench_.mesh.region(c) != 0);
+        }
+        const auto near = [&](Vec3& q) { return keeps_near(q, from, facets); };
+        for (std::uint32_t plane = low | 1; plane <= high; plane += 2) {
+            for (const double share : heights) {
+                Vec3 p = from + (share * edge - areas_.height(plane, from)) * axis_;
+                if (!near(p)) continue;
+                if (bench_.local.ascend(p, bench_.local.worst(p, -2), bench_.goal, axis_, near) < bounds.sine)
+                    continue;
+                bench_.mesh.move_point(v, p);
+                if (bench_.positive(star) && areas_.wrong_round(v, star) <= enough_less * before) {
+                    bench_.changed = star;
+                    bench_.fix(v);
+                    ++stats_.vertices_moved;
+                    return true;
+                }
+                bench_.mesh.move_point(v, from);
+            }
+        }
+        return false;
+    }
+
+    // Those between regions at the vertex whose star the bench has.
+    std::vector<Facet> facets_at(std::uint32_t v) {
+        std::vector<Facet> facets;
+        const Vec3 p = bench_.mesh.point(v);
+        for (const std::uint32_t c : bench_.star) {
+            const Cell& cell = bench_.mesh.cell(c);
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t n = bench_.mesh.neighbor(c, i);
+                if (cell[i] == v || n == no_cell || n < c || bench_.mesh.region(n) == bench_.mesh.region(c))
+                    continue;
+                const auto [u, w] = others_of_facet(cell, i, v);
+                const Region here = bench_.mesh.region(c), there = bench_.mesh.region(n);
+                bench_.look_between(here, there);
+                const Vec3 b = bench_.mesh.point(u), d = bench_.mesh.point(w);
+                facets.push_back(
+                    {b, d, here, there, std::max(bench_.facet_distance(p, b, d), bench_.options.apex_mm)});
+            }
+        }
+        return facets;
+    }
+
+    bool keeps_near(Vec3 q, Vec3 from, const std::vector<Facet>& facets) {
+        return std::all_of(facets.begin(), facets.end(), [&](const Facet& f) {
+            const Vec3 before = cross(f.b - from, f.c - from), after = cross(f.b - q, f.c - q);
+            if (!(dot(before, after) > most_turned * length(before) * length(after))) return false;
+            bench_.look_between(f.here, f.there);
+            return bench_.facet_distance(q, f.b, f.c) <= f.most;
+        });
+    }
+
+    bool give(std::uint32_t c, Region to, const Bounds& bounds) {
+        const Region own = bench_.mesh.region(c);
+        const std::array cells{c};
+        const double before = areas_.wrong(cells);
+        if (!(before > 0) || !may_give(bench_, c, to, owners_, bounds.sine, bounds.ratio)) return false;
+        bench_.mesh.set_region(c, to);
+        if (areas_.wrong(cells) <= enough_less * before) {
+            bench_.changed.assign(1, c);
+            for (int i = 0; i < 4; ++i) bench_.changed.push_back(bench_.mesh.neighbor(c, i));
+            ++stats_.cells_given;
+            return true;
+        }
+        bench_.mesh.set_region(c, own);
+        return false;
+    }
+
+    // The facet's edge between vertices on both sides of a plane.
+    bool flip(std::uint32_t c, int i, const Bounds& bounds) {
+        for (int e = 0; e < 6; ++e) {
+            const auto [a, b] = cell_edges[static_cast<std::size_t>(e)];
+            if (a == i || b == i) continue;
+            const Cell cell = bench_.mesh.cell(c);
+            if (bench_.fixed_edge(cell[a], cell[b])) continue;
+            const std::uint32_t la = areas_.level(cell[a]), lb = areas_.level(cell[b]);
+            if (!SectionAreas::meets(std::array{la, lb}) || la == lb) continue;
+            bench_.mesh.ring(c, e, bench_.ring);
+            const std::vector<std::uint32_t> round = bench_.ring.cells;
+            const double before = areas_.wrong(round);
+            std::vector<Cell> cells;
+            std::vector<Region> regions;
+            for (const std::uint32_t r : round) {
+                cells.push_back(bench_.mesh.cell(r));
+                regions.push_back(bench_.mesh.region(r));
+            }
+            if (!flip_edge(bench_, c, e, bounds.sine)) continue;
+            if (areas_.wrong(bench_.changed) <= enough_less * before) {
+                ++stats_.edges_flipped;
+                return true;
+            }
+            const std::vector<std::uint32_t> made = bench_.changed;
+            bench_.mesh.replace(made, cells, regions, bench_.changed);
+            return false;
+        }
+        return false;
+    }
+
+    // A facet in a plane goes, and the cells on both sides with it.
+    bool fill(std::uint32_t c, int i, const Bounds& bounds) {
+        const std::uint32_t other = bench_.mesh.neighbor(c, i);
+        const Cell cell = bench_.mesh.cell(c);
+        const auto& f = facet_vertices[i];
+        const std::uint32_t level = areas_.level(cell[f[0]]);
+        if (level % 2 == 0 || areas_.level(cell[f[1]]) != level || areas_.level(cell[f[2]]) != level)
+            return false;
+        const Vec3 a = bench_.mesh.point(cell[f[0]]), b = bench_.mesh.point(cell[f[1]]),
+                   d = bench_.mesh.point(cell[f[2]]);
+        const Vec3 foot = (1.0 / 3) * (a + b + d);
+        const double before = areas_.wrong_at(c, i);
+        const auto enough = [&](const Bar&) { return bounds.sine; };
+        for (const std::uint32_t side : {c, other}) {
+            const Vec3 top = bench_.mesh.point(apex_of(side, cell, i));
+            // Then the plane has there what is on the other side.
+            const std::uint32_t under = side == c ? other : c;
+            if (areas_.wrong_facet(a, b, d, level, bench_.mesh.region(under), bench_.mesh.region(under)) >
+                enough_less * before)
+                continue;
+            const auto above = [&](Vec3& q) {
+                return areas_.height(level, q) * areas_.height(level, top) > 0;
+            };
+            for (const double share : lifts) {
+                const auto v = static_cast<std::uint32_t>(bench_.mesh.point_count());
+                if (!Hole(bench_, {c, other}, {})
+                         .fill(foot + share * (top - foot), {}, bounds.ratio, enough, above))
+                    continue;
+                bench_.fix(v);
+                ++stats_.vertices_inserted;
+                return true;
+            }
+        }
+        return false;
+    }
+
+    std::uint32_t apex_of(std::uint32_t side, const Cell& cell, int i) const {
+        const auto& f = facet_vertices[i];
+        for (const std::uint32_t v : bench_.mesh.cell(side)) {
+            if (v != cell[f[0]] && v != cell[f[1]] && v != cell[f[2]]) return v;
+        }
+        return no_cell;
+    }
+
+    Workbench& bench_;
+    SectionAreas areas_;
+    const ContourOwners& owners_;
+    Vec3 axis_;
+    std::array<Bounds, 3> bounds_;
+    MendStats stats_;
+};
+
+}  // namespace
+
+MendStats mend_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine, int threads) {
+    if (!drawn.table || !drawn.owners || drawn.planes.empty()) return {};
+    return Mender(bench, drawn, least_sine).run(threads);
+}
+
+}  // namespace anatomesh

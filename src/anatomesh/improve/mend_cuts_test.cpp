@@ -1,0 +1,229 @@
+#include "anatomesh/improve/mend_cuts.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "anatomesh/geom/predicates.h"
+#include "anatomesh/improve/section_areas.h"
+#include "anatomesh/mesh/brick_mesh_for_test.h"
+#include "anatomesh/mesh/cell_shape.h"
+#include "anatomesh/mesh/topology.h"
+#include "anatomesh/sample/analytic_field_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+constexpr int width = 8, height = 6;
+
+// Two structures side by side, which meet in a wall at x = 4; slices at z = 2, 3 and 4.
+struct Wall {
+    TetMesh mesh = testing::brick_mesh({width, width, height}, [](int, int, int) { return Region{1}; });
+    RegionTable table{{{}, {0}, {1}}};
+    std::vector<std::uint32_t> neighbors, slice_of;
+    std::vector<std::uint8_t> fixed;
+    std::vector<Plane> planes;
+    std::vector<double> weights;
+    ContourOwners owners;
+    fixtures::AnalyticField field{{[](Vec3 p) { return p.x - 4; }, [](Vec3 p) { return 4 - p.x; }}, 10};
+
+    Wall() {
+        for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+            mesh.regions[c] = centre(c).x < 4 ? Region{1} : Region{2};
+        neighbors = cell_neighbors(mesh.cells, mesh.points.size());
+        for (const double z : {4.0, 2.0, 3.0}) planes.push_back(make_plane({0, 0, z}, {0, 0, 1}));
+        for (const Vec3& p : mesh.points) {
+            const bool rim =
+                p.x == 0 || p.x == width || p.y == 0 || p.y == width || p.z == 0 || p.z == height;
+            fixed.push_back(rim);
+            slice_of.push_back(no_slice);
+        }
+        weights.assign(2 * planes.size(), 1.0 / (4 * width));
+        owners = ContourOwners({}, mesh.points.size());
+    }
+
+    Vec3 centre(std::size_t c) const {
+        Vec3 sum;
+        for (const std::uint32_t v : mesh.cells[c]) sum += 0.25 * mesh.points[v];
+        return sum;
+    }
+    DrawnSlices drawn() const { return {&table, slice_of, &owners, planes, weights, 1e-9}; }
+
+    // Of the contours: vertices in a slice on the wall are fixed, and must be on both surfaces.
+    void draw(double y) {
+        std::vector<std::array<std::uint32_t, 2>> pairs;
+        for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
+            const Vec3 p = mesh.points[v];
+            if (p.x != 4 || p.y > y || p.z < 2 || p.z > 4) continue;
+            fixed[v] = 1;
+            slice_of[v] = p.z == 4 ? 0 : p.z == 2 ? 1 : 2;
+            pairs.push_back({v, 0});
+            pairs.push_back({v, 1});
+        }
+        owners = ContourOwners(std::move(pairs), mesh.points.size());
+    }
+
+    // With the share of the cuts that is wrong before and after.
+    std::array<double, 2> mend(MendStats& stats) {
+        EditMesh edited(std::move(mesh), neighbors);
+        Workbench bench(edited, fixed, {}, field, 2, {});
+        bench.table = &table;
+        bench.goal = 0.3;
+        const DrawnSlices slices = drawn();
+        SectionAreas areas(bench, slices);
+        const auto wrong = [&] {
+            std::vector<std::uint32_t> all;
+            for (std::uint32_t c = 0; c < edited.cell_count(); ++c) {
+                if (edited.alive(c)) all.push_back(c);
+            }
+            return areas.wrong(all);
+        };
+        std::array<double, 2> shares{wrong(), 0};
+        stats = mend_cuts(bench, slices, 0.17, 1);
+        shares[1] = wrong();
+        mesh = std::move(edited).take(neighbors);
+        return shares;
+    }
+
+    void expect_sound() const {
+        for (const Cell& v : mesh.cells)
+            ASSERT_EQ(orient3d(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]),
+                      1);
+        EXPECT_EQ(neighbors, cell_neighbors(mesh.cells, mesh.points.size()));
+        for (std::uint32_t s = 0; s < 2; ++s) {
+            const SurfaceTopology topology = surface_topology(structure_surface(mesh, table, s));
+            EXPECT_TRUE(topology.closed_manifold());
+            EXPECT_EQ(topology.components, 1u);
+            EXPECT_EQ(topology.genus, 0);
+        }
+    }
+};
+
+TEST(MendCuts, what_is_drawn_is_left_as_it_is) {
+    Wall wall;
+    wall.draw(width);
+    const TetMesh before = wall.mesh;
+    MendStats stats;
+    EXPECT_EQ(wall.mend(stats), (std::array{0.0, 0.0}));
+    EXPECT_EQ(stats.places_found, 0u);
+    EXPECT_EQ(wall.mesh.points, before.points);
+    EXPECT_EQ(wall.mesh.regions, before.regions);
+}
+
+TEST(MendCuts, cells_on_the_wrong_side_of_a_slice_go_back) {
+    std::mt19937 random(3);
+    double all_before = 0, all_after = 0;
+    for (int n = 0; n < 20; ++n) {
+        Wall wall;
+        wall.draw(n % 2 ? width : 0);
+        // Cells with one facet on the wall: the surfaces stay discs.
+        std::vector<std::uint32_t> touched;
+        for (std::uint32_t c = 0; c < wall.mesh.cells.size(); ++c) {
+            int on = 0;
+            bool apart = true, inner = true;
+            for (const std::uint32_t v : wall.mesh.cells[c]) {
+                on += wall.mesh.points[v].x == 4;
+                apart = apart && std::find(touched.begin(), touched.end(), v) == touched.end();
+                const Vec3 p = wall.mesh.points[v];
+                inner = inner && p.y > 0 && p.y < width && p.z > 0 && p.z < height;
+            }
+            if (on != 3 || !apart || !inner || random() % 3) continue;
+            wall.mesh.regions[c] = wall.mesh.regions[c] == 1 ? Region{2} : Region{1};
+            touched.insert(touched.end(), wall.mesh.cells[c].begin(), wall.mesh.cells[c].end());
+        }
+        MendStats stats;
+        const auto [before, after] = wall.mend(stats);
+        EXPECT_LE(after, before);
+        all_before += before;
+        all_after += after;
+        wall.expect_sound();
+    }
+    EXPECT_GT(all_before, 0);
+    EXPECT_LT(all_after, 0.01 * all_before);
+}
+
+// The wall has a step in a slice: over it the one structure rests with free vertices on the plane beside what
+// is drawn of it there.
+TEST(MendCuts, free_vertices_leave_the_plane_and_fixed_ones_stay) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> shift(-0.15, 0.15);
+    for (int n = 0; n < 20; ++n) {
+        Wall wall;
+        for (std::size_t c = 0; c < wall.mesh.cells.size(); ++c) {
+            const Vec3 p = wall.centre(c);
+            wall.mesh.regions[c] = p.x < (p.z > 3 ? 6 : 4) ? Region{1} : Region{2};
+        }
+        const auto side = [](Vec3 p) { return p.x - (p.z > 3 ? 6 : 4); };
+        wall.field = fixtures::AnalyticField({side, [side](Vec3 p) { return -side(p); }}, 10);
+        wall.draw(width);
+        for (std::size_t v = 0; v < wall.mesh.points.size(); ++v) {
+            if (!wall.fixed[v] && wall.mesh.points[v].z == 3) wall.mesh.points[v].y += shift(random);
+        }
+        wall.planes.erase(wall.planes.begin());  // that at z = 4 has nothing to do with it
+        for (std::uint32_t& slice : wall.slice_of)
+            slice = slice == no_slice || slice == 0 ? no_slice : slice - 1;
+        wall.weights.resize(2 * wall.planes.size());
+        const std::vector<Vec3> points = wall.mesh.points;
+        const std::vector<std::uint8_t> fixed = wall.fixed;
+        MendStats stats;
+        const auto [before, after] = wall.mend(stats);
+        EXPECT_GT(before, 0.4);  // of the slice half is drawn, and half as much beside it
+        EXPECT_LT(after, 0.35 * before);
+        EXPECT_GT(stats.vertices_moved, 0u);
+        wall.expect_sound();
+        for (std::size_t v = 0; v < points.size(); ++v) {
+            const bool moved = wall.mesh.points[v] != points[v];
+            EXPECT_FALSE(moved && fixed[v]);
+            EXPECT_TRUE(!moved || wall.fixed[v]);
+        }
+    }
+}
+
+TEST(MendCuts, without_planes_or_where_slices_do_not_tell_nothing_is_done) {
+    for (const bool planes : {false, true}) {
+        Wall wall;
+        for (std::size_t c = 0; c < wall.mesh.cells.size(); ++c) {
+            if (wall.centre(c).x > 4 && wall.centre(c).x < 4.3 && c % 5 == 0) wall.mesh.regions[c] = 1;
+        }
+        if (planes) {
+            std::fill(wall.weights.begin(), wall.weights.end(), 0);
+        } else {
+            wall.planes.clear();
+        }
+        const std::vector<Region> before = wall.mesh.regions;
+        MendStats stats;
+        EditMesh edited(std::move(wall.mesh), wall.neighbors);
+        Workbench bench(edited, wall.fixed, {}, wall.field, 2, {});
+        bench.table = &wall.table;
+        stats = mend_cuts(bench, wall.drawn(), 0.17, 1);
+        EXPECT_EQ(stats.places_found, 0u);
+        EXPECT_TRUE(stats.changed.empty());
+        EXPECT_EQ(std::move(edited).take(wall.neighbors).regions, before);
+    }
+}
+
+// The sections of cells fill a plane, whatever vertices lie in it.
+TEST(SectionAreas, of_all_cells_add_up_to_the_plane) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> shift(-0.2, 0.2);
+    for (int n = 0; n < 10; ++n) {
+        Wall wall;
+        for (std::size_t v = 0; v < wall.mesh.points.size(); ++v) {
+            if (!wall.fixed[v] && random() % 2) wall.mesh.points[v].z += shift(random);
+        }
+        // Nothing is drawn: all is wrong, once.
+        const fixtures::AnalyticField nothing({[](Vec3) { return 1.0; }, [](Vec3) { return 1.0; }}, 10);
+        EditMesh edited(std::move(wall.mesh), wall.neighbors);
+        Workbench bench(edited, wall.fixed, {}, nothing, 2, {});
+        const DrawnSlices slices = wall.drawn();
+        SectionAreas areas(bench, slices);
+        std::vector<std::uint32_t> all(edited.cell_count());
+        for (std::uint32_t c = 0; c < all.size(); ++c) all[c] = c;
+        EXPECT_NEAR(areas.wrong(all), 3 * width * width / (4.0 * width), 1e-9);
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh

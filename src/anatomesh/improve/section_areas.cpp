@@ -1,0 +1,166 @@
+#include "anatomesh/improve/section_areas.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+
+namespace anatomesh {
+
+namespace {
+
+double triangle_area(Vec3 a, Vec3 b, Vec3 c) {
+    return 0.5 * length(cross(b - a, c - a));
+}
+
+}  // namespace
+
+SectionAreas::SectionAreas(Workbench& bench, const DrawnSlices& drawn)
+    : bench_(bench),
+      drawn_(drawn),
+      order_(drawn.planes.size()),
+      rank_(drawn.planes.size()),
+      of_cuts_(drawn.weights.size(), 0) {
+    const Vec3 axis = drawn.planes.front().normal;
+    std::iota(order_.begin(), order_.end(), 0u);
+    const auto at = [&](std::uint32_t k) { return dot(drawn.planes[k].origin, axis); };
+    std::sort(order_.begin(), order_.end(), [&](std::uint32_t j, std::uint32_t k) { return at(j) < at(k); });
+    for (std::uint32_t n = 0; n < order_.size(); ++n) {
+        heights_.push_back(at(order_[n]));
+        rank_[order_[n]] = n;
+    }
+}
+
+std::uint32_t SectionAreas::level(std::uint32_t v) const {
+    if (v < drawn_.slice_of.size() && drawn_.slice_of[v] != no_slice)
+        return 2 * rank_[drawn_.slice_of[v]] + 1;
+    const Vec3 p = bench_.mesh.point(v);
+    const double height = dot(p, drawn_.planes.front().normal);
+    const auto above = static_cast<std::uint32_t>(std::lower_bound(heights_.begin(), heights_.end(), height) -
+                                                  heights_.begin());
+    if (above < heights_.size() && heights_[above] - height <= drawn_.on_plane_mm) return 2 * above + 1;
+    if (above > 0 && height - heights_[above - 1] <= drawn_.on_plane_mm) return 2 * above - 1;
+    return 2 * above;
+}
+
+// Structures that are in the regions and not drawn in the plane at p, or drawn there and in neither.
+double SectionAreas::wrong_part(double area, Region here, Region there, std::uint32_t level, Vec3 p) {
+    const std::vector<std::uint32_t>&one = drawn_.table->members[here], &other = drawn_.table->members[there],
+          &seen = bench_.probe.members(p);
+    both_.clear();
+    std::set_union(one.begin(), one.end(), other.begin(), other.end(), std::back_inserter(both_));
+    const std::uint32_t slice = order_[level / 2];
+    double sum = 0;
+    const auto add = [&](const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
+        for (const std::uint32_t s : a) {
+            if (std::binary_search(b.begin(), b.end(), s)) continue;
+            const std::size_t cut = s * drawn_.planes.size() + slice;
+            sum += area * drawn_.weights[cut];
+            if (counts_) of_cuts_[cut] += share_ * area * drawn_.weights[cut];
+            if (drawn_.weights[cut] > 0) largest_ = std::max(largest_, of_cuts_[cut]);
+        }
+    };
+    add(both_, seen);
+    add(seen, both_);
+    return sum;
+}
+
+double SectionAreas::wrong_sections(std::uint32_t c) {
+    const Cell& cell = bench_.mesh.cell(c);
+    std::array<std::uint32_t, 4> levels{};
+    for (std::size_t i = 0; i < 4; ++i) levels[i] = level(cell[i]);
+    const auto [low, high] = std::minmax_element(levels.begin(), levels.end());
+    double sum = 0;
+    for (std::uint32_t plane = (*low + 1) | 1; plane < *high; plane += 2) {
+        // Corners in the plane, then those on edges: from each vertex below to those above, there and back.
+        std::array<Vec3, 4> corners;
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < 4; ++i) {
+            if (levels[i] == plane) corners[count++] = bench_.mesh.point(cell[i]);
+        }
+        bool back = false;
+        for (std::size_t i = 0; i < 4; ++i) {
+            if (levels[i] >= plane) continue;
+            for (std::size_t n = 0; n < 4; ++n) {
+                const std::size_t j = back ? 3 - n : n;
+                if (levels[j] <= plane) continue;
+                const Vec3 p = bench_.mesh.point(cell[i]), q = bench_.mesh.point(cell[j]);
+                const double at_p = height(plane, p), at_q = height(plane, q);
+                corners[count++] = p + at_p / (at_p - at_q) * (q - p);
+            }
+            back = !back;
+        }
+        Vec3 middle{};
+        for (std::size_t n = 0; n < count; ++n)
+            middle = middle + (1 / static_cast<double>(count)) * corners[n];
+        double area = triangle_area(corners[0], corners[1], corners[2]);
+        if (count == 4) area += triangle_area(corners[0], corners[2], corners[3]);
+        const Region region = bench_.mesh.region(c);
+        sum += wrong_part(area, region, region, plane, middle);
+    }
+    return sum;
+}
+
+double SectionAreas::wrong_facet(Vec3 a, Vec3 b, Vec3 c, std::uint32_t level, Region here, Region there) {
+    return wrong_part(triangle_area(a, b, c), here, there, level, (1.0 / 3) * (a + b + c));
+}
+
+// 0 where it lies in no plane.
+double SectionAreas::wrong_facet_of(std::uint32_t c, int i) {
+    const Cell& cell = bench_.mesh.cell(c);
+    const auto& f = facet_vertices[i];
+    const std::uint32_t first = level(cell[f[0]]), other = bench_.mesh.neighbor(c, i);
+    if (first % 2 == 0 || other == no_cell || level(cell[f[1]]) != first || level(cell[f[2]]) != first)
+        return 0;
+    return wrong_facet(bench_.mesh.point(cell[f[0]]), bench_.mesh.point(cell[f[1]]),
+                       bench_.mesh.point(cell[f[2]]), first, bench_.mesh.region(c),
+                       bench_.mesh.region(other));
+}
+
+double SectionAreas::wrong(std::span<const std::uint32_t> cells) {
+    double sum = 0;
+    for (const std::uint32_t c : cells) {
+        sum += wrong_sections(c);
+        for (int i = 0; i < 4; ++i) {
+            const std::uint32_t other = bench_.mesh.neighbor(c, i);
+            const bool both = std::find(cells.begin(), cells.end(), other) != cells.end();
+            sum += (both ? 0.5 : 1) * wrong_facet_of(c, i);
+        }
+    }
+    return sum;
+}
+
+double SectionAreas::wrong_round(std::uint32_t v, std::span<const std::uint32_t> star) {
+    double sum = 0;
+    for (const std::uint32_t c : star) {
+        sum += wrong_sections(c);
+        for (int i = 0; i < 4; ++i) {
+            if (bench_.mesh.cell(c)[i] != v) sum += 0.5 * wrong_facet_of(c, i);
+        }
+    }
+    return sum;
+}
+
+void SectionAreas::sum_cuts(std::span<const std::uint32_t> cells) {
+    std::fill(of_cuts_.begin(), of_cuts_.end(), 0);
+    counts_ = true;
+    for (const std::uint32_t c : cells) {
+        share_ = 1;
+        wrong_sections(c);
+        share_ = 0.5;  // seen from both sides
+        for (int i = 0; i < 4; ++i) wrong_facet_of(c, i);
+    }
+    counts_ = false;
+}
+
+double SectionAreas::largest_cut_at(std::uint32_t c, int i) {
+    largest_ = 0;
+    wrong_at(c, i);
+    return largest_;
+}
+
+double SectionAreas::wrong_at(std::uint32_t c, int i) {
+    return wrong_sections(c) + wrong_sections(bench_.mesh.neighbor(c, i)) + wrong_facet_of(c, i);
+}
+
+}  // namespace anatomesh
