@@ -42,31 +42,27 @@ class Flipper {
 
     void run(std::vector<std::uint32_t>& changed) {
         waits_.assign(facets_.size(), 0);
-        gains_.assign(facets_.size(), 0);
-        fails_.assign(facets_.size(), 0);
         std::vector<std::uint32_t> work(facets_.size());
         for (std::uint32_t f = 0; f < work.size(); ++f) work[f] = f;
         for (int round = 0; round < options_.rounds && !work.empty(); ++round) {
-            for (const std::uint32_t f : work) waits_[f] = 1;
-            touched_.assign(bench_.mesh.point_count(), 0);
-            measure_gains(work);
-            std::vector<std::uint32_t> flipped;
-            for (std::size_t n = 0; n < work.size(); ++n) {
-                const std::uint32_t f = work[n];
-                prefetch(work, n);
-                waits_[f] = 0;
-                for (int k = 0; k < 3; ++k) {
-                    const std::uint32_t g = facets_[f].across[k];
-                    if (g == no_facet || waits_[g] || !(gains_[f] >> k & 1) || known_to_fail(f, k) ||
-                        !flip(f, k, changed))
-                        continue;
-                    expect_gains_round(f, g);
-                    flipped.push_back(f);
-                    flipped.push_back(g);
-                    break;
+            std::vector<Flip> flips = find_flips(work);
+            std::vector<CellExchange> exchanges;
+            exchanges.reserve(flips.size());
+            for (Flip& flip : flips) exchanges.push_back(std::move(flip.cells));
+            const std::vector<std::uint8_t> done = bench_.mesh.replace_apart(exchanges, threads_);
+            std::vector<std::uint32_t> flipped, left;
+            for (std::size_t n = 0; n < flips.size(); ++n) {
+                const Quad& q = flips[n].quad;
+                if (!done[n]) {
+                    left.push_back(q.f);
+                    continue;
                 }
+                replace(flips[n], exchanges[n]);
+                flipped.insert(flipped.end(), {q.f, q.g});
+                changed.insert(changed.end(), exchanges[n].slots.begin(), exchanges[n].slots.end());
+                ++bench_.stats.surface_edges_smoothed;
             }
-            work = with_neighbors(flipped);
+            work = with_neighbors(flipped, std::move(left));
         }
     }
 
@@ -78,20 +74,17 @@ class Flipper {
         std::uint32_t a, b, c, d;
     };
 
+    struct Flip {
+        Quad quad;
+        Vec3 n, m;    // normals of the new facets
+        double gain;  // see gain()
+        CellExchange cells;
+    };
+
     void prefetch_beside(std::uint32_t f) const {
         for (const std::uint32_t g : facets_[f].across) {
             if (g != no_facet) __builtin_prefetch(&facets_[g]);
         }
-    }
-
-    // One facet in a few is flipped: what that reads is brought into the cache before its turn comes.
-    void prefetch(const std::vector<std::uint32_t>& work, std::size_t n) const {
-        constexpr std::size_t ahead = 16;
-        const auto cell_at = [&](std::size_t m) {
-            return m < work.size() && gains_[work[m]] != 0 ? facets_[work[m]].cell : no_cell;
-        };
-        if (const std::uint32_t c = cell_at(n + 2 * ahead); c != no_cell) bench_.mesh.prefetch(c);
-        if (const std::uint32_t c = cell_at(n + ahead); c != no_cell) bench_.mesh.prefetch_round(c);
     }
 
     Vec3 normal(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
@@ -124,51 +117,36 @@ class Flipper {
                                     });
     }
 
-    // Which edges of the facets would gain by a flip as things are; and, while there are several threads to
-    // look, which of these cannot be flipped: what happens to the mesh is the same without.
-    void measure_gains(const std::vector<std::uint32_t>& work) {
-        parallel_for(work.size(), 1024, threads_, [&](std::size_t first, std::size_t last) {
-            std::optional<Workbench> scout;
-            if (threads_ > 1) scout.emplace(bench_).scouts = true;
-            for (std::size_t n = first; n < last; ++n) {
-                if (n + cells_ahead < last) prefetch_beside(work[n + cells_ahead]);
-                const std::uint32_t f = work[n];
-                std::uint8_t gains = 0, fails = 0;
-                for (int k = 0; k < 3; ++k) {
-                    const std::uint32_t g = facets_[f].across[k];
-                    // Of two facets in the work, the later one asks.
-                    if (g == no_facet || (g > f && waits_[g])) continue;
-                    const Quad q = quad(f, k);
-                    if (!gains_enough(q, normal(q.a, q.d, q.c), normal(q.d, q.b, q.c))) continue;
-                    gains = static_cast<std::uint8_t>(gains | 1 << k);
-                    if (scout && !flip_cells(*scout, q)) fails = static_cast<std::uint8_t>(fails | 1 << k);
+    // Of the edges of the facets those whose flip gains and that the cells let flip, with most to gain first.
+    std::vector<Flip> find_flips(const std::vector<std::uint32_t>& work) {
+        for (const std::uint32_t f : work) waits_[f] = 1;
+        std::vector<Flip> flips = parallel_collect<Flip>(
+            work.size(), 512, threads_, [&](std::size_t first, std::size_t last, std::vector<Flip>& found) {
+                Workbench scout = bench_;
+                scout.scouts = true;
+                for (std::size_t n = first; n < last; ++n) {
+                    if (n + cells_ahead < last) prefetch_beside(work[n + cells_ahead]);
+                    for (int k = 0; k < 3; ++k) {
+                        const std::uint32_t f = work[n], g = facets_[f].across[k];
+                        // Of two facets in the work, the later one asks.
+                        if (g != no_facet && !(g > f && waits_[g])) add_flip(scout, quad(f, k), found);
+                    }
                 }
-                gains_[f] = gains;
-                fails_[f] = fails;
-            }
+            });
+        for (const std::uint32_t f : work) waits_[f] = 0;
+        std::sort(flips.begin(), flips.end(), [](const Flip& x, const Flip& y) {
+            if (x.gain != y.gain) return x.gain > y.gain;
+            return x.quad.f != y.quad.f ? x.quad.f < y.quad.f : x.quad.k < y.quad.k;
         });
+        return flips;
     }
 
-    // Whether a scout found that the cells do not let an edge of f be flipped, and none round it has changed
-    // since.
-    bool known_to_fail(std::uint32_t f, int k) const {
-        const auto& corners = facets_[f].corners;
-        return fails_[f] >> k & 1 && !(touched_[corners[(k + 1) % 3]] && touched_[corners[(k + 2) % 3]]);
-    }
-
-    // After a flip of f and g, what was measured for the facets up to two further on may not hold.
-    void expect_gains_round(std::uint32_t f, std::uint32_t g) {
-        constexpr std::uint8_t all = 7;
-        for (const std::uint32_t flipped : {f, g}) {
-            gains_[flipped] = all;
-            for (const std::uint32_t near : facets_[flipped].across) {
-                if (near == no_facet) continue;
-                gains_[near] = all;
-                for (const std::uint32_t far : facets_[near].across) {
-                    if (far != no_facet) gains_[far] = all;
-                }
-            }
-        }
+    void add_flip(Workbench& scout, const Quad& q, std::vector<Flip>& found) {
+        const Vec3 n = normal(q.a, q.d, q.c), m = normal(q.d, q.b, q.c);
+        const double gained = gain(q, n, m);
+        if (!(gained >= options_.least_gain_degrees * std::numbers::pi / 180) || !flip_cells(scout, q))
+            return;
+        found.push_back({q, n, m, gained, {scout.ring.cells, scout.cells, scout.regions, {}}});
     }
 
     // Joins the facets of each edge that has just two.
@@ -216,8 +194,10 @@ class Flipper {
         });
     }
 
-    std::vector<std::uint32_t> with_neighbors(const std::vector<std::uint32_t>& changed) const {
-        std::vector<std::uint32_t> all;
+    // Those that were left too.
+    std::vector<std::uint32_t> with_neighbors(const std::vector<std::uint32_t>& changed,
+                                              std::vector<std::uint32_t> left) const {
+        std::vector<std::uint32_t> all = std::move(left);
         for (const std::uint32_t f : changed) {
             all.push_back(f);
             for (const std::uint32_t g : facets_[f].across) {
@@ -254,50 +234,33 @@ class Flipper {
         return sum;
     }
 
-    bool gains_enough(const Quad& q, Vec3 n, Vec3 m) const {
-        return gain(q, n, m) >= options_.least_gain_degrees * std::numbers::pi / 180;
+    // Whether the cells let the edge be flipped; the scout has the new ones then.
+    bool flip_cells(Workbench& scout, const Quad& q) {
+        if (scout.fixed_edge(q.a, q.b)) return false;
+        const auto edge = cell_edge(scout, facets_[q.f], q.a, q.b);
+        return edge && flip_edge(scout, edge->first, edge->second, options_.good_sine);
     }
 
-    bool flip(std::uint32_t f, int k, std::vector<std::uint32_t>& changed) {
-        const Quad q = quad(f, k);
-        const Vec3 n = normal(q.a, q.d, q.c), m = normal(q.d, q.b, q.c);
-        if (!gains_enough(q, n, m) || !flip_cells(bench_, q)) return false;
-        changed.insert(changed.end(), bench_.changed.begin(), bench_.changed.end());
-        for (const std::uint32_t c : bench_.changed) {
-            for (const std::uint32_t v : bench_.mesh.cell(c)) touched_[v] = 1;
-        }
-        replace(q, n, m);
-        return true;
-    }
-
-    // The flip in the cells of the bench, or, on a scout's, whether it may succeed.
-    bool flip_cells(Workbench& bench, const Quad& q) {
-        if (bench.fixed_edge(q.a, q.b)) return false;
-        const auto edge = cell_edge(bench, facets_[q.f], q.a, q.b);
-        return edge && flip_edge(bench, edge->first, edge->second, options_.good_sine);
+    static bool has_facet(const Cell& cell, const Facet& facet) {
+        return std::all_of(facet.corners.begin(), facet.corners.end(), [&](std::uint32_t v) {
+            return std::find(cell.begin(), cell.end(), v) != cell.end();
+        });
     }
 
     // A cell behind the facet and its edge ab.
-    static std::optional<std::pair<std::uint32_t, int>> cell_edge(Workbench& bench, Facet& facet,
+    static std::optional<std::pair<std::uint32_t, int>> cell_edge(Workbench& scout, Facet& facet,
                                                                   std::uint32_t a, std::uint32_t b) {
-        const auto behind = [&](std::uint32_t c) {
-            if (!bench.mesh.alive(c) || bench.mesh.region(c) != facet.behind) return false;
-            const Cell& cell = bench.mesh.cell(c);
-            return std::all_of(facet.corners.begin(), facet.corners.end(), [&](std::uint32_t v) {
-                return std::find(cell.begin(), cell.end(), v) != cell.end();
-            });
+        const auto is_behind = [&](std::uint32_t c) {
+            return scout.mesh.alive(c) && scout.mesh.region(c) == facet.behind &&
+                   has_facet(scout.mesh.cell(c), facet);
         };
-        if (!behind(facet.cell)) {
-            if (bench.scouts) {
-                bench.mesh.shared_star(a, bench.star);
-            } else {
-                bench.mesh.star(a, bench.star);
-            }
-            const auto found = std::find_if(bench.star.begin(), bench.star.end(), behind);
-            if (found == bench.star.end()) return std::nullopt;
+        if (!is_behind(facet.cell)) {
+            scout.mesh.shared_star(a, scout.star);
+            const auto found = std::find_if(scout.star.begin(), scout.star.end(), is_behind);
+            if (found == scout.star.end()) return std::nullopt;
             facet.cell = *found;
         }
-        const Cell& cell = bench.mesh.cell(facet.cell);
+        const Cell& cell = scout.mesh.cell(facet.cell);
         for (int e = 0; e < 6; ++e) {
             const std::uint32_t u = cell[cell_edges[e][0]], v = cell[cell_edges[e][1]];
             if ((u == a && v == b) || (u == b && v == a)) return std::pair{facet.cell, e};
@@ -306,16 +269,23 @@ class Flipper {
     }
 
     // The facets f and g become (a, d, c) and (d, b, c).
-    void replace(const Quad& q, Vec3 n, Vec3 m) {
+    void replace(const Flip& flip, const CellExchange& cells) {
+        const Quad& q = flip.quad;
         Facet &f = facets_[q.f], &g = facets_[q.g];
         const std::uint32_t beyond_bc = f.across[(q.k + 1) % 3], beyond_ca = f.across[(q.k + 2) % 3],
                             beyond_ad = g.across[(q.j + 1) % 3], beyond_db = g.across[(q.j + 2) % 3];
         f.corners = {q.a, q.d, q.c};
         f.across = {q.g, beyond_ca, beyond_ad};
-        f.normal = n;
+        f.normal = flip.n;
         g.corners = {q.d, q.b, q.c};
         g.across = {beyond_bc, q.f, beyond_db};
-        g.normal = m;
+        g.normal = flip.m;
+        for (std::size_t n = 0; n < cells.added.size(); ++n) {
+            for (Facet* facet : {&f, &g}) {
+                if (cells.regions[n] == facet->behind && has_facet(cells.added[n], *facet))
+                    facet->cell = cells.slots[n];
+            }
+        }
         if (beyond_ad != no_facet)
             *std::find(facets_[beyond_ad].across.begin(), facets_[beyond_ad].across.end(), q.g) = q.f;
         if (beyond_bc != no_facet)
@@ -326,10 +296,7 @@ class Flipper {
     FlipOptions options_;
     int threads_;
     std::vector<Facet> facets_;
-    std::vector<std::uint8_t> gains_;  // by facet: a bit for each edge whose flip may gain
-    std::vector<std::uint8_t> fails_;  // by facet: a bit for each edge that a scout could not flip
-    std::vector<std::uint8_t> touched_;  // by vertex, since the scouts: a cell at it has changed
-    std::vector<std::uint8_t> waits_;  // by facet: its turn in this round is still to come
+    std::vector<std::uint8_t> waits_;  // by facet: it is in the work
 };
 
 }  // namespace

@@ -231,7 +231,7 @@ class Climber {
         touched_.assign(bench_.mesh.point_count(), 0);
         parallel_for(bad.size(), 16, threads, [&](std::size_t first, std::size_t last) {
             Workbench scout = bench_;
-            scout.scouts = true;
+            scout.scouts = scout.nearsighted = true;
             for (std::size_t n = first; n < last; ++n) {
                 int& next = bad[n].first_try;
                 while (next < scouted_tries && !attempt(scout, bad[n].cell, next)) ++next;

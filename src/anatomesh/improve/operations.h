@@ -9,8 +9,9 @@
 
 namespace anatomesh {
 
-// A scout (workbench.h) may try remove_edge, remove_facet and move_vertex; what they say depends on the cells
-// that have a vertex of the cell (or the vertex), and on nothing else of the mesh.
+// A scout (workbench.h) may try remove_edge, flip_edge, remove_facet and move_vertex; what they say depends,
+// if it is nearsighted, on the cells that have a vertex of the cell (or the vertex), and on nothing else of
+// the mesh. Of removed and flipped edges it has the cells in `ring` and those for them in `cells`, `regions`.
 
 // Takes away edge `e` of a cell: the cells round it are replaced by those of the best triangulation of its
 // ring (dynamic programme of Klincsek, Annals of Discrete Mathematics 9, 1980). For an edge of the surface

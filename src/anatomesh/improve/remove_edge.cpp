@@ -148,8 +148,8 @@ bool remove_surface_edge(Workbench& bench, const RingFacets& facets, const Bar& 
     // An arc of one cell has the diagonal as an edge already: then it must not be an edge of an interface.
     if (arc == 1 || arc == size - 1) {
         const std::uint32_t lone = bench.ring.cells[static_cast<std::size_t>(arc == 1 ? from : to)];
-        // A scout does not look beyond the ring.
-        if (!bench.scouts && bench.mesh.edge_on_interface(lone, edge_between(bench.mesh.cell(lone), c, d)))
+        if (!bench.nearsighted &&
+            bench.mesh.edge_on_interface(lone, edge_between(bench.mesh.cell(lone), c, d)))
             return false;
         if (!triangulation.append(0, size, arc == 1 ? beyond : between, needed)) return false;
     } else if (triangulation.fails_at_base(from, arc + 1, between, needed) ||

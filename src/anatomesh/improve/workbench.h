@@ -36,6 +36,9 @@ class Workbench {
     // A copy of a bench that scouts leaves the mesh as it is: removals and moves say true where they may
     // succeed, false only where they would fail. Each thread may have one.
     bool scouts = false;
+    // Scouts that look at no cells but those with a vertex of the cell, or the vertex, in question: what
+    // fails on such a bench does so as long as these cells stay.
+    bool nearsighted = false;
     bool moves_junctions = false;  // vertices where three or more regions meet may move
     bool lowers_ratios = false;    // operations are judged by the largest ratio, not by the least sine
     double least_needed_sine = 0;  // of new cells, whatever was there; of those judged by ratio, or as before

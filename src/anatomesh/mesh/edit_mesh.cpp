@@ -4,6 +4,8 @@
 #include <cassert>
 #include <utility>
 
+#include "anatomesh/base/parallel.h"
+
 namespace anatomesh {
 
 EditMesh::EditMesh(TetMesh mesh, std::span<const std::uint32_t> neighbors)
@@ -141,6 +143,64 @@ bool EditMesh::vertex_on_interface(std::uint32_t v) {
 
 void EditMesh::replace(std::span<const std::uint32_t> removed, std::span<const Cell> added,
                        std::span<const Region> regions, std::vector<std::uint32_t>& slots) {
+    take_slots(removed, added.size(), slots);
+    put(removed, added, regions, slots, sides_);
+    free_slots(removed, added.size());
+}
+
+std::vector<std::uint8_t> EditMesh::replace_apart(std::span<CellExchange> exchanges, int threads) {
+    std::vector<std::uint8_t> done(exchanges.size(), 0), taken(points_.size(), 0);
+    std::vector<CellExchange*> apart;
+    for (std::size_t n = 0; n < exchanges.size(); ++n) {
+        CellExchange& exchange = exchanges[n];
+        const auto is_taken = [&](const Cell& cell) {
+            return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return taken[v] != 0; });
+        };
+        if (std::any_of(exchange.added.begin(), exchange.added.end(), is_taken)) continue;
+        for (const Cell& cell : exchange.added) {
+            for (const std::uint32_t v : cell) taken[v] = 1;
+        }
+        take_slots(exchange.removed, exchange.added.size(), exchange.slots);
+        apart.push_back(&exchange);
+        done[n] = 1;
+    }
+    parallel_for(apart.size(), 128, threads, [&](std::size_t first, std::size_t last) {
+        std::vector<Side> sides;
+        for (std::size_t n = first; n < last; ++n) {
+            const CellExchange& exchange = *apart[n];
+            put(exchange.removed, exchange.added, exchange.regions, exchange.slots, sides);
+        }
+    });
+    // Not before: none may take a number that another one's cell still has.
+    for (const CellExchange* exchange : apart) free_slots(exchange->removed, exchange->added.size());
+    return done;
+}
+
+void EditMesh::take_slots(std::span<const std::uint32_t> removed, std::size_t added,
+                          std::vector<std::uint32_t>& slots) {
+    slots.assign(removed.begin(),
+                 removed.begin() + static_cast<std::ptrdiff_t>(std::min(added, removed.size())));
+    while (slots.size() < added) {
+        if (!free_.empty()) {
+            slots.push_back(free_.back());
+            free_.pop_back();
+            continue;
+        }
+        slots.push_back(static_cast<std::uint32_t>(cells_.size()));
+        cells_.emplace_back();
+        regions_.emplace_back();
+        neighbors_.emplace_back();
+        mark_.push_back(0);
+    }
+}
+
+void EditMesh::free_slots(std::span<const std::uint32_t> removed, std::size_t added) {
+    for (std::size_t n = added; n < removed.size(); ++n) free_.push_back(removed[n]);
+}
+
+void EditMesh::put(std::span<const std::uint32_t> removed, std::span<const Cell> added,
+                   std::span<const Region> regions, std::span<const std::uint32_t> slots,
+                   std::vector<Side>& sides) {
     const auto sorted = [](const Cell& cell, int i) {
         const auto& f = facet_vertices[i];
         std::array<std::uint32_t, 3> facet{cell[f[0]], cell[f[1]], cell[f[2]]};
@@ -150,56 +210,38 @@ void EditMesh::replace(std::span<const std::uint32_t> removed, std::span<const C
         return facet;
     };
     // The cells beyond the outer facets, seen from there; hull facets have none.
-    sides_.clear();
-    ++stamp_;
-    for (const std::uint32_t c : removed) mark_[c] = stamp_;
+    sides.clear();
     for (const std::uint32_t c : removed) {
         for (int i = 0; i < 4; ++i) {
             const std::uint32_t across = neighbors_[c][i];
-            if (across == no_cell || mark_[across] == stamp_) continue;
+            if (across == no_cell || std::find(removed.begin(), removed.end(), across) != removed.end())
+                continue;
             int back = 0;
             while (neighbors_[across][back] != c) ++back;
-            sides_.push_back({sorted(cells_[c], i), across, back});
+            sides.push_back({sorted(cells_[c], i), across, back});
         }
         for (const std::uint32_t v : cells_[c]) cell_of_[v] = no_cell;
     }
-    for (std::size_t n = 0; n < removed.size(); ++n) {
-        cells_[removed[n]][0] = no_cell;
-        if (n >= added.size()) free_.push_back(removed[n]);
-    }
+    for (const std::uint32_t c : removed) cells_[c][0] = no_cell;
     // Vertices whose listed cell went and that have no new one keep a cell outside the cavity.
-    for (const Side& side : sides_) {
+    for (const Side& side : sides) {
         for (const std::uint32_t v : side.facet) cell_of_[v] = side.cell;
     }
-    slots.clear();
     for (std::size_t n = 0; n < added.size(); ++n) {
-        std::uint32_t slot = no_cell;
-        if (n < removed.size()) {
-            slot = removed[n];
-        } else if (!free_.empty()) {
-            slot = free_.back();
-            free_.pop_back();
-        } else {
-            slot = static_cast<std::uint32_t>(cells_.size());
-            cells_.emplace_back();
-            regions_.emplace_back();
-            neighbors_.emplace_back();
-            mark_.push_back(0);
-        }
+        const std::uint32_t slot = slots[n];
         cells_[slot] = added[n];
         regions_[slot] = regions[n];
         neighbors_[slot].fill(no_cell);
-        slots.push_back(slot);
         for (int i = 0; i < 4; ++i) {
             cell_of_[added[n][i]] = slot;
-            sides_.push_back({sorted(added[n], i), slot, i});
+            sides.push_back({sorted(added[n], i), slot, i});
         }
     }
-    std::sort(sides_.begin(), sides_.end(), [](const Side& x, const Side& y) { return x.facet < y.facet; });
-    for (std::size_t n = 0; n + 1 < sides_.size(); ++n) {
-        const Side &x = sides_[n], &y = sides_[n + 1];
+    std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) { return x.facet < y.facet; });
+    for (std::size_t n = 0; n + 1 < sides.size(); ++n) {
+        const Side &x = sides[n], &y = sides[n + 1];
         if (x.facet != y.facet) continue;
-        assert(n + 2 == sides_.size() || sides_[n + 2].facet != x.facet);
+        assert(n + 2 == sides.size() || sides[n + 2].facet != x.facet);
         neighbors_[x.cell][x.index] = y.cell;
         neighbors_[y.cell][y.index] = x.cell;
         ++n;

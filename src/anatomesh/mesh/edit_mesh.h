@@ -23,6 +23,14 @@ struct EdgeRing {
     bool closed = false;  // false when the edge lies on the hull of the mesh; then the ring is not complete
 };
 
+// Cells, and those to take their place.
+struct CellExchange {
+    std::vector<std::uint32_t> removed;
+    std::vector<Cell> added;
+    std::vector<Region> regions;       // of those added
+    std::vector<std::uint32_t> slots;  // their numbers, once they are in the mesh
+};
+
 // Cells keep their numbers until they are removed; numbers of removed cells are used again.
 // Memory: 40 bytes a cell beside the mesh. Not thread-safe: it keeps scratch space.
 class EditMesh {
@@ -79,12 +87,24 @@ class EditMesh {
     void replace(std::span<const std::uint32_t> removed, std::span<const Cell> added,
                  std::span<const Region> regions, std::vector<std::uint32_t>& slots);
 
+    // Does the exchanges, several at the same time, but for those that share a vertex with one that is done
+    // and comes before. Returns for each whether it was done. Guarantees: the same for any `threads`.
+    // Requires: as replace(); the vertices of the cells removed are those of the cells added.
+    std::vector<std::uint8_t> replace_apart(std::span<CellExchange> exchanges, int threads);
+
   private:
     struct Side {
         std::array<std::uint32_t, 3> facet;  // sorted vertices
         std::uint32_t cell;
         int index;
     };
+    // The numbers that cells get which take the place of `removed`; those left over are free afterwards.
+    void take_slots(std::span<const std::uint32_t> removed, std::size_t added,
+                    std::vector<std::uint32_t>& slots);
+    void free_slots(std::span<const std::uint32_t> removed, std::size_t added);
+    // Writes to the cells in question and those beside them, and to nothing else.
+    void put(std::span<const std::uint32_t> removed, std::span<const Cell> added,
+             std::span<const Region> regions, std::span<const std::uint32_t> slots, std::vector<Side>& sides);
     std::uint32_t next_round(std::uint32_t c, std::uint32_t a, std::uint32_t b, std::uint32_t leave,
                              std::uint32_t keep, std::uint32_t& fresh) const;
 
