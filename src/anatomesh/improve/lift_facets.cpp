@@ -16,6 +16,7 @@ namespace {
 constexpr double first_height = 0.2,
                  height_factor = 1.5;  // of the new vertex, as a share of the cell's height
 constexpr int heights = 4;
+constexpr double flat_end = 1e-3;  // of a facet's longest edge: nearer to an interface its middle lies on it
 constexpr std::size_t most_round_edge = 12;  // cells between two facets that are lifted together
 constexpr double last_radius_edge = 3.9;     // of cells for the sake of what is drawn
 
@@ -79,10 +80,25 @@ class Lifter {
         if (other == no_cell || bench_.mesh.region(other) == bench_.mesh.region(c) ||
             !in_slice(bench_.mesh.cell(c), i))
             return false;
-        const std::vector<std::uint32_t>& there = bench_.probe.members(middle({c, i}));
+        // A facet of a flat end lies on the interface itself.
+        const double on_interface = flat_end * longest_edge({c, i});
+        const InterfaceProbe::Look look = bench_.probe.look(middle({c, i}), on_interface);
+        if (look.distance < on_interface) return false;
+        const std::vector<std::uint32_t>& there = look.members;
         const std::vector<std::uint32_t>& here = drawn_.table->members[bench_.mesh.region(c)];
         return drawn_.table->members[bench_.mesh.region(other)] == there &&
                !std::includes(there.begin(), there.end(), here.begin(), here.end());
+    }
+
+    double longest_edge(Hole::CellFacet facet) const {
+        double longest = 0;
+        for (int n = 0; n < 3; ++n) {
+            const Cell& cell = bench_.mesh.cell(facet.first);
+            const auto& f = facet_vertices[facet.second];
+            longest = std::max(
+                longest, length(bench_.mesh.point(cell[f[n]]) - bench_.mesh.point(cell[f[(n + 1) % 3]])));
+        }
+        return longest;
     }
 
     Vec3 middle(Hole::CellFacet facet) const {

@@ -232,6 +232,32 @@ TEST(BuildModel, the_caps_of_prisms_and_cones_are_planes) {
     }
 }
 
+// A narrow outline has no vertices inside that hold up its end.
+TEST(BuildModel, flat_ends_of_narrow_strips_are_what_is_drawn) {
+    for (const double width : {1.5, 2.0, 3.0, 4.5}) {
+        for (const double turn : {0.0, 0.4}) {
+            SCOPED_TRACE(testing::Message() << width << " mm wide, turned " << turn);
+            Drawing drawing;
+            for (int k = 0; k < 6; ++k) {
+                const double more = std::min(1.5 * k, 4.5);
+                drawing.add(0, 3 * k, divided(rectangle({-more, -more}, {width + more, 24 + more}), 3));
+            }
+            drawing.move([&](Vec3 p) {
+                return Vec3{std::cos(turn) * p.x - std::sin(turn) * p.y,
+                            std::sin(turn) * p.x + std::cos(turn) * p.y, p.z};
+            });
+            RunContext context;
+            ModelOptions options;
+            options.caps = EndCaps::flat;
+            auto made = build_model(kept(drawing.raw), options, context);
+            ASSERT_TRUE(made.ok()) << to_line(made.error());
+            ASSERT_EQ(made.value().report.cuts.size(), 6u);
+            for (const SliceCutReport& cut : made.value().report.cuts)
+                EXPECT_LE(cut.difference_mm2, 1e-3 * cut.drawn_mm2) << cut.slice;
+        }
+    }
+}
+
 TEST(BuildModel, C13_contours_of_3_points) {
     Drawing drawing;
     for (int z = 0; z < 5; ++z) drawing.add(0, 2 * z, {{0, 0}, {10, 0}, {0, 10}});
