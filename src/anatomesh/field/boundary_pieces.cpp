@@ -92,6 +92,13 @@ Boundary boundary_of(const DistanceMap& map, double gap) {
         const double size = length(chord);
         if (size > 0.1 * reach) boundary.pieces[p].facing = (1 / size) * Vec2{chord.y, -chord.x};
     }
+    boundary.outline.assign(boundary.pieces.size(), no_piece);
+    for (std::uint32_t p = 0; p < boundary.pieces.size(); ++p) {
+        if (boundary.outline[p] != no_piece) continue;
+        for (std::uint32_t at = p; at != no_piece && boundary.outline[at] == no_piece; at = boundary.next[at])
+            boundary.outline[at] = boundary.outlines;
+        ++boundary.outlines;
+    }
     return boundary;
 }
 
@@ -112,7 +119,8 @@ PieceIndex::PieceIndex(const Boundary& boundary, double gap) : gap_(gap) {
     for (std::uint32_t p = 0; p < pieces.size(); ++p) {
         const BoundaryPiece& piece = pieces[p];
         const Vec2 edge = piece.b - piece.a;
-        listed_[next[bin_of(piece.middle())]++] = {piece.a, edge, piece.facing, 1 / squared_length(edge), p};
+        listed_[next[bin_of(piece.middle())]++] = {
+            piece.a, edge, piece.facing, 1 / squared_length(edge), p, boundary.outline[p]};
     }
 }
 
@@ -135,12 +143,23 @@ void PieceIndex::each_in_row(std::int64_t j, std::int64_t first, std::int64_t la
 }
 
 PieceIndex::Match PieceIndex::nearest(Vec2 from, Vec2 facing, Vec2 target) const {
+    return search(from, facing, target, search_reach * gap_, [](const Listed&) { return true; });
+}
+
+PieceIndex::Match PieceIndex::nearest(Vec2 from, Vec2 facing, Vec2 target, double reach,
+                                      std::uint32_t outline) const {
+    return search(from, facing, target, reach, [&](const Listed& piece) { return piece.outline == outline; });
+}
+
+template <class Accepts>
+PieceIndex::Match PieceIndex::search(Vec2 from, Vec2 facing, Vec2 target, double most,
+                                     const Accepts& accepts) const {
     Match best;
-    const double most = search_reach * gap_, turn = 2 * turn_cost * turn_cost * gap_ * gap_;
+    const double turn = 2 * turn_cost * turn_cost * gap_ * gap_;
     double best_cost = most * most;
     const auto compare = [&](const Listed& piece) {
         const double cosine = dot(piece.facing, facing);
-        if (cosine < least_cosine) return;
+        if (cosine < least_cosine || !accepts(piece)) return;
         const double s = std::clamp(dot(target - piece.a, piece.edge) * piece.inverse, 0.0, 1.0);
         const Vec2 point = piece.a + s * piece.edge;
         const double cost = squared_length(point - target) + turn * (1 - cosine);

@@ -26,6 +26,8 @@ struct Boundary {
     std::vector<BoundaryPiece> pieces;
     std::vector<std::uint32_t> first;  // piece of each edge of the region; the number of pieces at the end
     std::vector<std::uint32_t> next, previous;  // along the boundary; no_piece where it cannot be told
+    std::vector<std::uint32_t> outline;         // of each piece; numbered by their first pieces
+    std::uint32_t outlines = 0;
 };
 
 // The edge that starts where each edge ends, no_piece where none does; where several do, the first that is
@@ -50,8 +52,13 @@ class PieceIndex {
     // The point of the boundary for one at `from` that faces `facing` and is expected at `target`: the
     // nearest to the target, a difference of facing counting as distance, within 3.5 gaps of both.
     Match nearest(Vec2 from, Vec2 facing, Vec2 target) const;
+    // The same, of one outline alone and within `reach` (mm).
+    Match nearest(Vec2 from, Vec2 facing, Vec2 target, double reach, std::uint32_t outline) const;
 
   private:
+    template <class Accepts>
+    Match search(Vec2 from, Vec2 facing, Vec2 target, double reach, const Accepts& accepts) const;
+
     std::int64_t column(double x, double low) const {
         return static_cast<std::int64_t>(std::floor((x - low) / bin_));
     }
@@ -63,7 +70,7 @@ class PieceIndex {
     struct Listed {
         Vec2 a, edge, facing;
         double inverse;  // of the squared length
-        std::uint32_t number;
+        std::uint32_t number, outline;
     };
     double gap_, bin_ = 1;
     Box2 box_;

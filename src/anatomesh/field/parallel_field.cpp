@@ -108,6 +108,7 @@ class ParallelField final : public FieldQueries<ParallelField> {
     Status find_motions(const ContourSet& set, RunContext& context);
     void add_lone_ends_to_union(std::size_t pair);
     void warn_about_jumps(const ContourSet& set, RunContext& context) const;
+    void warn_about_ambiguities(const ContourSet& set, RunContext& context) const;
     void build_tracks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
                       const FieldOptions& options, RunContext& context);
     void build_near_table();
@@ -262,6 +263,7 @@ Status ParallelField::find_motions(const ContourSet& set, RunContext& context) {
     });
     if (context.cancelled()) return cancelled_error();
     warn_about_jumps(set, context);
+    warn_about_ambiguities(set, context);
     return Nothing{};
 }
 
@@ -286,6 +288,39 @@ void ParallelField::warn_about_jumps(const ContourSet& set, RunContext& context)
                       "the regions drawn on neighbouring slices do not overlap",
                       {set.source, first, structure_text(set.structures[s]), "", count},
                       "joined where the outline of one is near that of the other and faces the same way"});
+    }
+}
+
+// Outlines that overlap several of the next slice each, while there are more of them or fewer: nothing drawn
+// tells which becomes which. One warning per structure, with the worst of it.
+void ParallelField::warn_about_ambiguities(const ContourSet& set, RunContext& context) const {
+    for (std::size_t s = 0; s < tracks_.size(); ++s) {
+        std::size_t places = 0;
+        Ambiguity worst;
+        Track::Pair worst_pair{};
+        for (std::size_t i = 0; i < tracks_[s].pair_count(); ++i) {
+            const Track::Pair pair = tracks_[s].pair(i);
+            for (const Ambiguity& ambiguity : pair.motion->ambiguities()) {
+                if (places++ > 0 && ambiguity.below + ambiguity.above <= worst.below + worst.above) continue;
+                worst = ambiguity;
+                worst_pair = pair;
+            }
+        }
+        if (places == 0) continue;
+        const auto name = [&](std::int32_t map) {
+            return slice_text(set, slice_of_map_[static_cast<std::size_t>(map)]);
+        };
+        const Vec3 at =
+            frame_.to_space(worst.at) + 0.5 * (worst_pair.below_high + worst_pair.above_low) * frame_.normal;
+        std::string value = std::to_string(worst.below) + " outlines and " + std::to_string(worst.above) +
+                            " near " + text(at.x) + " " + text(at.y) + " " + text(at.z) + " mm";
+        if (places > 1) value += ", the worst of " + std::to_string(places) + " places";
+        context.warn({"W-FLD-010",
+                      "outlines of neighbouring slices overlap several of each other, and are not as many: "
+                      "which becomes which is ambiguous",
+                      {set.source, name(worst_pair.below) + " and " + name(worst_pair.above),
+                       structure_text(set.structures[s]), "", value},
+                      "joined where they overlap, as seen along the normal; draw a slice between the two"});
     }
 }
 

@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
+#include <random>
 
 #include "anatomesh/field/field_fixtures.h"
 #include "anatomesh/field/volume.h"
@@ -165,6 +168,88 @@ TEST(ParallelField, C16_branching) {
     EXPECT_EQ(topology_of(stack({two, two, one, one}, 3), 0.5), (Topology{1, 0, 0}));
     const std::vector<Ring> wide{at(0, 0, 14)}, three{at(-8, -5, 5), at(8, -5, 5), at(0, 9, 5)};
     EXPECT_EQ(topology_of(stack({wide, three, wide}, 3), 0.5), (Topology{1, 2, 0}));
+}
+
+bool is_ambiguous(const RunContext& context) {
+    return std::any_of(context.warnings.begin(), context.warnings.end(),
+                       [](const Warning& warning) { return warning.code == "W-FLD-010"; });
+}
+
+TEST(ParallelField, C16_what_branches_one_to_many_is_not_ambiguous) {
+    const auto at = [](double x, double y, double r) { return circle({x, y}, r, 48); };
+    const std::vector<Ring> one{at(0, 0, 14)}, two{at(-6, 0, 5), at(6, 0, 5)},
+        three{at(-8, -5, 5), at(8, -5, 5), at(0, 9, 5)}, apart{at(-6, 0, 5), at(6, 0, 5), at(30, 0, 5)};
+    // A ring round others is one outline among several.
+    const std::vector<Ring> ring{at(0, 0, 40), reversed(at(0, 0, 36)), at(-6, 0, 5), at(6, 0, 5)},
+        in_ring{at(0, 0, 40), reversed(at(0, 0, 36)), at(0, 0, 12)};
+    for (const std::vector<std::vector<Ring>>& slices :
+         std::vector<std::vector<std::vector<Ring>>>{{one, two},
+                                                     {two, one},
+                                                     {one, three, one},
+                                                     {two, two},
+                                                     {two, apart},
+                                                     {ring, in_ring},
+                                                     {in_ring, ring}}) {
+        RunContext context;
+        field_of(stack(slices, 3), context);
+        EXPECT_FALSE(is_ambiguous(context));
+    }
+}
+
+// Five discs and seven at random: the warning comes where, and only where, discs hang together by
+// overlapping, several of each slice, not as many of the one as of the other.
+TEST(ParallelField, C16_five_outlines_and_seven_are_ambiguous_where_several_overlap_several) {
+    std::mt19937 random(57);
+    int ambiguous = 0;
+    for (int n = 0; n < 60; ++n) {
+        const double spread = 12 + 0.5 * n;  // half the width of where they lie
+        struct Disc {
+            Vec2 at;
+            double radius;
+        };
+        const auto discs = [&](std::size_t count, double radius) {
+            std::uniform_real_distribution<double> place(-spread, spread);
+            std::vector<Disc> found;
+            for (int tries = 0; found.size() < count && tries < 20000; ++tries) {
+                const Vec2 at{place(random), place(random)};
+                if (std::none_of(found.begin(), found.end(),
+                                 [&](const Disc& other) { return length(at - other.at) < 2.1 * radius; }))
+                    found.push_back({at, radius});
+            }
+            return found;
+        };
+        const std::array<std::vector<Disc>, 2> drawn{discs(5, 0.34 * spread), discs(7, 0.29 * spread)};
+        std::array<std::vector<Ring>, 2> rings;
+        std::vector<std::size_t> group(drawn[0].size() + drawn[1].size());
+        std::iota(group.begin(), group.end(), std::size_t{0});
+        bool is_close = false;  // too close to tell from polygons
+        for (std::size_t k : {0u, 1u}) {
+            for (const Disc& disc : drawn[k]) rings[k].push_back(circle(disc.at, disc.radius, 90));
+        }
+        for (std::size_t i = 0; i < drawn[0].size(); ++i) {
+            for (std::size_t j = 0; j < drawn[1].size(); ++j) {
+                const double over =
+                    drawn[0][i].radius + drawn[1][j].radius - length(drawn[0][i].at - drawn[1][j].at);
+                is_close |= std::abs(over) < 0.02 * spread;
+                if (!(over > 0)) continue;
+                const std::size_t from = group[drawn[0].size() + j], to = group[i];
+                std::replace(group.begin(), group.end(), from, to);
+            }
+        }
+        if (is_close) continue;
+        bool expected = false;
+        for (std::size_t g = 0; g < group.size(); ++g) {
+            const auto middle = group.begin() + static_cast<std::ptrdiff_t>(drawn[0].size());
+            const auto below = std::count(group.begin(), middle, g),
+                       above = std::count(middle, group.end(), g);
+            expected |= below > 1 && above > 1 && below != above;
+        }
+        ambiguous += expected;
+        RunContext context;
+        field_of(stack({rings[0], rings[1]}, 3), context);
+        EXPECT_EQ(is_ambiguous(context), expected) << n;
+    }
+    EXPECT_GT(ambiguous, 5);
 }
 
 TEST(ParallelField, C18_a_tip_of_a_thousandth_of_the_area_is_joined) {

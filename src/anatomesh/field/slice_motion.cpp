@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "anatomesh/field/boundary_pieces.h"
+#include "anatomesh/field/nested_outlines.h"
 
 namespace anatomesh {
 
@@ -113,9 +114,10 @@ class Average {
 
 // Adds the matches of the pieces of `from` in `to`. `sign`: 1 if `to` is the slice above, -1 if it is the one
 // below. `before`: the motion of the round before.
-void add_matches(const BoundarySide& from, const BoundarySide& to, double sign, double gap,
-                 const Average* before, Average& average) {
-    for (const BoundaryPiece& piece : from.boundary.pieces) {
+void add_matches(const BoundarySide& from, const BoundarySide& to, const std::vector<NestedOutline>& nested,
+                 double sign, double gap, const Average* before, Average& average) {
+    for (std::uint32_t p = 0; p < from.boundary.pieces.size(); ++p) {
+        const BoundaryPiece& piece = from.boundary.pieces[p];
         if (piece.facing == Vec2{}) continue;
         const Vec2 start = piece.middle();
         Vec2 expected;
@@ -123,9 +125,16 @@ void add_matches(const BoundarySide& from, const BoundarySide& to, double sign, 
             const Vec2 middle = start + (0.5 * sign) * before->at(start);
             expected = sign * before->at(middle);
         }
-        const PieceIndex::Match there = to.index.nearest(start, piece.facing, start + expected);
+        const NestedOutline& nest = nested[from.boundary.outline[p]];
+        PieceIndex::Match there = to.index.nearest(start, piece.facing, start + expected);
+        if (there.piece == no_piece && nest.other != no_piece)
+            there = to.index.nearest(start, piece.facing, start + expected, nest.reach, nest.other);
         if (there.piece == no_piece) continue;
-        const PieceIndex::Match back = from.index.nearest(there.point, piece.facing, there.point - expected);
+        const Vec2 expected_back = there.point - expected;
+        PieceIndex::Match back = from.index.nearest(there.point, piece.facing, expected_back);
+        if (back.piece == no_piece && nest.other == to.boundary.outline[there.piece])
+            back = from.index.nearest(there.point, piece.facing, expected_back, nest.reach,
+                                      from.boundary.outline[p]);
         if (back.piece == no_piece) continue;
         const double off = length(back.point - start) / (return_tolerance * gap);
         const Vec2 move = there.point - start;
@@ -157,6 +166,7 @@ SliceMotion::SliceMotion(const DistanceMap& below, const DistanceMap& above, dou
     const double most =
         16.0 * static_cast<double>(below_side.boundary.pieces.size() + above_side.boundary.pieces.size()) +
         4096;
+    const auto [below_nested, above_nested] = nested_outlines(below_side.boundary, above_side.boundary, gap);
     std::unique_ptr<Average> average;
     for (std::size_t round = 0; round < averaging.size(); ++round) {
         const double radius = averaging[round] * gap;
@@ -164,8 +174,8 @@ SliceMotion::SliceMotion(const DistanceMap& below, const DistanceMap& above, dou
         const Lattice lattice(box.grown(averaging.back() * gap),
                               (is_last ? lattice_step : averaging[round] / 4) * gap, most);
         auto next = std::make_unique<Average>(lattice, std::max(radius, 2 * lattice.step), rest * gap);
-        add_matches(below_side, above_side, 1, gap, average.get(), *next);
-        add_matches(above_side, below_side, -1, gap, average.get(), *next);
+        add_matches(below_side, above_side, below_nested, 1, gap, average.get(), *next);
+        add_matches(above_side, below_side, above_nested, -1, gap, average.get(), *next);
         average = std::move(next);
     }
     const Lattice& lattice = average->lattice();
@@ -211,6 +221,7 @@ SliceMotion::SliceMotion(const DistanceMap& below, const DistanceMap& above, dou
         }
     }
     overlaps_ = regions_overlap(below_side, below, above_side, above);
+    ambiguities_ = anatomesh::ambiguities(below_side, below, above_side, above);
 }
 
 }  // namespace anatomesh

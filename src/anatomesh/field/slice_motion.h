@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "anatomesh/field/branching.h"
 #include "anatomesh/field/distance_map.h"
 
 namespace anatomesh {
@@ -60,6 +61,7 @@ class SliceMotion {
     bool overlaps() const {
         return overlaps_;
     }  // whether the two regions have a common point, as seen from above
+    const std::vector<Ambiguity>& ambiguities() const { return ambiguities_; }
     std::size_t bytes() const { return nodes_.size() * sizeof(Node); }
 
   private:
@@ -85,6 +87,7 @@ class SliceMotion {
     double step_ = 1, inverse_step_ = 1, max_move_ = 0, max_bow_ = 0;
     std::uint32_t cells_x_ = 0, cells_y_ = 0;
     bool overlaps_ = true;
+    std::vector<Ambiguity> ambiguities_;
     std::vector<Node> nodes_;
 };
 

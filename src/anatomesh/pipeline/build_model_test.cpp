@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+#include <tuple>
+#include <vector>
+
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
@@ -144,6 +149,32 @@ TEST(BuildModel, C16_bifurcating_tube) {
         }
     }
     expect_structure(certified_model(drawing), 0, {1, 0, 8 * pi * 25 + 10 * 2 * pi * 9, 0.06});
+}
+
+// C-16: five tubes and seven that begin where those end, at random places: whatever is joined, it is closed,
+// manifold and of the field's volume.
+TEST(BuildModel, C16_five_tubes_and_seven) {
+    std::mt19937 random(75);
+    std::uniform_real_distribution<double> place(-15, 15);
+    for (int n = 0; n < 10; ++n) {
+        Drawing drawing;
+        for (const auto& [count, radius, first] : {std::tuple(5, 4.5, 0), std::tuple(7, 3.5, 3)}) {
+            std::vector<Vec2> middles;
+            while (static_cast<int>(middles.size()) < count) {
+                const Vec2 at{place(random), place(random)};
+                if (std::none_of(middles.begin(), middles.end(),
+                                 [&](Vec2 other) { return length(at - other) < 2 * radius + 0.5; }))
+                    middles.push_back(at);
+            }
+            for (const Vec2 at : middles) {
+                for (int k = first; k < first + 3; ++k) drawing.add(0, 2.0 * k, circle(at, radius, 16));
+            }
+        }
+        const Model model = certified_model(drawing);
+        ASSERT_FALSE(model.report.structures.empty()) << n;
+        EXPECT_GE(model.report.structures[0].components, 1u) << n;
+        EXPECT_LE(model.report.structures[0].components, 12u) << n;
+    }
 }
 
 // C-07: rings in rings, a cylinder of each; the innermost is full when their number is odd.

@@ -12,24 +12,29 @@ namespace {
 
 using namespace fixtures;
 
-// x = turned (axes * unit ball): an ellipsoid that leans against all axes.
-constexpr Vec3 axes{32, 24, 18};
-
 struct Turn {
     Vec3 x, y, z;
     Vec3 operator()(Vec3 p) const { return p.x * x + p.y * y + p.z * z; }
     Vec3 back(Vec3 p) const { return {dot(p, x), dot(p, y), dot(p, z)}; }
 };
 
-Turn turn() {
-    const Vec3 x = normalized({1, 0.4, 0.6}), y = normalized(cross({0, 0, 1}, x));
-    return {x, y, cross(x, y)};
-}
+// x = turned (axes * unit ball), and its slices.
+struct Ellipsoid {
+    Vec3 axes{32, 24, 18};
+    Vec3 along{1, 0.4, 0.6};  // its first axis; it leans against all axes
+    double gap = 3, spacing = 2.5;
 
-// The ellipse in which the plane at z cuts the ellipsoid, its points about `spacing` apart; empty where it
-// does not.
-Polygon section(double z, double spacing) {
-    const Turn turned = turn();
+    Turn turn() const {
+        const Vec3 x = normalized(along), y = normalized(cross({0, 0, 1}, x));
+        return {x, y, cross(x, y)};
+    }
+};
+
+// The ellipse in which the plane at z cuts the ellipsoid, its points about as far apart as they should be;
+// empty where it does not.
+Polygon section(const Ellipsoid& solid, double z) {
+    const Turn turned = solid.turn();
+    const Vec3 axes = solid.axes;
     // |A p|^2 = 1 with A = diag(1 / axes) * turn^T, restricted to the plane: a quadratic form in x and y.
     const auto unit = [&](Vec3 p) {
         const Vec3 q = turned.back(p);
@@ -44,7 +49,7 @@ Polygon section(double z, double spacing) {
     // The square root of the inverse of (a b; b c), by Cholesky.
     const double l = std::sqrt(a), m = b / l, n = std::sqrt(c - m * m);
     const int corners =
-        std::max(8, static_cast<int>(2 * pi * std::sqrt(rest / std::sqrt(determinant)) / spacing));
+        std::max(8, static_cast<int>(2 * pi * std::sqrt(rest / std::sqrt(determinant)) / solid.spacing));
     Polygon polygon;
     for (int k = 0; k < corners; ++k) {
         const double t = 2 * pi * k / corners, s = std::sqrt(rest) * std::sin(t) / n;
@@ -83,7 +88,7 @@ Smoothness smoothness(const std::vector<Vec3>& points, const std::vector<Triangl
 }
 
 // The ellipsoid meshed directly: every facet of an icosahedron cut into n^2, the vertices put onto the solid.
-Smoothness direct(int n) {
+Smoothness direct(const Ellipsoid& solid, int n) {
     const double g = 0.5 * (1 + std::sqrt(5.0));
     const std::array<Vec3, 12> corners{Vec3{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
                                        {0, -1, g},     {0, 1, g}, {0, -1, -g}, {0, 1, -g},
@@ -94,7 +99,8 @@ Smoothness direct(int n) {
          {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
     std::vector<Vec3> points;
     std::vector<Triangle> triangles;
-    const Turn turned = turn();
+    const Turn turned = solid.turn();
+    const Vec3 axes = solid.axes;
     const auto less = [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); };
     std::map<Vec3, std::uint32_t, decltype(less)> known(less);
     for (const auto& facet : facets) {
@@ -123,12 +129,14 @@ Smoothness direct(int n) {
 }
 
 // How much larger the angles between neighbouring facets are than on the same ellipsoid meshed directly at
-// the same mean edge length, when its slices are at -40.5 + shift, 3 mm apart.
-double roughness(double shift) {
+// the same mean edge length, when one of its slices is at `shift`.
+double roughness(const Ellipsoid& solid, double shift) {
     Drawing drawing;
     double low = 1e9, high = -1e9;
-    for (double z = -40.5 + shift; z < 41; z += 3) {
-        const Polygon polygon = section(z, 2.5);
+    const int most = static_cast<int>(std::ceil(solid.axes.x / solid.gap));
+    for (int k = -most; k <= most; ++k) {
+        const double z = k * solid.gap + shift;
+        const Polygon polygon = section(solid, z);
         if (polygon.empty()) continue;
         drawing.add(0, z, polygon);
         low = std::min(low, z);
@@ -139,22 +147,43 @@ double roughness(double shift) {
     // Between the first and the last slice: what lies beyond is the caps' business.
     const Smoothness sliced = smoothness(model.mesh.points, structure_surface(model.mesh, model.regions, 0),
                                          [&](Vec3 p) { return p.z > low + 0.01 && p.z < high - 0.01; });
-    Smoothness reference = direct(12);
+    Smoothness reference = direct(solid, 12);
     const int n = static_cast<int>(std::round(12 * reference.edge / sliced.edge));
-    reference = direct(n);
+    reference = direct(solid, n);
     return sliced.angle / (reference.angle * sliced.edge / reference.edge);
+}
+
+double mean_roughness(const Ellipsoid& solid, int positions) {
+    double total = 0;
+    for (int n = 0; n < positions; ++n) {
+        const double ratio = roughness(solid, (n + 0.3) / positions * solid.gap);
+        EXPECT_LT(ratio, 1.3) << n;
+        total += ratio;
+    }
+    return total / positions;
 }
 
 // One position of the slices says little: from one to the next the ratio changes by a twentieth.
 TEST(Terraces, a_leaning_ellipsoid_of_slices_is_about_as_smooth_as_one_meshed_directly) {
-    constexpr int positions = 6;
+    EXPECT_LE(mean_roughness({}, 6), 1.2);
+}
+
+// Flat caps, where an outline shrinks by many gaps from slice to slice; upright, leaning, lying; finer and
+// coarser. The mesh that they are compared with is better than any mesher's: an ellipsoid's icosahedron is
+// convex, and so are all its edges; CGAL's angles are 1.09 to 1.21 times as large on these solids.
+TEST(Terraces, ellipsoids_at_any_angle_and_spacing_have_none) {
+    const std::vector<Ellipsoid> solids{
+        {{32, 24, 18}, {1, 0.3, 0.26}, 3, 2.5}, {{32, 24, 18}, {1, 0.2, 0.1}, 2, 2},
+        {{50, 35, 25}, {1, 0.5, 0.35}, 3, 2},   {{30, 30, 15}, {1, 0, 0.58}, 3, 2.5},
+        {{40, 20, 20}, {1, 0.1, 1}, 3, 2.5},    {{32, 24, 18}, {1, 0.3, 1.7}, 2, 2.5},
+        {{50, 35, 25}, {1, 0.4, 0.4}, 5, 4},    {{45, 30, 22}, {1, 0.4, 0.2}, 3, 2}};
     double total = 0;
-    for (int n = 0; n < positions; ++n) {
-        const double ratio = roughness(0.5 * n);
-        EXPECT_LT(ratio, 1.3) << n;
+    for (const Ellipsoid& solid : solids) {
+        const double ratio = mean_roughness(solid, 2);
+        EXPECT_LE(ratio, 1.27) << solid.axes.x << " " << solid.along.z << " " << solid.gap;
         total += ratio;
     }
-    EXPECT_LE(total / positions, 1.2);
+    EXPECT_LE(total / static_cast<double>(solids.size()), 1.2);
 }
 
 }  // namespace
