@@ -202,7 +202,7 @@ class Builder {
         }
         pieces_.emplace(*mesh_, sample_->guard, *field_, std::move(pieces),
                         ContourPieceOptions{sample_->stats.size_mm, spared_, dense_ && !crammed_, conforming_,
-                                            sparing_ == 0});
+                                            sample_->graded, sparing_ == 0});
         given_.assign(mesh_->points().size(), 0);
         for (std::size_t n = 0; n < sample_->stats.contour_points; ++n) given_[vertices[n]] = 1;
         return end_stage("delaunay", 0.35);
@@ -221,7 +221,8 @@ class Builder {
     Status refine_cells() {
         const double size_mm = sample_->stats.size_mm;
         RefinementOptions options{
-            size_mm, options_.max_radius_edge, 0, surface_deviation * size_mm, spared_, conforming_};
+            size_mm,     options_.max_radius_edge, 0, surface_deviation * size_mm, spared_,
+            conforming_, sample_->graded};
         if (spared_) {
             const double share = crowded_share * plane_density(contours_, *field_);
             options.crowded_mm = std::min(share, most_crowded_share) * size_mm;

@@ -21,6 +21,7 @@ constexpr double dense_free_share = 0.5;  // the whole ball of a piece that is s
 constexpr double piece_clearance = 0.05;
 constexpr double lone_room = 1.9;  // in shares as above: nearly the whole ball of the piece
 constexpr double crowded_room = 0.3;
+constexpr double shortest_graded = 0.01;  // as shortest_piece, where pieces were split beforehand
 
 }  // namespace
 
@@ -34,6 +35,10 @@ SplitLimits SplitLimits::lone() {
 
 SplitLimits SplitLimits::among_others() {
     return {0, crowded_room, piece_clearance, false};
+}
+
+SplitLimits SplitLimits::graded() {
+    return {shortest_graded, crowded_room, 0, false};
 }
 
 SplitLimits SplitLimits::beside_short() {
@@ -148,6 +153,9 @@ Status ContourPieces::recover(std::size_t share, RunContext& context, const Spli
 Status ContourPieces::finish(RunContext& context) {
     if (options_.spared) return recover(0, context);
     ANATOMESH_CHECK_STATUS(recover_few(context));
+    if (options_.graded) {
+        ANATOMESH_CHECK_STATUS(recover(0, context, SplitLimits::graded()));
+    }
     if (options_.to_short) {
         const std::size_t before = pieces_.size();
         ANATOMESH_CHECK_STATUS(

@@ -19,6 +19,7 @@ struct ContourPieceOptions {
     bool spared = false;   // the last few are left, and those with other contours' vertices in their balls
     bool dense = false;    // the planes lie closer than the contours' vertices
     bool conforming = false;  // they were split beforehand as far as other contours ask: some are short
+    bool graded = false;      // beforehand too, but in their slices alone
     bool to_short = true;  // finish() splits to short ones however many are missing, where it may help
 };
 
@@ -34,6 +35,7 @@ struct SplitLimits {
     static SplitLimits lone();
     // Where planes are dense other contours' vertices nearly always are.
     static SplitLimits among_others();
+    static SplitLimits graded();        // those that are missing among short ones, however many
     static SplitLimits beside_short();  // those in whose balls circumcentres of cells at short ones lie
 };
 

@@ -131,8 +131,10 @@ Status RefinementRounds::improve_shapes(RunContext& context) {
     const SplitLimits limits = options_.conforming ? SplitLimits::beside_short() : SplitLimits::scaled(1);
     for (int round = 0; round < rounds_in_small_meshes(refinement_rounds); ++round) {
         // Where contours meet at small angles, segments and shape cannot both have their way: shape has the
-        // last word, but for a try that splits segments for each other's sake.
-        const double share = options_.conforming ? 1 : round < protected_rounds ? protected_at_first : 0;
+        // last word, but where segments were split for each other's sake.
+        const double share = options_.conforming || options_.graded ? 1
+                             : round < protected_rounds             ? protected_at_first
+                                                                    : 0;
         std::vector<Vec3> found;
         const RefineStats stats = find_shape_points(options_.max_radius_edge, share, shapes_, found, context);
         if (round == 0) stats_.radius_edge_mean_before = stats.radius_edge_mean;

@@ -23,6 +23,7 @@ struct RefinementOptions {
     bool spared =
         false;  // fewer rounds for what lies between the contours; what they crowd is met beside them
     bool conforming = false;  // pieces were split beforehand as far as other contours ask, and are further
+    bool graded = false;      // they were in their slices alone
 };
 
 struct RefinementStats {

@@ -12,10 +12,12 @@ namespace anatomesh {
 namespace {
 
 constexpr int most_rounds = 24;
+constexpr std::size_t most_added = 2;  // points for one that was there: above it no shorter pieces are made
 constexpr double near_share = 0.5;    // of the shortest length
 constexpr double in_ball = 1 - 1e-9;  // a vertex on its sphere is not in it
 constexpr double cell_share = 0.5;    // of the mean length of the pieces: a cell of the grid
 
+using VertexPair = std::array<std::uint32_t, 2>;
 using Owner = std::array<std::uint32_t, 2>;  // a point, and a structure with a contour through it
 
 class Conformer {
@@ -25,6 +27,9 @@ class Conformer {
         : points_(points),
           guard_(guard),
           shortest_(options.shortest_mm),
+          growth_(options.growth),
+          graded_room_(growth_ > 0 ? options.shortest_graded_mm / (2 * growth_) : 0),
+          shortest_graded_(options.shortest_mm),
           slices_(options.slices),
           acute_(acute_vertices(points, pieces)),
           grid_(cell_share * mean_length(points, pieces), points.size()) {
@@ -37,8 +42,12 @@ class Conformer {
         std::sort(owners_.begin(), owners_.end());
     }
 
+    // From now on pieces are graded down to this length.
+    void grade_to(double shortest) { shortest_graded_ = shortest; }
+
     // Says whether any was split.
     bool split_round(std::vector<SegmentPiece>& pieces) {
+        if (growth_ > 0) find_neighbors(pieces);
         const std::size_t first_new = points_.size();
         std::vector<SegmentPiece> next;
         // Pieces of several structures with one ball follow each other.
@@ -46,7 +55,8 @@ class Conformer {
             while (last < pieces.size() && pieces[last].ball == pieces[n].ball) ++last;
             const Vec3 at = split_point(points_, pieces[n], acute_);
             const std::span<const SegmentPiece> all(pieces.data() + n, last - n);
-            if (!is_encroached(all) || is_taken(at, first_new)) {
+            if (!(is_encroached(all) && !is_taken(at, near_share * shortest_, first_new)) &&
+                !(is_ungraded(all[0]) && !is_taken(at, graded_room_, first_new))) {
                 next.insert(next.end(), all.begin(), all.end());
                 continue;
             }
@@ -92,6 +102,36 @@ class Conformer {
         return found;
     }
 
+    void find_neighbors(const std::vector<SegmentPiece>& pieces) {
+        neighbors_.clear();
+        for (const SegmentPiece& piece : pieces) {
+            neighbors_.push_back({piece.a, piece.b});
+            neighbors_.push_back({piece.b, piece.a});
+        }
+        std::sort(neighbors_.begin(), neighbors_.end());
+    }
+
+    // Whether another vertex of the slice is nearer to the piece than its length allows. At a small angle
+    // the next vertices on both sides are as near as they may be.
+    bool is_ungraded(const SegmentPiece& piece) const {
+        if (!(growth_ > 0)) return false;
+        const Vec3 a = points_[piece.a], way = points_[piece.b] - a;
+        const double span = length(way), reach = span / growth_;
+        if (span < 2 * shortest_graded_) return false;
+        const auto beside_at = [&](std::uint32_t end, std::uint32_t other, std::uint32_t v) {
+            return std::binary_search(neighbors_.begin(), neighbors_.end(), VertexPair{end, v}) &&
+                   dot(points_[v] - points_[end], points_[other] - points_[end]) > 0;
+        };
+        bool found = false;
+        grid_.for_each_within(a + 0.5 * way, 0.5 * span + reach, [&](std::uint32_t v, double) {
+            if (found || v == piece.a || v == piece.b || slices_[v] != slices_[piece.a]) return;
+            const double share = std::clamp(dot(points_[v] - a, way) / (span * span), 0.0, 1.0);
+            if (squared_length(points_[v] - (a + share * way)) >= reach * reach) return;
+            found = !beside_at(piece.a, piece.b, v) && !beside_at(piece.b, piece.a, v);
+        });
+        return found;
+    }
+
     bool counts(std::uint32_t v, std::span<const SegmentPiece> all) const {
         if (slices_.empty()) return true;
         if (slices_[v] != slices_[all[0].a]) return false;
@@ -101,8 +141,7 @@ class Conformer {
     }
 
     // By a point that was there, or one of this round.
-    bool is_taken(Vec3 p, std::size_t first_new) const {
-        const double room = near_share * shortest_;
+    bool is_taken(Vec3 p, double room, std::size_t first_new) const {
         return grid_.any_within(p, room) ||
                std::any_of(points_.begin() + static_cast<std::ptrdiff_t>(first_new), points_.end(),
                            [&](Vec3 q) { return squared_length(q - p) < room * room; });
@@ -110,9 +149,11 @@ class Conformer {
 
     std::vector<Vec3>& points_;
     SegmentGuard& guard_;
-    const double shortest_;
+    const double shortest_, growth_, graded_room_;
+    double shortest_graded_;             // so far
     std::vector<std::uint32_t> slices_;  // by point, or empty
     std::vector<Owner> owners_;          // sorted; with slices
+    std::vector<VertexPair> neighbors_;  // sorted: ends of pieces, both ways; with growth_
     const std::vector<std::uint32_t> acute_;
     PointGrid grid_;
 };
@@ -125,7 +166,18 @@ std::size_t conform_pieces(std::vector<Vec3>& points, std::vector<SegmentPiece>&
     if (pieces.empty()) return 0;
     const std::size_t before = points.size();
     Conformer conformer(points, pieces, guard, options);
-    for (int round = 0; round < most_rounds && conformer.split_round(pieces); ++round) {
+    const auto split_all = [&] {
+        for (int round = 0; round < most_rounds && conformer.split_round(pieces); ++round) {
+        }
+    };
+    split_all();
+    if (!(options.growth > 0)) return points.size() - before;
+    // Step by step: outlines that run beside each other all the way must not ask for many times the points.
+    for (double shortest = options.shortest_mm;
+         shortest > options.shortest_graded_mm && points.size() <= (1 + most_added) * before;) {
+        shortest = std::max(0.5 * shortest, options.shortest_graded_mm);
+        conformer.grade_to(shortest);
+        split_all();
     }
     return points.size() - before;
 }

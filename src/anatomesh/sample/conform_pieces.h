@@ -14,12 +14,19 @@ struct ConformOptions {
     // By point, or empty. Then those alone count that lie in the piece's slice and on no contour of its
     // structures: what keeps apart that runs side by side within slices, and leaves the rest as it is.
     std::vector<std::uint32_t> slices;
+    // With slices, if not 0: no piece is longer than so many times the distance of any vertex in its slice
+    // from it, but next to where pieces meet at a small angle; down to shortest_graded_mm (> 0), or, where
+    // that would add more than two points for each that there was, to 2, 4, ... times that. > 2
+    double growth = 0;
+    double shortest_graded_mm = 0;
 };
 
 // Splits pieces until no other contour's vertex lies in the ball of one: then all are edges of the Delaunay
 // mesh of these points, and stay so as long as free points keep out of the balls. About an axis in which
 // planes meet, contours run close beside each other far from any common vertex, and pieces become as short as
-// they are near. A vertex nearer to a piece than half the shortest length is left in its ball: no split above
+// they are near. Where contours run hundredths of a millimetre beside each other or cross near a vertex, or
+// at a small angle, `growth` makes lengths follow the distance, so that cells there can be about as wide as
+// long. A vertex nearer to a piece than half the shortest length is left in its ball: no split above
 // that length takes it out. Pieces that meet at an acute angle are split on concentric shells, and
 // no point is put nearer than half the shortest length to another one. `points` are those on contours, as
 // `guard` has them; new ones are appended, and both know the halves. Returns how many. At most 24 rounds;

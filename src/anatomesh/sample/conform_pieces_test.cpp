@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -99,6 +100,47 @@ TEST(ConformPieces, segments_apart_stay_whole_and_shared_ones_are_split_for_all)
                 whole += length(drawn.points[piece.b] - drawn.points[piece.a]);
         }
         EXPECT_NEAR(whole, 1, 1e-12) << s;
+    }
+}
+
+// Lines of two structures that cross at small angles, and lines beside each other.
+TEST(ConformPieces, graded_are_no_longer_than_growth_times_the_distance_of_the_next_vertex) {
+    constexpr double growth = 3, shortest = 0.004;
+    for (const double degrees : {1.0, 3.0, 8.0, 20.0}) {
+        for (const double apart : {0.0, 0.01, 0.03}) {
+            SCOPED_TRACE(testing::Message() << degrees << " degrees, " << apart << " apart");
+            Drawn drawn;
+            const double angle = degrees * std::numbers::pi / 180;
+            const auto a = drawn.add({0, 0, 0}), b = drawn.add({1, 0, 0}),
+                       c = apart > 0 ? drawn.add({0.3, apart, 0}) : a,
+                       d = drawn.add({1.1 * std::cos(angle), apart + 1.1 * std::sin(angle), 0});
+            drawn.pieces.push_back({a, b, 0, drawn.guard.add_segment(drawn.points[a], drawn.points[b])});
+            drawn.pieces.push_back({c, d, 1, drawn.guard.add_segment(drawn.points[c], drawn.points[d])});
+            // As many as real slices have.
+            std::vector<std::uint32_t> slices(drawn.points.size(), 0);
+            for (int n = 0; n < 300; ++n) drawn.add({0.1 * n, 0, 5});
+            slices.resize(drawn.points.size(), 1);
+            conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.05, slices, growth, shortest});
+            double whole[2] = {0, 0};
+            for (const SegmentPiece& piece : drawn.pieces) {
+                const Vec3 p = drawn.points[piece.a], way = drawn.points[piece.b] - p;
+                whole[piece.structure] += length(way);
+                if (length(way) < 2 * shortest) continue;
+                if (a == c && (piece.a == a || piece.b == a)) continue;
+                for (const SegmentPiece& other : drawn.pieces) {
+                    const bool meet =
+                        other.a == piece.a || other.a == piece.b || other.b == piece.a || other.b == piece.b;
+                    if (other.structure == piece.structure || meet) continue;
+                    for (const std::uint32_t v : {other.a, other.b}) {
+                        const Vec3 q = drawn.points[v] - p;
+                        const double share = std::clamp(dot(q, way) / squared_length(way), 0.0, 1.0);
+                        EXPECT_LE(length(way), growth * length(q - share * way) * 1.0001);
+                    }
+                }
+            }
+            EXPECT_NEAR(whole[0], 1, 1e-9);
+            EXPECT_NEAR(whole[1], length(drawn.points[d] - drawn.points[c]), 1e-9);
+        }
     }
 }
 

@@ -31,6 +31,9 @@ constexpr double contact_clearance =
 constexpr double shortest_conforming =
     0.025;  // pieces are not split below it for other contours' sake, in sizes
 constexpr double shortest_beside_others = 0.1;  // the same within parallel slices
+// There pieces are at most so many times as long as the next vertex beside them is far, down to a length in
+// sizes: what a pixel's size is apart in the mean runs hundredths of a millimetre apart in places.
+constexpr double growth_beside_others = 3, shortest_graded = 0.015;
 constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
 // Of the guard: 22 degrees at half the ball. On planes that cross there are short pieces in each other's
 // balls: points refused for them left bad cells.
@@ -254,9 +257,14 @@ class SegmentSplitter {
         }
         // On parallel slices contours of several structures may run side by side too, in their slices.
         const bool side_by_side = contours.structures.size() > 1 && is_parallel(contours);
+        sample_.graded = side_by_side && !conforming;
         if (conforming || side_by_side) {
             ConformOptions options{(conforming ? shortest_conforming : shortest_beside_others) * size_, {}};
-            if (!conforming) options.slices = std::move(slices_);
+            if (!conforming) {
+                options.slices = std::move(slices_);
+                options.growth = growth_beside_others;
+                options.shortest_graded_mm = shortest_graded * size_;
+            }
             conform_pieces(sample_.points, sample_.pieces, guard_, options);
         }
         sample_.stats.segment_points = sample_.points.size() - sample_.stats.contour_points;
@@ -459,7 +467,7 @@ double default_size(const ContourSet& contours, const StructureField& field) {
 Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field, const SampleOptions& options,
                                   RunContext& context) {
     const double size = options.size_mm > 0 ? options.size_mm : default_size(contours, field);
-    PointSample sample{{}, {}, {}, SegmentGuard(size, 0), {}};
+    PointSample sample{{}, {}, {}, SegmentGuard(size, 0), false, {}};
     sample.stats.size_mm = size;
 
     // The lattice, two steps larger than the box of the field on every side.

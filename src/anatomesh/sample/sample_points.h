@@ -38,6 +38,7 @@ struct PointSample {
     std::vector<std::uint32_t> contour_vertices;  // of every point of the contour set: its index into points
     std::vector<SegmentPiece> pieces;             // what the contour segments were split into
     SegmentGuard guard;                           // of the contour points and the split segments
+    bool graded = false;  // pieces were split as finely as others beside them in their slices ask
     SampleStats stats;
 };
 
