@@ -72,7 +72,8 @@ class Climber {
         bench_.stats.facets_left = lifted.facets_left;
         bench_.moves_junctions = true;
         // Those that the climb left are bad still; others may be where facets were lifted.
-        std::vector<std::uint32_t> left = mend(context.threads);
+        MendStats mended = mend(context.threads, nullptr);
+        std::vector<std::uint32_t> left = std::move(mended.changed);
         left.insert(left.end(), lifted.changed.begin(), lifted.changed.end());
         for (; !queue_.empty(); queue_.pop()) left.push_back(queue_.top().cell);
         collect(std::move(left), context.threads);
@@ -80,8 +81,10 @@ class Climber {
         for (auto queue = queue_; !queue.empty(); queue.pop()) watched_.push_back(queue.top().cell);
         climb_at_last(context);
         lower_ratios(context);
-        const std::vector<std::uint32_t> mended = mend(context.threads);
-        watched_.insert(watched_.end(), mended.begin(), mended.end());
+        // Where nothing was changed since there is nothing new.
+        mended.left.insert(mended.left.end(), watched_.begin(), watched_.end());
+        mended = mend(context.threads, &mended.left);
+        watched_.insert(watched_.end(), mended.changed.begin(), mended.changed.end());
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
@@ -152,13 +155,13 @@ class Climber {
         bench_.options.max_radius_edge = before;
     }
 
-    std::vector<std::uint32_t> mend(int threads) {
-        const MendStats mended =
-            mend_cuts(bench_, drawn_, std::sin(listed_degrees * radians_per_degree), threads);
+    MendStats mend(int threads, const std::vector<std::uint32_t>* look) {
+        MendStats mended =
+            mend_cuts(bench_, drawn_, std::sin(listed_degrees * radians_per_degree), threads, look);
         bench_.stats.cuts_found += mended.places_found;
         bench_.stats.cuts_mended +=
             mended.vertices_moved + mended.cells_given + mended.edges_flipped + mended.vertices_inserted;
-        return mended.changed;
+        return mended;
     }
 
     // Those of surfaces, for smaller angles between facets; cells that are bad now are queued.

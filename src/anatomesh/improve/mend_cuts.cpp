@@ -37,15 +37,8 @@ class Mender {
                {least_sine, bench.options.max_radius_edge},
                {least_sine, bench.options.last_radius_edge}}} {}
 
-    MendStats run(int threads) {
-        std::vector<std::uint32_t> waiting = parallel_collect<std::uint32_t>(
-            bench_.mesh.cell_count(), 16384, threads,
-            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
-                for (std::size_t c = first; c < last; ++c) {
-                    if (suspect_facet(static_cast<std::uint32_t>(c), 0) < 4)
-                        found.push_back(static_cast<std::uint32_t>(c));
-                }
-            });
+    // From these cells on, rising.
+    MendStats run(std::vector<std::uint32_t> waiting) {
         mend_all(waiting, 1);
         // Those of cuts that still are further from what is drawn are worth worse cells.
         std::vector<std::uint32_t> cells;
@@ -59,7 +52,21 @@ class Mender {
         std::erase(cells, no_cell);
         areas_.sum_cuts(cells);
         mend_all(waiting, bounds_.size());
+        std::erase_if(waiting, [&](std::uint32_t c) { return suspect_facet(c, 0) == 4; });
+        stats_.left = std::move(waiting);
         return stats_;
+    }
+
+    // Those of all cells at which something may be wrong.
+    std::vector<std::uint32_t> suspects(int threads) const {
+        return parallel_collect<std::uint32_t>(
+            bench_.mesh.cell_count(), 16384, threads,
+            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
+                for (std::size_t c = first; c < last; ++c) {
+                    if (suspect_facet(static_cast<std::uint32_t>(c), 0) < 4)
+                        found.push_back(static_cast<std::uint32_t>(c));
+                }
+            });
     }
 
   private:
@@ -304,9 +311,15 @@ class Mender {
 
 }  // namespace
 
-MendStats mend_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine, int threads) {
+MendStats mend_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine, int threads,
+                    const std::vector<std::uint32_t>* look) {
     if (!drawn.table || !drawn.owners || drawn.planes.empty()) return {};
-    return Mender(bench, drawn, least_sine).run(threads);
+    Mender mender(bench, drawn, least_sine);
+    if (!look) return mender.run(mender.suspects(threads));
+    std::vector<std::uint32_t> cells = *look;
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    return mender.run(std::move(cells));
 }
 
 }  // namespace anatomesh

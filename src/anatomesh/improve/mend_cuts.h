@@ -13,6 +13,7 @@ struct MendStats {
                                      // a cut is not what is drawn
     std::uint64_t vertices_moved = 0, cells_given = 0, edges_flipped = 0, vertices_inserted = 0;
     std::vector<std::uint32_t> changed;  // cells that were made or reshaped; some may be gone again
+    std::vector<std::uint32_t> left;     // cells at facets that meet a plane still
 };
 
 // Where the contours are edges of the surface, a facet of it that passes through a slice's plane, or lies in
@@ -27,6 +28,9 @@ struct MendStats {
 // comes further from the field's than the workbench's `apex_mm`, or than it was; the surfaces of all
 // structures keep their topology and their contours. Same result every time. Complexity: O(cells). Errors:
 // none.
-MendStats mend_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine, int threads);
+// `look`: the cells whose facets are looked at, in any order, repeats and such that are gone allowed; null:
+// all.
+MendStats mend_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine, int threads,
+                    const std::vector<std::uint32_t>* look = nullptr);
 
 }  // namespace anatomesh
