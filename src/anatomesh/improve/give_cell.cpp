@@ -126,6 +126,15 @@ bool keeps_near(Workbench& bench, std::uint32_t cell, Region to, double most) {
     return true;
 }
 
+// Those that come to the surface lie near the field's: the middles of facets may although a corner does not.
+bool has_near_vertices(Workbench& bench, std::uint32_t cell, Region to, double most) {
+    bench.look_between(bench.mesh.region(cell), to);
+    const Cell& c = bench.mesh.cell(cell);
+    return std::all_of(c.begin(), c.end(), [&](std::uint32_t v) {
+        return bench.fixed(v) || bench.probe.distance(bench.mesh.point(v), most) <= most;
+    });
+}
+
 bool ends_the_mesh(const Workbench& bench, std::uint32_t cell) {
     for (int i = 0; i < 4; ++i) {
         if (bench.mesh.neighbor(cell, i) == no_cell) return true;
@@ -146,7 +155,8 @@ bool may_give(Workbench& bench, std::uint32_t cell, Region to, const ContourOwne
         if (m.least_sine() < least_sine_inside || m.squared_ratio > most_ratio * most_ratio) return false;
     }
     return keeps_surfaces(bench, cell, own, to, &owners) &&
-           keeps_near(bench, cell, to, bench.options.apex_mm);
+           keeps_near(bench, cell, to, bench.options.apex_mm) &&
+           has_near_vertices(bench, cell, to, bench.options.apex_mm);
 }
 
 bool give_cell(Workbench& bench, std::uint32_t cell) {

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "anatomesh/geom/predicates.h"
+#include "anatomesh/improve/operations.h"
 #include "anatomesh/improve/section_areas.h"
 #include "anatomesh/mesh/brick_mesh_for_test.h"
 #include "anatomesh/mesh/cell_shape.h"
@@ -177,6 +178,33 @@ TEST(MendCuts, free_vertices_leave_the_plane_and_fixed_ones_stay) {
             const bool moved = wall.mesh.points[v] != points[v];
             EXPECT_FALSE(moved && fixed[v]);
             EXPECT_TRUE(!moved || wall.fixed[v]);
+        }
+    }
+}
+
+// The middles of its facets are a third of the way.
+TEST(MendCuts, a_cell_whose_far_vertex_would_come_to_the_surface_is_not_given) {
+    for (const double apex_mm : {0.3, 1.5}) {
+        Wall wall;
+        EditMesh edited(std::move(wall.mesh), wall.neighbors);
+        DihedralOptions options;
+        options.apex_mm = apex_mm;
+        Workbench bench(edited, wall.fixed, {}, wall.field, 2, options);
+        bench.table = &wall.table;
+        std::size_t on_wall = 0, given = 0;
+        for (std::uint32_t c = 0; c < edited.cell_count(); ++c) {
+            const Cell cell = edited.cell(c);
+            const auto on = std::count_if(cell.begin(), cell.end(),
+                                          [&](std::uint32_t v) { return edited.point(v).x == 4; });
+            if (on != 3 || edited.region(c) != 1) continue;
+            ++on_wall;
+            given += may_give(bench, c, 2, wall.owners, 0.1, 4);
+        }
+        EXPECT_GT(on_wall, 20u);
+        if (apex_mm < 1) {
+            EXPECT_EQ(given, 0u);
+        } else {
+            EXPECT_GT(given, on_wall / 2);
         }
     }
 }
