@@ -257,11 +257,12 @@ class SegmentSplitter {
         }
         // On parallel slices contours of several structures may run side by side too, in their slices.
         const bool side_by_side = contours.structures.size() > 1 && is_parallel(contours);
-        sample_.graded = side_by_side && !conforming;
+        // Those of a label map have the vertices of their common lines in common.
+        sample_.graded = side_by_side && !conforming && !contours.exclusive;
         if (conforming || side_by_side) {
             ConformOptions options{(conforming ? shortest_conforming : shortest_beside_others) * size_, {}};
-            if (!conforming) {
-                options.slices = std::move(slices_);
+            if (!conforming) options.slices = std::move(slices_);
+            if (sample_.graded) {
                 options.growth = growth_beside_others;
                 options.shortest_graded_mm = shortest_graded * size_;
             }
