@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <numeric>
 
+#include "anatomesh/field/levels.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/improve/improve_dihedrals.h"
@@ -63,7 +63,13 @@ PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::u
 SlicesThatTell slices_that_tell(const ContourSet& contours, const FlatEnds& ends) {
     SlicesThatTell slices;
     if (!is_parallel(contours)) return slices;
-    for (const Slice& slice : contours.slices) slices.planes.push_back(slice.plane);
+    // Given planes may lean a little against each other: their heights are those where something is drawn.
+    const Box3 box = contours.box();
+    const Vec3 middle = 0.5 * (box.low + box.high);
+    for (const Slice& slice : contours.slices) {
+        slices.planes.push_back(slice.plane);
+        slices.planes.back().origin = middle - slice.plane.signed_distance(middle) * slice.plane.normal;
+    }
     slices.on_plane_mm = on_plane_mm(contours);
     const std::size_t count = slices.planes.size(), structures = contours.structures.size();
     std::vector<double> areas(structures * count, 0);
@@ -85,12 +91,11 @@ SlicesThatTell slices_that_tell(const ContourSet& contours, const FlatEnds& ends
         for (std::size_t k = s * count; k < (s + 1) * count; ++k)
             slices.weights[k] = areas[k] > 0 ? 1 / areas[k] : all_tell ? 1 / mean : 0;
     }
-    for (std::size_t k = 0; k < count; ++k) {
-        const double height = ends.frame.signed_distance(slices.planes[k].origin);
+    for (const SliceInterval& slice : parallel_intervals(contours, ends.frame)) {
         const bool flat = std::any_of(ends.heights.begin(), ends.heights.end(), [&](double end) {
-            return std::abs(end - height) <= slices.on_plane_mm;
+            return end >= slice.low - slices.on_plane_mm && end <= slice.high + slices.on_plane_mm;
         });
-        for (std::size_t s = 0; flat && s < structures; ++s) slices.weights[s * count + k] = 0;
+        for (std::size_t s = 0; flat && s < structures; ++s) slices.weights[s * count + slice.slice] = 0;
     }
     return slices;
 }

@@ -1,0 +1,59 @@
+#include "anatomesh/pipeline/segment_vertices.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "anatomesh/field/field_fixtures.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+constexpr double gap = 3;
+
+// Discs on planes given one by one, whose normals were rounded; far from where coordinates begin the planes
+// lie elsewhere above that than above what is drawn.
+ContourSet leaning_stack(Vec3 middle, double lean, std::size_t count, std::mt19937& random) {
+    std::uniform_real_distribution<double> off(-lean, lean);
+    SetBuilder discs;
+    for (std::size_t k = 0; k < count; ++k) {
+        const Vec3 normal = normalized({off(random), off(random), 1});
+        const Vec3 here = middle + Vec3{0, 0, gap * static_cast<double>(k)};
+        Plane plane = make_plane({}, normal);
+        plane.origin = dot(here, normal) * normal;
+        discs.slice(plane);
+        discs.ring(0, circle(plane.to_plane(here), 5 + 0.5 * static_cast<double>(k), 24));
+    }
+    return discs.set;
+}
+
+TEST(SlicesThatTell, planes_that_lean_a_little_keep_their_order_and_their_flat_ends) {
+    std::mt19937 random(11);
+    for (const double far : {0.0, 300.0, 3e4}) {
+        for (const double lean : {0.0, 1e-6, 1e-4, 1e-3}) {
+            SCOPED_TRACE(testing::Message() << far << " mm off, leaning by " << lean);
+            constexpr std::size_t count = 6;
+            const ContourSet set = leaning_stack({far, -0.7 * far, 10}, lean, count, random);
+            FieldOptions options;
+            options.caps = EndCaps::flat;
+            RunContext context;
+            const auto field = make_structure_field(set, options, context);
+            ASSERT_TRUE(field.ok());
+            const SlicesThatTell slices = slices_that_tell(set, field.value()->flat_ends());
+            ASSERT_EQ(slices.planes.size(), count);
+            const Vec3 axis = slices.planes.front().normal;
+            for (std::size_t k = 0; k < count; ++k) {
+                const bool end = k == 0 || k + 1 == count;
+                EXPECT_EQ(slices.weights[k] == 0, end) << k;
+                EXPECT_NEAR(dot(slices.planes[k].origin - slices.planes[0].origin, axis),
+                            gap * static_cast<double>(k), 0.01 * gap);
+                EXPECT_NEAR(set.slices[k].plane.signed_distance(slices.planes[k].origin), 0, 1e-9);
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh
