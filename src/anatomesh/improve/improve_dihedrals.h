@@ -59,7 +59,7 @@ struct DihedralStats {
                   surface_edges_flipped = 0, surface_edges_smoothed = 0, cells_given = 0, ears_dropped = 0,
                   edges_collapsed = 0, vertices_inserted = 0, facets_lifted = 0, apexes_lowered = 0,
                   tries = 0;
-    std::uint64_t cuts_found = 0, cuts_mended = 0;  // places (mend_cuts.h)
+    std::uint64_t cuts_found = 0, cuts_mended = 0;  // visits and changes (mend_cuts.h)
     std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (lift_facets.h)
 };
 

@@ -24,8 +24,9 @@ struct MendStats {
 // two cells at a facet in the plane are filled from a new vertex beside it. What was moved and what is new is
 // fixed from then on. Guarantees: all cells positive (checked exactly); cells made or reshaped inside keep
 // the workbench's target and bound, or, where that can't be and the cut comes near to the 0.1 % that it may
-// be wrong by, have no angle whose sine is below `least_sine` and no ratio above the last bound; no surface
-// comes further from the field's than the workbench's `apex_mm`, or than it was; the surfaces of all
+// be wrong by, have no angle whose sine is below `least_sine` and no ratio above the last bound, or than
+// there was; no vertex moved and no cell given brings a surface further from the field's than the workbench's
+// `apex_mm`, or than it was, and a new vertex stays within the cells at its facet; the surfaces of all
 // structures keep their topology and their contours. Same result every time. Complexity: O(cells). Errors:
 // none.
 // `look`: the cells whose facets are looked at, in any order, repeats and such that are gone allowed; null:

@@ -12,7 +12,6 @@ namespace anatomesh {
 namespace {
 
 constexpr int most_rounds = 24;
-constexpr std::size_t most_added = 2;  // points for one that was there: above it no shorter pieces are made
 constexpr double near_share = 0.5;    // of the shortest length
 constexpr double in_ball = 1 - 1e-9;  // a vertex on its sphere is not in it
 constexpr double cell_share = 0.5;    // of the mean length of the pieces: a cell of the grid
@@ -174,7 +173,7 @@ std::size_t conform_pieces(std::vector<Vec3>& points, std::vector<SegmentPiece>&
     if (!(options.growth > 0)) return points.size() - before;
     // Step by step: outlines that run beside each other all the way must not ask for many times the points.
     for (double shortest = options.shortest_mm;
-         shortest > options.shortest_graded_mm && points.size() <= (1 + most_added) * before;) {
+         shortest > options.shortest_graded_mm && points.size() <= (1 + options.most_added) * before;) {
         shortest = std::max(0.5 * shortest, options.shortest_graded_mm);
         conformer.grade_to(shortest);
         split_all();

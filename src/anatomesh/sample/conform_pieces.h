@@ -15,10 +15,12 @@ struct ConformOptions {
     // structures: what keeps apart that runs side by side within slices, and leaves the rest as it is.
     std::vector<std::uint32_t> slices;
     // With slices, if not 0: no piece is longer than so many times the distance of any vertex in its slice
-    // from it, but next to where pieces meet at a small angle; down to shortest_graded_mm (> 0), or, where
-    // that would add more than two points for each that there was, to 2, 4, ... times that. > 2
+    // from it, but next to where pieces meet at a small angle; down to shortest_mm, then, step by step, to
+    // shortest_graded_mm (> 0), until there are more than `most_added` new points for each that there was. >
+    // 2
     double growth = 0;
     double shortest_graded_mm = 0;
+    std::size_t most_added = 2;
 };
 
 // Splits pieces until no other contour's vertex lies in the ball of one: then all are edges of the Delaunay

@@ -34,6 +34,7 @@ constexpr double shortest_beside_others = 0.1;  // the same within parallel slic
 // There pieces are at most so many times as long as the next vertex beside them is far, down to a length in
 // sizes: what a pixel's size is apart in the mean runs hundredths of a millimetre apart in places.
 constexpr double growth_beside_others = 3, shortest_graded = 0.015;
+constexpr std::size_t most_graded = 1;      // points for each that there was, that this may add
 constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
 // Of the guard: 22 degrees at half the ball. On planes that cross there are short pieces in each other's
 // balls: points refused for them left bad cells.
@@ -262,17 +263,31 @@ class SegmentSplitter {
         if (conforming || side_by_side) {
             ConformOptions options{(conforming ? shortest_conforming : shortest_beside_others) * size_, {}};
             if (!conforming) options.slices = std::move(slices_);
-            if (sample_.graded) {
-                options.growth = growth_beside_others;
-                options.shortest_graded_mm = shortest_graded * size_;
-            }
-            conform_pieces(sample_.points, sample_.pieces, guard_, options);
+            sample_.graded = sample_.graded && split_graded(options);
+            if (!sample_.graded) conform_pieces(sample_.points, sample_.pieces, guard_, options);
         }
         sample_.stats.segment_points = sample_.points.size() - sample_.stats.contour_points;
         return std::move(guard_);
     }
 
   private:
+    // Unless that asks for too many points: outlines that run side by side all round are not worth so small
+    // cells.
+    bool split_graded(ConformOptions options) {
+        options.growth = growth_beside_others;
+        options.shortest_graded_mm = shortest_graded * size_;
+        options.most_added = most_graded;
+        std::vector<Vec3> points = sample_.points;
+        std::vector<SegmentPiece> pieces = sample_.pieces;
+        SegmentGuard guard = guard_;
+        const std::size_t added = conform_pieces(points, pieces, guard, options);
+        if (added > most_graded * sample_.points.size()) return false;
+        sample_.points = std::move(points);
+        sample_.pieces = std::move(pieces);
+        guard_ = std::move(guard);
+        return true;
+    }
+
     void add_pieces(const ContourSegment& segment, int level, std::vector<ThinSpot>& thin) {
         const std::uint32_t a = segment.a, b = segment.b;
         const Vec3 p = sample_.points[a], q = sample_.points[b];

@@ -24,7 +24,7 @@ struct RandomPlaces {
 TEST(SegmentGuard,
      guards_the_share_of_the_ball_and_what_is_near_to_the_segment_and_nothing_outside_the_ball) {
     RandomPlaces places;
-    int guarded_beside = 0;
+    int let_through = 0;
     for (int n = 0; n < 200; ++n) {
         const Vec3 a = places.point(3), b = places.point(3), middle = 0.5 * (a + b);
         const double half = 0.5 * length(b - a);
@@ -45,10 +45,10 @@ TEST(SegmentGuard,
             // A point let through inside the ball is no nearer to the segment than a share of its way to the
             // ball's rim.
             EXPECT_GT(distance_to_segment(p, a, b), 0.2 * (half - from_middle));
-            ++guarded_beside;
+            ++let_through;
         }
     }
-    EXPECT_GT(guarded_beside, 1000);
+    EXPECT_GT(let_through, 1000);
 }
 
 TEST(SegmentGuard, names_the_longest_of_several_segments_until_it_is_dropped) {
