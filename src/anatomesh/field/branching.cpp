@@ -1,8 +1,8 @@
 #include "anatomesh/field/branching.h"
 
 #include <algorithm>
-#include <numeric>
 
+#include "anatomesh/base/disjoint_sets.h"
 #include "anatomesh/field/outlines.h"
 
 namespace anatomesh {
@@ -10,24 +10,6 @@ namespace anatomesh {
 namespace {
 
 constexpr std::uint32_t points_asked = 128;  // of an outline, which ones of the other slice they lie in
-
-// Sets of outlines, those above numbered after those below.
-class Groups {
-  public:
-    explicit Groups(std::uint32_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-    std::uint32_t of(std::uint32_t n) {
-        while (parent_[n] != n) n = parent_[n] = parent_[parent_[n]];
-        return n;
-    }
-    void join(std::uint32_t a, std::uint32_t b) {
-        a = of(a);
-        b = of(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-  private:
-    std::vector<std::uint32_t> parent_;
-};
 
 std::uint32_t count_solid(const Outlines& outlines) {
     std::uint32_t solid = 0;
@@ -37,7 +19,7 @@ std::uint32_t count_solid(const Outlines& outlines) {
 
 // Joins the outlines of one slice with those of the other in which their points lie.
 void join_overlapping(const Outlines& outlines, const Outlines& others, const DistanceMap& others_map,
-                      std::uint32_t first, std::uint32_t first_other, Groups& groups) {
+                      std::uint32_t first, std::uint32_t first_other, DisjointSets& groups) {
     for (std::uint32_t n = 0; n < outlines.size(); ++n) {
         const Outline& outline = outlines[n];
         if (!(outline.area > 0)) continue;
@@ -64,7 +46,7 @@ std::vector<Ambiguity> ambiguities(const BoundarySide& below, const DistanceMap&
     const Outlines lower(below.boundary), upper(above.boundary);
     if (count_solid(lower) < 2 || count_solid(upper) < 2) return {};
     const std::uint32_t count = lower.size() + upper.size();
-    Groups groups(count);
+    DisjointSets groups(count);  // of outlines, those above numbered after those below
     join_overlapping(lower, upper, above_map, 0, lower.size(), groups);
     join_overlapping(upper, lower, below_map, lower.size(), 0, groups);
     std::vector<Ambiguity> found(count);
@@ -73,7 +55,7 @@ std::vector<Ambiguity> ambiguities(const BoundarySide& below, const DistanceMap&
         const bool is_below = n < lower.size();
         const Outline& outline = is_below ? lower[n] : upper[n - lower.size()];
         if (!(outline.area > 0)) continue;
-        const std::uint32_t group = groups.of(n);
+        const std::uint32_t group = groups.root(n);
         ++(is_below ? found[group].below : found[group].above);
         boxes[group].extend(outline.box.low);
         boxes[group].extend(outline.box.high);

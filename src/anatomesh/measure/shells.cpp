@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "anatomesh/base/disjoint_sets.h"
 #include "anatomesh/mesh/buckets.h"
 
 namespace anatomesh {

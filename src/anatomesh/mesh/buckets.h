@@ -49,28 +49,6 @@ Buckets fill_buckets(std::size_t vertex_count, const Visit& visit) {
     return buckets;
 }
 
-// Sets of numbers that are joined pair by pair (union by smaller root, path halving): the root of a set is
-// its smallest member, whatever the order of the joins.
-class DisjointSets {
-  public:
-    explicit DisjointSets(std::size_t count) : parent_(count) {
-        for (std::size_t i = 0; i < count; ++i) parent_[i] = static_cast<std::uint32_t>(i);
-    }
-    std::uint32_t root(std::uint32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(std::uint32_t i, std::uint32_t j) {
-        i = root(i);
-        j = root(j);
-        if (i < j) parent_[j] = i;
-        if (j < i) parent_[i] = j;
-    }
-
-  private:
-    std::vector<std::uint32_t> parent_;
-};
-
 // The vertices of a facet, counter-clockwise seen from outside the cell.
 inline std::array<std::uint32_t, 3> facet_of(const Cell& cell, std::size_t facet) {
     const auto& f = facet_vertices[facet];

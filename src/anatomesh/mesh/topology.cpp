@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "anatomesh/base/disjoint_sets.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/mesh/buckets.h"
 #include "anatomesh/mesh/facets.h"

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "anatomesh/base/disjoint_sets.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/mesh/box_tree.h"

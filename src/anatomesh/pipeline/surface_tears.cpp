@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "anatomesh/base/disjoint_sets.h"
 #include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/field/crossed_field.h"
 #include "anatomesh/field/sweep.h"
