@@ -5,6 +5,7 @@
 #include <cassert>
 #include <span>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/point_grid.h"
 
 namespace anatomesh {
@@ -14,7 +15,8 @@ namespace {
 constexpr int most_rounds = 24;
 constexpr double near_share = 0.5;    // of the shortest length
 constexpr double in_ball = 1 - 1e-9;  // a vertex on its sphere is not in it
-constexpr double cell_share = 0.5;    // of the mean length of the pieces: a cell of the grid
+constexpr double cell_share = 1.5;    // of the mean length of the pieces: a cell of the grid
+constexpr std::size_t grain = 512;    // pieces at a time
 
 using VertexPair = std::array<std::uint32_t, 2>;
 using Owner = std::array<std::uint32_t, 2>;  // a point, and a structure with a contour through it
@@ -29,9 +31,13 @@ class Conformer {
           growth_(options.growth),
           graded_room_(growth_ > 0 ? options.shortest_graded_mm / (2 * growth_) : 0),
           shortest_graded_(options.shortest_mm),
+          ungraded_before_(options.shortest_mm),
+          threads_(options.threads),
           slices_(options.slices),
           acute_(acute_vertices(points, pieces)),
-          grid_(cell_share * mean_length(points, pieces), points.size()) {
+          cell_size_(cell_share * mean_length(points, pieces)),
+          grid_(cell_size_, points.size()),
+          fresh_(cell_size_, 0) {
         for (const Vec3& p : points) grid_.add(p);
         if (slices_.empty()) return;
         for (const SegmentPiece& piece : pieces) {
@@ -42,28 +48,36 @@ class Conformer {
     }
 
     // From now on pieces are graded down to this length.
-    void grade_to(double shortest) { shortest_graded_ = shortest; }
+    void grade_to(double shortest) {
+        ungraded_before_ = shortest_graded_;
+        shortest_graded_ = shortest;
+    }
 
     // Says whether any was split.
     bool split_round(std::vector<SegmentPiece>& pieces) {
-        if (growth_ > 0) find_neighbors(pieces);
+        const std::vector<Want> wants = find_wants(pieces);
         const std::size_t first_new = points_.size();
+        fresh_ = PointGrid(cell_size_, 0);
+        const auto is_taken = [&](Vec3 p, double room) {
+            return grid_.any_within(p, room) || fresh_.any_within(p, room);
+        };
         std::vector<SegmentPiece> next;
         // Pieces of several structures with one ball follow each other.
         for (std::size_t n = 0, last = 0; n < pieces.size(); n = last) {
             while (last < pieces.size() && pieces[last].ball == pieces[n].ball) ++last;
-            const Vec3 at = split_point(points_, pieces[n], acute_);
-            const std::span<const SegmentPiece> all(pieces.data() + n, last - n);
-            if (!(is_encroached(all) && !is_taken(at, near_share * shortest_, first_new)) &&
-                !(is_ungraded(all[0]) && !is_taken(at, graded_room_, first_new))) {
-                next.insert(next.end(), all.begin(), all.end());
+            const Want want = wants[n];
+            const Vec3 at = want.any() ? split_point(points_, pieces[n], acute_) : Vec3{};
+            if (!(want.encroached && !is_taken(at, near_share * shortest_)) &&
+                !(want.ungraded && !is_taken(at, graded_room_))) {
+                next.insert(next.end(), pieces.begin() + n, pieces.begin() + last);
                 continue;
             }
             const auto v = static_cast<std::uint32_t>(points_.size());
             points_.push_back(at);
+            fresh_.add(at);
             if (!slices_.empty()) {
                 slices_.push_back(slices_[pieces[n].a]);
-                for (const SegmentPiece& piece : all) owners_.push_back({v, piece.structure});
+                for (std::size_t k = n; k < last; ++k) owners_.push_back({v, pieces[k].structure});
             }
             guard_.drop_ball(pieces[n].ball);
             const std::uint32_t low = guard_.add_segment(points_[pieces[n].a], at);
@@ -77,10 +91,46 @@ class Conformer {
             guard_.add_point(points_[n]);
         }
         pieces = std::move(next);
+        first_fresh_ = first_new;
+        ungraded_before_ = shortest_graded_;
         return points_.size() > first_new;
     }
 
   private:
+    // Why a piece should be split.
+    struct Want {
+        bool encroached = false, ungraded = false;
+        bool any() const { return encroached || ungraded; }
+    };
+
+    // Of the first piece of each ball.
+    std::vector<Want> find_wants(const std::vector<SegmentPiece>& pieces) {
+        if (growth_ > 0) find_neighbors(pieces);
+        std::vector<Want> wants(pieces.size());
+        parallel_for(pieces.size(), grain, threads_, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t n = begin; n < end; ++n) {
+                if (n > 0 && pieces[n - 1].ball == pieces[n].ball) continue;
+                std::size_t last = n + 1;
+                while (last < pieces.size() && pieces[last].ball == pieces[n].ball) ++last;
+                if (may_have_changed(pieces[n])) {
+                    wants[n] = {is_encroached(std::span(pieces).subspan(n, last - n)),
+                                is_ungraded(pieces[n])};
+                }
+            }
+        });
+        return wants;
+    }
+
+    // Since the last round: a piece that was to stay, or could not be split, is looked at again when a point
+    // came near it, or shorter ones may be graded. (What is in its way stays.)
+    bool may_have_changed(const SegmentPiece& piece) const {
+        if (piece.a >= first_fresh_ || piece.b >= first_fresh_) return true;
+        const Vec3 a = points_[piece.a], way = points_[piece.b] - a;
+        const double span = length(way);
+        if (span < 2 * ungraded_before_ && span >= 2 * shortest_graded_) return true;
+        return fresh_.any_within(a + 0.5 * way, growth_ > 0 ? span * (0.5 + 1 / growth_) : 0.5 * span);
+    }
+
     static double mean_length(const std::vector<Vec3>& points, const std::vector<SegmentPiece>& pieces) {
         double total = 0;
         for (const SegmentPiece& piece : pieces) total += length(points[piece.b] - points[piece.a]);
@@ -139,22 +189,19 @@ class Conformer {
         });
     }
 
-    // By a point that was there, or one of this round.
-    bool is_taken(Vec3 p, double room, std::size_t first_new) const {
-        return grid_.any_within(p, room) ||
-               std::any_of(points_.begin() + static_cast<std::ptrdiff_t>(first_new), points_.end(),
-                           [&](Vec3 q) { return squared_length(q - p) < room * room; });
-    }
-
     std::vector<Vec3>& points_;
     SegmentGuard& guard_;
     const double shortest_, growth_, graded_room_;
     double shortest_graded_;             // so far
+    double ungraded_before_;             // what it was in the last round
+    std::size_t first_fresh_ = 0;        // the first point of the last round
+    const int threads_;
     std::vector<std::uint32_t> slices_;  // by point, or empty
     std::vector<Owner> owners_;          // sorted; with slices
     std::vector<VertexPair> neighbors_;  // sorted: ends of pieces, both ways; with growth_
     const std::vector<std::uint32_t> acute_;
-    PointGrid grid_;
+    const double cell_size_;
+    PointGrid grid_, fresh_;  // of all points, and of those of the last round
 };
 
 }  // namespace

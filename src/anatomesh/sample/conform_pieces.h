@@ -21,6 +21,7 @@ struct ConformOptions {
     double growth = 0;
     double shortest_graded_mm = 0;
     std::size_t most_added = 2;
+    int threads = 1;
 };
 
 // Splits pieces until no other contour's vertex lies in the ball of one: then all are edges of the Delaunay

@@ -263,6 +263,7 @@ class SegmentSplitter {
         if (conforming || side_by_side) {
             ConformOptions options{(conforming ? shortest_conforming : shortest_beside_others) * size_, {}};
             if (!conforming) options.slices = std::move(slices_);
+            options.threads = threads;
             sample_.graded = sample_.graded && split_graded(options);
             if (!sample_.graded) conform_pieces(sample_.points, sample_.pieces, guard_, options);
         }
