@@ -2,6 +2,7 @@
 import json
 import shutil
 import subprocess
+import unittest
 
 import numpy as np
 
@@ -75,6 +76,18 @@ class Scripts(harness.TestCase):
         self.assertIn("The largest exponent is ", text)
         self.page("another")
         self.assertIn("must be there once each", self.script("growth.py", *words, expect=1))
+
+    @unittest.skipUnless(shutil.which("gmsh"), "gmsh is not installed")
+    def test_terraces(self):
+        page = self.page("terraces")
+        self.script("terraces.py", "--program", harness.PROGRAM, "--solids", 1, "--update", page)
+        rows = [line.split(" | ") for line in page.read_text().splitlines() if line.startswith("| 32 x 24 x 18 | ")]
+        self.assertEqual(len(rows), 1)
+        length, ours, gmsh, icosahedron = (float(word) for word in rows[0][3:7])
+        # Facets of edges so long on a ball of the mean radius.
+        self.assertLess(abs(icosahedron / np.degrees(length / np.sqrt(3) / 24) - 1), 0.3)
+        self.assertGreater(gmsh, icosahedron)
+        self.assertLess(ours / gmsh, 1.2)
 
 
 class Judging(harness.TestCase):
