@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/delaunay/kernel.h"
 
 namespace anatomesh {
@@ -99,7 +100,7 @@ std::vector<std::uint32_t> Tetrahedralization::State::take_removed_places(std::s
         places.push_back(place);
         place = no_cell;
     }
-    std::sort(places.begin(), places.end());
+    sort_distinct(places, slots.size());
     return places;
 }
 
@@ -166,8 +167,12 @@ void Tetrahedralization::State::fill_from_the_end(std::span<const std::uint32_t>
 // The arrays at the changed places, and the links to these of older cells round them.
 void Tetrahedralization::State::write_changed(int threads) {
     const std::span<const KernelCell> cells = kernel.cells();
-    snapshot.cells.resize(slots.size());
-    snapshot.neighbors.resize(slots.size());
+    if (snapshot.cells.empty()) {  // with room for what refinement adds
+        snapshot.cells.reserve(2 * slots.size());
+        snapshot.neighbors.reserve(2 * slots.size());
+    }
+    parallel_tasks(threads, {[&] { snapshot.cells.resize(slots.size()); },
+                             [&] { snapshot.neighbors.resize(slots.size()); }});
     const auto write = [&](std::uint32_t n) {
         const KernelCell& cell = cells[slots[n]];
         const auto& place = canonical_places(cell.vertex);

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/cut/crumbs.h"
 #include "anatomesh/cut/relabel.h"
@@ -275,8 +276,7 @@ class Builder {
             for (const std::uint32_t c : search.cells) {
                 look.insert(look.end(), mesh_->cells().cells[c].begin(), mesh_->cells().cells[c].end());
             }
-            std::sort(look.begin(), look.end());
-            look.erase(std::unique(look.begin(), look.end()), look.end());
+            sort_distinct(look, mesh_->points().size());
             relabelled.add(relabel_cells(unsound, look));
         }
         TetMesh& mesh = model_.mesh;

@@ -1,15 +1,10 @@
 #include "anatomesh/pipeline/labelled_mesh.h"
 
-#include <algorithm>
-#include <iterator>
+#include <numeric>
+
+#include "anatomesh/base/sort_distinct.h"
 
 namespace anatomesh {
-
-namespace {
-
-constexpr std::size_t few = 20;  // one cell in so many is sorted sooner than all are looked through
-
-}  // namespace
 
 LabelledMesh::LabelledMesh(Tetrahedralization delaunay, const StructureField& field, std::uint32_t structures,
                            double size_mm, double tolerance_mm)
@@ -26,32 +21,21 @@ CullStats LabelledMesh::update(RunContext& context) {
     const DelaunaySnapshot& now = delaunay_.snapshot(context.threads);
     ++updates_;
     regions_.resize(now.cells.size());
-    changed_at_.resize(now.cells.size());
-    for (const std::uint32_t c : now.changed) changed_at_[c] = updates_;
     changes_.push_back(now.changed);
     find_sides(points(), field_, structures_, tolerance_mm_, sides_, registry_, context);
     return cull(points(), now.cells, now.changed, sides_, field_, structures_, regions_, registry_, context);
 }
 
 void LabelledMesh::look_again(CellSearch& search) const {
-    std::size_t count = search.cells.size();
-    for (std::uint32_t u = search.seen; u < updates_; ++u) count += changes_[u].size();
-    if (count * few < changed_at_.size()) {
-        for (std::uint32_t u = search.seen; u < updates_; ++u) {
-            std::copy_if(changes_[u].begin(), changes_[u].end(), std::back_inserter(search.cells),
-                         [&](std::uint32_t c) { return c < changed_at_.size(); });
-        }
-        std::sort(search.cells.begin(), search.cells.end());
-        search.cells.erase(std::unique(search.cells.begin(), search.cells.end()), search.cells.end());
-    } else {
-        std::vector<std::uint32_t> cells;
-        auto again = search.cells.begin();
-        for (std::uint32_t c = 0; c < changed_at_.size(); ++c) {
-            const bool wanted = again != search.cells.end() && *again == c;
-            if (wanted || changed_at_[c] > search.seen) cells.push_back(c);
-            again += wanted;
-        }
-        search.cells = std::move(cells);
+    const std::size_t count = cells().cells.size();
+    if (search.seen == 0) {
+        search.cells.resize(count);
+        std::iota(search.cells.begin(), search.cells.end(), 0u);
+    } else if (search.seen < updates_) {
+        for (std::uint32_t u = search.seen; u < updates_; ++u)
+            search.cells.insert(search.cells.end(), changes_[u].begin(), changes_[u].end());
+        std::erase_if(search.cells, [&](std::uint32_t c) { return c >= count; });
+        sort_distinct(search.cells, count);
     }
     search.seen = updates_;
 }

@@ -53,7 +53,6 @@ class LabelledMesh {
     const StructureField& field_;
     std::uint32_t structures_;
     double tolerance_mm_;
-    std::vector<std::uint32_t> changed_at_;            // the update that brought each cell
     std::vector<std::vector<std::uint32_t>> changes_;  // the cells that each update brought
     std::uint32_t updates_ = 0;
     std::vector<VertexSide> sides_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -12,6 +13,8 @@
 namespace anatomesh {
 
 namespace {
+
+constexpr std::size_t pieces_at_once = 256;
 
 // The pieces by their lower vertex.
 struct PieceTable {
@@ -133,7 +136,8 @@ std::vector<std::uint32_t> MissingPieces::find(const DelaunaySnapshot& mesh, std
                                                const std::vector<SegmentPiece>& pieces,
                                                const std::vector<std::uint32_t>& look, int threads) {
     std::vector<std::uint32_t> missing;
-    if (4 * look.size() > mesh.cells.size() || !find_changed(mesh, point_count, pieces, look, missing)) {
+    if (4 * look.size() > mesh.cells.size() ||
+        !find_changed(mesh, point_count, pieces, look, threads, missing)) {
         missing = missing_pieces(mesh.cells, point_count, pieces, threads);
     }
     missing_.clear();
@@ -145,28 +149,32 @@ std::vector<std::uint32_t> MissingPieces::find(const DelaunaySnapshot& mesh, std
 
 bool MissingPieces::find_changed(const DelaunaySnapshot& mesh, std::size_t point_count,
                                  const std::vector<SegmentPiece>& pieces,
-                                 const std::vector<std::uint32_t>& look,
+                                 const std::vector<std::uint32_t>& look, int threads,
                                  std::vector<std::uint32_t>& missing) const {
     const std::vector<std::uint32_t> new_cell = cell_of_each(mesh, point_count, look);
-    StarWalk walk(mesh);
-    for (std::uint32_t n = 0; n < pieces.size(); ++n) {
-        const SegmentPiece& piece = pieces[n];
-        const bool at_a = new_cell[piece.a] != no_cell, at_b = new_cell[piece.b] != no_cell,
-                   is_new = piece.ball >= balls_;
-        bool is_missing = false;
-        if ((at_a && at_b) || (is_new && (at_a || at_b))) {
-            // An edge that came or went had both ends in a cell that came.
-            is_missing = at_a ? !walk.meets(piece.a, new_cell[piece.a], piece.b)
-                              : !walk.meets(piece.b, new_cell[piece.b], piece.a);
-        } else if (is_new) {
-            missing.clear();
-            return false;  // between two vertices that were there before
-        } else {
-            is_missing = std::binary_search(missing_.begin(), missing_.end(), ends(piece));
-        }
-        if (is_missing) missing.push_back(n);
-    }
-    return true;
+    std::atomic<bool> can_tell = true;
+    missing = parallel_collect<std::uint32_t>(
+        pieces.size(), pieces_at_once, threads,
+        [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& out) {
+            StarWalk walk(mesh);
+            for (std::size_t n = first; n < last; ++n) {
+                const SegmentPiece& piece = pieces[n];
+                const bool at_a = new_cell[piece.a] != no_cell, at_b = new_cell[piece.b] != no_cell,
+                           is_new = piece.ball >= balls_;
+                bool is_missing = false;
+                if ((at_a && at_b) || (is_new && (at_a || at_b))) {
+                    // An edge that came or went had both ends in a cell that came.
+                    is_missing = at_a ? !walk.meets(piece.a, new_cell[piece.a], piece.b)
+                                      : !walk.meets(piece.b, new_cell[piece.b], piece.a);
+                } else if (is_new) {
+                    can_tell = false;  // between two vertices that were there before
+                } else {
+                    is_missing = std::binary_search(missing_.begin(), missing_.end(), ends(piece));
+                }
+                if (is_missing) out.push_back(static_cast<std::uint32_t>(n));
+            }
+        });
+    return can_tell;
 }
 
 std::vector<PieceSides> piece_sides(const std::vector<Cell>& cells, const std::vector<Region>& regions,
@@ -199,45 +207,53 @@ std::vector<PieceSides> SidesOfPieces::find(const DelaunaySnapshot& mesh, const 
                                             const std::vector<std::uint32_t>& look, int threads) {
     std::vector<PieceSides> sides(pieces.size());
     if (4 * look.size() > mesh.cells.size() ||
-        !find_changed(mesh, regions, table, point_count, pieces, look, sides)) {
+        !find_changed(mesh, regions, table, point_count, pieces, look, threads, sides)) {
         sides = piece_sides(mesh.cells, regions, table, point_count, pieces, threads);
     }
     known_.clear();
+    known_.reserve(pieces.size());
     for (std::size_t n = 0; n < pieces.size(); ++n)
         known_.push_back({pieces[n].ball, pieces[n].structure, sides[n]});
-    std::sort(known_.begin(), known_.end());
+    // Pieces that were split stand last, with balls of larger numbers.
+    if (!std::is_sorted(known_.begin(), known_.end())) std::sort(known_.begin(), known_.end());
     return sides;
 }
 
 bool SidesOfPieces::find_changed(const DelaunaySnapshot& mesh, const std::vector<Region>& regions,
                                  const RegionTable& table, std::size_t point_count,
                                  const std::vector<SegmentPiece>& pieces,
-                                 const std::vector<std::uint32_t>& look,
+                                 const std::vector<std::uint32_t>& look, int threads,
                                  std::vector<PieceSides>& sides) const {
     const std::vector<std::uint32_t> new_cell = cell_of_each(mesh, point_count, look);
-    StarWalk walk(mesh);
-    for (std::size_t n = 0; n < pieces.size(); ++n) {
-        const SegmentPiece& piece = pieces[n];
-        const Known wanted{piece.ball, piece.structure, {}};
-        const auto known = std::lower_bound(known_.begin(), known_.end(), wanted);
-        const bool is_new = known == known_.end() || wanted < *known, at_a = new_cell[piece.a] != no_cell,
-                   at_b = new_cell[piece.b] != no_cell;
-        if (!is_new && !(at_a && at_b)) {
-            sides[n] = known->sides;
-            continue;
+    std::atomic<bool> can_tell = true;
+    parallel_for(pieces.size(), pieces_at_once, threads, [&](std::size_t first, std::size_t last) {
+        StarWalk walk(mesh);
+        for (std::size_t n = first; n < last; ++n) {
+            const SegmentPiece& piece = pieces[n];
+            const Known wanted{piece.ball, piece.structure, {}};
+            const auto known = std::lower_bound(known_.begin(), known_.end(), wanted);
+            const bool is_new = known == known_.end() || wanted < *known, at_a = new_cell[piece.a] != no_cell,
+                       at_b = new_cell[piece.b] != no_cell;
+            if (!is_new && !(at_a && at_b)) {
+                sides[n] = known->sides;
+                continue;
+            }
+            if (!at_a && !at_b) {
+                can_tell = false;  // between two vertices that were there before
+                return;
+            }
+            // A cell that came or went with the edge had both ends in a cell that came.
+            const std::uint32_t end = at_a ? piece.a : piece.b, other = at_a ? piece.b : piece.a;
+            sides[n] = {0, 0};
+            walk.visit(end, new_cell[end], other, [&](std::uint32_t c) {
+                const bool inside = table.contains(regions[c], piece.structure);
+                if (inside) sides[n].inside = 1;
+                if (!inside) sides[n].outside = 1;
+                return !(sides[n].inside && sides[n].outside);
+            });
         }
-        if (!at_a && !at_b) return false;  // between two vertices that were there before
-        // A cell that came or went with the edge had both ends in a cell that came.
-        const std::uint32_t end = at_a ? piece.a : piece.b, other = at_a ? piece.b : piece.a;
-        sides[n] = {0, 0};
-        walk.visit(end, new_cell[end], other, [&](std::uint32_t c) {
-            const bool inside = table.contains(regions[c], piece.structure);
-            if (inside) sides[n].inside = 1;
-            if (!inside) sides[n].outside = 1;
-            return !(sides[n].inside && sides[n].outside);
-        });
-    }
-    return true;
+    });
+    return can_tell;
 }
 
 void find_side_points(const std::vector<Vec3>& points, const std::vector<SegmentPiece>& pieces,

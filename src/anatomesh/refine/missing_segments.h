@@ -35,7 +35,7 @@ class MissingPieces {
   private:
     bool find_changed(const DelaunaySnapshot& mesh, std::size_t point_count,
                       const std::vector<SegmentPiece>& pieces, const std::vector<std::uint32_t>& look,
-                      std::vector<std::uint32_t>& missing) const;
+                      int threads, std::vector<std::uint32_t>& missing) const;
 
     std::vector<std::array<std::uint32_t, 2>> missing_;  // those of the last call, by their ends; sorted
     std::uint32_t balls_ = 0;                            // known then
@@ -74,7 +74,7 @@ class SidesOfPieces {
     bool find_changed(const DelaunaySnapshot& mesh, const std::vector<Region>& regions,
                       const RegionTable& table, std::size_t point_count,
                       const std::vector<SegmentPiece>& pieces, const std::vector<std::uint32_t>& look,
-                      std::vector<PieceSides>& sides) const;
+                      int threads, std::vector<PieceSides>& sides) const;
 
     std::vector<Known> known_;  // since the last call; sorted
 };

@@ -45,13 +45,14 @@ TEST(MissingPieces, only_what_changed_is_looked_at_with_the_same_result) {
             look = mesh.changed;
             ASSERT_LT(4 * look.size(), mesh.cells.size()) << "the short way must be tried";
         }
-        const std::vector<std::uint32_t> missing = search.find(mesh, delaunay.points().size(), pieces, look);
+        const std::vector<std::uint32_t> missing =
+            search.find(mesh, delaunay.points().size(), pieces, look, 1 + round % 3);
         ASSERT_EQ(missing, missing_pieces(mesh.cells, delaunay.points().size(), pieces)) << "round " << round;
         ASSERT_GT(missing.size(), 0u);
         regions.resize(mesh.cells.size());
         for (const std::uint32_t c : look) regions[c] = static_cast<Region>(random() % 3);
         const std::vector<PieceSides> sides =
-            sides_search.find(mesh, regions, table, delaunay.points().size(), pieces, look);
+            sides_search.find(mesh, regions, table, delaunay.points().size(), pieces, look, 1 + round % 3);
         const std::vector<PieceSides> anew =
             piece_sides(mesh.cells, regions, table, delaunay.points().size(), pieces);
         for (std::size_t n = 0; n < pieces.size(); ++n) {

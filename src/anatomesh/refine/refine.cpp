@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <span>
 
@@ -118,29 +119,36 @@ struct InterfaceFacet {
     friend auto operator<=>(const InterfaceFacet&, const InterfaceFacet&) = default;
 };
 
-// Those of the cells looked at, from either side; rising.
+// Those of the cells looked at (rising), from either side; rising.
 std::vector<InterfaceFacet> interface_facets(const DelaunaySnapshot& mesh, const std::vector<Region>& regions,
                                              const std::vector<std::uint32_t>& look, int threads) {
-    std::vector<InterfaceFacet> facets = parallel_collect<InterfaceFacet>(
-        look.size(), 16384, threads,
-        [&](std::size_t first, std::size_t last, std::vector<InterfaceFacet>& out) {
+    struct Found {
+        InterfaceFacet facet;
+        bool from_beyond;  // from its other cell, where its own is not looked at
+    };
+    const bool look_at_all = look.size() == mesh.cells.size();
+    const std::vector<Found> found = parallel_collect<Found>(
+        look.size(), 16384, threads, [&](std::size_t first, std::size_t last, std::vector<Found>& out) {
             for (std::size_t k = first; k < last; ++k) {
                 const std::uint32_t c = look[k];
                 for (std::uint32_t i = 0; i < 4; ++i) {
                     const std::uint32_t n = mesh.neighbors[c][i];
                     if (n == no_cell || regions[c] == regions[n]) continue;
                     if (regions[c] > regions[n]) {
-                        out.push_back({c, i});
-                    } else {
+                        out.push_back({{c, i}, false});
+                    } else if (!look_at_all && !std::binary_search(look.begin(), look.end(), n)) {
                         const auto& back = mesh.neighbors[n];
-                        out.push_back({n, static_cast<std::uint32_t>(std::find(back.begin(), back.end(), c) -
-                                                                     back.begin())});
+                        const auto place = std::find(back.begin(), back.end(), c) - back.begin();
+                        out.push_back({{n, static_cast<std::uint32_t>(place)}, true});
                     }
                 }
             }
         });
-    std::sort(facets.begin(), facets.end());
-    facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
+    // Those found from their own cells rise as these do.
+    std::vector<InterfaceFacet> own, beyond, facets;
+    for (const Found& f : found) (f.from_beyond ? beyond : own).push_back(f.facet);
+    std::sort(beyond.begin(), beyond.end());
+    std::merge(own.begin(), own.end(), beyond.begin(), beyond.end(), std::back_inserter(facets));
     return facets;
 }
 

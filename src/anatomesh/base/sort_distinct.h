@@ -1,0 +1,36 @@
+// Lists of indices made rising.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace anatomesh {
+
+// Sorts the numbers, and keeps each once. Requires: all below `bound`. Complexity: O(n log n) where they are
+// few for the bound; else O(n + bound / 64), by a bit for each number there may be.
+inline void sort_distinct(std::vector<std::uint32_t>& numbers, std::size_t bound) {
+    constexpr std::size_t words_a_number = 32;  // with more of them to look through, sorting is faster
+    assert(std::all_of(numbers.begin(), numbers.end(), [&](std::uint32_t n) { return n < bound; }));
+    const std::size_t words = (bound + 63) / 64;
+    if (words_a_number * numbers.size() < words) {
+        std::sort(numbers.begin(), numbers.end());
+        numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+        return;
+    }
+    std::vector<std::uint64_t> bits(words, 0);
+    for (const std::uint32_t n : numbers) bits[n / 64] |= std::uint64_t{1} << (n % 64);
+    std::size_t count = 0;
+    for (std::size_t w = 0; w < words; ++w) {
+        for (std::uint64_t left = bits[w]; left != 0; left &= left - 1) {
+            numbers[count++] =
+                static_cast<std::uint32_t>(64 * w) + static_cast<std::uint32_t>(std::countr_zero(left));
+        }
+    }
+    numbers.resize(count);
+}
+
+}  // namespace anatomesh
