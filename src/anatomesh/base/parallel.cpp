@@ -6,11 +6,30 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace anatomesh {
 
-void parallel_for(std::size_t count, std::size_t grain, int threads,
-                  const std::function<void(std::size_t, std::size_t)>& body) {
+namespace {
+
+thread_local bool in_piece = false;  // of a loop that runs on several threads
+
+class InPiece {
+  public:
+    InPiece() : before_(std::exchange(in_piece, true)) {}
+    ~InPiece() { in_piece = before_; }
+    InPiece(const InPiece&) = delete;
+    InPiece& operator=(const InPiece&) = delete;
+
+  private:
+    bool before_;
+};
+
+// What a thread does that waits for the others' last pieces.
+enum class Waiting { helps_this_loop, helps_all };
+
+void run_pieces(std::size_t count, std::size_t grain, int threads, Waiting waiting,
+                const std::function<void(std::size_t, std::size_t)>& body) {
     assert(grain > 0 && threads > 0);
     const std::size_t pieces = (count + grain - 1) / grain;
     const auto run = [&](std::size_t piece) { body(piece * grain, std::min(count, (piece + 1) * grain)); };
@@ -18,20 +37,35 @@ void parallel_for(std::size_t count, std::size_t grain, int threads,
         for (std::size_t piece = 0; piece < pieces; ++piece) run(piece);
         return;
     }
+    const auto run_inside = [&](std::size_t piece) {
+        const InPiece inside;
+        run(piece);
+    };
     // Asked for more than the machine has, TBB would print a warning.
     const int most = std::min(threads, tbb::info::default_concurrency());
-    const auto loop = [&] { tbb::parallel_for(std::size_t{0}, pieces, run, tbb::simple_partitioner()); };
-    if (tbb::this_task_arena::max_concurrency() == most) {
+    const auto loop = [&] {
+        tbb::parallel_for(std::size_t{0}, pieces, run_inside, tbb::simple_partitioner());
+    };
+    if (tbb::this_task_arena::max_concurrency() != most) {
+        tbb::task_arena(most).execute(loop);
+    } else if (waiting == Waiting::helps_all && !in_piece) {
+        loop();  // nothing but these pieces and the loops inside them is there to be helped with
+    } else {
         // On all cores, or in a task: no arena is made, which costs as much as a short loop, and threads that
         // have nothing left to do outside help; those at work here take nothing from outside while they wait.
         tbb::this_task_arena::isolate(loop);
-    } else {
-        tbb::task_arena(most).execute(loop);
     }
 }
 
+}  // namespace
+
+void parallel_for(std::size_t count, std::size_t grain, int threads,
+                  const std::function<void(std::size_t, std::size_t)>& body) {
+    run_pieces(count, grain, threads, Waiting::helps_this_loop, body);
+}
+
 void parallel_tasks(int threads, std::initializer_list<std::function<void()>> tasks) {
-    parallel_for(tasks.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+    run_pieces(tasks.size(), 1, threads, Waiting::helps_all, [&](std::size_t begin, std::size_t end) {
         for (std::size_t n = begin; n < end; ++n) tasks.begin()[n]();
     });
 }

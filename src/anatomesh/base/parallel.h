@@ -15,8 +15,8 @@ namespace anatomesh {
 void parallel_for(std::size_t count, std::size_t grain, int threads,
                   const std::function<void(std::size_t begin, std::size_t end)>& body);
 
-// Runs the tasks, at most `threads` at a time; loops inside them may take that many threads each. Requires:
-// none writes what another one reads or writes.
+// Runs the tasks, at most `threads` at a time; loops inside them may take that many threads each: those that
+// have ended their tasks help there. Requires: none writes what another one reads or writes.
 void parallel_tasks(int threads, std::initializer_list<std::function<void()>> tasks);
 
 // Calls body(begin, end, out) as parallel_for does, with an empty `out` for each piece, and returns what the

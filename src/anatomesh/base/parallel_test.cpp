@@ -98,6 +98,28 @@ TEST(ParallelTasks, each_runs_once_also_with_loops_inside) {
     }
 }
 
+TEST(ParallelTasks, who_has_ended_one_helps_with_the_loops_in_another) {
+    if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "one core";
+    std::atomic<bool> other_runs = false;
+    std::mutex mutex;
+    std::set<std::thread::id> helpers;
+    const auto wait_for = [](const auto& condition) {
+        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+        while (!condition() && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+    };
+    const auto two_help = [&] {
+        const std::lock_guard lock(mutex);
+        helpers.insert(std::this_thread::get_id());
+        return helpers.size() == 2;
+    };
+    parallel_tasks(2, {[&] { wait_for([&] { return other_runs.load(); }); },
+                       [&] {
+                           other_runs = true;
+                           parallel_for(2, 1, 2, [&](std::size_t, std::size_t) { wait_for(two_help); });
+                       }});
+    EXPECT_EQ(helpers.size(), 2u);
+}
+
 TEST(ParallelTasks, never_more_at_a_time_than_asked_for_with_the_loops_inside) {
     for (const int threads : {1, 2}) {
         std::atomic<int> now = 0, most = 0;
