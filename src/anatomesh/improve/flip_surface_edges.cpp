@@ -146,7 +146,7 @@ class Flipper {
         const double gained = gain(q, n, m);
         if (!(gained >= options_.least_gain_degrees * std::numbers::pi / 180) || !flip_cells(scout, q))
             return;
-        found.push_back({q, n, m, gained, {scout.ring.cells, scout.cells, scout.regions, {}}});
+        found.push_back({q, n, m, gained, std::move(scout.proposal.cells)});
     }
 
     // Joins the facets of each edge that has just two.

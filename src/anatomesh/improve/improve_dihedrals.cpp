@@ -31,15 +31,23 @@ constexpr std::size_t few_high = 2000;  // one cell in so many may be above it t
 
 // Tries on a bad cell that scouts make beforehand: its edges, facets and vertices.
 constexpr int edge_tries = 6, facet_tries = 10, scouted_tries = 14;
+// So many cells at a time, or that part of those there are: more would change each other's surroundings.
+constexpr std::size_t most_scouted = 1024, scouted_part = 8, least_scouted = 64;
 
 // A cell and its sine when it was found bad: not up to date when the cell has another sine since.
 struct BadCell {
     double sine;
     std::uint32_t cell;
-    int first_try = 0;                                           // those before it would have failed then
     friend bool operator<(const BadCell& a, const BadCell& b) {  // the worst on top of the queue
         return a.sine != b.sine ? a.sine > b.sine : a.cell > b.cell;
     }
+};
+
+// What scouts found out about a bad cell: of the tries on it those before `first` fail; that one may succeed.
+struct Scouted {
+    BadCell bad;
+    int first = 0;
+    Proposal proposal;  // of the first
 };
 
 class Climber {
@@ -63,7 +71,6 @@ class Climber {
         flip_edges(context.threads);
         // What is left may have more room.
         bench_.options.max_deviation_mm *= bench_.options.last_deviation;
-        std::fill(touched_.begin(), touched_.end(), 1);
         climb(context);
         drop_ears(context.threads);
         LiftStats lifted =
@@ -93,8 +100,8 @@ class Climber {
   private:
     void climb(RunContext& context) {
         for (int pass = 0; pass < bench_.options.passes && !queue_.empty() && !context.cancelled(); ++pass) {
-            const std::uint64_t gained = drain();
-            collect(std::move(left_), context.threads, true);
+            const std::uint64_t gained = drain(context.threads);
+            collect(std::move(left_), context.threads);
             if (gained * 50 < queue_.size() || gained == 0) break;
         }
     }
@@ -112,7 +119,7 @@ class Climber {
             std::vector<std::uint32_t> left;
             for (; !queue_.empty(); queue_.pop()) left.push_back(queue_.top().cell);
             bench_.options.max_radius_edge = most + step * (last - most) / radius_edge_steps;
-            collect(std::move(left), context.threads, true);
+            collect(std::move(left), context.threads);
             climb(context);
         }
         bench_.options.max_radius_edge = most;
@@ -146,7 +153,7 @@ class Climber {
         bench_.lowers_ratios = true;
         bench_.least_needed_sine = std::sin(listed_degrees * radians_per_degree);
         for (std::size_t n = 0; n < high.size() && !context.cancelled(); ++n) {
-            if (!is_high(high[n]) || !better(high[n], 0)) continue;
+            if (!is_high(high[n]) || !better(high[n], nullptr)) continue;
             watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());
             std::copy_if(bench_.changed.begin(), bench_.changed.end(), std::back_inserter(high), is_high);
         }
@@ -211,9 +218,8 @@ class Climber {
         cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
     }
 
-    // Queues those of the cells that are bad. Most of those that failed once do so again: these are worth a
-    // look by scouts, others not.
-    void collect(std::vector<std::uint32_t> cells, int threads, bool failed = false) {
+    // Queues those of the cells that are bad.
+    void collect(std::vector<std::uint32_t> cells, int threads) {
         sort_distinct(cells);
         const auto find_bad = [&](std::size_t first, std::size_t last, std::vector<BadCell>& bad) {
             for (std::size_t n = first; n < last; ++n) {
@@ -223,21 +229,34 @@ class Climber {
                 if (const double sine = bench_.sine(c); sine < target_) bad.push_back({sine, c});
             }
         };
-        std::vector<BadCell> bad = parallel_collect<BadCell>(cells.size(), 16384, threads, find_bad);
-        if (threads > 1 && failed) scout(bad, threads);
-        queue_ = std::priority_queue<BadCell>({}, std::move(bad));
+        queue_ = std::priority_queue<BadCell>(
+            {}, parallel_collect<BadCell>(cells.size(), 16384, threads, find_bad));
     }
 
-    // Finds what will fail while there are several threads to look: what happens to the mesh is the same
-    // without.
-    void scout(std::vector<BadCell>& bad, int threads) {
-        touched_.assign(bench_.mesh.point_count(), 0);
-        parallel_for(bad.size(), 16, threads, [&](std::size_t first, std::size_t last) {
+    // Tries the worst in the queue beforehand while there are several threads to do so: what happens to the
+    // mesh is the same without.
+    void scout(int threads) {
+        const std::size_t part = std::max(queue_.size() / scouted_part, least_scouted);
+        scouted_.resize(std::min({part, most_scouted, queue_.size()}));
+        next_scouted_ = 0;
+        for (Scouted& scouted : scouted_) {
+            scouted = {queue_.top(), 0, {}};
+            queue_.pop();
+        }
+        ++scouting_;
+        changed_in_.resize(bench_.mesh.point_count(), 0);
+        parallel_for(scouted_.size(), 16, threads, [&](std::size_t first, std::size_t last) {
             Workbench scout = bench_;
             scout.scouts = scout.nearsighted = true;
             for (std::size_t n = first; n < last; ++n) {
-                int& next = bad[n].first_try;
-                while (next < scouted_tries && !attempt(scout, bad[n].cell, next)) ++next;
+                Scouted& scouted = scouted_[n];
+                if (!is_bad(scouted.bad)) continue;
+                scout.proposal = {};
+                while (scouted.first < scouted_tries && !attempt(scout, scouted.bad.cell, scouted.first)) {
+                    ++scouted.first;
+                    scout.proposal = {};
+                }
+                scouted.proposal = std::move(scout.proposal);
             }
         });
     }
@@ -245,13 +264,14 @@ class Climber {
     // Whether a cell with a vertex of this cell has changed since the scouts.
     bool touched(std::uint32_t cell) const {
         const Cell& c = bench_.mesh.cell(cell);
-        return std::any_of(c.begin(), c.end(),
-                           [&](std::uint32_t v) { return v >= touched_.size() || touched_[v]; });
+        return std::any_of(c.begin(), c.end(), [&](std::uint32_t v) {
+            return v >= changed_in_.size() || changed_in_[v] == scouting_;
+        });
     }
 
     void touch(const Cell& cell) {
         for (const std::uint32_t v : cell) {
-            if (v < touched_.size()) touched_[v] = 1;
+            if (v < changed_in_.size()) changed_in_[v] = scouting_;
         }
     }
 
@@ -260,20 +280,33 @@ class Climber {
                               : std::asin(std::max(0.0, queue_.top().sine)) / radians_per_degree;
     }
 
+    bool is_bad(const BadCell& bad) const {
+        return bench_.mesh.alive(bad.cell) && bench_.mesh.region(bad.cell) != 0 &&
+               bench_.sine(bad.cell) == bad.sine;
+    }
+
+    // The worst cell of all that wait, and what scouts know of it.
+    Scouted take_worst(int threads) {
+        if (next_scouted_ == scouted_.size() && threads > 1) scout(threads);
+        if (next_scouted_ < scouted_.size() && (queue_.empty() || queue_.top() < scouted_[next_scouted_].bad))
+            return std::move(scouted_[next_scouted_++]);
+        const BadCell bad = queue_.top();
+        queue_.pop();
+        return {bad, 0, {}};
+    }
+
     // Works through the queue; cells that nothing helps come to left_.
-    std::uint64_t drain() {
+    std::uint64_t drain(int threads) {
         std::uint64_t gained = 0;
         left_.clear();
-        while (!queue_.empty()) {
-            const BadCell bad = queue_.top();
-            queue_.pop();
+        while (!queue_.empty() || next_scouted_ < scouted_.size()) {
+            const Scouted worst = take_worst(threads);
+            const BadCell& bad = worst.bad;
             if (!queue_.empty()) bench_.mesh.prefetch_round(queue_.top().cell);
-            if (!bench_.mesh.alive(bad.cell) || bench_.mesh.region(bad.cell) == 0 ||
-                bench_.sine(bad.cell) != bad.sine)
-                continue;
+            if (!is_bad(bad)) continue;
             ++bench_.stats.tries;
             const Cell before = bench_.mesh.cell(bad.cell);
-            if (!better(bad.cell, touched(bad.cell) ? 0 : bad.first_try)) {
+            if (!better(bad.cell, touched(bad.cell) ? nullptr : &worst)) {
                 left_.push_back(bad.cell);
                 continue;
             }
@@ -295,9 +328,14 @@ class Climber {
         return move_vertex(bench, bench.mesh.cell(cell)[static_cast<std::size_t>(n - facet_tries)]);
     }
 
-    // The operations in the order of their price.
-    bool better(std::uint32_t cell, int first_try) {
-        for (int n = first_try; n < scouted_tries; ++n) {
+    // The operations in the order of their price; `scouted` tells of them, if nothing has changed there.
+    bool better(std::uint32_t cell, const Scouted* scouted) {
+        int first = scouted ? scouted->first : 0;
+        if (scouted && scouted->proposal.counter) {
+            if (bench_.carry_out(scouted->proposal)) return true;
+            ++first;
+        }
+        for (int n = first; n < scouted_tries; ++n) {
             if (attempt(bench_, cell, n)) return true;
         }
         if (give_cell(bench_, cell)) return true;
@@ -328,7 +366,10 @@ class Climber {
     std::priority_queue<BadCell> queue_;
     std::vector<std::uint32_t> left_;
     std::vector<std::uint32_t> watched_;  // what may be bad in the end
-    std::vector<std::uint8_t> touched_;  // by vertex, since the scouts: a cell at it has changed
+    std::vector<Scouted> scouted_;        // that wait beside the queue, the worst first
+    std::size_t next_scouted_ = 0;        // those before it do not wait any more
+    std::uint32_t scouting_ = 0;          // number of the last one
+    std::vector<std::uint32_t> changed_in_;  // by vertex: after which scouting a cell at it changed last
 };
 
 }  // namespace

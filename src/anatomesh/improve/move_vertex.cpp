@@ -148,15 +148,8 @@ bool move_vertex(Workbench& bench, std::uint32_t v) {
                            : surface
                                ? bench.local.ascend(p, bar.sine, bench.goal, fan.normal, Slide(bench, v, fan))
                                : bench.local.ascend(p, bar.sine, bench.goal, {}, always);
-    if (reached < needed || p == from) return false;
-    if (bench.scouts) return true;
-    bench.mesh.move_point(v, p);
-    if (!bench.positive(bench.star)) {
-        bench.mesh.move_point(v, from);
-        return false;
-    }
-    bench.changed = bench.star;
-    ++(surface ? bench.stats.surface_vertices_moved : bench.stats.vertices_moved);
+    if (reached < needed || p == from || !bench.commit_move(v, p)) return false;
+    bench.count(surface ? &DihedralStats::surface_vertices_moved : &DihedralStats::vertices_moved);
     return true;
 }
 

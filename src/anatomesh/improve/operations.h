@@ -11,7 +11,7 @@ namespace anatomesh {
 
 // A scout (workbench.h) may try remove_edge, flip_edge, remove_facet and move_vertex; what they say depends,
 // if it is nearsighted, on the cells that have a vertex of the cell (or the vertex), and on nothing else of
-// the mesh. Of removed and flipped edges it has the cells in `ring` and those for them in `cells`, `regions`.
+// the mesh. What it would change is its `proposal`.
 
 // Takes away edge `e` of a cell: the cells round it are replaced by those of the best triangulation of its
 // ring (dynamic programme of Klincsek, Annals of Discrete Mathematics 9, 1980). For an edge of the surface

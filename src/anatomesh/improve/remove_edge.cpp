@@ -148,9 +148,13 @@ bool remove_surface_edge(Workbench& bench, const RingFacets& facets, const Bar& 
     // An arc of one cell has the diagonal as an edge already: then it must not be an edge of an interface.
     if (arc == 1 || arc == size - 1) {
         const std::uint32_t lone = bench.ring.cells[static_cast<std::size_t>(arc == 1 ? from : to)];
-        if (!bench.nearsighted &&
-            bench.mesh.edge_on_interface(lone, edge_between(bench.mesh.cell(lone), c, d)))
+        const int edge = edge_between(bench.mesh.cell(lone), c, d);
+        if (bench.nearsighted) {
+            bench.proposal.lone = lone;
+            bench.proposal.lone_edge = edge;
+        } else if (bench.mesh.edge_on_interface(lone, edge)) {
             return false;
+        }
         if (!triangulation.append(0, size, arc == 1 ? beyond : between, needed)) return false;
     } else if (triangulation.fails_at_base(from, arc + 1, between, needed) ||
                triangulation.fails_at_base(to, size - arc + 1, beyond, needed) ||
@@ -175,13 +179,13 @@ bool remove_edge(Workbench& bench, std::uint32_t cell, int e) {
     bench.regions.clear();
     if (facets.count == 2) {
         if (!remove_surface_edge(bench, facets, bar, bench.needed_sine(bar))) return false;
-        ++bench.stats.surface_edges_flipped;
+        bench.count(&DihedralStats::surface_edges_flipped);
         return true;
     }
     if (!RingTriangulation(bench, bar).append(0, size, bench.mesh.region(cell), bench.needed_sine(bar)))
         return false;
     if (!bench.commit(bench.ring.cells, bench.cells, bench.regions)) return false;
-    ++bench.stats.edges_removed;
+    bench.count(&DihedralStats::edges_removed);
     return true;
 }
 
@@ -195,7 +199,7 @@ bool flip_edge(Workbench& bench, std::uint32_t cell, int e, double good_sine) {
     bench.cells.clear();
     bench.regions.clear();
     if (!remove_surface_edge(bench, facets, bar, std::min(bar.sine, good_sine))) return false;
-    ++bench.stats.surface_edges_smoothed;
+    bench.count(&DihedralStats::surface_edges_smoothed);
     return true;
 }
 

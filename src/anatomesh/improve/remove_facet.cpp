@@ -26,7 +26,7 @@ bool remove_facet(Workbench& bench, std::uint32_t cell, int facet) {
     const Region region = bench.mesh.region(cell);
     const std::array<Region, 3> regions{region, region, region};
     if (!bench.commit(removed, added, regions)) return false;
-    ++bench.stats.facets_removed;
+    bench.count(&DihedralStats::facets_removed);
     return true;
 }
 

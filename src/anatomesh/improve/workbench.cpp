@@ -87,8 +87,41 @@ bool Workbench::commit(std::span<const std::uint32_t> removed, std::span<const C
         if (orient3d(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3])) <= 0)
             return false;
     }
-    if (scouts) return true;
+    if (scouts) {
+        proposal.cells.removed.assign(removed.begin(), removed.end());
+        proposal.cells.added.assign(added.begin(), added.end());
+        proposal.cells.regions.assign(new_regions.begin(), new_regions.end());
+        return true;
+    }
     mesh.replace(removed, added, new_regions, changed);
+    return true;
+}
+
+bool Workbench::commit_move(std::uint32_t v, Vec3 to) {
+    if (scouts) {
+        proposal.vertex = v;
+        proposal.to = to;
+        return true;
+    }
+    const Vec3 from = mesh.point(v);
+    mesh.move_point(v, to);
+    if (!positive(star)) {
+        mesh.move_point(v, from);
+        return false;
+    }
+    changed = star;
+    return true;
+}
+
+bool Workbench::carry_out(const Proposal& change) {
+    if (change.lone != no_cell && mesh.edge_on_interface(change.lone, change.lone_edge)) return false;
+    if (change.vertex == no_cell) {
+        mesh.replace(change.cells.removed, change.cells.added, change.cells.regions, changed);
+    } else {
+        mesh.star(change.vertex, star);
+        if (!commit_move(change.vertex, change.to)) return false;
+    }
+    ++(stats.*change.counter);
     return true;
 }
 

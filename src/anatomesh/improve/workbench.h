@@ -20,6 +20,16 @@ struct Bar {
     double squared_ratio = 0;  // the largest inside
 };
 
+// A change that an operation on a bench of scouts would make: cells exchanged, or a vertex moved.
+struct Proposal {
+    CellExchange cells;
+    std::uint32_t vertex = no_cell;  // if any
+    Vec3 to;                         // its new place
+    std::uint32_t lone = no_cell;    // if any: a cell one edge of which must not be an edge of an interface;
+    int lone_edge = 0;               // what nearsighted scouts leave to be looked at
+    std::uint64_t DihedralStats::*counter = nullptr;
+};
+
 // The operations (operations.h) propose cavities; the workbench knows whether they gain and puts them in.
 class Workbench {
   public:
@@ -39,6 +49,7 @@ class Workbench {
     // Scouts that look at no cells but those with a vertex of the cell, or the vertex, in question: what
     // fails on such a bench does so as long as these cells stay.
     bool nearsighted = false;
+    Proposal proposal;             // of scouts: the last change that would have been made
     bool moves_junctions = false;  // vertices where three or more regions meet may move
     bool lowers_ratios = false;    // operations are judged by the largest ratio, not by the least sine
     double least_needed_sine = 0;  // of new cells, whatever was there; of those judged by ratio, or as before
@@ -82,6 +93,15 @@ class Workbench {
     // Replaces cells by others of the same outer facets if all of these are positive, exactly.
     bool commit(std::span<const std::uint32_t> removed, std::span<const Cell> added,
                 std::span<const Region> regions);
+
+    // Moves a vertex, `star` the cells at it, if all of these stay positive, exactly.
+    bool commit_move(std::uint32_t v, Vec3 to);
+    // Makes the change that scouts proposed, if it may be; what they looked at is as it was.
+    bool carry_out(const Proposal& change);
+    void count(std::uint64_t DihedralStats::*counter) {
+        ++(stats.*counter);
+        proposal.counter = counter;
+    }
 
     bool positive(std::span<const std::uint32_t> cells) const;  // exactly
 
