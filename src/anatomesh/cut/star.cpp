@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <numeric>
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
@@ -11,6 +12,29 @@ namespace anatomesh {
 namespace {
 
 constexpr int most_runs = 16;  // of cells that are sorted at once
+
+// What belongs to each vertex, rising and once: that of vertex v is items[start[v], start[v + 1]).
+// visit(emit) must call emit(vertex, item) for the same sequence each time it is called. Count, scan, fill,
+// then sort the few of every vertex.
+template <class T, class Visit>
+void file_by_vertex(std::size_t point_count, const Visit& visit, std::vector<std::uint32_t>& start,
+                    std::vector<T>& items) {
+    start.assign(point_count + 1, 0);
+    visit([&](std::uint32_t vertex, const T&) { ++start[vertex + 1]; });
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    items.resize(start[point_count]);
+    std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
+    visit([&](std::uint32_t vertex, const T& item) { items[next[vertex]++] = item; });
+    auto kept = items.begin();
+    for (std::size_t v = 0; v < point_count; ++v) {
+        const auto first = items.begin() + start[v], last = items.begin() + start[v + 1];
+        std::sort(first, last);
+        start[v] = static_cast<std::uint32_t>(kept - items.begin());
+        kept = std::copy(first, std::unique(first, last), kept);
+    }
+    start[point_count] = static_cast<std::uint32_t>(kept - items.begin());
+    items.erase(kept, items.end());
+}
 
 }  // namespace
 
@@ -40,29 +64,20 @@ VertexStars::VertexStars(std::span<const Cell> cells, std::size_t point_count, i
     });
 }
 
-ContourOwners::ContourOwners(std::vector<std::array<std::uint32_t, 2>> vertices, std::size_t point_count,
-                             const std::vector<std::array<std::uint32_t, 3>>& pieces)
-    : start_(point_count + 1, 0), piece_start_(point_count + 1, 0) {
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    for (const auto& [vertex, structure] : vertices) {
-        ++start_[vertex + 1];
-        structures_.push_back(structure);
-    }
-    for (std::size_t v = 0; v < point_count; ++v) start_[v + 1] += start_[v];
-    std::vector<std::array<std::uint32_t, 3>> both;
-    both.reserve(2 * pieces.size());
-    for (const auto& [a, b, structure] : pieces) {
-        both.push_back({a, b, structure});
-        both.push_back({b, a, structure});
-    }
-    std::sort(both.begin(), both.end());
-    both.erase(std::unique(both.begin(), both.end()), both.end());
-    for (const auto& [vertex, other, structure] : both) {
-        ++piece_start_[vertex + 1];
-        pieces_.push_back({other, structure});
-    }
-    for (std::size_t v = 0; v < point_count; ++v) piece_start_[v + 1] += piece_start_[v];
+ContourOwners::ContourOwners(const std::vector<std::array<std::uint32_t, 2>>& vertices,
+                             std::size_t point_count,
+                             const std::vector<std::array<std::uint32_t, 3>>& pieces) {
+    const auto each_vertex = [&](const auto& emit) {
+        for (const auto& [vertex, structure] : vertices) emit(vertex, structure);
+    };
+    const auto each_end = [&](const auto& emit) {
+        for (const auto& [a, b, structure] : pieces) {
+            emit(a, Piece{b, structure});
+            emit(b, Piece{a, structure});
+        }
+    };
+    file_by_vertex(point_count, each_vertex, start_, structures_);
+    file_by_vertex(point_count, each_end, piece_start_, pieces_);
 }
 
 bool ContourOwners::has(std::uint32_t vertex, std::uint32_t structure) const {

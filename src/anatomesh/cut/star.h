@@ -37,7 +37,7 @@ class ContourOwners {
 
     ContourOwners() = default;
     // vertices: pairs (vertex, structure); pieces: triples (vertex, vertex, structure). In any order, repeats allowed.
-    ContourOwners(std::vector<std::array<std::uint32_t, 2>> vertices, std::size_t point_count,
+    ContourOwners(const std::vector<std::array<std::uint32_t, 2>>& vertices, std::size_t point_count,
                   const std::vector<std::array<std::uint32_t, 3>>& pieces = {});
     std::span<const std::uint32_t> at(std::uint32_t vertex) const {
         if (vertex + 1 >= start_.size()) return {};

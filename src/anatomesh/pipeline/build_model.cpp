@@ -251,13 +251,21 @@ class Builder {
     RelabelStats relabel_cells(std::vector<std::uint32_t>& unsound,
                                const std::vector<std::uint32_t>& look = {}) {
         pieces_->regions_changed();
-        const VertexStars stars(mesh_->cells().cells, mesh_->points().size(), context_.threads);
-        const PlanesOfStack planes =
-            planes_of_stack(contours_, vertices_of_contours(), pieces_->pieces(), mesh_->points().size());
-        return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, stars,
-                       contour_owners(pieces_->pieces(), mesh_->points().size()), mesh_->sides(),
-                       spike_share * sample_->stats.size_mm, mesh_->regions(), mesh_->registry(), unsound,
-                       look, context_.threads, {planes.slice_of, planes.planes, field_.get(), structures_});
+        const std::size_t vertex_count = mesh_->points().size();
+        std::optional<VertexStars> stars;
+        ContourOwners owners;
+        PlanesOfStack planes;
+        parallel_tasks(context_.threads,
+                       {[&] { stars.emplace(mesh_->cells().cells, vertex_count, context_.threads); },
+                        [&] { owners = contour_owners(pieces_->pieces(), vertex_count); },
+                        [&] {
+                            planes = planes_of_stack(contours_, vertices_of_contours(), pieces_->pieces(),
+                                                     vertex_count);
+                        }});
+        return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, *stars, owners,
+                       mesh_->sides(), spike_share * sample_->stats.size_mm, mesh_->regions(),
+                       mesh_->registry(), unsound, look, context_.threads,
+                       {planes.slice_of, planes.planes, field_.get(), structures_});
     }
 
     Status cut_cells() {
@@ -280,12 +288,14 @@ class Builder {
             relabelled.add(relabel_cells(unsound, look));
         }
         TetMesh& mesh = model_.mesh;
-        mesh.points = mesh_->points();
-        mesh.cells = mesh_->cells().cells;
-        mesh.regions = mesh_->regions();
-        segment_vertices_ = pieces_->vertices();
-        piece_list_ = pieces_->pieces();
-        find_neighbors(true);
+        parallel_tasks(context_.threads,
+                       {[&] { find_neighbors(true); }, [&] { mesh.cells = mesh_->cells().cells; },
+                        [&] {
+                            mesh.points = mesh_->points();
+                            mesh.regions = mesh_->regions();
+                            segment_vertices_ = pieces_->vertices();
+                            piece_list_ = pieces_->pieces();
+                        }});
         RecoverStats recovered;
         // Between dense planes they are too many: some ms each.
         if (!dense_ && sparing_ < most_more_bad.size()) recovered = recover_pieces(unsound, relabelled);

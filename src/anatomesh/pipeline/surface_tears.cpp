@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "anatomesh/base/disjoint_sets.h"
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/field/crossed_field.h"
 #include "anatomesh/field/sweep.h"
@@ -200,13 +201,8 @@ class TearSearch {
         }
     }
 
-    std::vector<SurfaceTear> find(bool whole_only) {
-        if (drawn_.front()) look({-beyond_all, levels_.front(), 0, 0});
-        for (std::uint32_t k = 0; k < last_; ++k) {
-            if (joined_[k]) look({levels_[k], levels_[k + 1], k, k + 1});
-            if (whole_only && !any_run_reaches(k + 1)) return {};
-        }
-        if (drawn_.back()) look({levels_.back(), beyond_all, last_, last_});
+    std::vector<SurfaceTear> find(bool whole_only, int threads) {
+        if (!take_in_all(whole_only, threads)) return {};
         for (std::uint32_t n = 0; n < sums_.size(); ++n) {
             const std::uint32_t chain = chains_.root(n);
             // A chain ends in one curve for each contour there; others are bumps that have their rest
@@ -234,6 +230,43 @@ class TearSearch {
   private:
     static constexpr std::uint8_t from_below = 1,
                                   from_above = 2;  // where a chain comes to a contour or curve
+
+    std::vector<Window> all_windows() const {
+        std::vector<Window> windows;
+        if (drawn_.front()) windows.push_back({-beyond_all, levels_.front(), 0, 0});
+        for (std::uint32_t k = 0; k < last_; ++k) {
+            if (joined_[k]) windows.push_back({levels_[k], levels_[k + 1], k, k + 1});
+        }
+        if (drawn_.back()) windows.push_back({levels_.back(), beyond_all, last_, last_});
+        return windows;
+    }
+
+    // Several windows are looked into at a time. False as soon as no run is left that is whole, if these
+    // alone are asked for.
+    bool take_in_all(bool whole_only, int threads) {
+        constexpr std::size_t windows_a_thread = 4;
+        const std::vector<Window> windows = all_windows();
+        const std::size_t at_once = threads > 1 ? windows_a_thread * static_cast<std::size_t>(threads) : 1;
+        std::uint32_t slice = 1;
+        for (std::size_t begin = 0; begin < windows.size(); begin += at_once) {
+            std::vector<Sight> seen(std::min(at_once, windows.size() - begin));
+            parallel_for(seen.size(), 1, threads, [&](std::size_t first, std::size_t last) {
+                for (std::size_t n = first; n < last; ++n) seen[n] = look(windows[begin + n]);
+            });
+            for (std::size_t n = 0; n < seen.size(); ++n) {
+                const Window& window = windows[begin + n];
+                // Up to the slice below this window all has been taken in.
+                for (; whole_only && slice <= window.low_slice; ++slice) {
+                    if (!any_run_reaches(slice)) return false;
+                }
+                take_in(window, seen[n]);
+            }
+        }
+        for (; whole_only && slice <= last_; ++slice) {
+            if (!any_run_reaches(slice)) return false;
+        }
+        return true;
+    }
 
     // Whether a run from below the first slice comes up to a slice, and has ended nowhere.
     bool any_run_reaches(std::uint32_t slice) {
@@ -275,21 +308,35 @@ class TearSearch {
         std::vector<std::uint32_t> holes_closed;  // per part, on the way to the next slice
     };
 
-    void look(const Window& window) {
-        std::vector<Piece> pieces = surface_.pieces_within(window);
-        for (Piece& piece : pieces) {
+    // What there is in a window.
+    struct Sight {
+        std::vector<Piece> pieces;
+        std::optional<Parts> drawn;  // unless all pieces are simple
+    };
+
+    // For several threads at a time.
+    Sight look(const Window& window) const {
+        Sight sight{surface_.pieces_within(window), std::nullopt};
+        for (Piece& piece : sight.pieces) {
             // A tall triangle may have vertices of farther slices.
             std::erase_if(piece.contours, [&](std::uint32_t c) {
                 const std::uint32_t slice = contours_.contours[c].slice;
                 return slice != window.low_slice && slice != window.high_slice;
             });
         }
-        if (std::all_of(pieces.begin(), pieces.end(),
-                        [&](const Piece& piece) { return as_simple(piece, window); })) {
+        if (!std::all_of(sight.pieces.begin(), sight.pieces.end(),
+                         [&](const Piece& piece) { return as_simple(piece, window); }))
+            sight.drawn = parts_of(window);
+        return sight;
+    }
+
+    void take_in(const Window& window, const Sight& sight) {
+        const std::vector<Piece>& pieces = sight.pieces;
+        if (!sight.drawn) {
             for (const Piece& piece : pieces) join(window, piece, piece.contours.front());
             return;
         }
-        const Parts drawn = parts_of(window);
+        const Parts& drawn = *sight.drawn;
         std::vector<std::uint32_t> part_of(contours_.contours.size(), no_cell);
         DisjointSets groups(drawn.parts.size());
         for (std::uint32_t n = 0; n < drawn.parts.size(); ++n) {
@@ -410,7 +457,7 @@ namespace {
 std::vector<SurfaceTear> tears_of_stack(const std::vector<double>& heights,
                                         std::span<const std::vector<Triangle>> surfaces,
                                         const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
-                                        std::span<const std::uint8_t> whole_only) {
+                                        std::span<const std::uint8_t> whole_only, int threads) {
     std::vector<SurfaceTear> tears;
     double tolerance = on_plane_share * contours.box().diagonal();
     for (const Contour& contour : contours.contours) {
@@ -433,7 +480,7 @@ std::vector<SurfaceTear> tears_of_stack(const std::vector<double>& heights,
         mark(true);
         const LayeredSurface surface(heights, surfaces[s], contour_of);
         const std::vector<SurfaceTear> found =
-            TearSearch(contours, s, tolerance, surface).find(whole_only[s] != 0);
+            TearSearch(contours, s, tolerance, surface).find(whole_only[s] != 0, threads);
         tears.insert(tears.end(), found.begin(), found.end());
         mark(false);
     }
@@ -470,7 +517,7 @@ std::optional<Stacked> stacked_slices(const ContourSet& contours) {
 std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
                                        std::span<const std::vector<Triangle>> surfaces,
                                        const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
-                                       std::span<const std::uint8_t> whole_only) {
+                                       std::span<const std::uint8_t> whole_only, int threads) {
     assert(surfaces.size() == contours.structures.size() && vertex_of.size() == contours.points.size());
     assert(whole_only.size() == surfaces.size());
     const bool asked =
@@ -479,7 +526,7 @@ std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
     std::vector<double> heights;
     if (all_parallel(contours, parallel_mm)) {
         for (const Vec3& p : points) heights.push_back(dot(p, contours.slices.front().plane.normal));
-        return tears_of_stack(heights, surfaces, contours, vertex_of, whole_only);
+        return tears_of_stack(heights, surfaces, contours, vertex_of, whole_only, threads);
     }
     const std::optional<Stacked> stacked = stacked_slices(contours);
     if (!stacked) return {};
@@ -492,7 +539,7 @@ std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
         }
     }
     std::vector<SurfaceTear> tears =
-        tears_of_stack(heights, surfaces, stacked->straight, vertices, whole_only);
+        tears_of_stack(heights, surfaces, stacked->straight, vertices, whole_only, threads);
     for (SurfaceTear& tear : tears) {
         tear.low_slice = stacked->slices[tear.low_slice];
         tear.high_slice = stacked->slices[tear.high_slice];

@@ -17,6 +17,7 @@ struct SurfaceTear {
     std::uint32_t low_slice = 0, high_slice = 0;  // where most is amiss; equal: beyond the last slice
     std::int64_t euler = 0, expected = 0;  // of the surface; two less for every hole torn through a wall
     bool whole = false;  // the run ends beyond the first and the last slice, not where its part branches or vanishes
+    friend bool operator==(const SurfaceTear&, const SurfaceTear&) = default;
 };
 
 // Where a drawn part of a structure meets one part of the next slice alone, and what they have in common is
@@ -30,11 +31,12 @@ struct SurfaceTear {
 // (crossed_field.h), of planes in any position none. `surfaces[s]`
 // is the closed surface of the contour set's structure s as triangles of `points`; `vertex_of` the mesh
 // vertex of every contour point, or no_cell. Of a structure with whole_only[s] != 0 those runs alone are
-// asked for that are whole: the search ends where none is left. By structure, then by slice. Complexity: O(t
-// log t) for t triangles; the contours are compared only where a surface is no annulus.
+// asked for that are whole: the search ends where none is left. By structure, then by slice, the same for
+// any `threads`. Complexity: O(t log t) for t triangles; the contours are compared only where a surface is no
+// annulus.
 std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
                                        std::span<const std::vector<Triangle>> surfaces,
                                        const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
-                                       std::span<const std::uint8_t> whole_only);
+                                       std::span<const std::uint8_t> whole_only, int threads = 1);
 
 }  // namespace anatomesh

@@ -112,6 +112,7 @@ class CubeSolid {
         const std::uint8_t all[] = {0}, whole_only[] = {1};
         std::vector<SurfaceTear> tears = surface_tears(points, surfaces, set, vertex_of, all);
         expect_whole_ones(surface_tears(points, surfaces, set, vertex_of, whole_only), tears);
+        EXPECT_EQ(surface_tears(points, surfaces, set, vertex_of, all, 3), tears);
         return tears;
     }
 

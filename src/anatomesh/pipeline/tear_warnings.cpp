@@ -43,7 +43,7 @@ std::vector<SurfaceTear> find_tears(const TornModel& model, int threads) {
                                         static_cast<std::uint32_t>(model.structure_of[s]), threads);
     }
     std::vector<SurfaceTear> tears =
-        surface_tears(model.mesh.points, surfaces, contours, model.vertex_of, thick);
+        surface_tears(model.mesh.points, surfaces, contours, model.vertex_of, thick, threads);
     // Where parts branch or vanish the field itself may join them, near the ends of the run.
     std::erase_if(tears, [](const SurfaceTear& t) { return !t.whole && t.euler > t.expected; });
     return tears;
