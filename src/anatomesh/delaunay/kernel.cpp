@@ -22,7 +22,7 @@ constexpr std::uint32_t most_slots = 1u << 30;  // a link is 4 * slot + facet
 
 constexpr int most_regions = 64;
 constexpr std::size_t least_for_threads = 4000;  // fewer points are inserted sooner by one, but for
-constexpr std::size_t least_in_fine = 1000;      // those in a mesh that has so many times as many vertices:
+constexpr std::size_t least_in_fine = 150;       // those in a mesh that has so many times as many vertices:
 constexpr std::size_t fine_mesh = 16;            // their cavities are small beside the regions
 constexpr std::size_t slots_per_point = 8;       // a point of many adds 6.8 cells to those that fill space
 
