@@ -64,6 +64,30 @@ class TentativeList {
     std::size_t size_ = 0;
 };
 
+// One slot, at most, for each box of a grid: what is there may have changed since, but lies near.
+struct DelaunayKernel::Anchors {
+    Anchors() = default;
+    explicit Anchors(const Box3& box) : low_(box.low), slots_(per_axis * per_axis * per_axis, no_cell) {
+        const Vec3 extent = box.high - box.low;
+        const auto scale = [](double length) { return length > 0 ? per_axis / length : 0; };
+        scale_ = {scale(extent.x), scale(extent.y), scale(extent.z)};
+    }
+
+    std::uint32_t& at(Vec3 p) {
+        const auto place = [](double x) {
+            return static_cast<std::size_t>(std::clamp(x, 0.0, per_axis - 1.0));
+        };
+        return slots_[(place((p.x - low_.x) * scale_.x) * per_axis + place((p.y - low_.y) * scale_.y)) *
+                          per_axis +
+                      place((p.z - low_.z) * scale_.z)];
+    }
+
+  private:
+    static constexpr std::size_t per_axis = 32;
+    Vec3 low_, scale_;
+    std::vector<std::uint32_t> slots_;
+};
+
 struct DelaunayKernel::Worker {
     // A facet of the boundary of the cavity.
     struct Facet {
@@ -75,6 +99,7 @@ struct DelaunayKernel::Worker {
 
     std::uint8_t region = 0;
     std::uint32_t last_cell = 0;
+    Anchors anchors;
     std::uint32_t random = 0x9E3779B9u;
     std::vector<std::uint32_t> free_slots;
     std::uint32_t next_slot = 0, end_slot = 0;  // fresh ones
@@ -234,11 +259,12 @@ bool DelaunayKernel::start(std::uint32_t first) {
 
 // ---- Insertion of one point ----
 
-// Walks from the last cell towards q, to a cell in conflict with it; `found` is that cell, or the vertex
+// Walks from a cell towards q, to a cell in conflict with it; `found` is that cell, or the vertex
 // equal to q.
 template <bool bounded>
-DelaunayKernel::Outcome DelaunayKernel::locate(Worker& worker, Vec3 q, std::uint32_t& found) const {
-    found = worker.last_cell;
+DelaunayKernel::Outcome DelaunayKernel::locate(Worker& worker, Vec3 q, std::uint32_t from,
+                                               std::uint32_t& found) const {
+    found = from;
     for (unsigned entry = 4;;) {
         const KernelCell& cell = cells_[found];
         if (bounded && !in_region(cell, worker.region)) return Outcome::deferred;
@@ -416,7 +442,12 @@ template <bool bounded>
 DelaunayKernel::Outcome DelaunayKernel::insert(Worker& worker, std::uint32_t vertex) {
     const Vec3 q = vertices_[vertex].position;
     std::uint32_t found = 0;
-    const Outcome located = locate<bounded>(worker, q, found);
+    Outcome located = locate<bounded>(worker, q, worker.last_cell, found);
+    if (bounded && located == Outcome::deferred) {
+        // The way from there leads through another region: there may be one from a cell nearer to q.
+        const std::uint32_t nearer = worker.anchors.at(q);
+        if (nearer != no_cell && cells_[nearer].alive()) located = locate<bounded>(worker, q, nearer, found);
+    }
     if (located == Outcome::equal) vertices_[vertex].representative = found;
     if (located != Outcome::inserted) return located;
     if (!find_cavity<bounded>(worker, q, found)) return Outcome::deferred;
@@ -435,6 +466,7 @@ DelaunayKernel::Outcome DelaunayKernel::insert(Worker& worker, std::uint32_t ver
     make_cells(worker, vertex);
     if (logs_) log_changes(worker);
     worker.last_cell = worker.facets[0].slot;
+    if (bounded) worker.anchors.at(q) = worker.last_cell;
     return Outcome::inserted;
 }
 
@@ -464,13 +496,24 @@ struct DelaunayKernel::Regions {
   private:
     static double coordinate(Vec3 p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
 
-    // Cuts along the longest axis; as deep as the logarithm of the number of threads.
+    static Vec3 squared_spread(std::span<const Vec3> points) {
+        Vec3 mean, sum;
+        const double share = 1 / static_cast<double>(points.size());
+        for (const Vec3& p : points) mean += share * p;
+        for (const Vec3& p : points) {
+            const Vec3 d = share * (p - mean);
+            sum += {d.x * d.x, d.y * d.y, d.z * d.z};
+        }
+        return sum;
+    }
+
+    // Cuts across the axis along which the points spread most - not across the box's longest, or points that
+    // a cut left over would be cut in two by the same one again -; as deep as the logarithm of the number of
+    // threads.
     void cut(std::span<Vec3> points, std::uint8_t begin, std::uint8_t end) {
         if (end - begin < 2) return;
-        Box3 box;
-        for (const Vec3& p : points) box.extend(p);
-        const Vec3 extent = box.high - box.low;
-        const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+        const Vec3 spread = squared_spread(points);
+        const int axis = spread.x >= spread.y && spread.x >= spread.z ? 0 : spread.y >= spread.z ? 1 : 2;
         const std::uint8_t middle = static_cast<std::uint8_t>((begin + end) / 2);
         const std::size_t share = points.size() * (middle - begin) / (end - begin);
         const auto less = [axis](Vec3 a, Vec3 b) { return coordinate(a, axis) < coordinate(b, axis); };
@@ -520,6 +563,7 @@ void DelaunayKernel::insert_in_regions(Worker& main, std::vector<std::uint32_t>&
         worker.end_slot = static_cast<std::uint32_t>(fresh);
     }
     cells_.resize(fresh);
+    drop_anchors(workers, threads);
     std::vector<std::size_t> starts(count);
     for (int r = 0; r < count; ++r) starts[r] = find_start(main, workers[r], inside[r]);
 
@@ -555,6 +599,23 @@ void DelaunayKernel::insert_in_regions(Worker& main, std::vector<std::uint32_t>&
     main.next_slot = main.end_slot = static_cast<std::uint32_t>(fresh);
 }
 
+// Some of the cells in each worker's region, all over it.
+void DelaunayKernel::drop_anchors(std::vector<Worker>& workers, int threads) const {
+    constexpr std::size_t most_looked_at = 1 << 15;
+    const std::size_t step = cells_.size() / most_looked_at + 1;
+    parallel_for(workers.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; ++r) {
+            Worker& worker = workers[r];
+            worker.anchors = Anchors(box_);
+            for (std::size_t slot = 0; slot < cells_.size(); slot += step) {
+                const KernelCell& cell = cells_[slot];
+                if (cell.alive() && in_region(cell, worker.region))
+                    worker.anchors.at(vertices_[cell.vertex[0]].position) = static_cast<std::uint32_t>(slot);
+            }
+        }
+    });
+}
+
 // A cell in the worker's region near one of its points, as its last cell; which point that is.
 std::size_t DelaunayKernel::find_start(Worker& main, Worker& worker,
                                        std::span<const std::uint32_t> vertices) const {
@@ -563,7 +624,7 @@ std::size_t DelaunayKernel::find_start(Worker& main, Worker& worker,
         const std::size_t n = vertices.size() * ((2 * t + tries) % (2 * tries) + 1) / (2 * tries);
         std::uint32_t found = 0;
         if (n >= vertices.size() ||
-            locate<false>(main, vertices_[vertices[n]].position, found) != Outcome::inserted)
+            locate<false>(main, vertices_[vertices[n]].position, main.last_cell, found) != Outcome::inserted)
             continue;
         main.last_cell = found;
         if (!in_region(cells_[found], worker.region)) continue;

@@ -60,6 +60,7 @@ class DelaunayKernel {
 
   private:
     struct Worker;   // what one thread needs to insert points
+    struct Anchors;  // cells of a region from which walks may start
     struct Regions;  // of space, one for each thread
     struct Corner;   // a vertex of a new cell as seen from the new point
     struct alignas(32) Vertex {
@@ -85,7 +86,7 @@ class DelaunayKernel {
     template <bool bounded>
     Outcome insert(Worker& worker, std::uint32_t vertex);
     template <bool bounded>
-    Outcome locate(Worker& worker, Vec3 q, std::uint32_t& found) const;
+    Outcome locate(Worker& worker, Vec3 q, std::uint32_t from, std::uint32_t& found) const;
     template <bool bounded>
     bool find_cavity(Worker& worker, Vec3 q, std::uint32_t first);
     void prefetch_neighbors(const KernelCell& cell) const;
@@ -97,6 +98,7 @@ class DelaunayKernel {
     static void link_by_sorting(Worker& worker, std::vector<KernelCell>& cells);
 
     void insert_in_regions(Worker& main, std::vector<std::uint32_t>& vertices, int threads);
+    void drop_anchors(std::vector<Worker>& workers, int threads) const;
     std::size_t find_start(Worker& main, Worker& worker, std::span<const std::uint32_t> vertices) const;
 
     std::vector<Vertex> vertices_;
