@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/vec.h"
@@ -30,8 +31,8 @@ void add(std::array<float, 3>& sum, Vec3 v) {
     sum[2] += static_cast<float>(v.z);
 }
 
-// Shapes of a cell inside.
-void add_cell(const TetMesh& mesh, std::size_t c, std::vector<Gathered>& at) {
+// Shapes of a cell inside. Gives its ratio.
+double add_cell(const TetMesh& mesh, std::size_t c, std::vector<Gathered>& at) {
     const Cell& cell = mesh.cells[c];
     const Vec3 origin = mesh.points[cell[0]];
     const std::array<Vec3, 4> p{Vec3{}, mesh.points[cell[1]] - origin, mesh.points[cell[2]] - origin,
@@ -66,6 +67,7 @@ void add_cell(const TetMesh& mesh, std::size_t c, std::vector<Gathered>& at) {
         vertex.edges += edge;
         ++vertex.cells;
     }
+    return ratio;
 }
 
 // The interface's facets of a cell, each seen from one of its sides.
@@ -111,10 +113,14 @@ RatioSlopes ratio_slopes(const TetMesh& mesh, std::span<const std::uint32_t> nei
                          std::span<const std::uint8_t> fixed, int threads) {
     assert(neighbors.size() == 4 * mesh.cells.size() && fixed.size() == mesh.points.size());
     std::array<std::vector<Gathered>, pieces> gathered;
+    std::array<double, pieces> ratios{};
+    std::array<std::uint64_t, pieces> counts{};
     const std::size_t grain = std::max<std::size_t>(1, (mesh.cells.size() + pieces - 1) / pieces);
     for (auto& piece : gathered) piece.resize(mesh.points.size());
     parallel_for(mesh.cells.size(), grain, threads, [&](std::size_t first, std::size_t last) {
         std::vector<Gathered>& at = gathered[first / grain];
+        double ratio = 0;
+        std::uint64_t count = 0;
         for (std::size_t c = first; c < last; ++c) {
             if (c + cells_ahead < last) {
                 const Cell& soon = mesh.cells[c + cells_ahead];
@@ -127,12 +133,18 @@ RatioSlopes ratio_slopes(const TetMesh& mesh, std::span<const std::uint32_t> nei
                 at[v].several |= at[v].region != region;
             }
             if (region == 0) continue;
-            add_cell(mesh, c, at);
+            ratio += add_cell(mesh, c, at);
+            ++count;
             add_facets(mesh, neighbors, c, at);
         }
+        ratios[first / grain] = ratio;
+        counts[first / grain] = count;
     });
     RatioSlopes slopes{std::vector<float>(mesh.points.size(), 0),
                        std::vector<std::uint8_t>(mesh.points.size(), 0)};
+    slopes.cells = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+    slopes.mean = std::accumulate(ratios.begin(), ratios.end(), 0.0) /
+                  static_cast<double>(std::max<std::uint64_t>(1, slopes.cells));
     parallel_for(mesh.points.size(), 16384, threads, [&](std::size_t first, std::size_t last) {
         for (std::size_t v = first; v < last; ++v) {
             for (std::size_t k = 1; k < pieces; ++k) join(gathered[0][v], gathered[k][v]);

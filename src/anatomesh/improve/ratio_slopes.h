@@ -15,6 +15,8 @@ struct RatioSlopes {
     // 0 where no cell is inside, and for fixed vertices.
     std::vector<float> steepness;
     std::vector<std::uint8_t> on_interface;  // whether cells of several regions meet there
+    std::uint64_t cells = 0;                 // inside
+    double mean = 0;                         // of their ratios
 };
 
 // The gradient of a circumradius R with centre o for the vertex x of barycentric coordinate l in o is

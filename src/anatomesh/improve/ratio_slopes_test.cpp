@@ -1,5 +1,6 @@
 #include "anatomesh/improve/ratio_slopes.h"
 
+#include <array>
 #include <cmath>
 
 #include "anatomesh/cut/star.h"
@@ -50,6 +51,14 @@ TEST(RatioSlopes, are_those_of_the_sum_inside_and_0_where_nothing_moves) {
         const std::vector<std::uint32_t> neighbors = cell_neighbors(made.mesh.cells, made.mesh.points.size());
         const RatioSlopes slopes = ratio_slopes(made.mesh, neighbors, made.fixed, 1);
         const VertexStars stars(made.mesh.cells, made.mesh.points.size());
+        double ratios = 0;
+        std::uint64_t inside = 0;
+        for (std::uint32_t c = 0; c < made.mesh.cells.size(); ++c) {
+            inside += made.mesh.regions[c] != 0;
+            ratios += sum_of_ratios(made.mesh, std::array{c});
+        }
+        EXPECT_EQ(slopes.cells, inside);
+        EXPECT_NEAR(slopes.mean, ratios / static_cast<double>(inside), 1e-9);
         std::size_t close = 0, count = 0;
         for (std::uint32_t v = 0; v < made.mesh.points.size(); ++v) {
             const auto star = stars.at(v);
@@ -94,6 +103,7 @@ TEST(RatioSlopes, are_the_same_with_two_threads) {
     const std::vector<std::uint32_t> neighbors = cell_neighbors(made.mesh.cells, made.mesh.points.size());
     const RatioSlopes one = ratio_slopes(made.mesh, neighbors, made.fixed, 1),
                       two = ratio_slopes(made.mesh, neighbors, made.fixed, 2);
+    EXPECT_EQ(one.mean, two.mean);
     EXPECT_EQ(one.steepness, two.steepness);
     EXPECT_EQ(one.on_interface, two.on_interface);
 }

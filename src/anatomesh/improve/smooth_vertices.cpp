@@ -20,16 +20,21 @@ namespace anatomesh {
 
 namespace {
 
-// Of the sum of ratios: steeper than this, for a way of an edge, a vertex is looked at.
-constexpr float worth_a_look = 0.15f;
+// Of the sum of ratios.
+struct Worth {
+    float look;   // steeper than this, for a way of an edge, a vertex is looked at
+    double gain;  // for which it is moved
+};
+constexpr Worth usual_worth{0.15f, 0.005}, further_worth{0.03f, 0.001};
 // In mean edges at the vertex.
 constexpr double step_share = 0.1;    // is tried first
 constexpr double longest_move = 0.3;  // of a descent
 constexpr int descents = 4;           // a vertex, in a pass
 // Of the sum of ratios.
-constexpr double least_gain = 0.005;    // for which a vertex is moved
 constexpr double least_slope = 0.0005;  // in a step, for which a descent is tried
 constexpr double little_gain = 0.001;   // after which no other one is
+constexpr double gain_units = 1e6;      // of gains that are summed, in 1
+constexpr double most_gain = 1e6;         // the sum is infinite where a cell is next to flat
 constexpr std::size_t usual_facets = 12;  // at a vertex, at most
 constexpr double smooth_cosine = 0.9;  // of the facets' normals with their mean, at a vertex that may slide
 constexpr double turned_cosine = 0.8;  // the same after it slid
@@ -48,31 +53,50 @@ class Smoother {
           options_(options),
           min_sine_(std::sin(options.min_dihedral_degrees * std::numbers::pi / 180)),
           mover_(mesh, stars, options.max_radius_edge, min_sine_),
-          moved_(mesh.points.size(), 0) {}
+          vertices_(mesh.points.size()),
+          moved_(mesh.points.size(), 0) {
+        std::iota(vertices_.begin(), vertices_.end(), 0u);
+    }
 
     SmoothStats run(RunContext& context) {
-        std::vector<std::uint32_t> all(mesh_.points.size());
-        std::iota(all.begin(), all.end(), 0u);
+        bool all = true;
         for (int pass = 0; pass < options_.passes && !context.cancelled(); ++pass) {
-            const RatioSlopes slopes = ratio_slopes(mesh_, neighbors_, fixed_, context.threads);
-            const std::vector<std::uint32_t> vertices = chosen_of(all, context.threads, [&](std::uint32_t v) {
-                return slopes.steepness[v] >= worth_a_look &&
-                       mover_.star(v).size() <= StarRatios::most_cells && (pass == 0 || one_moved_beside(v));
-            });
-            if (vertices.empty()) break;
-            std::fill(moved_.begin(), moved_.end(), 0);
-            mover_.for_each_apart(vertices, context.threads, [&](std::uint32_t v) {
-                if (slopes.on_interface[v]) {
-                    slide_along_interface(v);
-                } else if (move_inside(v)) {
-                    inner_moves_.fetch_add(1, std::memory_order_relaxed);
-                }
-            });
+            if (!smooth(all, context)) break;
+            all = false;
+        }
+        worth_ = further_worth;
+        all = true;
+        for (int pass = 0; pass < options_.further_passes && !context.cancelled(); ++pass) {
+            if (mean_ <= options_.max_mean || !smooth(all, context)) break;
+            all = false;
         }
         return {inner_moves_ + surface_moves_, surface_moves_};
     }
 
   private:
+    // A pass over all vertices, or those beside which one moved in the last; false if there is none.
+    bool smooth(bool all, RunContext& context) {
+        const RatioSlopes slopes = ratio_slopes(mesh_, neighbors_, fixed_, context.threads);
+        const std::vector<std::uint32_t> vertices =
+            chosen_of(vertices_, context.threads, [&](std::uint32_t v) {
+                return slopes.steepness[v] >= worth_.look &&
+                       mover_.star(v).size() <= StarRatios::most_cells && (all || one_moved_beside(v));
+            });
+        std::fill(moved_.begin(), moved_.end(), 0);
+        gained_ = 0;
+        mover_.for_each_apart(vertices, context.threads, [&](std::uint32_t v) {
+            if (slopes.on_interface[v]) {
+                slide_along_interface(v);
+            } else if (move_inside(v)) {
+                inner_moves_.fetch_add(1, std::memory_order_relaxed);
+            }
+        });
+        if (slopes.cells > 0)
+            mean_ =
+                slopes.mean - static_cast<double>(gained_) / (gain_units * static_cast<double>(slopes.cells));
+        return !vertices.empty();
+    }
+
     // A facet of the interface at a vertex by its two other vertices, turned so that the normal leaves the
     // first region.
     using InterfaceFacet = std::array<std::uint32_t, 2>;
@@ -174,7 +198,12 @@ class Smoother {
         return at;
     }
 
-    bool better(double after, double before) const { return after < (1 - least_gain) * before; }
+    bool better(double after, double before) const { return after < (1 - worth_.gain) * before; }
+
+    void moved(std::uint32_t v, double gain) {
+        moved_[v] = 1;
+        gained_.fetch_add(std::llround(gain_units * std::min(gain, most_gain)), std::memory_order_relaxed);
+    }
 
     // Moves v by `move` if the cells there stay good.
     bool try_move(std::uint32_t v, const StarRatios& ratios, Vec3 move, Vec3 to) {
@@ -198,7 +227,7 @@ class Smoother {
             if (share < 1) step = {share * step.move, ratios.sum(share * step.move)};
             if (!better(step.sum, before)) return false;
             if (!try_move(v, ratios, step.move, from + ratios.mean_edge() * step.move)) continue;
-            moved_[v] = 1;
+            moved(v, before - step.sum);
             return true;
         }
         return false;
@@ -224,9 +253,9 @@ class Smoother {
                                             step_share * ratios.mean_edge(), 0.1 * options_.tolerance_mm);
             if (!onto) continue;
             const Vec3 move = (1 / ratios.mean_edge()) * (*onto - from);
-            if (!better(ratios.sum(move), before) || !put(v, ratios, move, *onto, facets, direction, probe))
-                continue;
-            moved_[v] = 1;
+            const double after = ratios.sum(move);
+            if (!better(after, before) || !put(v, ratios, move, *onto, facets, direction, probe)) continue;
+            moved(v, before - after);
             return true;
         }
         return false;
@@ -263,7 +292,12 @@ class Smoother {
     SmoothOptions options_;
     double min_sine_;
     VertexMover mover_;
-    std::vector<std::uint8_t> moved_;
+    Worth worth_ = usual_worth;
+    std::vector<std::uint32_t> vertices_;  // all
+    std::vector<std::uint8_t> moved_;      // by vertex, in the last pass
+    double mean_ = 0;                      // ratio inside, after it
+    std::atomic<std::int64_t> gained_ =
+        0;  // in it, of the sum of the ratios; whole units: in any order the same
     std::atomic<std::uint64_t> inner_moves_ = 0, surface_moves_ = 0;
 };
 

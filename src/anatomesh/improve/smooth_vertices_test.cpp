@@ -32,11 +32,12 @@ std::vector<std::uint8_t> on_interfaces(const TetMesh& mesh) {
     return on;
 }
 
-SmoothStats smoothed(LabelledCase& made, int passes, int threads = 1) {
+SmoothStats smoothed(LabelledCase& made, int passes, int threads = 1, double max_mean = HUGE_VAL) {
     RunContext context;
     context.threads = threads;
     SmoothOptions options;
     options.passes = passes;
+    options.max_mean = max_mean;
     return smooth_vertices(made.mesh, cell_neighbors(made.mesh.cells, made.mesh.points.size()),
                            VertexStars(made.mesh.cells, made.mesh.points.size(), threads), made.fixed,
                            made.field, made.structures, made.regions, options, context);
@@ -91,6 +92,24 @@ TEST(SmoothVertices, does_the_same_with_two_threads_and_nothing_in_no_pass) {
     EXPECT_EQ(one.mesh.points, two.mesh.points);
     EXPECT_EQ(smoothed(none, 0).vertices_moved, 0u);
     EXPECT_EQ(none.mesh.points, before.points);
+}
+
+TEST(SmoothVertices, goes_on_for_smaller_gains_while_the_mean_is_above_what_is_asked) {
+    for (LabelledCase& once : labelled_cases()) {
+        LabelledCase even = once, evener = once, two_threads = once;
+        SCOPED_TRACE(once.name);
+        const TetMesh before = once.mesh;
+        smoothed(once, 1);
+        smoothed(even, 1, 1, mean_ratio(once.mesh) + 1e-4);
+        EXPECT_EQ(even.mesh.points, once.mesh.points);
+        smoothed(evener, 1, 1, 0.5);
+        smoothed(two_threads, 1, 2, 0.5);
+        EXPECT_EQ(evener.mesh.points, two_threads.mesh.points);
+        EXPECT_LT(mean_ratio(evener.mesh), mean_ratio(once.mesh));
+        EXPECT_LE(worst_ratio(evener.mesh), std::max(2.0, worst_ratio(before)) + 1e-12);
+        EXPECT_GE(worst_sine(evener.mesh),
+                  std::min(std::sin(16 * std::numbers::pi / 180), worst_sine(before)) - 1e-12);
+    }
 }
 
 TEST(SmoothVertices, a_vertex_off_the_middle_of_its_neighbours_goes_there) {

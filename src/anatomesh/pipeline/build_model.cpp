@@ -61,6 +61,8 @@ constexpr std::array<double, 2> most_more_bad{0.003, 0.001};
 // cross at small angles, and the cells there would pay too much.
 constexpr double most_missing_of_parallel = 0.0005;
 constexpr double most_dense = 3;              // as plane_density() has it: more are left as they come first
+// Radius-edge ratio inside: 0.95 is asked for, and what comes after the last smoothing takes a little of it.
+constexpr double even_mean = 0.947;
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
 // What does not depend on the size.
@@ -389,7 +391,7 @@ class Builder {
                        {[&] { dihedrals = improve_angles(fixed); }, [&] { volumes = find_volumes(); }});
         ANATOMESH_CHECK_STATUS(volumes);
         stars = find_stars();
-        const SmoothStats again = smooth_all(*stars, fixed);
+        const SmoothStats again = smooth_all(*stars, fixed, even_mean);
         smoothed.vertices_moved += again.vertices_moved;
         smoothed.surface_vertices_moved += again.surface_vertices_moved;
         BalanceOptions balance;
@@ -441,8 +443,10 @@ class Builder {
         return VertexStars(model_.mesh.cells, model_.mesh.points.size(), context_.threads);
     }
 
-    SmoothStats smooth_all(const VertexStars& stars, const std::vector<std::uint8_t>& fixed) {
+    SmoothStats smooth_all(const VertexStars& stars, const std::vector<std::uint8_t>& fixed,
+                           double max_mean = HUGE_VAL) {
         SmoothOptions options;
+        options.max_mean = max_mean;
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
