@@ -256,7 +256,8 @@ TEST(SameCells, M13_same_bytes_for_any_number_of_threads) {
         {"lattice", lattice(20, true)},
         {"planes", pixel_contours(40, 14)}};
     for (const auto& [name, points] : sets) {
-        for (const std::size_t first : {points.size() / 3, points.size()})
+        ASSERT_GT(points.size(), 5000u) << name;  // the last 300 come into a fine mesh
+        for (const std::size_t first : {points.size() / 3, points.size() - 300, points.size()})
             expect_same_bytes_for_threads(points, first, name);
     }
 }
