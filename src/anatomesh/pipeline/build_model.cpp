@@ -57,9 +57,11 @@ constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
 // Of the cells inside, so many may come above the bound for contour pieces' sake at the first tries;
 // at further ones none.
 constexpr std::array<double, 2> most_more_bad{0.003, 0.001};
-// Of the contour pieces of parallel slices: where more are missing, they belong to structures whose contours
-// cross at small angles, and the cells there would pay too much.
-constexpr double most_missing_of_parallel = 0.0005;
+// Of the contour pieces of parallel slices on which contours of several structures may cross: where more are
+// missing, they do at small angles, and the cells there would pay too much.
+constexpr double most_missing_of_crossing = 0.0005;
+// Slices far apart against the vertices on them lack more pieces, where structures meet.
+constexpr std::size_t last_few_of_parallel = 40;
 constexpr double most_dense = 3;              // as plane_density() has it: more are left as they come first
 // Radius-edge ratio inside: 0.95 is asked for, and what comes after the last smoothing takes a little of it.
 constexpr double even_mean = 0.947;
@@ -203,9 +205,10 @@ class Builder {
         for (const SegmentPiece& piece : sample_->pieces) {
             pieces.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
         }
-        pieces_.emplace(*mesh_, sample_->guard, *field_, std::move(pieces),
-                        ContourPieceOptions{sample_->stats.size_mm, spared_, dense_ && !crammed_, conforming_,
-                                            sample_->graded, sparing_ == 0});
+        ContourPieceOptions options{sample_->stats.size_mm, spared_,      dense_ && !crammed_, conforming_,
+                                    sample_->graded,        sparing_ == 0};
+        if (is_parallel(contours_)) options.last_few = last_few_of_parallel;
+        pieces_.emplace(*mesh_, sample_->guard, *field_, std::move(pieces), options);
         given_.assign(mesh_->points().size(), 0);
         for (std::size_t n = 0; n < sample_->stats.contour_points; ++n) given_[vertices[n]] = 1;
         return end_stage("delaunay", 0.35);
@@ -333,11 +336,12 @@ class Builder {
         const auto vertices = mesh_->first_vertices();
         for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
             held[vertices[n]] = 1;
+        const bool may_cross = is_parallel(contours_) && structures_ > 1 && !contours_.exclusive;
         RecoveredPieces recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
             {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
-             most_more_bad[sparing_], is_parallel(contours_) ? most_missing_of_parallel : 1});
+             most_more_bad[sparing_], may_cross ? most_missing_of_crossing : 1});
         recovered.run(unsound, relabelled, context_);
         piece_list_ = recovered.pieces();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),

@@ -11,7 +11,6 @@ namespace {
 constexpr int segment_rounds = 8;
 constexpr int side_rounds = 2;    // of points beside pieces of contour segments off their structure's surface
 constexpr std::size_t a_few = 8;  // so many may always be split further
-constexpr std::size_t last_few = 300;  // shorter pieces are split where fewer than one in so many is missing
 constexpr double free_share =
     0.25;  // of a piece that is split: no other contour vertex is this near to its middle
 constexpr double shortest_piece = 0.3;    // of a contour segment that is still split, in sizes
@@ -140,7 +139,7 @@ Status ContourPieces::recover(std::size_t share, RunContext& context, const Spli
             if (may_split(pieces_[n], limits)) balls.push_back(pieces_[n].ball);
         }
         if (limits.few_alone && balls.size() > a_few &&
-            (balls.size() >= last || balls.size() * last_few > pieces_.size()))
+            (balls.size() >= last || balls.size() * options_.last_few > pieces_.size()))
             break;
         last = balls.size();
         if (balls.empty() || (share > 0 && balls.size() * share < pieces_.size())) break;

@@ -21,6 +21,7 @@ struct ContourPieceOptions {
     bool conforming = false;  // they were split beforehand as far as other contours ask: some are short
     bool graded = false;      // beforehand too, but in their slices alone
     bool to_short = true;  // finish() splits to short ones however many are missing, where it may help
+    std::size_t last_few = 300;  // shorter ones are split where fewer than one in so many is missing. >= 1
 };
 
 // How far pieces may be split.

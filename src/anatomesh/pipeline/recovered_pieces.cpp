@@ -4,6 +4,7 @@
 #include <tuple>
 #include <utility>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/cull/cull.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/measure/certificate.h"
@@ -22,6 +23,7 @@ constexpr double most_more_forced = 0.03;     // a share of the cells inside
 constexpr double most_more_far_above = 2e-5;  // a share of the cells inside
 constexpr double side_shape = 0.5;            // of the cells at points beside pieces
 constexpr int side_rounds = 2;
+constexpr std::size_t grain = 16384;  // cells at a time
 
 }  // namespace
 
@@ -57,17 +59,18 @@ void RecoveredPieces::run(std::vector<std::uint32_t>& unsound, RelabelStats& rel
 
 // What spoils too many cells is undone.
 void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& context) {
-    const BadShares bad_before = shares_of_bad();
+    const BadShares bad_before = shares_of_bad(context.threads);
     for (std::size_t n = 0; n < least_shapes.size() && stats_.missing_after > 0; ++n) {
         auto before = std::make_tuple(mesh_, neighbors_, drawn_.pieces, sides_);
         RecoverOptions options;
         options.least_shape = least_shapes[n];
+        options.threads = context.threads;
         options.most_splits = n + 1 == least_shapes.size() ? splits_of_the_last : 0;
         const RecoverResult recovered =
             recover_pieces(mesh_, neighbors_, drawn_.pieces, drawn_.held, options);
         std::vector<std::uint32_t> here;
         decide(recovered.undecided, here, context);
-        const BadShares bad = shares_of_bad();
+        const BadShares bad = shares_of_bad(context.threads);
         if (bad.above_bound > bad_before.above_bound + options_.most_more_bad ||
             bad.far_above > bad_before.far_above + most_more_far_above ||
             bad.forced > bad_before.forced + most_more_forced) {
@@ -83,22 +86,37 @@ void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& cont
     }
 }
 
-RecoveredPieces::BadShares RecoveredPieces::shares_of_bad() const {
-    std::vector<std::uint32_t> bad;
-    std::size_t inside = 0;
-    double edges = 0;
+RecoveredPieces::BadShares RecoveredPieces::shares_of_bad(int threads) const {
     const auto squared_ratio = [&](std::uint32_t c) {
         const Cell& v = mesh_.cells[c];
         return squared_radius_edge(mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]],
                                    mesh_.points[v[3]]);
     };
-    for (std::uint32_t c = 0; c < mesh_.cells.size(); ++c) {
-        if (mesh_.regions[c] == 0) continue;
-        const Cell& v = mesh_.cells[c];
-        ++inside;
-        edges += 0.5 * (length(mesh_.points[v[1]] - mesh_.points[v[0]]) +
-                        length(mesh_.points[v[3]] - mesh_.points[v[2]]));
-        if (!(squared_ratio(c) <= options_.max_radius_edge * options_.max_radius_edge)) bad.push_back(c);
+    struct Part {
+        std::vector<std::uint32_t> bad;
+        std::size_t inside = 0;
+        double edges = 0;
+    };
+    std::vector<Part> parts((mesh_.cells.size() + grain - 1) / grain);
+    parallel_for(mesh_.cells.size(), grain, threads, [&](std::size_t begin, std::size_t end) {
+        Part& part = parts[begin / grain];
+        for (auto c = static_cast<std::uint32_t>(begin); c < end; ++c) {
+            if (mesh_.regions[c] == 0) continue;
+            const Cell& v = mesh_.cells[c];
+            ++part.inside;
+            part.edges += 0.5 * (length(mesh_.points[v[1]] - mesh_.points[v[0]]) +
+                                 length(mesh_.points[v[3]] - mesh_.points[v[2]]));
+            if (!(squared_ratio(c) <= options_.max_radius_edge * options_.max_radius_edge))
+                part.bad.push_back(c);
+        }
+    });
+    std::vector<std::uint32_t> bad;
+    std::size_t inside = 0;
+    double edges = 0;
+    for (const Part& part : parts) {
+        bad.insert(bad.end(), part.bad.begin(), part.bad.end());
+        inside += part.inside;
+        edges += part.edges;
     }
     if (bad.empty()) return {};
     ForcedCells forced(mesh_, drawn_.contours, drawn_.vertex_of);

@@ -60,7 +60,7 @@ class RecoveredPieces {
         double above_bound = 0, far_above = 0;
         double forced = 0;  // above the bound, by the contours
     };
-    BadShares shares_of_bad() const;
+    BadShares shares_of_bad(int threads) const;
     bool open_sides(std::vector<std::uint32_t>& look, RunContext& context);
     void decide(const std::vector<std::uint32_t>& undecided, std::vector<std::uint32_t>& look,
                 RunContext& context);

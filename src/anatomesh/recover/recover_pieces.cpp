@@ -6,6 +6,7 @@
 
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/recover/cavity.h"
+#include "anatomesh/refine/missing_segments.h"
 
 namespace anatomesh {
 
@@ -270,16 +271,14 @@ RecoverResult recover_pieces(TetMesh& mesh, std::vector<std::uint32_t>& neighbor
                              const RecoverOptions& options) {
     RecoverResult result;
     std::vector<MeshEdge> edges;
-    for (const SegmentPiece& piece : pieces)
-        edges.push_back({std::min(piece.a, piece.b), std::max(piece.a, piece.b)});
+    for (const std::uint32_t n : missing_pieces(mesh.cells, mesh.points.size(), pieces, options.threads))
+        edges.push_back({std::min(pieces[n].a, pieces[n].b), std::max(pieces[n].a, pieces[n].b)});
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     EditMesh edit(std::move(mesh), neighbors);
     Recoverer recoverer(edit, kept_edges(fixed, pieces), options);
     std::vector<Missing> missing;
-    for (const MeshEdge& e : edges) {
-        if (!recoverer.is_edge(e[0], e[1])) missing.push_back({e[0], e[1]});
-    }
+    for (const MeshEdge& e : edges) missing.push_back({e[0], e[1]});
     result.stats.missing_before = missing.size();
     const std::vector<Halved> halved = recover_all(recoverer, missing, options, result.stats);
     result.stats.missing_after = missing.size();

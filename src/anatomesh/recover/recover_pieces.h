@@ -14,6 +14,7 @@ struct RecoverOptions {
     double least_shape = 0.2;
     int most_splits = 5;  // of a piece, and of its halves, that is not recovered at once. [0, 20]
     int passes = 4;       // over the pieces that are missing. [1, 100]
+    int threads = 1;      // to find those with
 };
 
 struct RecoverStats {
