@@ -441,7 +441,7 @@ class Splitter {
     // With those that earlier corners left.
     std::vector<ContourOwners::Piece> pieces_at(std::uint32_t v) const {
         std::vector<ContourOwners::Piece> pieces(owners_.pieces_at(v).begin(), owners_.pieces_at(v).end());
-        for (const auto& [a, b, structure] : corner_pieces_) {
+        for (const auto& [a, b, structure] : stats_.pieces) {
             if (a == v) pieces.push_back({b, structure});
             if (b == v) pieces.push_back({a, structure});
         }
@@ -539,8 +539,8 @@ class Splitter {
         ++stats_.vertices_split;
         for (const ContourOwners::Piece& piece : pieces_at(v)) {
             if (!std::binary_search(link.begin(), link.end(), piece.other)) continue;
-            corner_pieces_.push_back({v, cut(piece.other), piece.structure});
-            corner_pieces_.push_back({cut(piece.other), piece.other, piece.structure});
+            stats_.pieces.push_back({v, cut(piece.other), piece.structure});
+            stats_.pieces.push_back({cut(piece.other), piece.other, piece.structure});
             stats_.on_segments.push_back(cut(piece.other));
         }
     }
@@ -609,8 +609,6 @@ class Splitter {
     std::optional<VertexStars> stars_;
     std::optional<StarAnalyzer> analyzer_;
     std::vector<std::uint32_t> unsound_;
-    std::vector<std::array<std::uint32_t, 3>>
-        corner_pieces_;  // of contour segments, made by cutting corners off
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // split_unsound: the last few non-manifold edges and vertices, by local subdivision.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct SplitStats {
     std::uint64_t points_added = 0, cells_added = 0;
     std::vector<std::uint32_t>
         on_segments;  // of the points added: those on contour segments, with which they go on
+    std::vector<std::array<std::uint32_t, 3>>
+        pieces;  // that contour segments were cut into: two vertices, structure
 };
 
 // Makes every vertex in `unsound` sound, by three moves, in this order:

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/improve/bring_segments.h"
 #include "anatomesh/improve/flip_surface_edges.h"
 #include "anatomesh/improve/lift_facets.h"
 #include "anatomesh/improve/lower_apexes.h"
@@ -62,6 +63,7 @@ class Climber {
         std::iota(all.begin(), all.end(), 0u);
         drop_ears(context.threads);
         lower_far_apexes(context.threads);
+        bring_pieces();
         all.resize(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
         collect(std::move(all), context.threads);
@@ -127,16 +129,19 @@ class Climber {
         target_ = target;
     }
 
+    // Whether a cell inside has a ratio above it.
+    bool is_above(double most, std::uint32_t c) const {
+        if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return false;
+        const Cell& v = bench_.mesh.cell(c);
+        return squared_radius_edge(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]), bench_.mesh.point(v[2]),
+                                   bench_.mesh.point(v[3])) > most * most;
+    }
+
     // Of the few cells above what climb_at_last() allows, at the price of angles above those listed.
     void lower_ratios(RunContext& context) {
         const double most = bench_.options.last_radius_edge;
         if (!(most > bench_.options.max_radius_edge)) return;
-        const auto is_high = [&](std::uint32_t c) {
-            if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return false;
-            const Cell& v = bench_.mesh.cell(c);
-            return squared_radius_edge(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
-                                       bench_.mesh.point(v[2]), bench_.mesh.point(v[3])) > most * most;
-        };
+        const auto is_high = [&](std::uint32_t c) { return is_above(most, c); };
         std::vector<std::uint32_t> high = parallel_collect<std::uint32_t>(
             bench_.mesh.cell_count(), 16384, context.threads,
             [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
@@ -160,6 +165,63 @@ class Climber {
         bench_.lowers_ratios = false;
         bench_.least_needed_sine = 0;
         bench_.options.max_radius_edge = before;
+    }
+
+    // Pieces of contour segments that lie beside their structure's surface.
+    void bring_pieces() {
+        const BringStats brought =
+            bring_segments(bench_, drawn_, std::sin(listed_degrees * radians_per_degree),
+                           [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); });
+        bench_.stats.pieces_found = brought.found;
+        bench_.stats.pieces_brought = brought.brought;
+    }
+
+    // The shapes of these cells and of those that come of it, with the operations of the end; last their
+    // ratios, for no angle that is listed. Returns what was made.
+    std::vector<std::uint32_t> raise(std::vector<std::uint32_t> cells) {
+        thorough_ = bench_.moves_junctions = true;
+        bench_.slices = &drawn_;
+        const double target = target_, most = bench_.options.max_radius_edge,
+                     listed = std::sin(listed_degrees * radians_per_degree);
+        std::vector<std::uint32_t> changed = raise_angles(cells);
+        target_ = bench_.least_needed_sine = listed;
+        bench_.options.max_radius_edge = bench_.options.last_radius_edge;
+        cells.insert(cells.end(), changed.begin(), changed.end());
+        const std::vector<std::uint32_t> more = raise_angles(cells);
+        changed.insert(changed.end(), more.begin(), more.end());
+        cells.insert(cells.end(), more.begin(), more.end());
+        target_ = target;
+        bench_.options.max_radius_edge = most;
+        lower_ratios_of(cells, most, changed);
+        bench_.least_needed_sine = 0;
+        thorough_ = bench_.moves_junctions = false;
+        bench_.slices = nullptr;
+        return changed;
+    }
+
+    std::vector<std::uint32_t> raise_angles(std::vector<std::uint32_t> cells) {
+        std::vector<std::uint32_t> changed;
+        for (int pass = 0; pass < bench_.options.passes; ++pass) {
+            collect(cells, 1);
+            if (queue_.empty() || drain(1) == 0) break;
+            cells.insert(cells.end(), watched_.begin(), watched_.end());
+            changed.insert(changed.end(), watched_.begin(), watched_.end());
+            watched_.clear();
+        }
+        queue_ = {};
+        left_.clear();
+        return changed;
+    }
+
+    // Of those of the cells above `most`, and of cells that come of it, which `changed` gets.
+    void lower_ratios_of(std::vector<std::uint32_t> cells, double most, std::vector<std::uint32_t>& changed) {
+        bench_.lowers_ratios = true;
+        for (std::size_t n = 0; n < cells.size(); ++n) {
+            if (!is_above(most, cells[n]) || !better(cells[n], nullptr)) continue;
+            changed.insert(changed.end(), bench_.changed.begin(), bench_.changed.end());
+            cells.insert(cells.end(), bench_.changed.begin(), bench_.changed.end());
+        }
+        bench_.lowers_ratios = false;
     }
 
     MendStats mend(int threads, const std::vector<std::uint32_t>* look) {

@@ -29,6 +29,9 @@ struct DrawnSlices {
     std::span<const double> weights = {};     // at structure * planes + slice: 1 / mm^2 drawn; 0 where the
                                               // slice does not tell where the structure is
     double on_plane_mm = 0;                   // a vertex this near to a plane lies in it. >= 0
+    // Pieces of contour segments, known to the owners, with cells on one side of their structure alone: two
+    // vertices and the structure.
+    std::span<const std::array<std::uint32_t, 3>> pieces_beside = {};
 };
 
 struct DihedralOptions {
@@ -60,6 +63,7 @@ struct DihedralStats {
                   edges_collapsed = 0, vertices_inserted = 0, facets_lifted = 0, apexes_lowered = 0,
                   tries = 0;
     std::uint64_t cuts_found = 0, cuts_mended = 0;  // visits and changes (mend_cuts.h)
+    std::uint64_t pieces_found = 0, pieces_brought = 0;  // of contour segments (bring_segments.h)
     std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (lift_facets.h)
 };
 
@@ -72,7 +76,8 @@ struct DihedralStats {
 // move too, by `max_deviation_mm` at most in each step. Cells with a ratio above `last_radius_edge` are
 // changed where that becomes lower by a tenth, at no angle below 10 degrees and below what it was. Before and
 // after, spikes and pits of one cell are taken off the surfaces where the field has none, before that deep
-// ones of any number are lowered (lower_apexes.h). In between, edges of surfaces are flipped for smaller
+// ones of any number are lowered (lower_apexes.h), and contour pieces beside their surface are brought to lie
+// on it (bring_segments.h). In between, edges of surfaces are flipped for smaller
 // angles between facets (flip_surface_edges.h), where no angle inside falls below the target or what it was.
 // Guarantees: no cell inside with an angle below the least before and below 10 degrees; all cells positive by
 // exact orientation; vertices with fixed[v] != 0 do not move and stay on their surfaces, but for those of

@@ -25,13 +25,15 @@ bool Workbench::fixed_edge(std::uint32_t a, std::uint32_t b) const {
 }
 
 void Workbench::fix_on_edge(std::uint32_t v, std::uint32_t a, std::uint32_t b) {
-    fixed_[v] = 1;
+    fix(v);
     if (slices && slice_of(a) != no_slice && slice_of(a) == slice_of(b))
         points_of_slices_.push_back({v, slice_of(a)});  // points come in order
-    for (const std::uint32_t end : {a, b}) {
-        const VertexPair edge{std::min(v, end), std::max(v, end)};
-        split_edges_.insert(std::upper_bound(split_edges_.begin(), split_edges_.end(), edge), edge);
-    }
+    for (const std::uint32_t end : {a, b}) fix_edge(v, end);
+}
+
+void Workbench::fix_edge(std::uint32_t a, std::uint32_t b) {
+    const VertexPair edge{std::min(a, b), std::max(a, b)};
+    split_edges_.insert(std::upper_bound(split_edges_.begin(), split_edges_.end(), edge), edge);
 }
 
 std::uint32_t Workbench::slice_of(std::uint32_t v) const {

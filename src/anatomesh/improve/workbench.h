@@ -64,6 +64,7 @@ class Workbench {
     }
 
     void fix(std::uint32_t v) { fixed_[v] = 1; }
+    void fix_edge(std::uint32_t a, std::uint32_t b);
     // A point on a fixed edge, which becomes two.
     void fix_on_edge(std::uint32_t v, std::uint32_t a, std::uint32_t b);
 

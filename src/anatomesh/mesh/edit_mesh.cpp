@@ -143,9 +143,42 @@ bool EditMesh::vertex_on_interface(std::uint32_t v) {
 
 void EditMesh::replace(std::span<const std::uint32_t> removed, std::span<const Cell> added,
                        std::span<const Region> regions, std::vector<std::uint32_t>& slots) {
+    Note note{Note::replaced, 0, {}, 0, {}, {}};
+    if (noted_) {
+        note.before.removed.assign(removed.begin(), removed.end());
+        for (const std::uint32_t c : removed) {
+            note.before.added.push_back(cells_[c]);
+            note.before.regions.push_back(regions_[c]);
+        }
+    }
     take_slots(removed, added.size(), slots);
     put(removed, added, regions, slots, sides_);
     free_slots(removed, added.size());
+    if (!noted_) return;
+    note.slots = slots;
+    notes_.push_back(std::move(note));
+}
+
+void EditMesh::end_attempt(bool keep) {
+    noted_ = false;
+    for (; !keep && !notes_.empty(); notes_.pop_back()) take_back(notes_.back());
+    notes_.clear();
+}
+
+void EditMesh::take_back(const Note& note) {
+    if (note.kind == Note::moved) {
+        points_[note.index] = note.point;
+        return;
+    }
+    if (note.kind == Note::given) {
+        regions_[note.index] = note.region;
+        return;
+    }
+    const std::size_t were = note.before.removed.size(), are = note.slots.size();
+    put(note.slots, note.before.added, note.before.regions, note.before.removed, sides_);
+    // Numbers were taken from the end of the list of free ones, and left there.
+    for (std::size_t n = are; n < were; ++n) free_.pop_back();
+    for (std::size_t n = are; n > were; --n) free_.push_back(note.slots[n - 1]);
 }
 
 std::vector<std::uint8_t> EditMesh::replace_apart(std::span<CellExchange> exchanges, int threads) {

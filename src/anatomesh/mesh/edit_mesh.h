@@ -50,9 +50,21 @@ class EditMesh {
     std::uint32_t neighbor(std::uint32_t c, int facet) const { return neighbors_[c][facet]; }
     Vec3 point(std::uint32_t v) const { return points_[v]; }
 
-    void move_point(std::uint32_t v, Vec3 to) { points_[v] = to; }
+    void move_point(std::uint32_t v, Vec3 to) {
+        if (noted_) notes_.push_back({Note::moved, v, points_[v], 0, {}, {}});
+        points_[v] = to;
+    }
     std::uint32_t add_point(Vec3 p);
-    void set_region(std::uint32_t c, Region region) { regions_[c] = region; }
+    void set_region(std::uint32_t c, Region region) {
+        if (noted_) notes_.push_back({Note::given, c, {}, regions_[c], {}, {}});
+        regions_[c] = region;
+    }
+
+    // From begin_attempt() to end_attempt() changes are noted, and taken back at the end if they are not to
+    // be kept: then points, cells, regions and the numbers of cells are what they were, but for points added,
+    // which stay unused. Requires: no replace_apart() in between. Complexity: linear in what has changed.
+    void begin_attempt() { noted_ = true; }
+    void end_attempt(bool keep);
 
     // All cells at a vertex, in an order that depends on the mesh alone. Complexity: linear in them.
     void star(std::uint32_t v, std::vector<std::uint32_t>& cells);
@@ -98,6 +110,17 @@ class EditMesh {
         std::uint32_t cell;
         int index;
     };
+    // What was before a change: a point, a region, or the cells that others took the place of.
+    struct Note {
+        enum Kind : std::uint8_t { moved, given, replaced } kind;
+        std::uint32_t index;
+        Vec3 point;
+        Region region;
+        std::vector<std::uint32_t> slots;  // of the cells added
+        CellExchange before;               // the cells removed, with their numbers and regions
+    };
+    void take_back(const Note& note);
+
     // The numbers that cells get which take the place of `removed`; those left over are free afterwards.
     void take_slots(std::span<const std::uint32_t> removed, std::size_t added,
                     std::vector<std::uint32_t>& slots);
@@ -118,6 +141,8 @@ class EditMesh {
     std::uint32_t stamp_ = 0;
     std::vector<std::uint32_t> scratch_;
     std::vector<Side> sides_;
+    bool noted_ = false;
+    std::vector<Note> notes_;
 };
 
 }  // namespace anatomesh

@@ -148,5 +148,43 @@ TEST(EditMesh, stars_are_whole_after_exchanges_at_the_same_time) {
     }
 }
 
+// Cells with their numbers.
+TEST(EditMesh, an_attempt_that_is_not_kept_leaves_everything_as_it_was) {
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        EditMesh mesh = editable(shaken_bricks(seed));
+        std::mt19937 random(seed);
+        std::vector<std::uint32_t> slots;
+        const auto change = [&] {
+            const std::vector<CellExchange> exchanges = possible_exchanges(mesh);
+            const CellExchange& exchange = exchanges[random() % exchanges.size()];
+            mesh.replace(exchange.removed, exchange.added, exchange.regions, slots);
+            mesh.set_region(slots[0], static_cast<Region>(random() % 3));
+            const auto v = static_cast<std::uint32_t>(random() % mesh.point_count());
+            mesh.move_point(v, mesh.point(v) + Vec3{1e-3, 0, 0});
+        };
+        for (int n = 0; n < 5; ++n) change();
+        const EditMesh before = mesh;
+        mesh.begin_attempt();
+        for (int n = 0; n < 20; ++n) change();
+        mesh.end_attempt(false);
+        ASSERT_GE(mesh.cell_count(), before.cell_count());
+        for (std::uint32_t c = 0; c < mesh.cell_count(); ++c) {
+            if (c >= before.cell_count() || !before.alive(c)) {
+                ASSERT_FALSE(mesh.alive(c));
+                continue;
+            }
+            ASSERT_EQ(mesh.cell(c), before.cell(c));
+            ASSERT_EQ(mesh.region(c), before.region(c));
+            for (int i = 0; i < 4; ++i) ASSERT_EQ(mesh.neighbor(c, i), before.neighbor(c, i));
+        }
+        for (std::uint32_t v = 0; v < before.point_count(); ++v) ASSERT_EQ(mesh.point(v), before.point(v));
+        // And it goes on as a mesh does.
+        for (int n = 0; n < 5; ++n) change();
+        std::vector<std::uint32_t> neighbors;
+        const TetMesh now = std::move(mesh).take(neighbors);
+        EXPECT_EQ(neighbors, cell_neighbors(now.cells, now.points.size()));
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh

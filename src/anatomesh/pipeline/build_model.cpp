@@ -33,6 +33,7 @@
 #include "anatomesh/pipeline/refinement_rounds.h"
 #include "anatomesh/pipeline/segment_vertices.h"
 #include "anatomesh/pipeline/tear_warnings.h"
+#include "anatomesh/refine/missing_segments.h"
 #include "anatomesh/sample/sample_points.h"
 
 namespace anatomesh {
@@ -62,6 +63,8 @@ constexpr std::array<double, 2> most_more_bad{0.003, 0.001};
 constexpr double most_missing_of_crossing = 0.0005;
 // Slices far apart against the vertices on them lack more pieces, where structures meet.
 constexpr std::size_t last_few_of_parallel = 40;
+// Of the contour pieces, beside their surface: where more are, they are not brought there.
+constexpr double most_beside = 0.003;
 constexpr double most_dense = 3;              // as plane_density() has it: more are left as they come first
 // Radius-edge ratio inside: 0.95 is asked for, and what comes after the last smoothing takes a little of it.
 constexpr double even_mean = 0.947;
@@ -308,6 +311,7 @@ class Builder {
         ANATOMESH_TRY(const SplitStats split,
                       split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
         segment_vertices_.insert(segment_vertices_.end(), split.on_segments.begin(), split.on_segments.end());
+        for (const auto& [a, b, structure] : split.pieces) cut_pieces_.push_back({a, b, structure, 0});
         if (!unsound.empty()) find_neighbors(false);
         given_.resize(mesh.points.size(), 0);
         const CrumbStats crumbs = give_crumbs_away(
@@ -424,6 +428,8 @@ class Builder {
                     {"edges_collapsed", static_cast<double>(dihedrals.edges_collapsed)},
                     {"vertices_inserted", static_cast<double>(dihedrals.vertices_inserted)},
                     {"facets_lifted", static_cast<double>(dihedrals.facets_lifted)},
+                    {"pieces_off_surface", static_cast<double>(dihedrals.pieces_found)},
+                    {"pieces_brought", static_cast<double>(dihedrals.pieces_brought)},
                     {"apexes_lowered", static_cast<double>(dihedrals.apexes_lowered)},
                     {"facets_left_in_slices", static_cast<double>(dihedrals.facets_left)},
                     {"visits_of_wrong_cuts", static_cast<double>(dihedrals.cuts_found)},
@@ -467,6 +473,11 @@ class Builder {
                 segments.push_back({vertex(contour.first_point + n), vertex(contour.first_point + (n + 1) % contour.point_count)});
             }
         }
+        // Of segments that are not wholly on their surface those pieces that are, and others once they are
+        // brought there.
+        std::vector<SegmentPiece> pieces = piece_list_;
+        pieces.insert(pieces.end(), cut_pieces_.begin(), cut_pieces_.end());
+        for (const SegmentPiece& piece : pieces) segments.push_back({piece.a, piece.b});
         DihedralOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
@@ -479,13 +490,24 @@ class Builder {
         }
         const std::vector<std::uint32_t> slice_of =
             slices_of_vertices(contours_, vertices_of_contours(), piece_list_, model_.mesh.points.size());
-        const ContourOwners owners = contour_owners(piece_list_, model_.mesh.points.size());
+        const ContourOwners owners = contour_owners(pieces, model_.mesh.points.size());
+        const std::vector<PieceSides> sides =
+            piece_sides(model_.mesh.cells, model_.mesh.regions, model_.regions, model_.mesh.points.size(),
+                        pieces, context_.threads);
+        std::vector<std::array<std::uint32_t, 3>> beside;
+        for (std::size_t n = 0; n < pieces.size(); ++n) {
+            if (sides[n].inside != sides[n].outside)
+                beside.push_back({pieces[n].a, pieces[n].b, pieces[n].structure});
+        }
+        // Where more are, contours crowd each other: each would cost much and bring little.
+        if (static_cast<double>(beside.size()) > most_beside * static_cast<double>(pieces.size()))
+            beside.clear();
         const SlicesThatTell slices = slices_that_tell(contours_, field_->flat_ends());
         return improve_dihedrals(
             model_.mesh, neighbors_, fixed, edges_along(model_.mesh, neighbors_, segments), *field_,
             structures_,
-            {&model_.regions, slice_of, &owners, slices.planes, slices.weights, slices.on_plane_mm}, options,
-            context_);
+            {&model_.regions, slice_of, &owners, slices.planes, slices.weights, slices.on_plane_mm, beside},
+            options, context_);
     }
 
     void drop_outside_cells() {
@@ -654,6 +676,7 @@ class Builder {
     std::size_t sparing_ = 0;                      // of the tries before, those that were not
     bool spared_ = false;                          // these, and the first try with a default size
     std::vector<SegmentPiece> piece_list_;         // those of pieces_, and where the cut split them further
+    std::vector<SegmentPiece> cut_pieces_;         // of those that the last step of the cut split
     bool recovered_ = false;                       // some of them, by exchanging cells
     std::vector<std::uint8_t> given_;              // by vertex: one of a contour
     std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on

@@ -1,0 +1,36 @@
+// bring_segments: pieces of contour segments that run beside their structure's surface come to lie on it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "anatomesh/improve/workbench.h"
+
+namespace anatomesh {
+
+struct BringStats {
+    std::uint64_t found = 0, brought = 0;  // pieces
+};
+
+// Improves the shapes of these cells; returns the cells that it made or reshaped, some of which may be gone.
+using ImproveCells = std::function<std::vector<std::uint32_t>(std::vector<std::uint32_t>)>;
+
+// A piece that is an edge of the mesh, but with cells of one side of its structure alone round it, lies where
+// what is drawn is a fin or a slit thinner than the cells. A sheet of facets is sought that such pieces, one
+// after the other from a vertex of the surface to the next, bound together with edges of the surface: that of
+// the least area, more where the field has the side that the pieces are on. The sheet is thickened: the edges
+// that lead off it are cut, and what lies between the cuts goes to the other side, a regular neighbourhood of
+// the sheet (Rourke and Sanderson, Introduction to Piecewise-Linear Topology, 1972, chapter 3) but for the
+// cells that have nothing of it but pieces: these are on its surface. Then `improve` works on the shapes. All
+// of it is taken back if a surface, of a structure or a region, is not one disc at each vertex concerned and
+// of the same Euler characteristic, if a contour vertex or piece leaves the surface of its structure, if a
+// cut of a stack gets worse, if an interface there is farther than the workbench's `apex_mm` from the
+// field's, or if a cell changed inside has an angle whose sine is below `least_sine` or a ratio above the
+// workbench's last bound. Pieces that were brought are fixed. Guarantees: all cells positive (checked
+// exactly); no vertex moves but by `improve`. Same result every time. Complexity: O(pieces), and 10 to 100 ms
+// for each that is off its surface. Errors: none.
+BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+                          const ImproveCells& improve);
+
+}  // namespace anatomesh

@@ -1,0 +1,167 @@
+#include "anatomesh/improve/bring_segments.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "anatomesh/improve/labelled_meshes_for_test.h"
+#include "anatomesh/mesh/brick_mesh_for_test.h"
+#include "anatomesh/sample/analytic_field_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+using Piece = std::array<std::uint32_t, 3>;
+
+constexpr double any_shape = 1e-4;
+
+// Cubes, some of them of a structure; grid points may be shaken.
+struct Bricks {
+    TetMesh mesh;
+    RegionTable table{{{}, {0}}};
+    std::vector<std::uint32_t> neighbors;
+    std::vector<Vec3> grid;
+    std::vector<Piece> pieces;
+    std::vector<std::array<std::uint32_t, 2>> owned;
+
+    explicit Bricks(const std::function<bool(Vec3)>& inside, double shaken = 0, unsigned seed = 1) {
+        std::mt19937 random(seed);
+        const auto shift = [&] { return shaken * (random() / 2147483648.0 - 1); };
+        mesh = testing::brick_mesh({8, 8, 6}, [](int, int, int) { return Region{1}; });
+        grid = mesh.points;
+        for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+            Vec3 centre;
+            for (const std::uint32_t v : mesh.cells[c]) centre += 0.25 * mesh.points[v];
+            mesh.regions[c] = inside(centre) ? 1 : 0;
+        }
+        for (Vec3& p : mesh.points) p = p + Vec3{shift(), shift(), shift()};
+        neighbors = cell_neighbors(mesh.cells, mesh.points.size());
+    }
+
+    void draw(const std::vector<Vec3>& line) {
+        std::vector<std::uint32_t> vertices;
+        for (const Vec3 p : line)
+            vertices.push_back(
+                static_cast<std::uint32_t>(std::find(grid.begin(), grid.end(), p) - grid.begin()));
+        owned.push_back({vertices.front(), 0});
+        owned.push_back({vertices.back(), 0});
+        for (std::size_t n = 1; n < vertices.size(); ++n) pieces.push_back({vertices[n - 1], vertices[n], 0});
+    }
+
+    BringStats bring(
+        double least_sine = any_shape,
+        const ImproveCells& improve = [](const auto&) { return std::vector<std::uint32_t>{}; }) {
+        const ContourOwners owners(owned, mesh.points.size(), pieces);
+        std::vector<std::uint8_t> fixed(mesh.points.size(), 1);
+        const fixtures::AnalyticField field({[](Vec3) { return 1.0; }}, 10);
+        EditMesh edited(std::move(mesh), neighbors);
+        DihedralOptions options;
+        options.last_radius_edge = least_sine == any_shape ? 1000 : 3.9;
+        Workbench bench(edited, fixed, {}, field, 1, options);
+        bench.table = &table;
+        DrawnSlices drawn;
+        drawn.table = &table;
+        drawn.owners = &owners;
+        drawn.pieces_beside = pieces;
+        const BringStats stats = bring_segments(bench, drawn, least_sine, improve);
+        mesh = std::move(edited).take(neighbors);
+        return stats;
+    }
+
+    bool on_surface(const Piece& piece) const {
+        bool in = false, out = false;
+        for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+            const Cell& cell = mesh.cells[c];
+            const auto has = [&](std::uint32_t v) {
+                return std::find(cell.begin(), cell.end(), v) != cell.end();
+            };
+            if (has(piece[0]) && has(piece[1])) (mesh.regions[c] ? in : out) = true;
+        }
+        return in && out;
+    }
+};
+
+bool in_block(Vec3 p) {
+    return p.x > 1 && p.x < 7 && p.y > 1 && p.y < 7 && p.z > 1 && p.z < 4;
+}
+bool beside_trench(Vec3 p) {
+    return p.x > 1 && p.x < 7 && p.y > 1 && p.y < 7 && p.z > 1 && p.z < 5 && !(p.x > 2 && p.x < 5 && p.z > 2);
+}
+
+void expect_brought(Bricks& bricks) {
+    const TetMesh before = bricks.mesh;
+    for (const Piece& piece : bricks.pieces) ASSERT_FALSE(bricks.on_surface(piece));
+    const BringStats stats = bricks.bring();
+    EXPECT_EQ(stats.found, bricks.pieces.size());
+    EXPECT_EQ(stats.brought, bricks.pieces.size());
+    for (const Piece& piece : bricks.pieces) EXPECT_TRUE(bricks.on_surface(piece));
+    EXPECT_TRUE(std::equal(before.points.begin(), before.points.end(), bricks.mesh.points.begin()));
+    EXPECT_EQ(bricks.neighbors, cell_neighbors(bricks.mesh.cells, bricks.mesh.points.size()));
+    fixtures::expect_sound_mesh(bricks.mesh, before);
+    fixtures::expect_same_surfaces(bricks.mesh, before, bricks.table, 1);
+    fixtures::expect_sound_regions(bricks.mesh, bricks.table);
+}
+
+// An edge across the corner of a block, within it.
+TEST(BringSegments, a_slit_is_cut_to_a_piece_under_the_surface) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+        Bricks bricks(in_block, seed ? 0.15 : 0, seed);
+        bricks.draw({{1, 4, 3}, {2, 4, 4}});
+        expect_brought(bricks);
+    }
+}
+
+// An edge from the floor of a trench to its wall.
+TEST(BringSegments, a_fin_is_built_to_a_piece_over_the_surface) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+        Bricks bricks(beside_trench, seed ? 0.15 : 0, seed);
+        bricks.draw({{4, 4, 2}, {5, 4, 3}});
+        expect_brought(bricks);
+    }
+}
+
+TEST(BringSegments, pieces_with_a_vertex_under_the_surface_between_them_come_together) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+        Bricks bricks(in_block, seed ? 0.1 : 0, seed);
+        bricks.draw({{1, 4, 2}, {2, 4, 3}, {3, 4, 4}});
+        expect_brought(bricks);
+    }
+}
+
+TEST(BringSegments, pieces_near_each_other_are_brought_without_losing_one) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+        Bricks bricks(in_block, seed ? 0.1 : 0, seed);
+        for (int y = 2; y < 7; ++y) bricks.draw({{1, 1.0 * y, 3}, {2, 1.0 * y, 4}});
+        expect_brought(bricks);
+    }
+}
+
+// Cells that nothing improves are not accepted, and then all is as it was.
+TEST(BringSegments, what_would_leave_bad_cells_is_taken_back) {
+    Bricks bricks(beside_trench);
+    bricks.draw({{4, 4, 2}, {5, 4, 3}});
+    const TetMesh before = bricks.mesh;
+    const std::vector<std::uint32_t> neighbors = bricks.neighbors;
+    const BringStats stats = bricks.bring(0.9);
+    EXPECT_EQ(stats.found, 1u);
+    EXPECT_EQ(stats.brought, 0u);
+    EXPECT_EQ(bricks.mesh.cells, before.cells);
+    EXPECT_EQ(bricks.mesh.regions, before.regions);
+    EXPECT_EQ(bricks.neighbors, neighbors);
+    EXPECT_TRUE(std::equal(before.points.begin(), before.points.end(), bricks.mesh.points.begin()));
+}
+
+TEST(BringSegments, a_piece_on_the_surface_stays_as_it_is) {
+    Bricks bricks(in_block);
+    bricks.draw({{1, 4, 3}, {1, 4, 4}});
+    const TetMesh before = bricks.mesh;
+    EXPECT_EQ(bricks.bring().found, 0u);
+    EXPECT_EQ(bricks.mesh.cells, before.cells);
+    EXPECT_EQ(bricks.mesh.regions, before.regions);
+}
+
+}  // namespace
+}  // namespace anatomesh
