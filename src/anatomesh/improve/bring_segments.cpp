@@ -507,6 +507,7 @@ class Bringer {
     }
 
     Outcome attempt(const Chain& chain, Thickening thickening, double thickness) {
+        const DihedralStats stats = bench_.stats;
         bench_.mesh.begin_attempt();
         const bool sound = thickening.run(thickness, areas_ ? &*areas_ : nullptr);
         if (!sound || thickening.wrong_of_cuts > most_of_cuts) {
@@ -522,6 +523,7 @@ class Bringer {
                           std::all_of(changed.begin(), changed.end(),
                                       [&](std::uint32_t c) { return is_good(c) && is_near(c); });
         bench_.mesh.end_attempt(good);
+        if (!good) bench_.stats = stats;
         return good ? Outcome::done : Outcome::bad_cells;
     }
 

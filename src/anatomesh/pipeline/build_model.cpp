@@ -58,11 +58,11 @@ constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
 // Of the cells inside, so many may come above the bound for contour pieces' sake at the first tries;
 // at further ones none.
 constexpr std::array<double, 2> most_more_bad{0.003, 0.001};
-// Of the contour pieces of parallel slices on which contours of several structures may cross: where more are
-// missing, they do at small angles, and the cells there would pay too much.
-constexpr double most_missing_of_crossing = 0.0005;
-// Slices far apart against the vertices on them lack more pieces, where structures meet.
-constexpr std::size_t last_few_of_parallel = 40;
+// Of the contour pieces of parallel slices that were drawn: where more are missing, contours cross at small
+// angles or are full of fins, and the cells there would pay too much.
+constexpr double most_missing_of_drawn = 0.0005;
+// Of a label map, slices far apart against its voxels lack more pieces, where structures meet.
+constexpr std::size_t last_few_of_labels = 40;
 // Of the contour pieces, beside their surface: where more are, they are not brought there.
 constexpr double most_beside = 0.003;
 constexpr double most_dense = 3;              // as plane_density() has it: more are left as they come first
@@ -210,7 +210,7 @@ class Builder {
         }
         ContourPieceOptions options{sample_->stats.size_mm, spared_,      dense_ && !crammed_, conforming_,
                                     sample_->graded,        sparing_ == 0};
-        if (is_parallel(contours_)) options.last_few = last_few_of_parallel;
+        if (is_parallel(contours_) && contours_.exclusive) options.last_few = last_few_of_labels;
         pieces_.emplace(*mesh_, sample_->guard, *field_, std::move(pieces), options);
         given_.assign(mesh_->points().size(), 0);
         for (std::size_t n = 0; n < sample_->stats.contour_points; ++n) given_[vertices[n]] = 1;
@@ -340,12 +340,12 @@ class Builder {
         const auto vertices = mesh_->first_vertices();
         for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
             held[vertices[n]] = 1;
-        const bool may_cross = is_parallel(contours_) && structures_ > 1 && !contours_.exclusive;
+        const bool drawn = is_parallel(contours_) && !contours_.exclusive;
         RecoveredPieces recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
             {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
-             most_more_bad[sparing_], may_cross ? most_missing_of_crossing : 1});
+             most_more_bad[sparing_], drawn ? most_missing_of_drawn : 1});
         recovered.run(unsound, relabelled, context_);
         piece_list_ = recovered.pieces();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
@@ -473,11 +473,8 @@ class Builder {
                 segments.push_back({vertex(contour.first_point + n), vertex(contour.first_point + (n + 1) % contour.point_count)});
             }
         }
-        // Of segments that are not wholly on their surface those pieces that are, and others once they are
-        // brought there.
         std::vector<SegmentPiece> pieces = piece_list_;
         pieces.insert(pieces.end(), cut_pieces_.begin(), cut_pieces_.end());
-        for (const SegmentPiece& piece : pieces) segments.push_back({piece.a, piece.b});
         DihedralOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
