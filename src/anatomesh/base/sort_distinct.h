@@ -1,4 +1,4 @@
-// Lists of indices made rising.
+// Lists made rising, each entry once.
 #pragma once
 
 #include <algorithm>
@@ -10,6 +10,13 @@
 
 namespace anatomesh {
 
+// Sorts the list, and keeps each entry once. Complexity: O(n log n).
+template <class T>
+void sort_distinct(std::vector<T>& list) {
+    if (!std::is_sorted(list.begin(), list.end())) std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
 // Sorts the numbers, and keeps each once. Requires: all below `bound`. Complexity: O(n log n) where they are
 // few for the bound; else O(n + bound / 64), by a bit for each number there may be.
 inline void sort_distinct(std::vector<std::uint32_t>& numbers, std::size_t bound) {
@@ -17,8 +24,7 @@ inline void sort_distinct(std::vector<std::uint32_t>& numbers, std::size_t bound
     assert(std::all_of(numbers.begin(), numbers.end(), [&](std::uint32_t n) { return n < bound; }));
     const std::size_t words = (bound + 63) / 64;
     if (words_a_number * numbers.size() < words) {
-        std::sort(numbers.begin(), numbers.end());
-        numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+        sort_distinct(numbers);
         return;
     }
     std::vector<std::uint64_t> bits(words, 0);

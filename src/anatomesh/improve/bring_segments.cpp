@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/improve/section_areas.h"
 #include "anatomesh/improve/surface_count.h"
@@ -80,12 +81,6 @@ struct Dearer {
         return here != there ? here > there : x.facets > y.facets;
     }
 };
-
-template <class List>
-void sort_distinct(List& list) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-}
 
 // What the mesh has at edges and vertices, seen from one structure.
 class SidesAt {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/bring_segments.h"
 #include "anatomesh/improve/flip_surface_edges.h"
 #include "anatomesh/improve/lift_facets.h"
@@ -273,11 +274,6 @@ class Climber {
         const double least_sine = std::sin(listed_degrees * radians_per_degree);
         bench_.stats.apexes_lowered +=
             lower_apexes(bench_, bench_.options.apex_mm, least_sine, threads).lowered;
-    }
-
-    static void sort_distinct(std::vector<std::uint32_t>& cells) {
-        if (!std::is_sorted(cells.begin(), cells.end())) std::sort(cells.begin(), cells.end());
-        cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
     }
 
     // Queues those of the cells that are bad.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "anatomesh/base/sort_distinct.h"
+
 namespace anatomesh {
 
 SurfaceCount::SurfaceCount(Workbench& bench, const ContourOwners& owners,
@@ -23,10 +25,6 @@ SurfaceCount::SurfaceCount(Workbench& bench, const ContourOwners& owners,
             edges_.push_back({std::min(p, q), std::max(p, q), c, e});
         }
     }
-    const auto sort_distinct = [](auto& list) {
-        std::sort(list.begin(), list.end());
-        list.erase(std::unique(list.begin(), list.end()), list.end());
-    };
     sort_distinct(regions);
     sort_distinct(structures);
     sort_distinct(vertices_);
