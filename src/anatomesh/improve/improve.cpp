@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/chosen_of.h"
 #include "anatomesh/improve/vertex_mover.h"
 #include "anatomesh/sample/interface_probe.h"
@@ -29,8 +30,7 @@ class Improver {
           structures_(structures),
           regions_(regions),
           options_(options),
-          mover_(mesh, stars, options.max_radius_edge),
-          probe_(field, structures) {
+          mover_(mesh, stars, options.max_radius_edge) {
         find_interface_vertices(threads);
     }
 
@@ -152,16 +152,16 @@ class Improver {
                 if (!fixed_[v]) vertices.push_back(v);
             }
         }
-        std::sort(vertices.begin(), vertices.end());
-        vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-        std::uint64_t moved = 0;
+        sort_distinct(vertices, mesh_.points.size());
+        std::atomic<std::uint64_t> moved = 0;
+        mover_.for_each_in_order(vertices, threads, [&](std::uint32_t v) {
+            if (smooth(v)) moved.fetch_add(1, std::memory_order_relaxed);
+        });
         for (const std::uint32_t v : vertices) {
-            moved += smooth(v);
             const auto star = mover_.star(v);
             bad.insert(bad.end(), star.begin(), star.end());
         }
-        std::sort(bad.begin(), bad.end());
-        bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+        sort_distinct(bad, mesh_.cells.size());
         bad = bad_of(bad, threads);
         stats_.vertices_smoothed += moved;
         return moved > 0;
@@ -169,6 +169,7 @@ class Improver {
 
     // Compass search for the place where the worst ratio is least.
     bool smooth(std::uint32_t v) {
+        InterfaceProbe probe(field_, structures_);
         VertexMover::Shape worst = mover_.shape(v);
         const double start = worst.squared_ratio, reach = mover_.shortest_edge(v);
         bool moved = false;
@@ -179,10 +180,10 @@ class Improver {
                 Vec3 to = mesh_.points[v] + Vec3{direction / 2 == 0 ? d : 0, direction / 2 == 1 ? d : 0,
                                                  direction / 2 == 2 ? d : 0};
                 if (on_interface_[v]) {
-                    look_at_surfaces_of(v, probe_);
-                    const auto onto = probe_.project(to, 2 * step, 0.1 * options_.tolerance_mm);
+                    look_at_surfaces_of(v, probe);
+                    const auto onto = probe.project(to, 2 * step, 0.1 * options_.tolerance_mm);
                     if (onto) to = *onto;
-                    if (!onto && probe_.distance(to) > options_.tolerance_mm) continue;
+                    if (!onto && probe.distance(to) > options_.tolerance_mm) continue;
                 }
                 moved = mover_.try_better(v, to, worst) || moved;
             }
@@ -197,7 +198,6 @@ class Improver {
     const RegionTable& regions_;
     ImproveOptions options_;
     VertexMover mover_;
-    InterfaceProbe probe_;
     std::vector<std::uint8_t> on_interface_, pulled_;  // by vertex
     ImproveStats stats_;
 };

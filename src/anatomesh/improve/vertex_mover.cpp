@@ -1,9 +1,11 @@
 #include "anatomesh/improve/vertex_mover.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
+#include "anatomesh/base/disjoint_sets.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/mesh/cell_shape.h"
@@ -52,34 +54,75 @@ bool VertexMover::try_better(std::uint32_t v, Vec3 p, Shape& worst) {
     return false;
 }
 
-// Groups of vertices that share no cell, each vertex in the first group that it may be in. The last group is for those
-// that find all others taken: one after the other.
+// Groups of vertices that share no cell, each vertex in the first group that it may be in. The last group is
+// for those that find all others taken: one after the other. Those of the first group move while others are
+// grouped still.
 void VertexMover::for_each_apart(std::span<const std::uint32_t> vertices, int threads,
                                  const std::function<void(std::uint32_t)>& move) const {
-    constexpr int most_groups = 64;
+    constexpr std::size_t most_groups = 64, grouped_at_once = 4096, ahead = 4;
     std::vector<std::vector<std::uint32_t>> groups(most_groups);
     std::vector<std::uint64_t> bit_of(mesh_.points.size(), 0);  // of the group; none for the last
-    for (const std::uint32_t v : vertices) {
-        std::uint64_t taken = 0;
-        for (const std::uint32_t c : stars_.at(v)) {
-            const Cell& cell = mesh_.cells[c];
-            taken |= bit_of[cell[0]] | bit_of[cell[1]] | bit_of[cell[2]] | bit_of[cell[3]];
+    const auto group_some = [&](std::size_t first, std::size_t last) {
+        for (std::size_t n = first; n < last; ++n) {
+            if (n + ahead < last) fetch_cells(vertices[n + ahead]);
+            const std::uint32_t v = vertices[n];
+            std::uint64_t taken = 0;
+            for (const std::uint32_t c : stars_.at(v)) {
+                const Cell& cell = mesh_.cells[c];
+                taken |= bit_of[cell[0]] | bit_of[cell[1]] | bit_of[cell[2]] | bit_of[cell[3]];
+            }
+            const std::size_t group =
+                std::min(static_cast<std::size_t>(std::countr_one(taken)), most_groups - 1);
+            if (group < most_groups - 1) bit_of[v] = std::uint64_t{1} << group;
+            groups[group].push_back(v);
         }
-        const int group = std::min(std::countr_one(taken), most_groups - 1);
-        if (group < most_groups - 1) bit_of[v] = std::uint64_t{1} << group;
-        groups[static_cast<std::size_t>(group)].push_back(v);
+    };
+    std::vector<std::uint32_t> moving;  // of the first group
+    for (std::size_t n = 0; n < vertices.size() || !groups[0].empty(); n += grouped_at_once) {
+        moving.swap(groups[0]);
+        groups[0].clear();
+        parallel_tasks(threads, {[&] { group_some(n, std::min(n + grouped_at_once, vertices.size())); },
+                                 [&] { move_group(moving, threads, move); }});
     }
-    for (int g = 0; g < most_groups; ++g) {
-        const std::vector<std::uint32_t>& group = groups[static_cast<std::size_t>(g)];
-        parallel_for(group.size(), 32, g + 1 < most_groups ? threads : 1,
-                     [&](std::size_t first, std::size_t last) {
-                         for (std::size_t n = first; n < last; ++n) {
-                             if (n + 2 < last) fetch_cells(group[n + 2]);
-                             if (n + 1 < last) fetch_points(group[n + 1]);
-                             move(group[n]);
-                         }
-                     });
+    for (std::size_t g = 1; g < most_groups; ++g)
+        move_group(groups[g], g + 1 < most_groups ? threads : 1, move);
+}
+
+void VertexMover::move_group(std::span<const std::uint32_t> group, int threads,
+                             const std::function<void(std::uint32_t)>& move) const {
+    parallel_for(group.size(), 32, threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t n = first; n < last; ++n) {
+            if (n + 2 < last) fetch_cells(group[n + 2]);
+            if (n + 1 < last) fetch_points(group[n + 1]);
+            move(group[n]);
+        }
+    });
+}
+
+void VertexMover::for_each_in_order(std::span<const std::uint32_t> vertices, int threads,
+                                    const std::function<void(std::uint32_t)>& move) const {
+    std::vector<std::uint32_t> place_of(mesh_.points.size(), no_cell);
+    for (std::size_t n = 0; n < vertices.size(); ++n) place_of[vertices[n]] = static_cast<std::uint32_t>(n);
+    DisjointSets sets(vertices.size());
+    for (std::uint32_t n = 0; n < vertices.size(); ++n) {
+        for (const std::uint32_t c : stars_.at(vertices[n])) {
+            for (const std::uint32_t u : mesh_.cells[c]) {
+                if (place_of[u] != no_cell) sets.join(n, place_of[u]);
+            }
+        }
     }
+    // The sets one after the other, by their first vertices.
+    std::vector<std::array<std::uint32_t, 2>> sorted(vertices.size());
+    for (std::uint32_t n = 0; n < vertices.size(); ++n) sorted[n] = {sets.root(n), n};
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<std::size_t> begins;
+    for (std::size_t n = 0; n < sorted.size(); ++n) {
+        if (n == 0 || sorted[n][0] != sorted[n - 1][0]) begins.push_back(n);
+    }
+    begins.push_back(sorted.size());
+    parallel_for(begins.size() - 1, 4, threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t n = begins[first]; n < begins[last]; ++n) move(vertices[sorted[n][1]]);
+    });
 }
 
 // Vertices of a group lie far apart: what is at the next ones is fetched into the cache meanwhile.

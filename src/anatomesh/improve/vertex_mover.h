@@ -41,6 +41,12 @@ class VertexMover {
     void for_each_apart(std::span<const std::uint32_t> vertices, int threads,
                         const std::function<void(std::uint32_t)>& move) const;
 
+    // As for_each_apart, but what comes of it is what the calls one after the other lead to, if move(v) moves
+    // v at most and looks at nothing but the cells at v: of vertices that share a cell the first one moves
+    // first. Complexity: the same; those that hang together by shared cells are one thread's.
+    void for_each_in_order(std::span<const std::uint32_t> vertices, int threads,
+                           const std::function<void(std::uint32_t)>& move) const;
+
     double squared_ratio(std::uint32_t cell) const;  // circumradius / shortest edge
     double shortest_edge(std::uint32_t v) const;
     auto star(std::uint32_t v) const { return stars_.at(v); }  // the cells at v
@@ -51,6 +57,8 @@ class VertexMover {
     template <bool sines>
     bool clearly_good(std::uint32_t v) const;
     bool positive(std::uint32_t v) const;
+    void move_group(std::span<const std::uint32_t> group, int threads,
+                    const std::function<void(std::uint32_t)>& move) const;
     void fetch_cells(std::uint32_t v) const;
     void fetch_points(std::uint32_t v) const;
 
