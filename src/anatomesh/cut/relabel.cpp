@@ -456,26 +456,30 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
     bool spoiling = slices.slice_of.empty(), spikes = one_structure && spoiling;
     relabeler.allow_spikes(spikes);
     relabeler.allow_spoiling(spoiling);
-    while (!queue.empty()) {
-        std::vector<std::uint32_t> next;
-        bool moved = false;
-        for (const std::uint32_t v : queue) {
-            if (relabeler.total(v) == 0) continue;
-            const std::size_t count = relabeler.improve(v, next);
-            stats.cells_moved += count;
-            moved = moved || count > 0;
-            next.push_back(v);
+    const auto work_through = [&] {
+        while (!queue.empty()) {
+            std::vector<std::uint32_t> next;
+            bool moved = false;
+            for (const std::uint32_t v : queue) {
+                if (relabeler.total(v) == 0) continue;
+                const std::size_t count = relabeler.improve(v, next);
+                stats.cells_moved += count;
+                moved = moved || count > 0;
+                next.push_back(v);
+            }
+            queue = with_defects(relabeler, std::move(next));
+            if (!moved) {
+                if (spikes && spoiling) break;
+                spikes = spikes || spoiling || one_structure;
+                spoiling = true;
+                relabeler.allow_spikes(spikes);
+                relabeler.allow_spoiling(spoiling);
+            }
         }
-        queue = with_defects(relabeler, std::move(next));
-        if (!moved) {
-            if (spikes && spoiling) break;
-            spikes = spikes || spoiling || one_structure;
-            spoiling = true;
-            relabeler.allow_spikes(spikes);
-            relabeler.allow_spoiling(spoiling);
-        }
-    }
-    for (const std::uint32_t c : nearly_flat_cells(points, cells, threads)) stats.flat_cells_peeled += relabeler.peel(c);
+    };
+    std::vector<std::uint32_t> flat;
+    parallel_tasks(threads, {work_through, [&] { flat = nearly_flat_cells(points, cells, threads); }});
+    for (const std::uint32_t c : flat) stats.flat_cells_peeled += relabeler.peel(c);
     if (!slices.slice_of.empty()) {
         const std::vector<std::uint32_t> wrong =
             wrong_cells(points, cells, neighbors, stars, regions, registry.table(), slices, look, threads);
