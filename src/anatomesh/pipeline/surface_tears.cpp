@@ -244,7 +244,8 @@ class TearSearch {
     // Several windows are looked into at a time. False as soon as no run is left that is whole, if these
     // alone are asked for.
     bool take_in_all(bool whole_only, int threads) {
-        constexpr std::size_t windows_a_thread = 4;
+        // Fewer where those after the last run's end would be for nothing.
+        const std::size_t windows_a_thread = whole_only ? 1 : 4;
         const std::vector<Window> windows = all_windows();
         const std::size_t at_once = threads > 1 ? windows_a_thread * static_cast<std::size_t>(threads) : 1;
         std::uint32_t slice = 1;
