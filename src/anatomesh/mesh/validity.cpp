@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "anatomesh/base/disjoint_sets.h"
@@ -250,8 +251,8 @@ class ShellRay {
     std::vector<std::uint32_t> stack_;
 };
 
-void check_shells(const TetMesh& mesh, const Boundary& boundary, const BoxTree& tree, MeshCheck& check) {
-    const std::vector<std::uint32_t> shell_of = shells_of(boundary, mesh.points.size());
+void check_shells(const TetMesh& mesh, const Boundary& boundary, const BoxTree& tree,
+                  std::span<const std::uint32_t> shell_of, MeshCheck& check) {
     // The ray of a shell starts from its triangle of the largest extent across x.
     std::vector<double> best(shell_of.size(), -1.0);
     std::vector<std::uint32_t> start(shell_of.size(), 0);
@@ -274,19 +275,26 @@ void check_shells(const TetMesh& mesh, const Boundary& boundary, const BoxTree& 
 }
 
 void check_boundary(const TetMesh& mesh, const Boundary& boundary, int threads, MeshCheck& check) {
-    const BoxTree tree = make_box_tree(mesh.points, boundary.triangles, threads);
-    const MeetingPairs pairs(tree, mesh.points, boundary.triangles);
-    constexpr std::size_t pieces_wanted = 512;
-    const std::vector<NodePair> pieces = pairs.pieces(pieces_wanted);
-    std::vector<std::vector<std::array<std::uint32_t, 2>>> found(pieces.size());
-    parallel_for(pieces.size(), 1, threads, [&](std::size_t first, std::size_t last) {
-        for (std::size_t n = first; n < last; ++n) {
-            pairs.for_each(pieces[n], [&](std::uint32_t a, std::uint32_t b) {
-                if (triangles_meet(mesh.points, boundary.triangles[a], boundary.triangles[b]))
-                    found[n].push_back({a, b});
-            });
-        }
-    });
+    BoxTree tree;
+    std::vector<std::vector<std::array<std::uint32_t, 2>>> found;
+    const auto find_crossings = [&] {
+        tree = make_box_tree(mesh.points, boundary.triangles, threads);
+        const MeetingPairs pairs(tree, mesh.points, boundary.triangles);
+        constexpr std::size_t pieces_wanted = 512;
+        const std::vector<NodePair> pieces = pairs.pieces(pieces_wanted);
+        found.resize(pieces.size());
+        parallel_for(pieces.size(), 1, threads, [&](std::size_t first, std::size_t last) {
+            for (std::size_t n = first; n < last; ++n) {
+                pairs.for_each(pieces[n], [&](std::uint32_t a, std::uint32_t b) {
+                    if (triangles_meet(mesh.points, boundary.triangles[a], boundary.triangles[b]))
+                        found[n].push_back({a, b});
+                });
+            }
+        });
+    };
+    // The shells, of use where none crosses another, are found by one thread.
+    std::vector<std::uint32_t> shell_of;
+    parallel_tasks(threads, {find_crossings, [&] { shell_of = shells_of(boundary, mesh.points.size()); }});
     for (const auto& piece : found) {
         for (const auto& [a, b] : piece) {
             add(check, MeshFault::boundary_crosses, boundary.cells[std::min(a, b)],
@@ -294,7 +302,7 @@ void check_boundary(const TetMesh& mesh, const Boundary& boundary, int threads, 
         }
     }
     check.boundary_checked = true;
-    if (check.count(MeshFault::boundary_crosses) == 0) check_shells(mesh, boundary, tree, check);
+    if (check.count(MeshFault::boundary_crosses) == 0) check_shells(mesh, boundary, tree, shell_of, check);
 }
 
 }  // namespace
