@@ -241,11 +241,8 @@ class Climber {
         options.good_sine = target_;
         options.least_gain_degrees = bench_.options.flip_gain_degrees;
         flip_surface_edges(bench_, options, threads, changed);
-        sort_distinct(changed);
-        for (const std::uint32_t c : changed) {
-            if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) continue;
-            if (const double sine = bench_.sine(c); sine < target_) queue_.push({sine, c});
-        }
+        sort_distinct(changed, bench_.mesh.cell_count());
+        for (const BadCell& bad : bad_of(changed, threads)) queue_.push(bad);
     }
 
     // Among all cells; then among those beside what was dropped, as long as there is something.
@@ -279,16 +276,22 @@ class Climber {
     // Queues those of the cells that are bad.
     void collect(std::vector<std::uint32_t> cells, int threads) {
         sort_distinct(cells);
-        const auto find_bad = [&](std::size_t first, std::size_t last, std::vector<BadCell>& bad) {
-            for (std::size_t n = first; n < last; ++n) {
-                const std::uint32_t c = cells[n];
-                if (n + cells_ahead < last) bench_.mesh.prefetch_points(cells[n + cells_ahead]);
-                if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) continue;
-                if (const double sine = bench_.sine(c); sine < target_) bad.push_back({sine, c});
-            }
-        };
-        queue_ = std::priority_queue<BadCell>(
-            {}, parallel_collect<BadCell>(cells.size(), 16384, threads, find_bad));
+        queue_ = std::priority_queue<BadCell>({}, bad_of(cells, threads));
+    }
+
+    std::vector<BadCell> bad_of(const std::vector<std::uint32_t>& cells, int threads) const {
+        return parallel_collect<BadCell>(cells.size(), 16384, threads,
+                                         [&](std::size_t first, std::size_t last, std::vector<BadCell>& bad) {
+                                             for (std::size_t n = first; n < last; ++n) {
+                                                 const std::uint32_t c = cells[n];
+                                                 if (n + cells_ahead < last)
+                                                     bench_.mesh.prefetch_points(cells[n + cells_ahead]);
+                                                 if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0)
+                                                     continue;
+                                                 if (const double sine = bench_.sine(c); sine < target_)
+                                                     bad.push_back({sine, c});
+                                             }
+                                         });
     }
 
     // Tries the worst in the queue beforehand while there are several threads to do so: what happens to the
@@ -443,7 +446,7 @@ DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint32_t>& neigh
     Workbench bench(edited, fixed, fixed_edges, field, structures, options);
     bench.table = drawn.table;
     Climber(bench, drawn).run(context);
-    mesh = std::move(edited).take(neighbors);
+    mesh = std::move(edited).take(neighbors, context.threads);
     return bench.stats;
 }
 

@@ -31,25 +31,31 @@ EditMesh::EditMesh(TetMesh mesh, std::span<const std::uint32_t> neighbors)
     }
 }
 
-TetMesh EditMesh::take(std::vector<std::uint32_t>& neighbors) && {
+TetMesh EditMesh::take(std::vector<std::uint32_t>& neighbors, int threads) && {
     // Cells are marked with their new numbers.
     std::uint32_t kept = 0;
     for (std::size_t c = 0; c < cells_.size(); ++c) {
         mark_[c] = cells_[c][0] == no_cell ? no_cell : kept++;
     }
     neighbors.resize(4 * std::size_t{kept});
-    for (std::size_t c = 0; c < cells_.size(); ++c) {
-        const std::uint32_t now = mark_[c];
-        if (now == no_cell) continue;
-        cells_[now] = cells_[c];
-        regions_[now] = regions_[c];
-        for (std::size_t i = 0; i < 4; ++i) {
-            const std::uint32_t across = neighbors_[c][i];
-            neighbors[4 * std::size_t{now} + i] = across == no_cell ? no_cell : mark_[across];
+    const auto renumber = [&](std::size_t first, std::size_t last) {
+        for (std::size_t c = first; c < last; ++c) {
+            const std::uint32_t now = mark_[c];
+            if (now == no_cell) continue;
+            for (std::size_t i = 0; i < 4; ++i) {
+                const std::uint32_t across = neighbors_[c][i];
+                neighbors[4 * std::size_t{now} + i] = across == no_cell ? no_cell : mark_[across];
+            }
         }
-    }
-    cells_.resize(kept);
-    regions_.resize(kept);
+    };
+    const auto close_up = [&](auto& list) {
+        for (std::size_t c = 0; c < mark_.size(); ++c) {
+            if (mark_[c] != no_cell) list[mark_[c]] = list[c];
+        }
+        list.resize(kept);
+    };
+    parallel_tasks(threads, {[&] { close_up(cells_); }, [&] { close_up(regions_); },
+                             [&] { parallel_for(mark_.size(), 16384, threads, renumber); }});
     return {std::move(points_), std::move(cells_), std::move(regions_)};
 }
 

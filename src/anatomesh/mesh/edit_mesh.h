@@ -40,7 +40,7 @@ class EditMesh {
 
     // The mesh without the removed cells, in the order of their numbers, and its `neighbors`. Points stay,
     // used or not.
-    TetMesh take(std::vector<std::uint32_t>& neighbors) &&;
+    TetMesh take(std::vector<std::uint32_t>& neighbors, int threads = 1) &&;
 
     std::size_t cell_count() const { return cells_.size(); }  // removed ones included
     std::size_t point_count() const { return points_.size(); }
