@@ -639,7 +639,7 @@ std::size_t DelaunayKernel::find_start(Worker& main, Worker& worker,
 bool DelaunayKernel::insert(std::span<const Vec3> points, int threads, std::vector<std::uint32_t>& vertices) {
     const std::uint32_t first = vertex_count();
     assert(first + points.size() < infinite_vertex);
-    const SpatialOrder spatial = spatial_order(points, first);
+    const SpatialOrder spatial = spatial_order(points, first, threads);
     std::vector<std::uint32_t> round_begins;
     vertices.resize(points.size());
     for (std::size_t n = 0, r = 0; n <= points.size(); ++n) {

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/box.h"
 
 namespace anatomesh {
@@ -168,7 +169,7 @@ unsigned round_from_last(Vec3 p, std::uint64_t key, unsigned most) {
 
 }  // namespace
 
-SpatialOrder spatial_order(std::span<const Vec3> points, std::size_t known) {
+SpatialOrder spatial_order(std::span<const Vec3> points, std::size_t known, int threads) {
     constexpr std::size_t smallest_round = 64;
     unsigned rounds = 1;
     for (std::size_t size = points.size(); size / 8 > std::max(known, smallest_round); size /= 8) ++rounds;
@@ -177,11 +178,13 @@ SpatialOrder spatial_order(std::span<const Vec3> points, std::size_t known) {
     for (const Vec3& p : points) box.extend(p);
     const HilbertCurve curve(box);
     std::vector<Keyed> items(points.size());
-    for (std::uint32_t n = 0; n < points.size(); ++n) {
-        const std::uint64_t key = curve.key(points[n]);
-        const std::uint64_t round = rounds - 1 - round_from_last(points[n], key, rounds - 1);
-        items[n] = {round << key_bits | key, n};
-    }
+    parallel_for(points.size(), 4096, threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t n = first; n < last; ++n) {
+            const std::uint64_t key = curve.key(points[n]);
+            const std::uint64_t round = rounds - 1 - round_from_last(points[n], key, rounds - 1);
+            items[n] = {round << key_bits | key, static_cast<std::uint32_t>(n)};
+        }
+    });
     radix_sort(items, key_bits + std::bit_width(rounds - 1));
 
     SpatialOrder result;

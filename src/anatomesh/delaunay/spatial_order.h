@@ -19,10 +19,10 @@ struct SpatialOrder {
 };
 
 // `known`: points that are there already; rounds much smaller than that are of no use and not made.
-// Guarantees: a function of the points and `known` alone, whatever the order of the points; equal points
-// follow each other in one round, by index. Requires: finite points, fewer than 2^31. Complexity: O(n), O(n
-// log n) for points that crowd in few places. Follows: Hamilton, Compact Hilbert Indices, Dalhousie
-// University CS-2006-07 (the curve); Marsaglia's and Vigna's split mix for the rounds.
-SpatialOrder spatial_order(std::span<const Vec3> points, std::size_t known);
+// Guarantees: a function of the points and `known` alone, whatever the order of the points and `threads`;
+// equal points follow each other in one round, by index. Requires: finite points, fewer than 2^31.
+// Complexity: O(n), O(n log n) for points that crowd in few places. Follows: Hamilton, Compact Hilbert
+// Indices, Dalhousie University CS-2006-07 (the curve); Marsaglia's and Vigna's split mix for the rounds.
+SpatialOrder spatial_order(std::span<const Vec3> points, std::size_t known, int threads);
 
 }  // namespace anatomesh
