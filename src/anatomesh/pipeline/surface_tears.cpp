@@ -49,17 +49,24 @@ class LayeredSurface {
     // `contour_of` each vertex of the mesh: of the contour set, or no_cell.
     LayeredSurface(const std::vector<double>& heights, const std::vector<Triangle>& triangles,
                    const std::vector<std::uint32_t>& contour_of)
-        : heights_(heights), contour_of_(contour_of), triangles_(triangles) {
-        const auto low = [&](const Triangle& t) {
-            return std::min({heights[t[0]], heights[t[1]], heights[t[2]]});
+        : heights_(heights), contour_of_(contour_of) {
+        struct Layered {
+            double low;
+            Triangle triangle;
         };
-        std::sort(triangles_.begin(), triangles_.end(), [&](const Triangle& s, const Triangle& t) {
-            return low(s) != low(t) ? low(s) < low(t) : s < t;
+        std::vector<Layered> sorted;
+        sorted.reserve(triangles.size());
+        for (const Triangle& t : triangles)
+            sorted.push_back({std::min({heights[t[0]], heights[t[1]], heights[t[2]]}), t});
+        std::sort(sorted.begin(), sorted.end(), [](const Layered& s, const Layered& t) {
+            return s.low != t.low ? s.low < t.low : s.triangle < t.triangle;
         });
-        for (const Triangle& t : triangles_) {
-            lows_.push_back(low(t));
-            tallest_ =
-                std::max(tallest_, std::max({heights[t[0]], heights[t[1]], heights[t[2]]}) - lows_.back());
+        triangles_.reserve(sorted.size());
+        lows_.reserve(sorted.size());
+        for (const auto& [low, t] : sorted) {
+            triangles_.push_back(t);
+            lows_.push_back(low);
+            tallest_ = std::max(tallest_, std::max({heights[t[0]], heights[t[1]], heights[t[2]]}) - low);
         }
     }
 
