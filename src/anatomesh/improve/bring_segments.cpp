@@ -30,6 +30,7 @@ constexpr double wrong_side = 5;     // price of a facet where the field has the
 constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
 constexpr double middle = 0.5;                     // where an edge between two vertices of a sheet is cut
 constexpr double most_of_cuts = 3e-4;  // share of what is drawn by which cuts may get worse for a chain
+constexpr double on_line = 1e-9;       // of a piece: a vertex so near to it lies on it
 constexpr int rounds = 4;              // over the chains: one may need that beside it
 
 // Pieces one after the other, with vertices in between that are off the structure's surface as well.
@@ -117,14 +118,43 @@ class SidesAt {
     bool beside_surface(std::uint32_t a, std::uint32_t b, std::uint32_t structure) {
         return find_ring(a, b) && !ring_is_mixed(structure);
     }
+    // Its pieces, each an edge or what fixed edges became of it.
     bool on_surface(const Chain& chain) {
         for (std::size_t n = 1; n < chain.vertices.size(); ++n) {
-            if (!on_surface(chain.vertices[n - 1], chain.vertices[n], chain.structure)) return false;
+            if (!row_on_surface(chain.vertices[n - 1], chain.vertices[n], chain.structure)) return false;
         }
         return true;
     }
 
   private:
+    bool row_on_surface(std::uint32_t a, std::uint32_t b, std::uint32_t structure) {
+        for (std::uint32_t at = a; at != b;) {
+            const std::uint32_t next = next_in_row(at, a, b);
+            if (next == no_cell || !on_surface(at, next, structure)) return false;
+            at = next;
+        }
+        return true;
+    }
+    // On the way from a to b the nearest vertex beyond one that a fixed edge joins to it, or b; no_cell if
+    // there is none.
+    std::uint32_t next_in_row(std::uint32_t at, std::uint32_t a, std::uint32_t b) {
+        const Vec3 from = bench_.mesh.point(at), way = bench_.mesh.point(b) - bench_.mesh.point(a);
+        std::uint32_t next = no_cell;
+        double least = 0;
+        bench_.mesh.star(at, bench_.star);
+        for (const std::uint32_t c : bench_.star) {
+            for (const std::uint32_t v : bench_.mesh.cell(c)) {
+                if (v == at || (v != b && !bench_.fixed_edge(at, v))) continue;
+                const Vec3 step = bench_.mesh.point(v) - from;
+                const double along = dot(step, way);
+                if (along <= 0 || (next != no_cell && along >= least)) continue;
+                if (v != b && length(cross(step, way)) > on_line * squared_length(way)) continue;
+                next = v;
+                least = along;
+            }
+        }
+        return next;
+    }
     bool is_mixed(const std::vector<std::uint32_t>& cells, std::uint32_t structure) const {
         return std::any_of(cells.begin(), cells.end(), [&](std::uint32_t c) {
             return has(c, structure) != has(cells.front(), structure);

@@ -27,9 +27,9 @@ using ImproveCells = std::function<std::vector<std::uint32_t>(std::vector<std::u
 // of the same Euler characteristic, if a contour vertex or piece leaves the surface of its structure, if a
 // cut of a stack gets worse, if an interface there is farther than the workbench's `apex_mm` from the
 // field's, or if a cell changed inside has an angle whose sine is below `least_sine` or a ratio above the
-// workbench's last bound. Pieces that were brought are fixed. Guarantees: all cells positive (checked
-// exactly); no vertex moves but by `improve`. Same result every time. Complexity: O(pieces), and 10 to 100 ms
-// for each that is off its surface. Errors: none.
+// workbench's last bound. Pieces that were brought are fixed; `improve` may put vertices on them. Guarantees:
+// all cells positive (checked exactly); no vertex moves but by `improve`. Same result every time. Complexity:
+// O(pieces), and 10 to 100 ms for each that is off its surface. Errors: none.
 BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine,
                           const ImproveCells& improve);
 

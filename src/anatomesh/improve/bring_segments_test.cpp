@@ -18,6 +18,10 @@ using Piece = std::array<std::uint32_t, 3>;
 
 constexpr double any_shape = 1e-4;
 
+// What a test does with the cells that a sheet changed; returns those that it made.
+using Improver =
+    std::function<std::vector<std::uint32_t>(Workbench& bench, const std::vector<std::uint32_t>& cells)>;
+
 // Cubes, some of them of a structure; grid points may be shaken.
 struct Bricks {
     TetMesh mesh;
@@ -53,7 +57,7 @@ struct Bricks {
 
     BringStats bring(
         double least_sine = any_shape,
-        const ImproveCells& improve = [](const auto&) { return std::vector<std::uint32_t>{}; }) {
+        const Improver& improve = [](Workbench&, const auto&) { return std::vector<std::uint32_t>{}; }) {
         const ContourOwners owners(owned, mesh.points.size(), pieces);
         std::vector<std::uint8_t> fixed(mesh.points.size(), 1);
         const fixtures::AnalyticField field({[](Vec3) { return 1.0; }}, 10);
@@ -66,7 +70,9 @@ struct Bricks {
         drawn.table = &table;
         drawn.owners = &owners;
         drawn.pieces_beside = pieces;
-        const BringStats stats = bring_segments(bench, drawn, least_sine, improve);
+        const BringStats stats =
+            bring_segments(bench, drawn, least_sine,
+                           [&](const std::vector<std::uint32_t>& cells) { return improve(bench, cells); });
         mesh = std::move(edited).take(neighbors);
         return stats;
     }
@@ -136,6 +142,59 @@ TEST(BringSegments, pieces_near_each_other_are_brought_without_losing_one) {
         Bricks bricks(in_block, seed ? 0.1 : 0, seed);
         for (int y = 2; y < 7; ++y) bricks.draw({{1, 1.0 * y, 3}, {2, 1.0 * y, 4}});
         expect_brought(bricks);
+    }
+}
+
+// Puts a vertex at this share of the way from a to b, if that is a fixed edge.
+std::vector<std::uint32_t> split_fixed_edge(Workbench& bench, std::uint32_t a, std::uint32_t b,
+                                            double share) {
+    if (!bench.fixed_edge(a, b)) return {};
+    bench.mesh.star(a, bench.star);
+    for (const std::uint32_t c : bench.star) {
+        for (int e = 0; e < 6; ++e) {
+            const Cell& cell = bench.mesh.cell(c);
+            if (std::minmax(cell[cell_edges[e][0]], cell[cell_edges[e][1]]) != std::minmax(a, b)) continue;
+            bench.mesh.ring(c, e, bench.ring);
+            const Vec3 from = bench.mesh.point(a);
+            const std::uint32_t v = bench.add_point(from + share * (bench.mesh.point(b) - from));
+            std::vector<Cell> cells;
+            std::vector<Region> regions;
+            for (const std::uint32_t round : bench.ring.cells) {
+                for (const std::uint32_t end : {a, b}) {
+                    cells.push_back(bench.mesh.cell(round));
+                    std::replace(cells.back().begin(), cells.back().end(), end, v);
+                    regions.push_back(bench.mesh.region(round));
+                }
+            }
+            if (!bench.commit(bench.ring.cells, cells, regions)) return {};
+            bench.fix_on_edge(v, a, b);
+            return bench.changed;
+        }
+    }
+    return {};
+}
+
+// Operations put vertices on fixed edges, and on the halves again.
+TEST(BringSegments, a_piece_that_improvement_splits_is_brought) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+        Bricks bricks(in_block, seed ? 0.1 : 0, seed);
+        bricks.draw({{1, 4, 2}, {2, 4, 3}, {3, 4, 4}});
+        const TetMesh before = bricks.mesh;
+        const double share = 0.3 + 0.04 * seed;
+        const BringStats stats = bricks.bring(any_shape, [&](Workbench& bench, const auto&) {
+            std::vector<std::uint32_t> made;
+            for (const Piece& piece : bricks.pieces) {
+                const auto middle = static_cast<std::uint32_t>(bench.mesh.point_count());
+                made = split_fixed_edge(bench, piece[0], piece[1], share);
+                EXPECT_FALSE(made.empty());
+                made = split_fixed_edge(bench, middle, piece[1], share);
+                EXPECT_FALSE(made.empty());
+            }
+            return made;
+        });
+        EXPECT_EQ(stats.found, 2u);
+        EXPECT_EQ(stats.brought, 2u);
+        fixtures::expect_same_surfaces(bricks.mesh, before, bricks.table, 1);
     }
 }
 
