@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "anatomesh/base/parallel.h"
@@ -36,6 +37,7 @@ void add_vote(std::vector<Vote>& votes, std::size_t& used, const Members& member
 // Of the mean distance of a cell's vertices from its centroid: a centroid as far from the interfaces is not
 // outvoted (once in 138,000 cells of a skull).
 constexpr double deep = 0.25;
+constexpr double everywhere = std::numeric_limits<double>::infinity();  // as a reach
 
 // Finds the regions of cells and points; keeps scratch space, one per thread.
 class Judge {
@@ -92,8 +94,10 @@ class Judge {
                 return;
             }
         }
-        const InterfaceProbe::Look centre = probe_.look(centroid);
-        if (single_ && !one_allowed && is_deep(centre.distance, centroid, p)) {
+        const bool may_be_deep = single_ && !one_allowed;
+        const double at_depth = may_be_deep ? deep * spread(centroid, p) : everywhere;
+        const InterfaceProbe::Look centre = probe_.look(centroid, at_depth);
+        if (may_be_deep && centre.distance >= at_depth) {
             members = centre.members;
             return;
         }
@@ -124,10 +128,11 @@ class Judge {
     }
 
   private:
-    static bool is_deep(double distance, Vec3 centroid, const std::array<Vec3, 4>& p) {
-        double spread = 0;
-        for (const Vec3& q : p) spread += 0.25 * length(q - centroid);
-        return distance >= deep * spread;
+    // The mean distance of the vertices from the centroid.
+    static double spread(Vec3 centroid, const std::array<Vec3, 4>& p) {
+        double mean = 0;
+        for (const Vec3& q : p) mean += 0.25 * length(q - centroid);
+        return mean;
     }
 
     const StructureField& field_;

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "anatomesh/base/instruction_sets.h"
 #include "anatomesh/geom/predicates.h"
 
 namespace anatomesh {
@@ -33,7 +34,7 @@ DistanceMap::DistanceMap(std::vector<Edge2> edges, double limit, double cell)
     for (const Edge2& edge : edges_) {
         const Vec2 along = edge.b - edge.a;
         const double squared = squared_length(along);
-        lines_.push_back({edge.a, edge.b, squared, 1.0 / squared});
+        lines_.push_back({edge.a, along, squared, 1.0 / squared});
         region_box_.extend(edge.a);
         twice_area += cross(edge.a - origin, edge.b - origin);
         scale = std::max({scale, std::abs(edge.a.x), std::abs(edge.a.y)});
@@ -98,8 +99,7 @@ void DistanceMap::choose_grid(double cell) {
 }
 
 Vec2 DistanceMap::nearest_point(const Line& line, Vec2 q) const {
-    const Vec2 along = line.end - line.start;
-    return line.start + std::clamp(dot(q - line.start, along) * line.inverse, 0.0, 1.0) * along;
+    return line.start + std::clamp(dot(q - line.start, line.along) * line.inverse, 0.0, 1.0) * line.along;
 }
 
 // Whether every point x of the cell is farther from `line` than from `best`, another edge. With n the
@@ -119,6 +119,12 @@ bool DistanceMap::is_never_nearest(const Line& line, Vec2 centre, const Line& be
     return true;
 }
 
+// Of the points with these x and this y from a line.
+ANATOMESH_CLONES void DistanceMap::squared_distances(const Line& line, std::span<const double> x, double y,
+                                                     double* squared) {
+    for (std::size_t i = 0; i < x.size(); ++i) squared[i] = foot(line, {x[i], y}).squared_distance;
+}
+
 // Calls body(edge, cell, its centre, squared distance) for every edge and every cell whose centre may be
 // within reach of it: the limit and a half diagonal, and never less than what a cell on the boundary must
 // see.
@@ -130,6 +136,8 @@ void DistanceMap::each_cell_near_an_edge(Body body) const {
     const auto clipped = [](double v, std::uint32_t n) {
         return static_cast<std::uint32_t>(std::clamp(v, 0.0, static_cast<double>(n)));
     };
+    std::vector<double> columns(nx_), squared(nx_);
+    for (std::uint32_t i = 0; i < nx_; ++i) columns[i] = grid.low.x + i * cell_;
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
         const Edge2& edge = edges_[e];
         const Vec2 low = Vec2{std::min(edge.a.x, edge.b.x), std::min(edge.a.y, edge.b.y)} - grid.low;
@@ -138,12 +146,11 @@ void DistanceMap::each_cell_near_an_edge(Body body) const {
         const std::uint32_t i1 = clipped(std::floor((high.x + reach) * inverse_cell_) + 1, nx_);
         const std::uint32_t j0 = clipped(std::ceil((low.y - reach) * inverse_cell_), ny_);
         const std::uint32_t j1 = clipped(std::floor((high.y + reach) * inverse_cell_) + 1, ny_);
-        for (std::uint32_t j = j0; j < j1; ++j) {
-            for (std::uint32_t i = i0; i < i1; ++i) {
-                const Vec2 centre = grid.low + Vec2{i * cell_, j * cell_};
-                body(e, static_cast<std::size_t>(j) * nx_ + i, centre,
-                     foot(lines_[e], centre).squared_distance);
-            }
+        for (std::uint32_t j = j0; j < j1 && i0 < i1; ++j) {
+            const double y = grid.low.y + j * cell_;
+            squared_distances(lines_[e], std::span(columns).subspan(i0, i1 - i0), y, squared.data());
+            for (std::uint32_t i = i0; i < i1; ++i)
+                body(e, static_cast<std::size_t>(j) * nx_ + i, Vec2{columns[i], y}, squared[i - i0]);
         }
     }
 }
@@ -221,9 +228,10 @@ void DistanceMap::list_candidates() {
 DistanceMap::Strip DistanceMap::make_strip(std::size_t first, std::size_t last) const {
     // Along the contour or against it, as the edges are numbered.
     const bool against = last - first > 1 && edges_[first].a == edges_[first + 1].b;
-    Strip strip{
-        {against ? edges_[first].b : edges_[first].a, against ? edges_[last - 1].a : edges_[last - 1].b}, 0};
-    const double squared = squared_length(strip.chord.end - strip.chord.start);
+    const Vec2 start = against ? edges_[first].b : edges_[first].a,
+               end = against ? edges_[last - 1].a : edges_[last - 1].b;
+    Strip strip{{start, end - start}, end, 0};
+    const double squared = squared_length(strip.chord.along);
     if (squared > 0) {
         strip.chord.squared = squared;
         strip.chord.inverse = 1 / squared;
@@ -293,8 +301,8 @@ std::size_t DistanceMap::each_near(Vec2 q, std::uint32_t level, std::size_t coun
     // The ends of chords are on the boundary themselves.
     double squared = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < count; ++i) {
-        const Line& chord = strips[at(i)].chord;
-        squared = std::min({squared, squared_length(q - chord.start), squared_length(q - chord.end)});
+        const Strip& strip = strips[at(i)];
+        squared = std::min({squared, squared_length(q - strip.chord.start), squared_length(q - strip.end)});
     }
     bound = std::min(bound, padded(std::sqrt(squared)));
     std::size_t steps = count;
@@ -325,7 +333,7 @@ DistanceMap::Nearest DistanceMap::nearest_by_strips(Vec2 q, const List& list, do
 }
 
 // value(), where the cell has a list.
-double DistanceMap::near_value(Vec2 q, std::uint32_t entry) const {
+ANATOMESH_CLONES double DistanceMap::near_value(Vec2 q, std::uint32_t entry) const {
     const std::uint32_t* list = &candidates_[entry];
     const std::uint32_t head = *list, whole = head & side_mask;
     if ((head & level_mask) != 0) return value_by_strips(q, entry);
@@ -350,11 +358,11 @@ double DistanceMap::near_value(Vec2 q, std::uint32_t entry) const {
         // right sign: it is off by less than 4 roundings of |along| |w|, |w| is at most the edge's length
         // plus the distance, and the tie is more than 16 roundings of any edge's length.
         const Line& line = lines[nearest.edge];
-        const Vec2 w = q - line.start, along = line.end - line.start;
-        const double projection = dot(w, along);
+        const Vec2 w = q - line.start;
+        const double projection = dot(w, line.along);
         if (projection > 0 && projection < line.squared) {
             const double size = std::min(distance, limit_);
-            return cross(along, w) > 0 ? -size : size;
+            return cross(line.along, w) > 0 ? -size : size;
         }
     }
     return signed_value(q, entry, nearest);
@@ -371,9 +379,9 @@ double DistanceMap::value_by_strips(Vec2 q, std::uint32_t entry) const {
 
 // In a cell that the boundary crosses.
 double DistanceMap::signed_value(Vec2 q, std::uint32_t entry, const Nearest& nearest) const {
-    const Line& line = lines_[nearest.edge];
-    const int end = foot(line, q).end;
-    if (q == (end < 0 ? line.start : line.end)) return 0;
+    const int end = foot(lines_[nearest.edge], q).end;
+    const Edge2& edge = edges_[nearest.edge];
+    if (q == (end < 0 ? edge.a : edge.b)) return 0;
     const double distance = std::sqrt(nearest.squared);
     const double tied = distance * (1 + 1e-12) + tie_;
     const int sign = distance <= tie_                ? side_by_parity(q)
@@ -442,7 +450,7 @@ int DistanceMap::side_by_parity(Vec2 q) const {
 template <class Body>
 void DistanceMap::each_beside(Vec2 q, const Body& body) const {
     const auto is_beside = [q](const Strip& strip) {
-        const auto& [start, end] = std::pair(strip.chord.start, strip.chord.end);
+        const auto& [start, end] = std::pair(strip.chord.start, strip.end);
         return q.y >= std::min(start.y, end.y) - strip.reach &&
                q.y <= std::max(start.y, end.y) + strip.reach && q.x <= std::max(start.x, end.x) + strip.reach;
     };

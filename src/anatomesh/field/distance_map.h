@@ -55,6 +55,9 @@ class DistanceMap {
                       static_cast<std::uint32_t>(x)];
     }
     void prefetch(std::uint32_t entry) const { __builtin_prefetch(candidates_.data() + entry); }
+    void prefetch_edges(std::uint32_t entry) const {  // waits for what prefetch() asked for
+        if (entry >= first_list) __builtin_prefetch(lines_.data() + candidates_[entry + head_size]);
+    }
     double value(Vec2 q, std::uint32_t entry) const {
         if (entry < first_list) return entry == far_inside ? -limit_ : limit_;
         return near_value(q, entry);
@@ -94,11 +97,12 @@ class DistanceMap {
     enum class Corner : std::uint8_t { convex, reflex, straight, shared };
 
     struct Line {  // an edge made ready for distances
-        Vec2 start, end;
+        Vec2 start, along;                // from there to the end
         double squared = 0, inverse = 0;  // of the length
     };
     struct Strip {  // edges that follow one another, all within `reach` of the chord
         Line chord;
+        Vec2 end;
         double reach;
     };
     struct List {  // edges on level 0, strips above
@@ -125,6 +129,7 @@ class DistanceMap {
     PixelGrid centres() const {
         return {box_.low + Vec2{0.5 * cell_, 0.5 * cell_}, {cell_, cell_}, nx_, ny_};
     }
+    static void squared_distances(const Line& line, std::span<const double> x, double y, double* squared);
     template <class Body>
     void each_cell_near_an_edge(Body body) const;
     void list_candidates();
@@ -145,8 +150,8 @@ class DistanceMap {
     // In the line's own frame, without a branch: across it, and along it beyond the nearer end. Exactly 0
     // where q is one of the ends.
     static Foot foot(const Line& line, Vec2 q) {
-        const Vec2 w = q - line.start, along = line.end - line.start;
-        const double projection = dot(w, along), across = cross(along, w);
+        const Vec2 w = q - line.start;
+        const double projection = dot(w, line.along), across = cross(line.along, w);
         const double beyond = projection - std::min(std::max(projection, 0.0), line.squared);
         return {(across * across + beyond * beyond) * line.inverse,
                 (projection >= line.squared) - (projection <= 0)};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "anatomesh/base/instruction_sets.h"
 #include "anatomesh/field/boundary_pieces.h"
 #include "anatomesh/field/nested_outlines.h"
 
@@ -41,9 +42,14 @@ struct Lattice {
 class Average {
   public:
     Average(const Lattice& lattice, double radius, double at_rest)
-        : lattice_(lattice), radius_(radius), at_rest_(at_rest), sums_(lattice.count()) {}
+        : lattice_(lattice),
+          radius_(radius),
+          at_rest_(at_rest),
+          moves_x_(lattice.count()),
+          moves_y_(lattice.count()),
+          weights_(lattice.count()) {}
 
-    void add(Vec2 middle, Vec2 move, double weight) {
+    ANATOMESH_CLONES void add(Vec2 middle, Vec2 move, double weight) {
         const auto index = [&](double x, double low, std::uint32_t n) {
             return static_cast<std::uint32_t>(std::clamp((x - low) / lattice_.step, 0.0, n - 1.0));
         };
@@ -60,13 +66,15 @@ class Average {
         }
         for (std::uint32_t j = j0; j <= j1; ++j) {
             const double y = lattice_.node(i0, j).y - middle.y;
-            Sum* const row = &sums_[static_cast<std::size_t>(j) * lattice_.nx + i0];
+            const std::size_t row = static_cast<std::size_t>(j) * lattice_.nx + i0;
+            std::array<double, most_columns> parts;
             for (std::uint32_t i = 0; i <= i1 - i0; ++i) {
                 const double share = std::max(0.0, 1 - (across[i] + y * y) * inverse);
-                const double part = weight * share * share;
-                row[i].move = row[i].move + part * move;
-                row[i].weight += part;
+                parts[i] = weight * share * share;
             }
+            add_row(&moves_x_[row], parts, i1 - i0 + 1, move.x);
+            add_row(&moves_y_[row], parts, i1 - i0 + 1, move.y);
+            add_row(&weights_[row], parts, i1 - i0 + 1, 1);
         }
     }
 
@@ -81,13 +89,13 @@ class Average {
     }
 
     Vec2 mean(std::uint32_t i, std::uint32_t j) const {
-        const Sum& sum = sums_[static_cast<std::size_t>(j) * lattice_.nx + i];
-        return (1 / (sum.weight + at_rest_)) * sum.move;
+        const std::size_t n = static_cast<std::size_t>(j) * lattice_.nx + i;
+        return (1 / (weights_[n] + at_rest_)) * Vec2{moves_x_[n], moves_y_[n]};
     }
 
     // How much of a mean comes from boundaries: 0 away from them.
     double moved_share(std::uint32_t i, std::uint32_t j) const {
-        const double weight = sums_[static_cast<std::size_t>(j) * lattice_.nx + i].weight;
+        const double weight = weights_[static_cast<std::size_t>(j) * lattice_.nx + i];
         return weight / (weight + at_rest_);
     }
 
@@ -103,13 +111,13 @@ class Average {
     const Lattice& lattice() const { return lattice_; }
 
   private:
-    struct Sum {
-        Vec2 move;
-        double weight = 0;
-    };
+    static void add_row(double* sums, const std::array<double, most_columns>& parts, std::uint32_t count,
+                        double factor) {
+        for (std::uint32_t i = 0; i < count; ++i) sums[i] += parts[i] * factor;
+    }
     Lattice lattice_;
     double radius_, at_rest_;
-    std::vector<Sum> sums_;
+    std::vector<double> moves_x_, moves_y_, weights_;  // sums of weighted moves, and of the weights; by node
 };
 
 // Adds the matches of the pieces of `from` in `to`. `sign`: 1 if `to` is the slice above, -1 if it is the one

@@ -1,8 +1,11 @@
 #include "anatomesh/field/track.h"
 
+#include <algorithm>
 #include <iterator>
 #include <tuple>
 #include <utility>
+
+#include "anatomesh/base/instruction_sets.h"
 
 namespace anatomesh {
 
@@ -32,6 +35,7 @@ Track::Track(StructureLevels levels, const std::vector<std::int32_t>& map_of_sli
     }
     motions_.resize(levels_.size() - 1);
     lone_ends_.resize(levels_.size() - 1);
+    lone_boxes_.resize(levels_.size() - 1);
     rest_.resize(levels_.size() - 1);
     is_flat_ = std::any_of(flat_.begin(), flat_.end(), [](const auto& e) { return std::isfinite(e.low); });
     const double length = high() - low();
@@ -102,6 +106,7 @@ void Track::add_lone_ends(std::size_t i, const std::vector<LonePart>& parts, boo
         const Box2 box = map.box();
         lone_ends_[i].push_back({std::move(map), box, from_below, is_void, {}});
     }
+    sort_lone_ends(i);
 }
 
 void Track::find_motion(std::size_t i, const Maps& maps) {
@@ -121,26 +126,84 @@ void Track::find_motion(std::size_t i, const Maps& maps) {
     motions_[i] = SliceMotion(*below, *above, gap(i), further_below, further_above);
 }
 
-bool Track::is_near_lone_end(std::size_t i, Vec2 q, double clamp) const {
-    return std::any_of(lone_ends_[i].begin(), lone_ends_[i].end(), [&](const LoneEnd& lone) {
-        if (!lone.box.contains(q)) return false;
-        const DistanceMap::Bound bound = lone.map.bound(q);
-        return bound.sign <= 0 || bound.at_least < clamp;
-    });
+// Holes before pieces, and their boxes.
+void Track::sort_lone_ends(std::size_t i) {
+    std::vector<LoneEnd>& ends = lone_ends_[i];
+    std::stable_partition(ends.begin(), ends.end(), [](const LoneEnd& lone) { return lone.is_void; });
+    lone_boxes_[i].clear();
+    for (const LoneEnd& lone : ends) lone_boxes_[i].push_back(lone.box);
+}
+
+ANATOMESH_CLONES double Track::blend(const Maps& maps, double clamp, Vec2 q, double z, double reach,
+                                     double* end, bool lone_ends) const {
+    if (levels_.empty() || !(z > low() && z < high())) return clamp;
+    const auto bucket = static_cast<std::size_t>((z - low()) * inverse_bucket_);
+    std::size_t i = buckets_[std::min(bucket, buckets_.size() - 1)];
+    while (i + 1 < levels_.size() && levels_[i + 1].low <= z) ++i;
+    const auto distance = [&](const Known& level, Vec2 at) {
+        return maps[static_cast<std::size_t>(level.map)]->value(at);
+    };
+    const Known& below = levels_[i];
+    if (z <= below.high) return below.map == empty_level ? clamp : distance(below, q);
+    const Known& above = levels_[i + 1];
+    const double gap = above.low - below.high, t = (z - below.high) / gap;
+    if (below.map == empty_level && above.map == empty_level) return clamp;
+    if (below.map == empty_level || above.map == empty_level) {
+        const double away = above.map == empty_level ? t : 1 - t;
+        const double d = distance(above.map == empty_level ? below : above, q);
+        const double value = std::min(ending(d, away, gap, rounded_), clamp);
+        if (end == nullptr || is_flat_) return value;
+        *end = rounded_ ? value : std::max(d, (away - 0.5) * gap);
+        // Beyond its half it has no claim to what is only beside it, so that two that end face to face do
+        // not tie there.
+        return *end > 0 ? std::max(value, *end) : value;
+    }
+    const SliceMotion::Path path = motions_[i].at(q, t);
+    const Vec2 from = q - t * path.move, to = q + (1 - t) * path.move;
+    const auto& rest = rest_[i];
+    const DistanceMap &a = rest[0] ? *rest[0] : *maps[static_cast<std::size_t>(below.map)],
+                      &b = rest[1] ? *rest[1] : *maps[static_cast<std::size_t>(above.map)];
+    const std::uint32_t at_a = a.place(from), at_b = b.place(to);
+    a.prefetch(at_a);
+    b.prefetch(at_b);
+    const std::size_t lone = first_lone_end(i, q), lone_count = lone_boxes_[i].size();
+    if (reach < clamp && (lone == lone_count || !is_near_lone_end(i, lone, q, clamp))) {
+        // A weighted mean of two distances is not below the smaller one.
+        const DistanceMap::Bound in_a = a.bound(at_a), in_b = b.bound(at_b);
+        const double beyond = std::min(in_a.at_least, in_b.at_least) - std::abs(bow_of(t, path));
+        if (in_a.sign == in_b.sign && in_a.sign != 0 && beyond > reach)
+            return in_a.sign * std::min(beyond, clamp);
+    }
+    a.prefetch_edges(at_a);
+    b.prefetch_edges(at_b);
+    const double value = blend_distances(a.value(from, at_a), b.value(to, at_b), t, gap, 0.5 * clamp, path);
+    const double clamped = std::clamp(value, -clamp, clamp);
+    return lone_ends && lone != lone_count ? with_lone_ends(i, lone, q, t, clamp, clamped, end) : clamped;
+}
+
+bool Track::is_near_lone_end(std::size_t i, std::size_t first, Vec2 q, double clamp) const {
+    const std::vector<Box2>& boxes = lone_boxes_[i];
+    for (std::size_t n = first; n < boxes.size(); ++n) {
+        if (!boxes[n].contains(q)) continue;
+        const DistanceMap::Bound bound = lone_ends_[i][n].map.bound(q);
+        if (bound.sign <= 0 || bound.at_least < clamp) return true;
+    }
+    return false;
 }
 
 // A value between levels i and i + 1 with the parts that end there, first the holes, then the pieces.
-double Track::with_lone_ends(std::size_t i, Vec2 q, double t, double clamp, double value, double* end) const {
+double Track::with_lone_ends(std::size_t i, std::size_t first, Vec2 q, double t, double clamp, double value,
+                             double* end) const {
     const double gap = this->gap(i);
-    for (const bool is_void : {true, false}) {
-        for (const LoneEnd& lone : lone_ends_[i]) {
-            if (lone.is_void != is_void || !lone.box.contains(q)) continue;
-            const double away = lone.from_below ? t : 1 - t, d = lone.map.value(q);
-            const double ends = std::clamp(lone.value(d, away, gap, rounded_), -clamp, clamp);
-            value = is_void ? std::max(value, -ends) : std::min(value, ends);
-            if (end != nullptr && !is_void)
-                *end = std::min(*end, rounded_ ? ends : std::max(d, (away - 0.5) * gap));
-        }
+    const std::vector<Box2>& boxes = lone_boxes_[i];
+    for (std::size_t n = first; n < boxes.size(); ++n) {
+        if (!boxes[n].contains(q)) continue;
+        const LoneEnd& lone = lone_ends_[i][n];
+        const double away = lone.from_below ? t : 1 - t, d = lone.map.value(q);
+        const double ends = std::clamp(lone.value(d, away, gap, rounded_), -clamp, clamp);
+        value = lone.is_void ? std::max(value, -ends) : std::min(value, ends);
+        if (end != nullptr && !lone.is_void)
+            *end = std::min(*end, rounded_ ? ends : std::max(d, (away - 0.5) * gap));
     }
     return value;
 }

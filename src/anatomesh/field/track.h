@@ -173,12 +173,24 @@ class Track {
     // Takes those out of `parts`, of level i or i + 1, that end in domes.
     void add_domes(std::size_t i, std::vector<LonePart>& parts, bool from_below, const Maps& maps,
                    double clamp);
-    bool is_near_lone_end(std::size_t i, Vec2 q, double clamp) const;
-    double with_lone_ends(std::size_t i, Vec2 q, double t, double clamp, double value, double* end) const;
+    // Of the parts that end between levels i and i + 1, the first whose box holds q; their number if none
+    // does.
+    std::size_t first_lone_end(std::size_t i, Vec2 q) const {
+        const std::vector<Box2>& boxes = lone_boxes_[i];
+        std::size_t n = 0;
+        while (n < boxes.size() && !boxes[n].contains(q)) ++n;
+        return n;
+    }
+    // Both look at the parts from the one of number `first` on.
+    bool is_near_lone_end(std::size_t i, std::size_t first, Vec2 q, double clamp) const;
+    double with_lone_ends(std::size_t i, std::size_t first, Vec2 q, double t, double clamp, double value,
+                          double* end) const;
+    void sort_lone_ends(std::size_t i);
 
     std::vector<Known> levels_;
     std::vector<SliceMotion> motions_;             // between a level and the next
-    std::vector<std::vector<LoneEnd>> lone_ends_;  // the same
+    std::vector<std::vector<LoneEnd>> lone_ends_;  // the same, holes before pieces
+    std::vector<std::vector<Box2>> lone_boxes_;    // theirs: most points are in none
     // The same: the regions of a level and the next without the parts that end in domes between them.
     std::vector<std::array<std::unique_ptr<const DistanceMap>, 2>> rest_;
     std::vector<StructureLevels::Extent> flat_;
@@ -186,49 +198,5 @@ class Track {
     double inverse_bucket_ = 0;
     bool is_flat_ = false, rounded_ = false;
 };
-
-inline double Track::blend(const Maps& maps, double clamp, Vec2 q, double z, double reach, double* end,
-                           bool lone_ends) const {
-    if (levels_.empty() || !(z > low() && z < high())) return clamp;
-    const auto bucket = static_cast<std::size_t>((z - low()) * inverse_bucket_);
-    std::size_t i = buckets_[std::min(bucket, buckets_.size() - 1)];
-    while (i + 1 < levels_.size() && levels_[i + 1].low <= z) ++i;
-    const auto distance = [&](const Known& level, Vec2 at) {
-        return maps[static_cast<std::size_t>(level.map)]->value(at);
-    };
-    const Known& below = levels_[i];
-    if (z <= below.high) return below.map == empty_level ? clamp : distance(below, q);
-    const Known& above = levels_[i + 1];
-    const double gap = above.low - below.high, t = (z - below.high) / gap;
-    if (below.map == empty_level && above.map == empty_level) return clamp;
-    if (below.map == empty_level || above.map == empty_level) {
-        const double away = above.map == empty_level ? t : 1 - t;
-        const double d = distance(above.map == empty_level ? below : above, q);
-        const double value = std::min(ending(d, away, gap, rounded_), clamp);
-        if (end == nullptr || is_flat_) return value;
-        *end = rounded_ ? value : std::max(d, (away - 0.5) * gap);
-        // Beyond its half it has no claim to what is only beside it, so that two that end face to face do
-        // not tie there.
-        return *end > 0 ? std::max(value, *end) : value;
-    }
-    const SliceMotion::Path path = motions_[i].at(q, t);
-    const Vec2 from = q - t * path.move, to = q + (1 - t) * path.move;
-    const auto& rest = rest_[i];
-    const DistanceMap &a = rest[0] ? *rest[0] : *maps[static_cast<std::size_t>(below.map)],
-                      &b = rest[1] ? *rest[1] : *maps[static_cast<std::size_t>(above.map)];
-    const std::uint32_t at_a = a.place(from), at_b = b.place(to);
-    a.prefetch(at_a);
-    b.prefetch(at_b);
-    if (reach < clamp && !is_near_lone_end(i, q, clamp)) {
-        // A weighted mean of two distances is not below the smaller one.
-        const DistanceMap::Bound in_a = a.bound(at_a), in_b = b.bound(at_b);
-        const double beyond = std::min(in_a.at_least, in_b.at_least) - std::abs(bow_of(t, path));
-        if (in_a.sign == in_b.sign && in_a.sign != 0 && beyond > reach)
-            return in_a.sign * std::min(beyond, clamp);
-    }
-    const double value = blend_distances(a.value(from, at_a), b.value(to, at_b), t, gap, 0.5 * clamp, path);
-    const double clamped = std::clamp(value, -clamp, clamp);
-    return lone_ends && !lone_ends_[i].empty() ? with_lone_ends(i, q, t, clamp, clamped, end) : clamped;
-}
 
 }  // namespace anatomesh

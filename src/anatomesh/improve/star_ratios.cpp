@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "anatomesh/base/instruction_sets.h"
 namespace anatomesh {
 
 namespace {
@@ -61,7 +62,7 @@ void StarRatios::fill_up(std::size_t first, std::size_t last) {
     }
 }
 
-void StarRatios::prepare() {
+ANATOMESH_CLONES void StarRatios::prepare() {
     const float scale = mean_edge_ > 0 ? static_cast<float>(1 / mean_edge_) : 1.0f;
     for (std::size_t n = 0; n < end_; ++n) {
         const float px = p_.x[n] * scale, py = p_.y[n] * scale, pz = p_.z[n] * scale;
@@ -94,7 +95,7 @@ void StarRatios::prepare() {
     }
 }
 
-double StarRatios::sum(Vec3 move) const {
+ANATOMESH_CLONES double StarRatios::sum(Vec3 move) const {
     const auto x = static_cast<float>(move.x), y = static_cast<float>(move.y), z = static_cast<float>(move.z);
     constexpr float infinity = std::numeric_limits<float>::infinity();
     Row ratio;
@@ -120,7 +121,7 @@ double StarRatios::sum(Vec3 move) const {
 }
 
 // A circumcentre moves along the axis by the component of the movement towards it, over the height.
-double StarRatios::sum(Vec3 move, Vec3& gradient) const {
+ANATOMESH_CLONES double StarRatios::sum(Vec3 move, Vec3& gradient) const {
     const auto x = static_cast<float>(move.x), y = static_cast<float>(move.y), z = static_cast<float>(move.z);
     constexpr float infinity = std::numeric_limits<float>::infinity();
     Row ratio;
@@ -168,7 +169,7 @@ double StarRatios::sum(Vec3 move, Vec3& gradient) const {
 }
 
 // Of a cell (v, a, b, c), with vectors to its vertices from v.
-StarRatios::Worst StarRatios::worst(Vec3 move) const {
+ANATOMESH_CLONES StarRatios::Worst StarRatios::worst(Vec3 move) const {
     const auto x = static_cast<float>(move.x), y = static_cast<float>(move.y), z = static_cast<float>(move.z);
     Row flatness, ratio, sine;
     for (std::size_t n = 0; n < end_; ++n) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "anatomesh/base/instruction_sets.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
 namespace anatomesh {
@@ -20,7 +21,7 @@ struct Circumsphere {
     double volume6;
 };
 
-Circumsphere circumsphere(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+[[gnu::always_inline]] inline Circumsphere circumsphere(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
     const Vec3 ab = b - a, ac = c - a, ad = d - a;
     const Vec3 bc = cross(ab, ac);
     const Vec3 offset =
@@ -60,7 +61,7 @@ ScaledAngles scaled_angles(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
 
 }  // namespace
 
-double radius_edge_ratio(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+ANATOMESH_CLONES double radius_edge_ratio(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
     const Circumsphere sphere = circumsphere(a, b, c, d);
     const double shortest2 = std::min({squared_length(b - a), squared_length(c - a), squared_length(d - a),
                                        squared_length(c - b), squared_length(d - b), squared_length(d - c)});
