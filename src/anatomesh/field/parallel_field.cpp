@@ -51,8 +51,8 @@ class ParallelField final : public FieldQueries<ParallelField> {
     }
 
     double slice_spacing() const override { return spacing_; }
-    FlatEnds flat_ends() const override {
-        FlatEnds ends{frame_, {}};
+    ParallelPlanes flat_ends() const override {
+        ParallelPlanes ends{frame_, {}};
         for (const Track& track : tracks_) track.add_flat_ends(ends.heights);
         std::sort(ends.heights.begin(), ends.heights.end());
         return ends;

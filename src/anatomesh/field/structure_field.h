@@ -8,7 +8,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/contour_set.h"
 #include "anatomesh/geom/box.h"
-#include "anatomesh/geom/plane.h"
+#include "anatomesh/geom/parallel_planes.h"
 
 namespace anatomesh {
 
@@ -42,12 +42,6 @@ struct StructureVolume {
     double by_field = 0;   // integral of the field's cross-sections
     double by_slices = 0;  // plain slice integration, drawn area x half the gaps to both neighbours, same
                            // caps; not a number for planes that are not parallel
-};
-
-// Planes of last contours in which structures end flat (EndCaps::flat): at these heights above `frame`, rising.
-struct FlatEnds {
-    Plane frame;
-    std::vector<double> heights;
 };
 
 // Immutable after make_structure_field(); all queries are const and thread-safe.
@@ -97,8 +91,9 @@ class StructureField {
         return interface_distance(p);
     }
 
-    // Where structures end flat; nothing for planes that are not parallel.
-    virtual FlatEnds flat_ends() const { return {}; }
+    // Planes of last contours in which structures end flat (EndCaps::flat); nothing for planes that are not
+    // parallel.
+    virtual ParallelPlanes flat_ends() const { return {}; }
 
     virtual double slice_spacing() const = 0;  // mm between neighbouring slices (median); > 0
     virtual double clamp() const = 0;          // mm

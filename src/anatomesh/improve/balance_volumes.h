@@ -17,7 +17,9 @@ struct BalanceOptions {
     int rounds = 12;             // [0, 100]
     double min_dihedral_degrees =
         15;                        // angles inside may fall to this; below it they do not get worse. [0, 40]
-    FlatEnds ends;                 // planes in which the surface is flat
+    ParallelPlanes slices;   // planes through which no vertex passes, and none that lies in one leaves it
+    double on_slice_mm = 0;  // a vertex this near to one of them lies in it. [0, 1]
+    ParallelPlanes ends;     // planes in which the surface is flat
     double end_tolerance_mm = 0;   // a facet whose vertices are this near to one of them lies in it. [0, 1]
     double max_difference = 1e-3;  // above it, with the ends held, they may move too. [1e-9, 1]
 };
@@ -35,8 +37,9 @@ struct BalanceStats {
 // regions the offset is the difference of one number a structure, the least offsets in the mean square that
 // meet the targets: the numbers solve a linear system, weighed by the areas that are free to move. Flat ends
 // cut no corners: their vertices are put into their plane and move within it, and only where the volumes
-// cannot be met like that the ends move as well (ends_held). Guarantees: vertices with fixed[v] != 0 do not
-// move; connectivity and regions do not change; every cell stays positive by exact orientation; the worst
+// cannot be met like that the ends move as well (ends_held). No vertex passes through a slice's plane: what
+// is cut there would be another area than is drawn. Guarantees: vertices with fixed[v] != 0 do not move;
+// connectivity and regions do not change; every cell stays positive by exact orientation; the worst
 // radius-edge ratio of the cells inside round a vertex never rises above both `max_radius_edge` and what it
 // was; nor does the least sine of their dihedral angles fall below both that of the smallest angle allowed
 // and what it was. A structure without free vertices keeps its volume. Requires: targets of all structures,

@@ -212,6 +212,36 @@ TEST(BalanceVolumes, does_nothing_when_the_volumes_are_right) {
     EXPECT_EQ(mesh.points, culled.points());
 }
 
+TEST(BalanceVolumes, no_vertex_passes_through_a_slice) {
+    for (const Solid& solid : solids()) {
+        SCOPED_TRACE(solid.name);
+        const auto structures = static_cast<std::uint32_t>(solid.volumes.size());
+        const CulledMesh culled = culled_mesh(solid.field, structures, 1);
+        // Planes so close that a good part of the vertices would have to pass through one.
+        BalanceOptions options;
+        options.on_slice_mm = 1e-9;
+        options.slices.frame = make_plane({}, {0.3, -0.2, 1});
+        for (double height = -50; height < 50; height += 0.05) options.slices.heights.push_back(height);
+        std::array<std::size_t, 2> passed{};
+        for (const bool held : {false, true}) {
+            TetMesh mesh = culled.mesh();
+            const BalanceOptions slices = held ? options : BalanceOptions{};
+            const BalanceStats stats =
+                balance_volumes(mesh, neighbors_of(mesh), stars_of(mesh), culled.registry.table(),
+                                some_fixed(mesh), solid.volumes, 2, slices);
+            for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+                const auto level = [&](Vec3 p) { return options.slices.level(p, options.on_slice_mm); };
+                passed[held] += level(mesh.points[v]) != level(culled.points()[v]);
+            }
+            EXPECT_GT(stats.moves, 0u);
+            EXPECT_LT(stats.worst_after, stats.worst_before);
+            expect_positive(mesh);
+        }
+        EXPECT_GT(passed[false], 0u);
+        EXPECT_EQ(passed[true], 0u);
+    }
+}
+
 TEST(BalanceVolumes, a_target_out_of_reach_stops_at_the_largest_offset) {
     const AnalyticField field({ball({}, 5)}, 6);
     const CulledMesh culled = culled_mesh(field, 1, 1);

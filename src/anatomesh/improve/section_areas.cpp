@@ -22,11 +22,12 @@ SectionAreas::SectionAreas(Workbench& bench, const DrawnSlices& drawn)
       rank_(drawn.planes.size()),
       of_cuts_(drawn.weights.size(), 0) {
     const Vec3 axis = drawn.planes.front().normal;
+    stack_.frame.normal = axis;
     std::iota(order_.begin(), order_.end(), 0u);
     const auto at = [&](std::uint32_t k) { return dot(drawn.planes[k].origin, axis); };
     std::sort(order_.begin(), order_.end(), [&](std::uint32_t j, std::uint32_t k) { return at(j) < at(k); });
     for (std::uint32_t n = 0; n < order_.size(); ++n) {
-        heights_.push_back(at(order_[n]));
+        stack_.heights.push_back(at(order_[n]));
         rank_[order_[n]] = n;
     }
 }
@@ -34,13 +35,7 @@ SectionAreas::SectionAreas(Workbench& bench, const DrawnSlices& drawn)
 std::uint32_t SectionAreas::level(std::uint32_t v) const {
     if (v < drawn_.slice_of.size() && drawn_.slice_of[v] != no_slice)
         return 2 * rank_[drawn_.slice_of[v]] + 1;
-    const Vec3 p = bench_.mesh.point(v);
-    const double height = dot(p, drawn_.planes.front().normal);
-    const auto above = static_cast<std::uint32_t>(std::lower_bound(heights_.begin(), heights_.end(), height) -
-                                                  heights_.begin());
-    if (above < heights_.size() && heights_[above] - height <= drawn_.on_plane_mm) return 2 * above + 1;
-    if (above > 0 && height - heights_[above - 1] <= drawn_.on_plane_mm) return 2 * above - 1;
-    return 2 * above;
+    return stack_.level(bench_.mesh.point(v), drawn_.on_plane_mm);
 }
 
 // Structures that are in the regions and not drawn in the plane at p, or drawn there and in neither.

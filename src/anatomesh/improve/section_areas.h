@@ -7,12 +7,12 @@
 #include <span>
 #include <vector>
 
+#include "anatomesh/geom/parallel_planes.h"
 #include "anatomesh/improve/workbench.h"
 
 namespace anatomesh {
 
-// A vertex has the level 2 k + 1 if it lies in the k-th plane, 2 k if it lies below that and above the one
-// before.
+// The level of a vertex is that of ParallelPlanes; one that is in a slice as drawn lies in its plane.
 class SectionAreas {
   public:
     // Requires: both outlive this; `drawn.planes` not empty.
@@ -59,7 +59,7 @@ class SectionAreas {
     Workbench& bench_;
     const DrawnSlices& drawn_;
     std::vector<std::uint32_t> order_;  // of the planes, rising
-    std::vector<double> heights_;       // in that order
+    ParallelPlanes stack_;              // in that order, over (0, 0, 0)
     std::vector<std::uint32_t> rank_;   // of each plane
     std::vector<double> of_cuts_;       // by structure and slice
     bool counts_ = false;               // into these

@@ -405,6 +405,9 @@ class Builder {
         BalanceOptions balance;
         balance.max_offset_mm = balance_reach * stats.size_mm;
         balance.ends = field_->flat_ends();
+        const SlicesThatTell slices = slices_that_tell(contours_, balance.ends);
+        balance.slices = slices.stack;
+        balance.on_slice_mm = slices.on_plane_mm;
         balance.end_tolerance_mm = interface_tolerance * stats.size_mm;
         const BalanceStats balanced =
             balance_volumes(model_.mesh, neighbors_, *stars, model_.regions, fixed, volumes_mm3_,

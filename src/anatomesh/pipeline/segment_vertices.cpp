@@ -60,7 +60,7 @@ PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::u
     return stack;
 }
 
-SlicesThatTell slices_that_tell(const ContourSet& contours, const FlatEnds& ends) {
+SlicesThatTell slices_that_tell(const ContourSet& contours, const ParallelPlanes& ends) {
     SlicesThatTell slices;
     if (!is_parallel(contours)) return slices;
     // Given planes may lean a little against each other: their heights are those where something is drawn.
@@ -95,8 +95,12 @@ SlicesThatTell slices_that_tell(const ContourSet& contours, const FlatEnds& ends
         const bool flat = std::any_of(ends.heights.begin(), ends.heights.end(), [&](double end) {
             return end >= slice.low - slices.on_plane_mm && end <= slice.high + slices.on_plane_mm;
         });
+        if (!flat)
+            slices.stack.heights.push_back(ends.frame.signed_distance(slices.planes[slice.slice].origin));
         for (std::size_t s = 0; flat && s < structures; ++s) slices.weights[s * count + slice.slice] = 0;
     }
+    slices.stack.frame = ends.frame;
+    std::sort(slices.stack.heights.begin(), slices.stack.heights.end());
     return slices;
 }
 

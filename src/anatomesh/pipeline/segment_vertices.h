@@ -34,8 +34,9 @@ struct SlicesThatTell {
     std::vector<double> weights;  // at structure * planes + slice: 1 / area drawn, or, if none is, in the
                                   // mean of the structure's slices; 1 / mm^2. 0 where the slice does not say
                                   // where the structure is, or any ends flat in its plane
+    ParallelPlanes stack;         // of them, those in which none ends flat
     double on_plane_mm = 0;  // vertices this near to a plane lie in it
 };
-SlicesThatTell slices_that_tell(const ContourSet& contours, const FlatEnds& ends);
+SlicesThatTell slices_that_tell(const ContourSet& contours, const ParallelPlanes& ends);
 
 }  // namespace anatomesh
