@@ -21,7 +21,7 @@ constexpr double enough_less = 0.5;     // of the wrong share
 constexpr double worth_a_price = 7e-4;  // the share of what is drawn that is wrong
 constexpr std::array heights{0.05, -0.05, 0.1,  -0.1,
                              0.2,  -0.2,  0.35, -0.35};  // of a moved vertex over the plane, in edges at it
-constexpr std::array lifts{0.1, 0.2, 0.3, 0.45};         // of a new vertex, as a share of the cell's height
+constexpr std::array lifts{0.1, 0.2, 0.3, 0.45, 0.06, 0.03};  // of a new vertex, in heights of the cell
 constexpr double radians_per_degree = std::numbers::pi / 180;
 constexpr double most_turned = 0.5;  // cosine of a facet's turning
 

@@ -209,6 +209,50 @@ TEST(MendCuts, a_cell_whose_far_vertex_would_come_to_the_surface_is_not_given) {
     }
 }
 
+// A cell that rests in a slice on one that leans out from under it: a vertex between them must stay low.
+TEST(MendCuts, cells_that_rest_in_a_slice_on_leaning_ones_are_lifted) {
+    constexpr double z = 3, listed_sine = 0.1736;  // of 10 degrees
+    for (const double depth : {0.1, 0.12, 0.15, 0.2, 0.3, 0.5, 1.0}) {
+        SCOPED_TRACE(depth);
+        TetMesh mesh;
+        const Vec3 middle{0, std::sqrt(1.0 / 12), z};
+        mesh.points = {{-0.5, 0, z},
+                       {0.5, 0, z},
+                       {0, std::sqrt(0.75), z},
+                       middle + Vec3{0, 2, -depth},
+                       middle + Vec3{0, 0, 1}};
+        mesh.cells = {{0, 1, 2, 4}, {0, 2, 1, 3}};
+        for (const Cell& c : mesh.cells)
+            ASSERT_EQ(orient3d(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]], mesh.points[c[3]]),
+                      1);
+        mesh.regions = {1, 0};
+        const RegionTable table{{{}, {0}}};
+        std::vector<std::uint32_t> neighbors = cell_neighbors(mesh.cells, mesh.points.size());
+        std::vector<std::uint8_t> fixed(mesh.points.size(), 1);
+        const std::vector<std::uint32_t> slice_of(mesh.points.size(), no_slice);
+        const std::vector<Plane> planes{make_plane({0, 0, z}, {0, 0, 1})};
+        const std::vector<double> weights{1};
+        const ContourOwners owners({}, mesh.points.size());
+        const fixtures::AnalyticField above({[](Vec3 p) { return z + 0.001 - p.z; }}, 10);
+        EditMesh edited(std::move(mesh), neighbors);
+        Workbench bench(edited, fixed, {}, above, 1, {});
+        bench.table = &table;
+        bench.goal = 0.3;
+        const MendStats stats =
+            mend_cuts(bench, {&table, slice_of, &owners, planes, weights, 1e-9}, listed_sine, 1);
+        EXPECT_EQ(stats.vertices_inserted, 1u);
+        const TetMesh mended = std::move(edited).take(neighbors);
+        for (std::size_t c = 0; c < mended.cells.size(); ++c) {
+            const Cell& v = mended.cells[c];
+            const auto at = [&](std::size_t i) { return mended.points[v[i]]; };
+            ASSERT_EQ(orient3d(at(0), at(1), at(2), at(3)), 1);
+            if (mended.regions[c] == 0) continue;
+            EXPECT_GE(least_sine(at(0), at(1), at(2), at(3)), listed_sine);
+            EXPECT_LT(std::count_if(v.begin(), v.end(), [&](auto u) { return mended.points[u].z == z; }), 3);
+        }
+    }
+}
+
 TEST(MendCuts, without_planes_or_where_slices_do_not_tell_nothing_is_done) {
     for (const bool planes : {false, true}) {
         Wall wall;
