@@ -19,10 +19,10 @@ constexpr double protected_at_first = 0.5;  // of the balls, by radius
 constexpr int small_mesh_rounds = 60;       // tiny segments need a round for each doubling of the size,
 constexpr std::size_t small_mesh = 20000;   // in meshes of fewer points than this
 // Mean of the ratio, each at most the bound: above it the rounds for the shape of cells go on with a lower
-// bound; what follows takes a twentieth off, in small meshes less: most of their vertices are fixed.
-constexpr double too_uneven = 1.0, too_uneven_if_small = 0.985;
+// bound; what follows takes a twentieth off.
+constexpr double too_uneven = 1.0;
 constexpr double bound_step = 0.05;         // of the bound, and so many of them
-constexpr int bound_steps = 8;
+constexpr int bound_steps = 5;
 constexpr int even_rounds = 4;              // with each of these bounds
 constexpr int last_rounds = 1;              // after the last segments
 constexpr int changed_rounds = 4;           // of what changes later on
@@ -160,7 +160,7 @@ Status RefinementRounds::even_shapes(RunContext& context) {
         const double bound = (1 - step * bound_step) * first;
         CellSearch search;
         for (int round = 0; round < even_rounds; ++round) {
-            if (mean() <= (is_small() ? too_uneven_if_small : too_uneven)) return Nothing{};
+            if (mean() <= too_uneven) return Nothing{};
             std::vector<Vec3> found;
             const RefineStats stats = find_shape_points(bound, 1, search, found, context);
             if (not_worth_a_round(found.size(), 800)) break;
@@ -209,12 +209,8 @@ RefineStats RefinementRounds::find_shape_points(double bound, double protected_s
                                   structures_, mesh_.grid(), guard_, options, search.cells, found, context);
 }
 
-bool RefinementRounds::is_small() const {
-    return mesh_.points().size() < small_mesh;
-}
-
 int RefinementRounds::rounds_in_small_meshes(int otherwise) const {
-    return is_small() ? small_mesh_rounds : otherwise;
+    return mesh_.points().size() < small_mesh ? small_mesh_rounds : otherwise;
 }
 
 // The last few points.

@@ -63,7 +63,6 @@ class RefinementRounds {
     Status even_shapes(RunContext& context);
     RefineStats find_shape_points(double bound, double protected_share, CellSearch& search,
                                   std::vector<Vec3>& found, RunContext& context) const;
-    bool is_small() const;
     int rounds_in_small_meshes(int otherwise) const;
     bool not_worth_a_round(std::size_t count, std::size_t share) const;
 
