@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <span>
 
 #include "anatomesh/improve/operations.h"
+#include "anatomesh/improve/surface_count.h"
 #include "anatomesh/mesh/cell_shape.h"
 
 namespace anatomesh {
@@ -103,23 +105,30 @@ int facets_between_regions(const Workbench& bench, std::uint32_t cell, Region ow
     return count;
 }
 
-bool keeps_near(Workbench& bench, std::uint32_t cell, Region to, double most) {
-    const Cell c = bench.mesh.cell(cell);
+// Of cells of one region.
+bool keeps_near(Workbench& bench, std::span<const std::uint32_t> cells, Region to, double most) {
+    const Region own = bench.mesh.region(cells.front());
     double before = 0;
     for (const bool was : {true, false}) {
-        for (int i = 0; i < 4; ++i) {
-            const Region beyond = bench.mesh.region(bench.mesh.neighbor(cell, i));
-            const auto& f = facet_vertices[i];
-            bench.look_between(beyond, was ? bench.mesh.region(cell) : to);
-            if (was && beyond != bench.mesh.region(cell)) {
-                before = std::max(before,
-                                  bench.facet_distance(bench.mesh.point(c[f[0]]), bench.mesh.point(c[f[1]]),
-                                                       bench.mesh.point(c[f[2]])));
-            } else if (!was && beyond != to &&
-                       (bench.spoils_cut(c[f[0]], c[f[1]], c[f[2]], beyond, to) ||
-                        bench.facet_distance(bench.mesh.point(c[f[0]]), bench.mesh.point(c[f[1]]),
-                                             bench.mesh.point(c[f[2]])) > std::max(before, most))) {
-                return false;
+        for (const std::uint32_t c : cells) {
+            const Cell cell = bench.mesh.cell(c);
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t other = bench.mesh.neighbor(c, i);
+                if (std::find(cells.begin(), cells.end(), other) != cells.end()) continue;
+                const Region beyond = bench.mesh.region(other);
+                const auto& f = facet_vertices[i];
+                const auto distance = [&] {
+                    return bench.facet_distance(bench.mesh.point(cell[f[0]]), bench.mesh.point(cell[f[1]]),
+                                                bench.mesh.point(cell[f[2]]));
+                };
+                bench.look_between(beyond, was ? own : to);
+                if (was && beyond != own) {
+                    before = std::max(before, distance());
+                } else if (!was && beyond != to &&
+                           (bench.spoils_cut(cell[f[0]], cell[f[1]], cell[f[2]], beyond, to) ||
+                            distance() > std::max(before, most))) {
+                    return false;
+                }
             }
         }
     }
@@ -142,21 +151,53 @@ bool ends_the_mesh(const Workbench& bench, std::uint32_t cell) {
     return false;
 }
 
+// Those that come inside have a shape for it.
+bool may_be_of(const Workbench& bench, std::span<const std::uint32_t> cells, double least_sine_inside,
+               double most_ratio) {
+    return std::all_of(cells.begin(), cells.end(), [&](std::uint32_t cell) {
+        if (ends_the_mesh(bench, cell)) return false;
+        if (bench.mesh.region(cell) != 0) return true;
+        const Cell& c = bench.mesh.cell(cell);
+        const CellMeasures m = measure_cell(bench.mesh.point(c[0]), bench.mesh.point(c[1]),
+                                            bench.mesh.point(c[2]), bench.mesh.point(c[3]));
+        return m.least_sine() >= least_sine_inside && m.squared_ratio <= most_ratio * most_ratio;
+    });
+}
+
+bool lies_near(Workbench& bench, std::span<const std::uint32_t> cells, Region to) {
+    return keeps_near(bench, cells, to, bench.options.apex_mm) &&
+           std::all_of(cells.begin(), cells.end(), [&](std::uint32_t c) {
+               return has_near_vertices(bench, c, to, bench.options.apex_mm);
+           });
+}
+
+// The same of several cells of one region; the mesh is as before afterwards.
+bool keeps_surfaces(Workbench& bench, std::span<const std::uint32_t> cells, Region to,
+                    const ContourOwners& owners) {
+    const Region own = bench.mesh.region(cells.front());
+    SurfaceCount count(bench, owners, cells, to);
+    const SurfaceCount::Figures before = count.figures();
+    for (const std::uint32_t c : cells) bench.mesh.set_region(c, to);
+    const SurfaceCount::Figures after = count.figures();
+    const bool kept =
+        after.excess == 0 && after.characteristics == before.characteristics && count.newly_lost() == 0;
+    for (const std::uint32_t c : cells) bench.mesh.set_region(c, own);
+    return kept;
+}
+
 }  // namespace
 
 bool may_give(Workbench& bench, std::uint32_t cell, Region to, const ContourOwners& owners,
               double least_sine_inside, double most_ratio) {
-    if (ends_the_mesh(bench, cell)) return false;
-    const Region own = bench.mesh.region(cell);
-    if (own == 0) {
-        const Cell& c = bench.mesh.cell(cell);
-        const CellMeasures m = measure_cell(bench.mesh.point(c[0]), bench.mesh.point(c[1]),
-                                            bench.mesh.point(c[2]), bench.mesh.point(c[3]));
-        if (m.least_sine() < least_sine_inside || m.squared_ratio > most_ratio * most_ratio) return false;
-    }
-    return keeps_surfaces(bench, cell, own, to, &owners) &&
-           keeps_near(bench, cell, to, bench.options.apex_mm) &&
-           has_near_vertices(bench, cell, to, bench.options.apex_mm);
+    const std::array cells{cell};
+    return may_be_of(bench, cells, least_sine_inside, most_ratio) &&
+           keeps_surfaces(bench, cell, bench.mesh.region(cell), to, &owners) && lies_near(bench, cells, to);
+}
+
+bool may_give_all(Workbench& bench, std::span<const std::uint32_t> cells, Region to,
+                  const ContourOwners& owners, double least_sine_inside, double most_ratio) {
+    return may_be_of(bench, cells, least_sine_inside, most_ratio) && lies_near(bench, cells, to) &&
+           keeps_surfaces(bench, cells, to, owners);
 }
 
 bool give_cell(Workbench& bench, std::uint32_t cell) {
@@ -167,7 +208,7 @@ bool give_cell(Workbench& bench, std::uint32_t cell) {
         const Region to = bench.mesh.region(bench.mesh.neighbor(cell, i));
         if (to == own || (to != 0 && facets_between_regions(bench, cell, to) >= now)) continue;
         if (!keeps_surfaces(bench, cell, own, to) ||
-            !keeps_near(bench, cell, to, bench.options.max_deviation_mm))
+            !keeps_near(bench, std::array{cell}, to, bench.options.max_deviation_mm))
             continue;
         bench.mesh.set_region(cell, to);
         bench.changed.assign(1, cell);

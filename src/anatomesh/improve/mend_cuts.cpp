@@ -70,17 +70,25 @@ class Mender {
     }
 
   private:
-    // The first facet of the cell from that on between regions that passes through a plane or lies in it; 4:
-    // none.
+    // The first facet of the cell from that on that passes through a plane or lies in it, and is between
+    // regions, or, in it, in one beside others; 4: none.
     int suspect_facet(std::uint32_t c, int from) const {
         if (!bench_.mesh.alive(c)) return 4;
-        for (int i = from; i < 4; ++i) {
+        std::array<bool, 4> between{};
+        for (int i = 0; i < 4; ++i) {
             const std::uint32_t other = bench_.mesh.neighbor(c, i);
-            if (other == no_cell || bench_.mesh.region(other) == bench_.mesh.region(c)) continue;
-            const Cell& cell = bench_.mesh.cell(c);
-            std::array<std::uint32_t, 3> level{};
-            for (std::size_t k = 0; k < 3; ++k) level[k] = areas_.level(cell[facet_vertices[i][k]]);
-            if (SectionAreas::meets(level)) return i;
+            between[i] = other != no_cell && bench_.mesh.region(other) != bench_.mesh.region(c);
+        }
+        if (std::find(between.begin(), between.end(), true) == between.end()) return 4;
+        const Cell& cell = bench_.mesh.cell(c);
+        std::array<std::uint32_t, 4> levels{};
+        for (std::size_t n = 0; n < 4; ++n) levels[n] = areas_.level(cell[n]);
+        for (int i = from; i < 4; ++i) {
+            if (bench_.mesh.neighbor(c, i) == no_cell) continue;
+            const auto& f = facet_vertices[i];
+            const std::array level{levels[f[0]], levels[f[1]], levels[f[2]]};
+            const bool in_plane = level[0] % 2 == 1 && level[1] == level[0] && level[2] == level[0];
+            if (between[i] ? SectionAreas::meets(level) : in_plane) return i;
         }
         return 4;
     }
@@ -95,7 +103,7 @@ class Mender {
         for (std::size_t n = 0; n < waiting.size(); ++n) {
             const std::uint32_t c = waiting[n];
             for (int i = suspect_facet(c, 0); i < 4; i = suspect_facet(c, i + 1)) {
-                if (!(areas_.wrong_at(c, i) > 0)) continue;
+                if (!(wrong_at(c, i) > 0)) continue;
                 ++stats_.places_found;
                 if ((count > 1 && areas_.largest_cut_at(c, i) < worth_a_price) || !mend(c, i, count))
                     continue;
@@ -108,8 +116,19 @@ class Mender {
         }
     }
 
+    // Of the facet alone where it lies in one region: what cells beside it have wrong is found at others.
+    double wrong_at(std::uint32_t c, int i) {
+        const std::uint32_t other = bench_.mesh.neighbor(c, i);
+        return bench_.mesh.region(other) == bench_.mesh.region(c) ? areas_.wrong_in_plane(c, i)
+                                                                  : areas_.wrong_at(c, i);
+    }
+
     bool mend(std::uint32_t c, int i, std::size_t count) {
         const std::uint32_t other = bench_.mesh.neighbor(c, i);
+        if (bench_.mesh.region(other) == bench_.mesh.region(c)) {
+            return std::any_of(bounds_.begin(), bounds_.begin() + static_cast<std::ptrdiff_t>(count),
+                               [&](const Bounds& bounds) { return give_both(c, other, bounds); });
+        }
         std::vector<std::uint32_t> vertices(bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
         for (const std::uint32_t v : bench_.mesh.cell(other)) {
             if (std::find(vertices.begin(), vertices.end(), v) == vertices.end()) vertices.push_back(v);
@@ -224,6 +243,32 @@ class Mender {
             return true;
         }
         bench_.mesh.set_region(c, own);
+        return false;
+    }
+
+    // The cells on both sides of a facet in a plane, to a region beside them.
+    bool give_both(std::uint32_t c, std::uint32_t other, const Bounds& bounds) {
+        const Region own = bench_.mesh.region(c);
+        const std::array cells{c, other};
+        const double before = areas_.wrong(cells);
+        for (const std::uint32_t side : cells) {
+            for (int i = 0; i < 4; ++i) {
+                if (bench_.mesh.neighbor(side, i) == no_cell) return false;
+                const Region to = bench_.mesh.region(bench_.mesh.neighbor(side, i));
+                if (to == own || !may_give_all(bench_, cells, to, owners_, bounds.sine, bounds.ratio))
+                    continue;
+                for (const std::uint32_t given : cells) bench_.mesh.set_region(given, to);
+                if (areas_.wrong(cells) <= enough_less * before) {
+                    bench_.changed.assign(cells.begin(), cells.end());
+                    for (const std::uint32_t given : cells) {
+                        for (int k = 0; k < 4; ++k) bench_.changed.push_back(bench_.mesh.neighbor(given, k));
+                    }
+                    stats_.cells_given += cells.size();
+                    return true;
+                }
+                for (const std::uint32_t given : cells) bench_.mesh.set_region(given, own);
+            }
+        }
         return false;
     }
 

@@ -88,17 +88,19 @@ struct Wall {
         return shares;
     }
 
+    bool is_sound() const {
+        for (std::uint32_t s = 0; s < 2; ++s) {
+            const SurfaceTopology topology = surface_topology(structure_surface(mesh, table, s));
+            if (!topology.closed_manifold() || topology.components != 1 || topology.genus != 0) return false;
+        }
+        return true;
+    }
     void expect_sound() const {
         for (const Cell& v : mesh.cells)
             ASSERT_EQ(orient3d(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]),
                       1);
         EXPECT_EQ(neighbors, cell_neighbors(mesh.cells, mesh.points.size()));
-        for (std::uint32_t s = 0; s < 2; ++s) {
-            const SurfaceTopology topology = surface_topology(structure_surface(mesh, table, s));
-            EXPECT_TRUE(topology.closed_manifold());
-            EXPECT_EQ(topology.components, 1u);
-            EXPECT_EQ(topology.genus, 0);
-        }
+        EXPECT_TRUE(is_sound());
     }
 };
 
@@ -251,6 +253,39 @@ TEST(MendCuts, cells_that_rest_in_a_slice_on_leaning_ones_are_lifted) {
             EXPECT_LT(std::count_if(v.begin(), v.end(), [&](auto u) { return mended.points[u].z == z; }), 3);
         }
     }
+}
+
+// Those over and under a facet in a slice, beside the wall: neither alone takes the facet out of the cut.
+TEST(MendCuts, pairs_of_cells_on_the_wrong_side_of_a_facet_in_a_slice_go_back) {
+    int tried = 0;
+    for (std::uint32_t c = 0; c < Wall().mesh.cells.size(); ++c) {
+        Wall wall;
+        wall.draw(width);
+        const auto at = [&](std::uint32_t v) { return wall.mesh.points[v]; };
+        const Cell& cell = wall.mesh.cells[c];
+        const int top = static_cast<int>(
+            std::find_if(cell.begin(), cell.end(), [&](auto v) { return at(v).z == 4; }) - cell.begin());
+        const auto count = [&](auto&& fits) { return std::count_if(cell.begin(), cell.end(), fits); };
+        if (top == 4 || count([&](auto v) { return at(v).z == 3; }) != 3 ||
+            count([&](auto v) { return at(v).z == 3 && at(v).x == 4; }) != 2 ||
+            count([&](auto v) { return at(v).y == 0 || at(v).y == width; }) > 0)
+            continue;
+        const std::uint32_t under = wall.neighbors[4 * c + static_cast<std::uint32_t>(top)];
+        const Region own = wall.mesh.regions[c];
+        ASSERT_EQ(wall.mesh.regions[under], own);
+        for (const std::uint32_t given : {c, under})
+            wall.mesh.regions[given] = own == 1 ? Region{2} : Region{1};
+        if (!wall.is_sound()) continue;
+        SCOPED_TRACE(c);
+        ++tried;
+        MendStats stats;
+        const auto [before, after] = wall.mend(stats);
+        EXPECT_GT(before, 0);
+        EXPECT_EQ(after, 0);
+        EXPECT_EQ(stats.cells_given, 2u);
+        wall.expect_sound();
+    }
+    EXPECT_GE(tried, 10);
 }
 
 TEST(MendCuts, without_planes_or_where_slices_do_not_tell_nothing_is_done) {

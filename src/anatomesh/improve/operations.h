@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "anatomesh/improve/workbench.h"
 
@@ -39,6 +40,10 @@ bool give_cell(Workbench& bench, std::uint32_t cell);
 // the field's interface.
 bool may_give(Workbench& bench, std::uint32_t cell, Region to, const ContourOwners& owners,
               double least_sine_inside, double most_ratio);
+
+// The same of cells of one region that are given together: also where one of them alone may not be.
+bool may_give_all(Workbench& bench, std::span<const std::uint32_t> cells, Region to,
+                  const ContourOwners& owners, double least_sine_inside, double most_ratio);
 
 // Gives an ear - a cell with three facets on one surface, whose common vertex is free and off the field's
 // interface - to the region beyond, where the facet that comes to the surface in their place lies nearer to

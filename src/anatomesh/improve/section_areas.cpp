@@ -100,8 +100,7 @@ double SectionAreas::wrong_facet(Vec3 a, Vec3 b, Vec3 c, std::uint32_t level, Re
     return wrong_part(triangle_area(a, b, c), here, there, level, (1.0 / 3) * (a + b + c));
 }
 
-// 0 where it lies in no plane.
-double SectionAreas::wrong_facet_of(std::uint32_t c, int i) {
+double SectionAreas::wrong_in_plane(std::uint32_t c, int i) {
     const Cell& cell = bench_.mesh.cell(c);
     const auto& f = facet_vertices[i];
     const std::uint32_t first = level(cell[f[0]]), other = bench_.mesh.neighbor(c, i);
@@ -119,7 +118,7 @@ double SectionAreas::wrong(std::span<const std::uint32_t> cells) {
         for (int i = 0; i < 4; ++i) {
             const std::uint32_t other = bench_.mesh.neighbor(c, i);
             const bool both = std::find(cells.begin(), cells.end(), other) != cells.end();
-            sum += (both ? 0.5 : 1) * wrong_facet_of(c, i);
+            sum += (both ? 0.5 : 1) * wrong_in_plane(c, i);
         }
     }
     return sum;
@@ -130,7 +129,7 @@ double SectionAreas::wrong_round(std::uint32_t v, std::span<const std::uint32_t>
     for (const std::uint32_t c : star) {
         sum += wrong_sections(c);
         for (int i = 0; i < 4; ++i) {
-            if (bench_.mesh.cell(c)[i] != v) sum += 0.5 * wrong_facet_of(c, i);
+            if (bench_.mesh.cell(c)[i] != v) sum += 0.5 * wrong_in_plane(c, i);
         }
     }
     return sum;
@@ -143,7 +142,7 @@ void SectionAreas::sum_cuts(std::span<const std::uint32_t> cells) {
         share_ = 1;
         wrong_sections(c);
         share_ = 0.5;  // seen from both sides
-        for (int i = 0; i < 4; ++i) wrong_facet_of(c, i);
+        for (int i = 0; i < 4; ++i) wrong_in_plane(c, i);
     }
     counts_ = false;
 }
@@ -155,7 +154,7 @@ double SectionAreas::largest_cut_at(std::uint32_t c, int i) {
 }
 
 double SectionAreas::wrong_at(std::uint32_t c, int i) {
-    return wrong_sections(c) + wrong_sections(bench_.mesh.neighbor(c, i)) + wrong_facet_of(c, i);
+    return wrong_sections(c) + wrong_sections(bench_.mesh.neighbor(c, i)) + wrong_in_plane(c, i);
 }
 
 }  // namespace anatomesh

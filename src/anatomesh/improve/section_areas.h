@@ -42,6 +42,8 @@ class SectionAreas {
     double wrong_round(std::uint32_t v, std::span<const std::uint32_t> star);
     // Of the sections of the two cells at a facet, and of the facet.
     double wrong_at(std::uint32_t cell, int facet);
+    // Of the facet alone, 0 where it lies in no plane.
+    double wrong_in_plane(std::uint32_t cell, int facet);
     double wrong_facet(Vec3 a, Vec3 b, Vec3 c, std::uint32_t level, Region here, Region there);
 
     // Sums what is wrong by cuts, of structures by planes. Requires: of each facet in a plane that is wrong
@@ -53,7 +55,6 @@ class SectionAreas {
   private:
     const Plane& plane(std::uint32_t level) const { return drawn_.planes[order_[level / 2]]; }
     double wrong_sections(std::uint32_t cell);
-    double wrong_facet_of(std::uint32_t cell, int facet);
     double wrong_part(double area, Region here, Region there, std::uint32_t level, Vec3 p);
 
     Workbench& bench_;
