@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "anatomesh/base/instruction_sets.h"
+
 namespace anatomesh {
 
 namespace {

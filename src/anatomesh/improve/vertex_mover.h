@@ -43,7 +43,8 @@ class VertexMover {
 
     // As for_each_apart, but what comes of it is what the calls one after the other lead to, if move(v) moves
     // v at most and looks at nothing but the cells at v: of vertices that share a cell the first one moves
-    // first. Complexity: the same; those that hang together by shared cells are one thread's.
+    // first. Requires: vertices that are distinct. Complexity: the same, and sorting n vertices; those that
+    // hang together by shared cells are one thread's.
     void for_each_in_order(std::span<const std::uint32_t> vertices, int threads,
                            const std::function<void(std::uint32_t)>& move) const;
 

@@ -39,7 +39,7 @@ class EditMesh {
     EditMesh(TetMesh mesh, std::span<const std::uint32_t> neighbors);
 
     // The mesh without the removed cells, in the order of their numbers, and its `neighbors`. Points stay,
-    // used or not.
+    // used or not. The same at any number of `threads`.
     TetMesh take(std::vector<std::uint32_t>& neighbors, int threads = 1) &&;
 
     std::size_t cell_count() const { return cells_.size(); }  // removed ones included

@@ -27,6 +27,7 @@
 #include "anatomesh/pipeline/attempts.h"
 #include "anatomesh/pipeline/contour_field.h"
 #include "anatomesh/pipeline/contour_pieces.h"
+#include "anatomesh/pipeline/even_out.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
 #include "anatomesh/pipeline/model_warnings.h"
 #include "anatomesh/pipeline/recovered_pieces.h"
@@ -67,7 +68,7 @@ constexpr std::size_t last_few_of_labels = 40;
 constexpr double most_beside = 0.003;
 constexpr double most_dense = 3;              // as plane_density() has it: more are left as they come first
 // Radius-edge ratio inside: 0.95 is asked for, and what comes after the last smoothing takes a little of it.
-constexpr double even_mean = 0.947;
+constexpr double smooth_mean = 0.947;
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
 // What does not depend on the size.
@@ -82,10 +83,10 @@ struct FieldAndVolumes {
 class Builder {
   public:
     // `size_given`: by the user; else it is the default, or one tried after it. `tries_before`: so many
-    // times. `known`: of the run before, or empty.
+    // times. `known`: of the run before, or empty. `even_mean`: as in RefinementOptions.
     Builder(const ContourSet& contours, const ModelOptions& options, bool size_given,
             std::size_t tries_before, RunContext& context, const StageObserver& observer,
-            FieldAndVolumes known)
+            FieldAndVolumes known, double even_mean)
         : source_(contours),
           origin_(contours.points.empty() ? Vec3{} : contours.box().low),
           contours_(relative_to(origin_, contours)),
@@ -93,6 +94,7 @@ class Builder {
           size_given_(size_given),
           tries_before_(tries_before),
           is_first_(tries_before == 0),
+          even_mean_(even_mean),
           context_(context),
           observer_(observer),
           structures_(static_cast<std::uint32_t>(contours.structures.size())),
@@ -230,8 +232,8 @@ class Builder {
     Status refine_cells() {
         const double size_mm = sample_->stats.size_mm;
         RefinementOptions options{
-            size_mm,     options_.max_radius_edge, 0, surface_deviation * size_mm, spared_,
-            conforming_, sample_->graded};
+            size_mm,     options_.max_radius_edge, 0,         surface_deviation * size_mm, spared_,
+            conforming_, sample_->graded,          even_mean_};
         if (spared_) {
             const double share = crowded_share * plane_density(contours_, *field_);
             options.crowded_mm = std::min(share, most_crowded_share) * size_mm;
@@ -399,7 +401,7 @@ class Builder {
                        {[&] { dihedrals = improve_angles(fixed); }, [&] { volumes = find_volumes(); }});
         ANATOMESH_CHECK_STATUS(volumes);
         stars = find_stars();
-        const SmoothStats again = smooth_all(*stars, fixed, even_mean);
+        const SmoothStats again = smooth_all(*stars, fixed, smooth_mean);
         smoothed.vertices_moved += again.vertices_moved;
         smoothed.surface_vertices_moved += again.surface_vertices_moved;
         BalanceOptions balance;
@@ -656,6 +658,7 @@ class Builder {
     const bool size_given_;
     const std::size_t tries_before_;
     const bool is_first_;
+    const double even_mean_;
     RunContext& context_;
     const StageObserver& observer_;
     std::uint32_t structures_;
@@ -722,7 +725,11 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
     std::optional<KeptModel> kept;
     Attempts attempts(options.size_mm > 0);
     for (std::size_t tries_before = 0;; ++tries_before) {
-        Builder builder(contours, tried, options.size_mm > 0, tries_before, context, observer, known);
+        const auto builder_with = [&](double even_mean, FieldAndVolumes of) {
+            return Builder(contours, tried, options.size_mm > 0, tries_before, context, observer,
+                           std::move(of), even_mean);
+        };
+        Builder builder = builder_with(RefinementOptions{}.even_mean, known);
         Result<Model> model = builder.run();
         if (!model.ok() && model.error().kind == ErrorKind::cancelled) return model;
         const TryOutcome outcome = outcome_of(model, builder);
@@ -731,7 +738,16 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
             const bool worse =
                 kept &&
                 (!model.ok() || (attempts.finer_for_shape() && outcome.over_bound >= kept->over_bound()));
-            if (!worse) return model;
+            // Where planes cross, contours force cells more than those between them do.
+            if (!worse && (!model.ok() || !is_parallel(contours))) return model;
+            if (!worse) {
+                const FieldAndVolumes same = builder.field_and_volumes();
+                const auto build = [&](double even_mean) {
+                    context.warnings.resize(same.warnings);
+                    return builder_with(even_mean, same).run();
+                };
+                return even_out(std::move(model.value()), builder.size_mm(), build, context);
+            }
             context.warnings = std::move(kept->warnings);
             context.warn({"W-PIP-001",
                           kept->sought + " was tried, and was no better",

@@ -36,8 +36,8 @@ struct Model {
     Vec3 field_origin;
 };
 
-// Called with the mesh after each stage that has one ("cull", "refine", "cut", "improve", "certificate", in this order;
-// again from the start on a second attempt): for looking and dumping.
+// Called with the mesh after each stage that has one ("cull", "refine", "cut", "improve", "certificate", in
+// this order; again from the start on a further attempt, also one that is not kept): for looking and dumping.
 using StageObserver = std::function<void(const std::string& stage, const TetMesh& mesh)>;
 
 // Requires: a kept contour set. Guarantees: the clauses of the certificate that are marked kept, checked on the

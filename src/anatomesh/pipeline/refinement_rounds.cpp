@@ -18,11 +18,8 @@ constexpr int protected_rounds = 4;         // of these, the first keep out of t
 constexpr double protected_at_first = 0.5;  // of the balls, by radius
 constexpr int small_mesh_rounds = 60;       // tiny segments need a round for each doubling of the size,
 constexpr std::size_t small_mesh = 20000;   // in meshes of fewer points than this
-// Mean of the ratio, each at most the bound: above it the rounds for the shape of cells go on with a lower
-// bound; what follows takes a twentieth off.
-constexpr double too_uneven = 1.0;
-constexpr double bound_step = 0.05;         // of the bound, and so many of them
-constexpr int bound_steps = 5;
+constexpr double bound_step = 0.05;         // of the bound for the sake of the mean, and so many of them
+constexpr int bound_steps = 5, bound_steps_below_1 = 8;  // for a mean below 1
 constexpr int even_rounds = 4;              // with each of these bounds
 constexpr int last_rounds = 1;              // after the last segments
 constexpr int changed_rounds = 4;           // of what changes later on
@@ -156,11 +153,12 @@ Status RefinementRounds::improve_shapes(RunContext& context) {
 Status RefinementRounds::even_shapes(RunContext& context) {
     const double first = options_.max_radius_edge;
     const auto mean = [&] { return mean_ratio(mesh_, first, context.threads); };
-    for (int step = 1; step <= bound_steps; ++step) {
+    const int steps = options_.even_mean < 1 ? bound_steps_below_1 : bound_steps;
+    for (int step = 1; step <= steps; ++step) {
         const double bound = (1 - step * bound_step) * first;
         CellSearch search;
         for (int round = 0; round < even_rounds; ++round) {
-            if (mean() <= too_uneven) return Nothing{};
+            if (mean() <= options_.even_mean) return Nothing{};
             std::vector<Vec3> found;
             const RefineStats stats = find_shape_points(bound, 1, search, found, context);
             if (not_worth_a_round(found.size(), 800)) break;

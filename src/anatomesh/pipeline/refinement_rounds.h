@@ -24,6 +24,9 @@ struct RefinementOptions {
         false;  // fewer rounds for what lies between the contours; what they crowd is met beside them
     bool conforming = false;  // pieces were split beforehand as far as other contours ask, and are further
     bool graded = false;      // they were in their slices alone
+    // Where the mean ratio of the cells inside, each at most the bound, is above this after the rounds for
+    // their shape, further ones go on with lower bounds. What follows takes a twentieth off. [0.9, 2]
+    double even_mean = 1;
 };
 
 struct RefinementStats {
