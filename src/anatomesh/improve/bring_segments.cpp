@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <numeric>
 #include <optional>
 #include <queue>
 #include <span>
@@ -317,14 +318,16 @@ class Thickening {
 
     std::vector<std::uint32_t> changed;  // cells that were made
     double wrong_of_cuts = 0;            // that came of it, a share of what is drawn
+    bool parts_cells = false;            // at a vertex of the sheet (leave_one_part())
 
     // `areas`: those of a stack, or null.
     bool run(double thickness, SectionAreas* areas) {
         find_cells();
         if (!cut_edges(thickness)) return false;
-        const std::vector<std::uint32_t> given = cells_between_cuts();
+        std::vector<std::uint32_t> given = cells_between_cuts();
         const std::optional<Region> to = region_across(given);
-        if (!to) return false;
+        if (!to || !leave_one_part(given, *to, thickness)) return false;
+        note_changed(given);
         SurfaceCount count(bench_, owners_, given, *to);
         const SurfaceCount::Figures before = count.figures();
         if (areas) wrong_of_cuts -= areas->wrong(given);
@@ -410,14 +413,95 @@ class Thickening {
         for (const std::uint32_t v : look) {
             bench_.mesh.star(v, bench_.star);
             for (const std::uint32_t c : bench_.star) {
-                if (v >= first_new_) changed.push_back(c);
                 if (sides_.has(c, chain_.structure) == side_ && lies_between_cuts(c)) given.push_back(c);
             }
         }
         sort_distinct(given);
-        changed.insert(changed.end(), given.begin(), given.end());
-        sort_distinct(changed);
         return given;
+    }
+
+    // Where what is given parts the cells left on the chain's side at a vertex of the sheet - on its rim,
+    // between cells that have no edge of it -, one part stays there; near the vertex the others are given
+    // too. False where a cell would not be positive.
+    bool leave_one_part(std::vector<std::uint32_t>& given, Region to, double thickness) {
+        std::vector<Region> before;
+        const auto give = [&](std::uint32_t c) {
+            before.push_back(bench_.mesh.region(c));
+            bench_.mesh.set_region(c, to);
+        };
+        std::for_each(given.begin(), given.end(), give);
+        for (const std::uint32_t v : on_sheet_) {
+            const std::vector<std::vector<std::uint32_t>> parts = parts_at(v);
+            if (parts.size() < 2) continue;
+            parts_cells = true;
+            const auto stays = std::max_element(
+                parts.begin(), parts.end(),
+                [&](const auto& x, const auto& y) { return worth_at(v, x) < worth_at(v, y); });
+            for (auto part = parts.begin(); part != parts.end(); ++part) {
+                if (part != stays && !cut_near(v, *part, thickness)) return false;
+            }
+            for (const std::vector<std::uint32_t>& part : parts_at(v)) {
+                if (std::find(part.begin(), part.end(), stays->front()) != part.end()) continue;
+                given.insert(given.end(), part.begin(), part.end());
+                std::for_each(part.begin(), part.end(), give);
+            }
+        }
+        for (std::size_t n = 0; n < given.size(); ++n) bench_.mesh.set_region(given[n], before[n]);
+        return true;
+    }
+
+    // Of the edges from the vertex those within the cells.
+    bool cut_near(std::uint32_t v, const std::vector<std::uint32_t>& cells, double thickness) {
+        std::vector<std::uint32_t> ends;
+        for (const std::uint32_t c : cells)
+            ends.insert(ends.end(), bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
+        sort_distinct(ends);
+        std::erase(ends, v);
+        return std::all_of(ends.begin(), ends.end(), [&](std::uint32_t x) {
+            return sides_.find_ring(v, x) && (sides_.ring_is_mixed(chain_.structure) || cut(v, x, thickness));
+        });
+    }
+
+    // Of a part of the cells at a vertex: contours there, then its size.
+    std::array<std::size_t, 2> worth_at(std::uint32_t v, const std::vector<std::uint32_t>& cells) const {
+        std::size_t fixed = 0;
+        for (const std::uint32_t c : cells) {
+            const Cell& cell = bench_.mesh.cell(c);
+            fixed += static_cast<std::size_t>(std::count_if(
+                cell.begin(), cell.end(), [&](std::uint32_t x) { return bench_.fixed_edge(v, x); }));
+        }
+        return {fixed, cells.size()};
+    }
+
+    // The cells on the chain's side at a vertex, in parts that facets join.
+    std::vector<std::vector<std::uint32_t>> parts_at(std::uint32_t v) {
+        bench_.mesh.star(v, bench_.star);
+        std::vector<std::uint32_t> left = bench_.star;
+        std::erase_if(left, [&](std::uint32_t c) { return sides_.has(c, chain_.structure) != side_; });
+        std::vector<std::vector<std::uint32_t>> parts;
+        while (!left.empty()) {
+            std::vector<std::uint32_t> part{left.back()};
+            left.pop_back();
+            for (std::size_t n = 0; n < part.size(); ++n) {
+                for (int i = 0; i < 4; ++i) {
+                    const auto next = std::find(left.begin(), left.end(), bench_.mesh.neighbor(part[n], i));
+                    if (next == left.end()) continue;
+                    part.push_back(*next);
+                    left.erase(next);
+                }
+            }
+            parts.push_back(std::move(part));
+        }
+        return parts;
+    }
+
+    void note_changed(const std::vector<std::uint32_t>& given) {
+        changed = given;
+        for (auto v = first_new_; v < bench_.mesh.point_count(); ++v) {
+            bench_.mesh.star(v, bench_.star);
+            changed.insert(changed.end(), bench_.star.begin(), bench_.star.end());
+        }
+        sort_distinct(changed);
     }
 
     bool lies_between_cuts(std::uint32_t c) const {
@@ -495,6 +579,10 @@ class Bringer {
         for (const Chain& chain : chains) stats.found += chain.vertices.size() - 1;
         if (chains.size() > most_chains) return stats;
         stats.brought = stats.found;
+        if (chains.empty()) return stats;
+        std::vector<std::uint32_t> all(bench_.mesh.cell_count());
+        std::iota(all.begin(), all.end(), 0u);
+        above_bound_ = those_above_bound(std::move(all));
         for (int round = 0; round < rounds && !chains.empty(); ++round) {
             const std::size_t before = chains.size();
             std::erase_if(chains, [&](const Chain& chain) {
@@ -544,12 +632,33 @@ class Bringer {
         std::vector<std::uint32_t> changed = std::move(thickening.changed);
         const std::vector<std::uint32_t> improved = improve_(changed);
         changed.insert(changed.end(), improved.begin(), improved.end());
+        sort_distinct(changed);
+        std::vector<std::uint32_t> above_bound = above_bound_;
+        above_bound.insert(above_bound.end(), changed.begin(), changed.end());
+        sort_distinct(above_bound);
+        above_bound = those_above_bound(std::move(above_bound));
         const bool good = sides_.on_surface(chain) &&
+                          (!thickening.parts_cells || above_bound.size() <= above_bound_.size()) &&
                           std::all_of(changed.begin(), changed.end(),
                                       [&](std::uint32_t c) { return is_good(c) && is_near(c); });
         bench_.mesh.end_attempt(good);
-        if (!good) bench_.stats = stats;
+        if (good) {
+            above_bound_ = std::move(above_bound);
+        } else {
+            bench_.stats = stats;
+        }
         return good ? Outcome::done : Outcome::bad_cells;
+    }
+
+    std::vector<std::uint32_t> those_above_bound(std::vector<std::uint32_t> cells) const {
+        const double most = bench_.options.max_radius_edge;
+        std::erase_if(cells, [&](std::uint32_t c) {
+            if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return true;
+            const Cell& v = bench_.mesh.cell(c);
+            return !(squared_radius_edge(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
+                                         bench_.mesh.point(v[2]), bench_.mesh.point(v[3])) > most * most);
+        });
+        return cells;
     }
 
     bool is_good(std::uint32_t c) const {
@@ -586,7 +695,8 @@ class Bringer {
     const ContourOwners& owners_;
     SidesAt sides_;
     std::optional<SectionAreas> areas_;
-    std::size_t improved_ = 0;  // in vain
+    std::size_t improved_ = 0;                // in vain
+    std::vector<std::uint32_t> above_bound_;  // cells inside; rising
     double least_sine_;
     const ImproveCells& improve_;
 };

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <random>
 
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/labelled_meshes_for_test.h"
 #include "anatomesh/mesh/brick_mesh_for_test.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
@@ -45,6 +47,41 @@ struct Bricks {
         neighbors = cell_neighbors(mesh.cells, mesh.points.size());
     }
 
+    // Of a structure as it is.
+    explicit Bricks(fixtures::LabelledCase labelled)
+        : mesh(std::move(labelled.mesh)),
+          table(std::move(labelled.regions)),
+          neighbors(cell_neighbors(mesh.cells, mesh.points.size())),
+          grid(mesh.points) {}
+
+    // With both ends on the surface, and cells on one side of it alone.
+    std::vector<std::array<std::uint32_t, 2>> edges_beside_surface() const {
+        std::vector<std::array<std::uint32_t, 2>> edges[2];
+        std::vector<std::uint32_t> vertices[2];
+        for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+            const auto side = static_cast<std::size_t>(mesh.regions[c] != 0);
+            const Cell& cell = mesh.cells[c];
+            vertices[side].insert(vertices[side].end(), cell.begin(), cell.end());
+            for (const auto& [i, j] : cell_edges)
+                edges[side].push_back({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
+        }
+        std::vector<std::uint32_t> both;
+        std::vector<std::array<std::uint32_t, 2>> beside;
+        for (std::size_t side = 0; side < 2; ++side) {
+            sort_distinct(vertices[side]);
+            sort_distinct(edges[side]);
+        }
+        std::set_intersection(vertices[0].begin(), vertices[0].end(), vertices[1].begin(), vertices[1].end(),
+                              std::back_inserter(both));
+        std::set_symmetric_difference(edges[0].begin(), edges[0].end(), edges[1].begin(), edges[1].end(),
+                                      std::back_inserter(beside));
+        std::erase_if(beside, [&](const auto& edge) {
+            return !std::binary_search(both.begin(), both.end(), edge[0]) ||
+                   !std::binary_search(both.begin(), both.end(), edge[1]);
+        });
+        return beside;
+    }
+
     void draw(const std::vector<Vec3>& line) {
         std::vector<std::uint32_t> vertices;
         for (const Vec3 p : line)
@@ -63,7 +100,7 @@ struct Bricks {
         const fixtures::AnalyticField field({[](Vec3) { return 1.0; }}, 10);
         EditMesh edited(std::move(mesh), neighbors);
         DihedralOptions options;
-        options.last_radius_edge = least_sine == any_shape ? 1000 : 3.9;
+        if (least_sine == any_shape) options.max_radius_edge = options.last_radius_edge = 1000;
         Workbench bench(edited, fixed, {}, field, 1, options);
         bench.table = &table;
         DrawnSlices drawn;
@@ -220,6 +257,23 @@ TEST(BringSegments, a_piece_on_the_surface_stays_as_it_is) {
     EXPECT_EQ(bricks.bring().found, 0u);
     EXPECT_EQ(bricks.mesh.cells, before.cells);
     EXPECT_EQ(bricks.mesh.regions, before.regions);
+}
+
+// The sheets bend along a surface of random facets: at a vertex of it they part the cells on their side.
+TEST(BringSegments, an_edge_from_surface_to_surface_is_brought_whatever_cells_there_are) {
+    constexpr std::size_t every = 10;
+    for (std::uint32_t seed = 1; seed <= 2; ++seed) {
+        const Bricks ball(
+            fixtures::random_case("ball", fixtures::AnalyticField({fixtures::ball({}, 7)}, 9), 1, seed));
+        const auto edges = ball.edges_beside_surface();
+        ASSERT_GT(edges.size(), 500u);
+        for (std::size_t n = every / 2; n < edges.size(); n += every) {
+            SCOPED_TRACE(n);
+            Bricks bricks = ball;
+            bricks.draw({ball.grid[edges[n][0]], ball.grid[edges[n][1]]});
+            expect_brought(bricks);
+        }
+    }
 }
 
 }  // namespace
