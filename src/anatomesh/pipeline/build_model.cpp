@@ -694,10 +694,15 @@ class Builder {
 struct KeptModel {
     Model model;
     std::vector<Warning> warnings;
-    std::string sought;  // what another one was tried for
+    std::string sought;            // what another one was tried for
+    bool conformed_badly = false;  // that was for the shape of single cells
 
     double over_bound() const { return model.report.quality.radius_edge_share_over_2; }
 };
+
+bool keeps_shapes(const Model& model) {
+    return model.report.certificate.at(3).state == ClauseState::kept;
+}
 
 TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
     TryOutcome outcome;
@@ -708,8 +713,7 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
         return outcome;
     }
     outcome.tore_walls = builder.tore_a_structure();
-    outcome.conformed_badly =
-        builder.conforming() && model.value().report.certificate.at(3).state != ClauseState::kept;
+    outcome.conformed_badly = builder.conforming() && !keeps_shapes(model.value());
     outcome.over_bound = model.value().report.quality.radius_edge_share_over_2;
     outcome.cells = model.value().mesh.cells.size();
     return outcome;
@@ -737,7 +741,8 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
         if (next == NextTry::none) {
             const bool worse =
                 kept &&
-                (!model.ok() || (attempts.finer_for_shape() && outcome.over_bound >= kept->over_bound()));
+                (!model.ok() || (attempts.finer_for_shape() && outcome.over_bound >= kept->over_bound()) ||
+                 (kept->conformed_badly && !keeps_shapes(model.value())));
             // Where planes cross, contours force cells more than those between them do.
             if (!worse && (!model.ok() || !is_parallel(contours))) return model;
             if (!worse) {
@@ -758,7 +763,8 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
         const double size_mm = (next == NextTry::same_size ? 1 : finer) * builder.size_mm();
         const Warning again = built_again(next, outcome, model.ok() ? "" : model.error().message, size_mm);
         if (model.ok())
-            kept.emplace(KeptModel{std::move(model.value()), context.warnings, sought_by(next, outcome)});
+            kept.emplace(KeptModel{std::move(model.value()), context.warnings, sought_by(next, outcome),
+                                   outcome.conformed_badly});
         tried.size_mm = size_mm;
         known = builder.field_and_volumes();
         if (!warnings_before) warnings_before = known.warnings;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "anatomesh/reconcile/slice_soundness.h"
@@ -16,12 +17,14 @@ namespace {
 // drawing's.
 constexpr double narrow_gap = 0.25, narrow_area = 0.045;
 constexpr double drawn_gap = 0.35, drawn_area = 0.06;
+// A corner sharper than the one, of a point that was drawn blunter than the other, is a spike.
+constexpr double sharp_degrees = 90, blunt_degrees = 100;
 constexpr double least_move_mm = 0.5;  // of a point of a contour: else nothing was folded
 
 struct RingPoint {
     Vec3 at;
     Vec2 here, drawn;  // in the slice's plane
-    bool stays = false;
+    bool stays = false, was_drawn = false;
 };
 using Ring = std::vector<RingPoint>;
 
@@ -77,6 +80,38 @@ std::optional<Fold> longest_fold(const Ring& ring, double longest) {
     return found;
 }
 
+double corner_degrees(Vec2 before, Vec2 at, Vec2 after) {
+    const Vec2 u = before - at, v = after - at;
+    return std::abs(std::atan2(cross(u, v), dot(u, v))) * 180 / std::numbers::pi;
+}
+
+// Of a point that was drawn, between those that were drawn next to it; else 180.
+double drawn_corner_degrees(const Ring& ring, std::size_t k) {
+    const std::size_t n = ring.size();
+    if (!ring[k].was_drawn) return 180;
+    std::size_t before = (k + n - 1) % n, after = (k + 1) % n;
+    while (!ring[before].was_drawn) before = (before + n - 1) % n;
+    while (!ring[after].was_drawn) after = (after + 1) % n;
+    return corner_degrees(ring[before].drawn, ring[k].drawn, ring[after].drawn);
+}
+
+// The sharpest corner that was none when drawn, if its point is the contour's own.
+std::optional<Fold> sharpest_spike(const Ring& ring) {
+    std::optional<Fold> found;
+    const std::size_t n = ring.size();
+    double least = sharp_degrees;
+    for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t k = (i + 1) % n;
+        // Between two common points it may be all that is there of an interval on a common line.
+        if (ring[k].stays || (ring[i].stays && ring[(i + 2) % n].stays)) continue;
+        const double now = corner_degrees(ring[i].here, ring[k].here, ring[(i + 2) % n].here);
+        if (now >= least || drawn_corner_degrees(ring, k) < blunt_degrees) continue;
+        found = Fold{i, i + 2};
+        least = now;
+    }
+    return found;
+}
+
 // Takes the points between the fold's ends out of the ring.
 void take_out(Ring& ring, const Fold& fold, FoldStats& stats) {
     const Vec2 a = ring[fold.first].here, way = ring[fold.last % ring.size()].here - a;
@@ -89,7 +124,6 @@ void take_out(Ring& ring, const Fold& fold, FoldStats& stats) {
         out[k % ring.size()] = true;
         ++stats.vertices;
     }
-    ++stats.folds;
     Ring kept;
     for (std::size_t k = 0; k < ring.size(); ++k) {
         if (!out[k]) kept.push_back(ring[k]);
@@ -147,12 +181,13 @@ class Flattener {
             const auto found =
                 std::lower_bound(moved_.begin(), moved_.end(), point,
                                  [](const MovedPoint& p, Vec3 q) { return lexicographic_less(p.at, q); });
-            if (found != moved_.end() && found->at == point) move = point - found->drawn;
+            const bool was_drawn = found != moved_.end() && found->at == point;
+            if (was_drawn) move = point - found->drawn;
             if (k < points.size())
                 continue;  // the first time round finds the move that the second begins with
             furthest = std::max(furthest, length(move.value_or(Vec3{})));
             ring.push_back({point, plane.to_plane(point), plane.to_plane(point - move.value_or(Vec3{})),
-                            is_shared(point)});
+                            is_shared(point), was_drawn});
         }
         return ring;
     }
@@ -166,8 +201,10 @@ class Flattener {
             Ring ring = ring_of(set_.contours[c], slice.plane, furthest);
             while (furthest >= least_move_mm && ring.size() > 4) {
                 const std::optional<Fold> fold = longest_fold(ring, options_.longest_mm);
-                if (!fold) break;
-                take_out(ring, *fold, stats);
+                const std::optional<Fold> spike = fold ? std::nullopt : sharpest_spike(ring);
+                if (!fold && !spike) break;
+                ++(fold ? stats.folds : stats.spikes);
+                take_out(ring, fold ? *fold : *spike, stats);
             }
             PlaneRing flat{set_.contours[c].structure, {}};
             for (const RingPoint& point : ring) {
@@ -176,7 +213,7 @@ class Flattener {
             }
             rings.push_back(std::move(flat));
         }
-        if (stats.folds == stats_.folds) return;
+        if (stats.vertices == stats_.vertices) return;
         if (slice_faults(rings, set_.exclusive).empty()) {
             stats_ = stats;
             return;

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <random>
 
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
@@ -91,6 +93,54 @@ TEST(FlattenFolds, a_point_that_another_slice_has_too_stays) {
     flatten_folds(one.set, one.moved, {40});
     const auto points = one.set.points_of(one.set.contours[0]);
     EXPECT_NE(std::find(points.begin(), points.end(), tip), points.end());
+}
+
+// A ring of corners as blunt as 171 degrees, of which the first one stands out by `height`.
+Ring with_spike(double height) {
+    Ring ring;
+    for (int k = 0; k < 40; ++k) {
+        const double turn = 2 * std::numbers::pi * k / 40, r = k == 0 ? 10 + height : 10;
+        ring.push_back({r * std::cos(turn), r * std::sin(turn)});
+    }
+    return ring;
+}
+
+TEST(FlattenFolds, a_sharp_corner_that_was_none_goes) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (const double height : {-6.0, -3.5, 3.5, 6.0}) {
+        const Plane plane =
+            make_plane(10 * Vec3{unit(random), unit(random), unit(random)},
+                       normalized(Vec3{1 + unit(random), 2 * unit(random), 2 * unit(random)}));
+        Case one(plane, with_spike(height), with_spike(0.3 * unit(random)));
+        const FoldStats stats = flatten_folds(one.set, one.moved, {40});
+        EXPECT_EQ(stats.spikes, 1u) << height;
+        EXPECT_EQ(stats.folds, 0u);
+        EXPECT_EQ(stats.vertices, 1u);
+        EXPECT_NEAR(stats.highest_mm, std::abs(height), 0.2);
+        EXPECT_EQ(one.set.contours[0].point_count, 39u);
+    }
+}
+
+TEST(FlattenFolds, a_corner_that_is_blunt_or_was_drawn_sharp_stays) {
+    const Plane plane = make_plane({0, 0, 0}, {0, 0, 1});
+    Case blunt(plane, with_spike(0.9), with_spike(0));
+    EXPECT_EQ(flatten_folds(blunt.set, blunt.moved, {40}).spikes, 0u);
+    Ring shifted = with_spike(3.5);
+    for (Vec2& q : shifted) q = q + Vec2{3, 1};
+    Case drawn(plane, shifted, with_spike(3));
+    EXPECT_EQ(flatten_folds(drawn.set, drawn.moved, {40}).spikes, 0u);
+}
+
+// A common point beside the spike was not drawn: how blunt the corner was is told by what was.
+TEST(FlattenFolds, a_spike_beside_a_point_that_was_not_drawn_goes) {
+    const Plane plane = make_plane({0, 0, 0}, {0, 0, 1});
+    Ring now = with_spike(3.5), drawn = with_spike(0);
+    Case one(plane, now, drawn);
+    one.set.points.insert(one.set.points.begin() + 1, plane.to_space(0.95 * now[0] + 0.05 * now[1]));
+    one.set.contours[0].point_count = 41;
+    EXPECT_EQ(flatten_folds(one.set, one.moved, {40}).spikes, 2u)
+        << "the corner and then the point beside it";
 }
 
 // A fold round something that lies in it would cross it.

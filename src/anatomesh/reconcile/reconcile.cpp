@@ -452,10 +452,11 @@ class Reconciler {
 
     void warn_of_folds() {
         const FoldStats& folds = stats_.folds;
-        if (folds.folds == 0) return;
+        if (folds.vertices == 0) return;
         context_.warn({"W-RCN-006",
-                       std::to_string(folds.folds) + " narrow folds, up to " + brief(folds.highest_mm) +
-                           " mm high, came about where notches closed as contours were moved",
+                       std::to_string(folds.folds) + " narrow folds and " + std::to_string(folds.spikes) +
+                           " spikes, up to " + brief(folds.highest_mm) +
+                           " mm high, came about as contours were moved",
                        {set_.source, "", "", "", ""},
                        "cut off, with " + std::to_string(folds.vertices) + " drawn vertices"});
     }

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <random>
 
 #include "anatomesh/reconcile/line_ends.h"
@@ -127,6 +129,38 @@ TEST(Reconcile, C25_moved_vertices_leave_room_for_common_points) {
     }
     EXPECT_GT(common, 400u);
     EXPECT_EQ(crowded, 0u);
+}
+
+// An interval on a common line that came to nothing has one point, not two beside each other.
+TEST(Reconcile, C25_two_slices_have_no_two_common_points_in_one_place) {
+    std::mt19937 random(21);
+    std::size_t common = 0;
+    ReconcileOptions options;
+    options.max_disagreement_mm = 40;
+    for (int n = 0; n < 120; ++n) {
+        const ContourSet drawn = drawn_ball(30, random_planes(16, 29, random), {4, 3, 200}, random);
+        const ContourSet kept = reconciled(drawn, options).kept;
+        std::map<std::array<double, 3>, std::vector<std::uint32_t>> slices;
+        for (const Contour& contour : kept.contours) {
+            for (const Vec3& p : kept.points_of(contour)) slices[{p.x, p.y, p.z}].push_back(contour.slice);
+        }
+        std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Vec3>> of_pair;
+        for (const auto& [at, all] : slices) {
+            for (const std::uint32_t a : all) {
+                for (const std::uint32_t b : all) {
+                    if (a < b) of_pair[{a, b}].push_back({at[0], at[1], at[2]});
+                }
+            }
+        }
+        for (const auto& [pair, points] : of_pair) {
+            common += points.size();
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                for (std::size_t j = 0; j < i; ++j)
+                    EXPECT_GE(length(points[i] - points[j]), 0.001) << pair.first << " " << pair.second;
+            }
+        }
+    }
+    EXPECT_GT(common, 5000u);
 }
 
 TEST(Reconcile, C25_the_movement_is_shared_between_two_slices_that_cross) {

@@ -17,6 +17,7 @@ namespace {
 constexpr double snap_mm = 0.05;  // across the contour
 constexpr double same_point_mm = 1e-6;
 constexpr double merge_mm = 0.03;  // of a moved vertex with a shared point beside it
+constexpr double least_interval_mm = 0.001;  // on a common line: a shorter one is none
 constexpr double least_weight = 1e-6;
 
 // A place with a line that it has to stay on.
@@ -122,9 +123,11 @@ class Grouper {
         groups_.target.push_back(target);
         groups_.lines.emplace_back();
         add_lines(lines, groups_.lines.back());
-        groups_.slices.emplace_back();
-        for (const Membership& member : members)
-            groups_.slices.back().push_back(set_.contours[member.end->contour].slice);
+        std::vector<std::uint32_t> slices;
+        for (const Membership& member : members) slices.push_back(set_.contours[member.end->contour].slice);
+        std::sort(slices.begin(), slices.end());
+        slices.erase(std::unique(slices.begin(), slices.end()), slices.end());
+        groups_.slices.push_back(std::move(slices));
     }
 
   private:
@@ -194,6 +197,7 @@ class Inserter {
           insertions_(set.contours.size()) {
         find_usable();
         join_near();
+        drop_doubled();
         for (std::size_t c = 0; c < comparisons.size(); ++c) {
             gather(comparisons[c].ends_a, ends_.of_a[c]);
             gather(comparisons[c].ends_b, ends_.of_b[c]);
@@ -239,6 +243,27 @@ class Inserter {
                 apart_[near[n]] = std::exchange(groups_.target[near[n]], *point);
             }
         }
+    }
+
+    // Where an interval on a line has come to nothing, its two ends are one place: one point is enough.
+    void drop_doubled() {
+        PointGrid grid(least_interval_mm, groups_.target.size());
+        for (const Vec3& p : groups_.target) grid.add(p);
+        for (std::uint32_t g = 0; g < groups_.target.size(); ++g) {
+            bool doubled = false;
+            grid.for_each_within(groups_.target[g], least_interval_mm,
+                                 [&](std::uint32_t k, double) { doubled |= usable_[k] && stands_for(k, g); });
+            if (doubled) usable_[g] = false;
+        }
+    }
+
+    // Whether a group has a point in all slices of another one, and is to be kept of the two.
+    bool stands_for(std::uint32_t kept, std::uint32_t other) const {
+        const std::vector<std::uint32_t>&of = groups_.slices[other], &all = groups_.slices[kept];
+        if (kept == other || !std::includes(all.begin(), all.end(), of.begin(), of.end())) return false;
+        if (all.size() != of.size()) return true;
+        if (apart_[kept].has_value() != apart_[other].has_value()) return apart_[kept].has_value();
+        return kept < other;
     }
 
     // Nothing unless these are the groups of all pairs of some slices, one each: else a contour would pass a
