@@ -25,23 +25,23 @@ constexpr double shortest_graded = 0.01;  // as shortest_piece, where pieces wer
 }  // namespace
 
 SplitLimits SplitLimits::scaled(double scale) {
-    return {scale * shortest_piece, scale, 0, scale < 1};
+    return {scale * shortest_piece, scale, 0, false, scale < 1};
 }
 
 SplitLimits SplitLimits::lone() {
-    return {0, lone_room, piece_clearance, false};
+    return {0, lone_room, piece_clearance, false, false};
 }
 
 SplitLimits SplitLimits::among_others() {
-    return {0, crowded_room, piece_clearance, false};
+    return {0, crowded_room, piece_clearance, false, false};
 }
 
 SplitLimits SplitLimits::graded() {
-    return {shortest_graded, crowded_room, 0, false};
+    return {shortest_graded, crowded_room, 0, true, false};
 }
 
 SplitLimits SplitLimits::beside_short() {
-    return {0, 1, piece_clearance, false};
+    return {0, 1, piece_clearance, false, false};
 }
 
 ContourPieces::ContourPieces(LabelledMesh& mesh, SegmentGuard& guard, const StructureField& field,
@@ -61,13 +61,13 @@ Status ContourPieces::grow(std::vector<Vec3> found, const std::vector<std::uint3
     std::vector<SegmentPiece> kept;
     for (const SegmentPiece& piece : pieces_) {
         const bool wanted =
-            std::binary_search(balls.begin(), balls.end(), piece.ball) && may_split(piece, limits);
+            std::binary_search(balls.begin(), balls.end(), piece.ball) && place_of_split(piece, limits);
         (wanted ? split : kept).push_back(piece);
     }
     std::stable_sort(split.begin(), split.end(), [](auto& x, auto& y) { return x.ball < y.ball; });
     keep_apart(split, kept, limits);
     const std::size_t others = found.size();
-    for (const SegmentPiece& piece : split) found.push_back(split_point(mesh_.points(), piece, acute_));
+    for (const SegmentPiece& piece : split) found.push_back(*place_of_split(piece, limits));
     const std::vector<std::uint32_t> vertices = mesh_.insert(found, context.threads);
     pieces_ = std::move(kept);
     add_halves(split, {vertices.begin() + static_cast<std::ptrdiff_t>(others), vertices.end()});
@@ -83,7 +83,7 @@ void ContourPieces::keep_apart(std::vector<SegmentPiece>& split, std::vector<Seg
     std::vector<SegmentPiece> apart;
     for (const SegmentPiece& piece : split) {
         const bool shares_ball = !apart.empty() && apart.back().ball == piece.ball;
-        const Vec3 point = split_point(mesh_.points(), piece, acute_);
+        const Vec3 point = *place_of_split(piece, limits);
         if (!shares_ball && chosen.any_within(point, room_of(piece, limits))) {
             kept.push_back(piece);
             continue;
@@ -127,6 +127,18 @@ bool ContourPieces::may_split(const SegmentPiece& piece, const SplitLimits& limi
            !guard_.any_point_within(middle, room_of(piece, limits));
 }
 
+// Where others are too near, opposite to what lies in its ball, if the limits let it.
+std::optional<Vec3> ContourPieces::place_of_split(const SegmentPiece& piece, const SplitLimits& limits) const {
+    if (may_split(piece, limits)) return split_point(mesh_.points(), piece, acute_);
+    const Vec3 a = mesh_.points()[piece.a], b = mesh_.points()[piece.b];
+    if (!limits.at_feet || !(length(b - a) > limits.shortest * options_.size_mm)) return std::nullopt;
+    const std::optional<Vec3> beside = guard_.point_in_ball_of(a, b);
+    if (!beside) return std::nullopt;
+    const std::optional<Vec3> foot = foot_on(mesh_.points(), piece, *beside);
+    if (!foot || guard_.any_point_within(*foot, foot_room * length(*beside - *foot))) return std::nullopt;
+    return foot;
+}
+
 Status ContourPieces::recover(std::size_t share, RunContext& context, const SplitLimits& limits) {
     std::size_t last = pieces_.size();
     for (int round = 0; round < segment_rounds; ++round) {
@@ -136,7 +148,7 @@ Status ContourPieces::recover(std::size_t share, RunContext& context, const Spli
             missing_.find(mesh_.cells(), mesh_.points().size(), pieces_, search_.cells, context.threads);
         search_.cells.clear();
         for (const std::uint32_t n : missing) {
-            if (may_split(pieces_[n], limits)) balls.push_back(pieces_[n].ball);
+            if (place_of_split(pieces_[n], limits)) balls.push_back(pieces_[n].ball);
         }
         if (limits.few_alone && balls.size() > a_few &&
             (balls.size() >= last || balls.size() * options_.last_few > pieces_.size()))
@@ -194,6 +206,9 @@ Result<bool> ContourPieces::open_sides(RunContext& context, std::vector<std::uin
     ANATOMESH_CHECK_STATUS(grow(found, {}, context));
     for (const double scale : {1.0, 0.25}) {
         ANATOMESH_CHECK_STATUS(recover(0, context, SplitLimits::scaled(scale)));
+    }
+    if (options_.graded) {
+        ANATOMESH_CHECK_STATUS(recover(0, context, SplitLimits::graded()));
     }
     return true;
 }

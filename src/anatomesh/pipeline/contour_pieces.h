@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "anatomesh/base/result.h"
@@ -29,6 +30,7 @@ struct SplitLimits {
     double shortest = 0;     // no piece below so many sizes
     double room = 1;         // a share of its length that other contour vertices keep from its middle
     double clearance = 0;    // and in sizes, its ends too
+    bool at_feet = false;    // where such a vertex forbids it, at its foot (foot_on())
     bool few_alone = false;  // not where many are missing, or no fewer than in the round before
 
     static SplitLimits scaled(double scale);  // 1: wherever a piece is to be split; below, the last few
@@ -42,9 +44,10 @@ struct SplitLimits {
 
 // Every insertion into the mesh goes through it, since a point beside a piece may ask for its split. A piece
 // is not split where another contour's vertex lies near its middle: that contour would have to be split in
-// its turn, and so on. Pieces that meet at acute angles are split on concentric shells. Same result at any
-// number of threads. Errors of all that inserts: cancelled; limit E-PIP-003, more regions than there is room
-// for. Follows: Shewchuk, Delaunay refinement mesh generation, 1997, chapter 3.
+// its turn, and so on; but, where pieces were split beforehand, at that vertex's foot (foot_on()). Pieces that
+// meet at acute angles are split on concentric shells. Same result at any number of threads. Errors of all
+// that inserts: cancelled; limit E-PIP-003, more regions than there is room for. Follows: Shewchuk, Delaunay
+// refinement mesh generation, 1997, chapter 3.
 class ContourPieces {
   public:
     // `pieces` between vertices of the mesh. Requires: mesh, guard and field outlive this.
@@ -89,6 +92,8 @@ class ContourPieces {
     void keep_apart(std::vector<SegmentPiece>& split, std::vector<SegmentPiece>& kept,
                     const SplitLimits& limits) const;
     bool may_split(const SegmentPiece& piece, const SplitLimits& limits) const;
+    // Where the piece is split, if it may be.
+    std::optional<Vec3> place_of_split(const SegmentPiece& piece, const SplitLimits& limits) const;
     Status recover_few(RunContext& context);
 
     LabelledMesh& mesh_;

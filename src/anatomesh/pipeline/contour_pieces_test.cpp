@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "anatomesh/pipeline/random_solids_for_test.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
@@ -89,6 +90,47 @@ TEST(ContourPieces, that_are_well_apart_all_become_edges_beside_any_vertices) {
         ASSERT_TRUE(pieces.finish(context).ok());
         EXPECT_TRUE(pieces.are_short());
         EXPECT_TRUE(missing_pieces(mesh.cells().cells, mesh.points().size(), pieces.pieces()).empty());
+    }
+}
+
+// Lines that cross at a small angle, with vertices in the balls of both: where one is split, so is the other.
+TEST(ContourPieces, that_cross_at_small_angles_all_become_edges) {
+    for (const double degrees : {0.4, 0.7, 1.2, 2.0, 3.3}) {
+        for (std::uint32_t seed = 1; seed <= 6; ++seed) {
+            SCOPED_TRACE(testing::Message() << degrees << " degrees, seed " << seed);
+            Drawn drawn(seed, 0.2 * size, 0.05 * size);
+            drawn.pieces.clear();
+            drawn.guard = SegmentGuard(size, 1000);
+            Random random(seed);
+            const Vec3 u = random.direction(), v = normalized(cross(u, random.direction()));
+            const double angle = degrees * std::numbers::pi / 180;
+            const auto add = [&](Vec3 p) {
+                drawn.guard.add_point(p);
+                drawn.points.push_back(p);
+                return static_cast<std::uint32_t>(drawn.points.size() - 1);
+            };
+            const std::uint32_t centre = add({0.01, 0.02, 0.03});
+            for (const double along : {0.5, -0.45, 0.4, -0.55}) {
+                const bool first = along == 0.5 || along == -0.45;
+                const Vec3 way = first ? u : std::cos(angle) * u + std::sin(angle) * v;
+                const std::uint32_t end = add(drawn.points[centre] + along * way);
+                const std::uint32_t ball = drawn.guard.add_segment(drawn.points[centre], drawn.points[end]);
+                drawn.pieces.push_back({centre, end, first ? 0u : 1u, ball});
+                const Vec3 beside = 0.12 * normalized(cross(u, random.direction()));
+                drawn.points.push_back(drawn.points[centre] + 0.6 * along * way + beside);
+            }
+            const fixtures::AnalyticField field({fixtures::ball({}, 3), fixtures::ball({1, 0, 0}, 3)}, 30);
+            RunContext context;
+            LabelledMesh mesh(Tetrahedralization::create(drawn.points).value(), field, 2, size, 0.02 * size);
+            mesh.update(context);
+            ContourPieceOptions options;
+            options.size_mm = size;
+            options.graded = true;
+            ContourPieces pieces(mesh, drawn.guard, field, drawn.pieces, options);
+            ASSERT_TRUE(pieces.finish(context).ok());
+            EXPECT_TRUE(
+                missing_pieces(mesh.cells().cells, mesh.points().size(), pieces.pieces()).empty());
+        }
     }
 }
 

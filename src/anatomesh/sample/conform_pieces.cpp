@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
+#include <optional>
 #include <span>
 
 #include "anatomesh/base/parallel.h"
@@ -17,6 +19,7 @@ constexpr double near_share = 0.5;    // of the shortest length
 constexpr double in_ball = 1 - 1e-9;  // a vertex on its sphere is not in it
 constexpr double cell_share = 1.5;    // of the mean length of the pieces: a cell of the grid
 constexpr std::size_t grain = 512;    // pieces at a time
+constexpr std::uint32_t no_vertex = 0xFFFFFFFFu;
 
 using VertexPair = std::array<std::uint32_t, 2>;
 using Owner = std::array<std::uint32_t, 2>;  // a point, and a structure with a contour through it
@@ -58,30 +61,25 @@ class Conformer {
         const std::vector<Want> wants = find_wants(pieces);
         const std::size_t first_new = points_.size();
         fresh_ = PointGrid(cell_size_, 0);
-        const auto is_taken = [&](Vec3 p, double room) {
-            return grid_.any_within(p, room) || fresh_.any_within(p, room);
-        };
         std::vector<SegmentPiece> next;
         // Pieces of several structures with one ball follow each other.
         for (std::size_t n = 0, last = 0; n < pieces.size(); n = last) {
             while (last < pieces.size() && pieces[last].ball == pieces[n].ball) ++last;
-            const Want want = wants[n];
-            const Vec3 at = want.any() ? split_point(points_, pieces[n], acute_) : Vec3{};
-            if (!(want.encroached && !is_taken(at, near_share * shortest_)) &&
-                !(want.ungraded && !is_taken(at, graded_room_))) {
+            const std::optional<Vec3> at = place_of_split(pieces[n], wants[n]);
+            if (!at) {
                 next.insert(next.end(), pieces.begin() + n, pieces.begin() + last);
                 continue;
             }
             const auto v = static_cast<std::uint32_t>(points_.size());
-            points_.push_back(at);
-            fresh_.add(at);
+            points_.push_back(*at);
+            fresh_.add(*at);
             if (!slices_.empty()) {
                 slices_.push_back(slices_[pieces[n].a]);
                 for (std::size_t k = n; k < last; ++k) owners_.push_back({v, pieces[k].structure});
             }
             guard_.drop_ball(pieces[n].ball);
-            const std::uint32_t low = guard_.add_segment(points_[pieces[n].a], at);
-            const std::uint32_t high = guard_.add_segment(at, points_[pieces[n].b]);
+            const std::uint32_t low = guard_.add_segment(points_[pieces[n].a], *at);
+            const std::uint32_t high = guard_.add_segment(*at, points_[pieces[n].b]);
             for (std::size_t k = n; k < last; ++k) next.push_back({pieces[k].a, v, pieces[k].structure, low});
             for (std::size_t k = n; k < last; ++k)
                 next.push_back({v, pieces[k].b, pieces[k].structure, high});
@@ -100,8 +98,27 @@ class Conformer {
     // Why a piece should be split.
     struct Want {
         bool encroached = false, ungraded = false;
+        std::uint32_t beside = no_vertex;  // where nothing else is possible, opposite to this one
         bool any() const { return encroached || ungraded; }
     };
+
+    bool is_taken(Vec3 p, double room) const {
+        return grid_.any_within(p, room) || fresh_.any_within(p, room);
+    }
+
+    // If nothing is too near there.
+    std::optional<Vec3> place_of_split(const SegmentPiece& piece, const Want& want) const {
+        if (want.any()) {
+            const Vec3 at = split_point(points_, piece, acute_);
+            if (want.encroached && !is_taken(at, near_share * shortest_)) return at;
+            if (want.ungraded && !is_taken(at, graded_room_) && !is_in_corner(at, piece)) return at;
+        }
+        if (want.beside == no_vertex) return std::nullopt;
+        const Vec3 beside = points_[want.beside];
+        const std::optional<Vec3> foot = foot_on(points_, piece, beside);
+        if (!foot || is_taken(*foot, foot_room * length(beside - *foot))) return std::nullopt;
+        return foot;
+    }
 
     // Of the first piece of each ball.
     std::vector<Want> find_wants(const std::vector<SegmentPiece>& pieces) {
@@ -113,8 +130,8 @@ class Conformer {
                 std::size_t last = n + 1;
                 while (last < pieces.size() && pieces[last].ball == pieces[n].ball) ++last;
                 if (may_have_changed(pieces[n])) {
-                    wants[n] = {is_encroached(std::span(pieces).subspan(n, last - n)),
-                                is_ungraded(pieces[n])};
+                    const std::span<const SegmentPiece> all = std::span(pieces).subspan(n, last - n);
+                    wants[n] = {is_encroached(all), is_ungraded(pieces[n]), vertex_beside(all)};
                 }
             }
         });
@@ -167,16 +184,56 @@ class Conformer {
         const Vec3 a = points_[piece.a], way = points_[piece.b] - a;
         const double span = length(way), reach = span / growth_;
         if (span < 2 * shortest_graded_) return false;
-        const auto beside_at = [&](std::uint32_t end, std::uint32_t other, std::uint32_t v) {
-            return std::binary_search(neighbors_.begin(), neighbors_.end(), VertexPair{end, v}) &&
-                   dot(points_[v] - points_[end], points_[other] - points_[end]) > 0;
-        };
         bool found = false;
         grid_.for_each_within(a + 0.5 * way, 0.5 * span + reach, [&](std::uint32_t v, double) {
             if (found || v == piece.a || v == piece.b || slices_[v] != slices_[piece.a]) return;
             const double share = std::clamp(dot(points_[v] - a, way) / (span * span), 0.0, 1.0);
             if (squared_length(points_[v] - (a + share * way)) >= reach * reach) return;
-            found = !beside_at(piece.a, piece.b, v) && !beside_at(piece.b, piece.a, v);
+            found = !is_next(v, piece);
+        });
+        return found;
+    }
+
+    // Whether a piece that meets this one at a small angle is nearer to a point on it than graded points may
+    // lie to each other: that one could not follow, and would have the point in its ball.
+    bool is_in_corner(Vec3 at, const SegmentPiece& piece) const {
+        const auto next_is_near = [&](std::uint32_t end) {
+            auto n = std::lower_bound(neighbors_.begin(), neighbors_.end(), VertexPair{end, 0});
+            for (; n != neighbors_.end() && (*n)[0] == end; ++n) {
+                const std::uint32_t v = (*n)[1];
+                if (v == piece.a || v == piece.b || !is_next(v, piece)) continue;
+                const Vec3 way = points_[v] - points_[end], to = at - points_[end];
+                if (dot(to, way) < squared_length(way) && length(cross(way, to)) < graded_room_ * length(way))
+                    return true;
+            }
+            return false;
+        };
+        return next_is_near(piece.a) || next_is_near(piece.b);
+    }
+
+    // Whether a piece to v meets this one at a small angle.
+    bool is_next(std::uint32_t v, const SegmentPiece& piece) const {
+        const auto at = [&](std::uint32_t end, std::uint32_t other) {
+            return std::binary_search(neighbors_.begin(), neighbors_.end(), VertexPair{end, v}) &&
+                   dot(points_[v] - points_[end], points_[other] - points_[end]) > 0;
+        };
+        return at(piece.a, piece.b) || at(piece.b, piece.a);
+    }
+
+    // A vertex in the ball of these pieces that grading does not heed: the next at a small angle, or one too
+    // near. Of several the one nearest to the middle.
+    std::uint32_t vertex_beside(std::span<const SegmentPiece> all) const {
+        const Vec3 a = points_[all[0].a], way = points_[all[0].b] - a;
+        const double span = length(way);
+        std::uint32_t found = no_vertex;
+        if (!(growth_ > 0) || span < 2 * shortest_graded_) return found;
+        double nearest = HUGE_VAL;
+        grid_.for_each_within(a + 0.5 * way, 0.5 * in_ball * span, [&](std::uint32_t v, double squared) {
+            if (v == all[0].a || v == all[0].b || !counts(v, all)) return;
+            if (length(cross(way, points_[v] - a)) >= graded_room_ * span && !is_next(v, all[0])) return;
+            if (squared > nearest || (squared == nearest && v > found)) return;
+            nearest = squared;
+            found = v;
         });
         return found;
     }

@@ -29,8 +29,9 @@ struct ConformOptions {
 // planes meet, contours run close beside each other far from any common vertex, and pieces become as short as
 // they are near. Where contours run hundredths of a millimetre beside each other or cross near a vertex, or
 // at a small angle, `growth` makes lengths follow the distance, so that cells there can be about as wide as
-// long. A vertex nearer to a piece than half the shortest length is left in its ball: no split above
-// that length takes it out. Pieces that meet at an acute angle are split on concentric shells, and
+// long. Nearer to where they cross than lengths can follow, pieces are split at the feet of each other's
+// vertices (foot_on()). A vertex nearer to a piece than half the shortest length is left in its ball: no
+// split above that length takes it out. Pieces that meet at an acute angle are split on concentric shells, and
 // no point is put nearer than half the shortest length to another one. `points` are those on contours, as
 // `guard` has them; new ones are appended, and both know the halves. Returns how many. At most 24 rounds;
 // complexity: O(n) each beside the points in balls. The same result every time. Follows: Shewchuk, Delaunay

@@ -144,6 +144,46 @@ TEST(ConformPieces, graded_are_no_longer_than_growth_times_the_distance_of_the_n
     }
 }
 
+// Lines of two structures that cross at angles at which no length can follow the distance: vertices opposite
+// each other leave every piece its ball.
+TEST(ConformPieces, graded_that_cross_at_small_angles_have_no_vertex_close_beside_them) {
+    constexpr double growth = 3, shortest = 0.015;
+    for (const double degrees : {0.3, 0.66, 1.0, 1.7, 3.3, 6.0}) {
+        for (const double reach : {0.11, 0.4, 0.93}) {
+            SCOPED_TRACE(testing::Message() << degrees << " degrees, ends at " << reach);
+            Drawn drawn;
+            const double angle = degrees * std::numbers::pi / 180;
+            const auto centre = drawn.add({0, 0, 0});
+            for (const double along : {1.0, -0.7, reach, -0.8 * reach}) {
+                const bool level = along == 1.0 || along == -0.7;
+                const auto end = drawn.add(level ? Vec3{along, 0, 0}
+                                                 : along * Vec3{std::cos(angle), std::sin(angle), 0});
+                const std::uint32_t ball = drawn.guard.add_segment(drawn.points[centre], drawn.points[end]);
+                drawn.pieces.push_back({centre, end, level ? 0u : 1u, ball});
+            }
+            std::vector<std::uint32_t> slices(drawn.points.size(), 0);
+            for (int n = 0; n < 300; ++n) drawn.add({0.1 * n, 0, 5});
+            slices.resize(drawn.points.size(), 1);
+            conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.1, slices, growth, shortest});
+            for (const SegmentPiece& piece : drawn.pieces) {
+                const Vec3 a = drawn.points[piece.a], way = drawn.points[piece.b] - a;
+                for (std::uint32_t v = 0; v < drawn.points.size(); ++v) {
+                    const Vec3 to = drawn.points[v] - a;
+                    if (v == piece.a || v == piece.b || to.z != 0) continue;
+                    const bool in_ball = length(to - 0.5 * way) < 0.4999 * length(way);
+                    const double distance = length(cross(way, to)) / length(way);
+                    EXPECT_FALSE(in_ball && growth * distance < length(way));
+                }
+            }
+            for (std::size_t n = 0; n < drawn.points.size(); ++n) {
+                for (std::size_t m = 0; m < n; ++m) EXPECT_NE(drawn.points[m], drawn.points[n]);
+            }
+            // As long as the angle lets them be.
+            EXPECT_LE(drawn.pieces.size(), 160u);
+        }
+    }
+}
+
 // Wedges of two structures in slices one above the other, whose vertices lie in each other's balls.
 TEST(ConformPieces, within_slices_only_what_strangers_of_the_slice_ask_for_is_split) {
     for (const double degrees : {4.0, 10.0, 25.0, 50.0}) {

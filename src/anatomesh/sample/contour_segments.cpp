@@ -17,6 +17,8 @@ namespace {
 // touch to within the last digits of their files. The certificate's chains have the same tolerance.
 constexpr double touching = 1e-6;
 
+constexpr double least_slope_to_foot = 0.005;  // see foot_on()
+
 // Whether a point this share of the way along s is no nearer than `distance` to its ends.
 bool clear_of_ends(const Segment2& s, double share, double distance) {
     const double whole = length(s.b - s.a);
@@ -228,6 +230,14 @@ Vec3 split_point(std::span<const Vec3> points, const SegmentPiece& piece,
     const double span = length(b - a);
     const double share = std::exp2(std::floor(std::log2(span * 2 / 3))) / span;
     return at_a ? a + share * (b - a) : b + share * (a - b);
+}
+
+std::optional<Vec3> foot_on(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 p) {
+    const Vec3 a = points[piece.a], b = points[piece.b], way = b - a;
+    const Vec3 foot = a + (dot(p - a, way) / squared_length(way)) * way;
+    const double shorter = std::min(length(foot - a), length(b - foot));
+    if (length(p - foot) < least_slope_to_foot * shorter) return std::nullopt;
+    return foot;
 }
 
 }  // namespace anatomesh

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -65,5 +66,13 @@ std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,
 // 3: concentric shells).
 Vec3 split_point(std::span<const Vec3> points, const SegmentPiece& piece,
                  std::span<const std::uint32_t> acute);
+
+// The foot of p on a piece. Split there, the piece has p in the ball of neither half, and no piece that ends
+// at p and goes on beside this one has the foot in its ball: where two contours cross at a small angle,
+// vertices that stand opposite each other leave them both edges. None where p is nearer to it than 0.005 of the
+// shorter half: cells between contours that cross at less than 0.3 degrees would be worth less than the piece.
+std::optional<Vec3> foot_on(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 p);
+
+constexpr double foot_room = 0.5;  // no other vertex is this near to a foot, in its distances from p
 
 }  // namespace anatomesh

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "anatomesh/geom/point_grid.h"
@@ -33,6 +34,19 @@ class SegmentGuard {
     void drop_ball(std::uint32_t ball) { squared_half_lengths_[ball] = -1; }
 
     bool any_point_within(Vec3 p, double distance) const { return points_.any_within(p, distance); }
+
+    // The contour point in the diametral ball of pq that is nearest to its middle, but for p and q.
+    std::optional<Vec3> point_in_ball_of(Vec3 p, Vec3 q) const {
+        std::optional<Vec3> found;
+        double nearest = HUGE_VAL;
+        points_.for_each_within(0.5 * (p + q), 0.5 * length(q - p), [&](std::uint32_t n, double squared) {
+            const Vec3 point = points_.point(n);
+            if (squared >= nearest || point == p || point == q) return;
+            nearest = squared;
+            found = point;
+        });
+        return found;
+    }
 
     static constexpr std::uint32_t no_ball = 0xFFFFFFFFu;
 
