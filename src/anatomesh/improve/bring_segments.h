@@ -31,7 +31,7 @@ using ImproveCells = std::function<std::vector<std::uint32_t>(std::vector<std::u
 // `least_sine` or a ratio above the workbench's last bound; where cells were parted, also if more have one
 // above its first bound than before. Pieces that were brought are fixed; `improve` may put vertices on them.
 // Guarantees: all cells positive (checked exactly); no vertex moves but by `improve`. Same result every time.
-// Complexity: O(pieces), and 10 to 100 ms for each that is off its surface. Errors: none.
+// Complexity: O(cells + pieces), and 10 to 100 ms for each that is off its surface. Errors: none.
 BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine,
                           const ImproveCells& improve);
 

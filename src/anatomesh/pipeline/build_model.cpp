@@ -1,776 +1,163 @@
 #include "anatomesh/pipeline/build_model.h"
 
 #include <algorithm>
-#include <array>
-#include <cassert>
 #include <chrono>
-#include <cmath>
-#include <numeric>
 #include <optional>
+#include <string>
+#include <utility>
 
-#include "anatomesh/base/parallel.h"
-#include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/contour/message_text.h"
-#include "anatomesh/cut/crumbs.h"
-#include "anatomesh/cut/relabel.h"
-#include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/field/parallel_field.h"
-#include "anatomesh/field/sweep.h"
-#include "anatomesh/field/volume.h"
-#include "anatomesh/improve/balance_volumes.h"
-#include "anatomesh/improve/improve.h"
-#include "anatomesh/improve/improve_dihedrals.h"
-#include "anatomesh/improve/smooth_vertices.h"
-#include "anatomesh/measure/certificate.h"
-#include "anatomesh/mesh/drop_outside.h"
-#include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/attempts.h"
-#include "anatomesh/pipeline/contour_field.h"
-#include "anatomesh/pipeline/contour_pieces.h"
+#include "anatomesh/pipeline/build_once.h"
 #include "anatomesh/pipeline/even_out.h"
-#include "anatomesh/pipeline/labelled_mesh.h"
 #include "anatomesh/pipeline/model_warnings.h"
-#include "anatomesh/pipeline/recovered_pieces.h"
-#include "anatomesh/pipeline/refinement_rounds.h"
-#include "anatomesh/pipeline/segment_vertices.h"
-#include "anatomesh/pipeline/tear_warnings.h"
-#include "anatomesh/refine/missing_segments.h"
-#include "anatomesh/sample/sample_points.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
-constexpr double balance_reach = 0.25;        // no vertex moves further than this for the volume's sake, in sizes
-constexpr double surface_deviation =
-    0.06;  // of the middle of an interface facet from the interface, in sizes
-constexpr double finer = 0.7;                    // a further try's edge length, in those of the one before
-constexpr double too_thin = 0.8;                 // a mean thickness below so many sizes is warned of
-constexpr double hardly_thicker = 1.3;           // than the size: a structure that a finer one may keep whole
-constexpr double highest_apex = 0.35;            // of a surface over the field's, in sizes
-constexpr double crumb_share = 0.003;  // of a cube of the size: less is no piece of a structure by itself
-constexpr int relabel_rounds = 10;     // after the first, with points where a piece was given up
-// Where freehand planes lie closer than the vertices along them, contours tell the surface without more
-// points.
-constexpr double dense_growth = 2;  // of the edge length with the depth
-// Contour vertices nearer to each other than this may spoil cells, in sizes: more where planes are denser.
-constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
-// Of the cells inside, so many may come above the bound for contour pieces' sake at the first tries;
-// at further ones none.
-constexpr std::array<double, 2> most_more_bad{0.003, 0.001};
-// Of the contour pieces of parallel slices that were drawn: where more are missing, contours cross at small
-// angles or are full of fins, and the cells there would pay too much.
-constexpr double most_missing_of_drawn = 0.0005;
-// Of a label map, slices far apart against its voxels lack more pieces, where structures meet.
-constexpr std::size_t last_few_of_labels = 40;
-// Of the contour pieces, beside their surface: where more are, they are not brought there.
-constexpr double most_beside = 0.003;
-constexpr double most_dense = 3;              // as plane_density() has it: more are left as they come first
-// Radius-edge ratio inside: 0.95 is asked for, and what comes after the last smoothing takes a little of it.
-constexpr double smooth_mean = 0.947;
-constexpr double dense_target_degrees = 2.5;  // of dihedral angles
-
-// What does not depend on the size.
-struct FieldAndVolumes {
-    std::shared_ptr<const StructureField> field;
-    std::vector<StructureVolume> volumes;  // of the field, by structure
-    std::size_t warnings = 0;         // of the context, when the field was made
-};
-
-// Everything that one run of the method carries from stage to stage. The stages work relative to the low corner of the
-// contours' box: far from (0, 0, 0) coordinates are coarse, and a model must not depend on where the patient lay.
-class Builder {
-  public:
-    // `size_given`: by the user; else it is the default, or one tried after it. `tries_before`: so many
-    // times. `known`: of the run before, or empty. `even_mean`: as in RefinementOptions.
-    Builder(const ContourSet& contours, const ModelOptions& options, bool size_given,
-            std::size_t tries_before, RunContext& context, const StageObserver& observer,
-            FieldAndVolumes known, double even_mean)
-        : source_(contours),
-          origin_(contours.points.empty() ? Vec3{} : contours.box().low),
-          contours_(relative_to(origin_, contours)),
-          options_(options),
-          size_given_(size_given),
-          tries_before_(tries_before),
-          is_first_(tries_before == 0),
-          even_mean_(even_mean),
-          context_(context),
-          observer_(observer),
-          structures_(static_cast<std::uint32_t>(contours.structures.size())),
-          field_(std::move(known.field)),
-          volumes_(std::move(known.volumes)) {}
-
-    FieldAndVolumes field_and_volumes() const { return {field_, volumes_, warnings_of_field_}; }
-
-    double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
-    // Whether contour segments were split for each other's sake.
-    bool conforming() const { return conforming_; }
-    // Whether less was done for the shape of cells than can be: the same size is to be tried again.
-    bool spared_shapes() const { return spared_ || recovered_ || (pieces_ && pieces_->are_short()); }
-
-    // Whether a structure was torn that a finer size may keep whole: one hardly thicker than the size, or one
-    // that goes on simply from end to end.
-    bool tore_a_structure() const {
-        const std::vector<double> thickness = mean_thickness(contours_);
-        return std::any_of(tears_.begin(), tears_.end(), [&](const SurfaceTear& tear) {
-            return tear.whole || thickness[tear.structure] < hardly_thicker * size_mm();
-        });
-    }
-
-    Result<Model> run() {
-        ANATOMESH_CHECK_STATUS(make_field());
-        ANATOMESH_CHECK_STATUS(sample());
-        ANATOMESH_CHECK_STATUS(tetrahedralize());
-        ANATOMESH_CHECK_STATUS(cull_cells());
-        ANATOMESH_CHECK_STATUS(refine_cells());
-        ANATOMESH_CHECK_STATUS(cut_cells());
-        ANATOMESH_CHECK_STATUS(improve_cells());
-        drop_outside_cells();
-        ANATOMESH_CHECK_STATUS(certify());
-        return std::move(model_);
-    }
-
-  private:
-    using Clock = std::chrono::steady_clock;
-
-    Status make_field() {
-        FieldOptions options;
-        options.caps = options_.caps;
-        options.max_gap_spacings = options_.max_gap_spacings;
-        options.single_slice_mm = options_.single_slice_mm;
-        if (!field_) {
-            ANATOMESH_TRY(field_, make_structure_field(contours_, options, context_));
-        }
-        warnings_of_field_ = context_.warnings.size();
-        report().slice_spacing_mm = field_->slice_spacing();
-        const double density = plane_density(contours_, *field_);
-        dense_ = density > 1;
-        crammed_ = density > most_dense || (dense_ && contours_.points.size() > options_.spare_dense_above);
-        spared_ = crammed_ && is_first_ && !size_given_;
-        // Further tries go on from what the first would be on other sets.
-        const bool may_conform = !dense_ && !is_parallel(contours_) && !Sweep::of(contours_);
-        conforming_ = may_conform && is_first_;
-        sparing_ = tries_before_ - (may_conform && !is_first_ ? 1 : 0);
-        return end_stage("field", 0.05);
-    }
-
-    Status sample() {
-        SampleOptions options;
-        options.size_mm = options_.size_mm;
-        options.conforming = conforming_;
-        if (spared_) options.growth = dense_growth;
-        ANATOMESH_TRY(sample_, sample_points(contours_, *field_, options, context_));
-        const SampleStats& stats = sample_->stats;
-        figures_ = {{"contour_points", static_cast<double>(stats.contour_points)},
-                    {"segment_points", static_cast<double>(stats.segment_points)},
-                    {"thin_spots", static_cast<double>(stats.thin_spots)},
-                    {"surface_points", static_cast<double>(stats.surface_points)},
-                    {"lattice_points", static_cast<double>(stats.lattice_points)}};
-        report().size_mm = stats.size_mm;
-        warn_of_thin_structures(stats.size_mm);
-        // About six cells a point come of a Delaunay mesh; refuse before the work.
-        if (6 * sample_->points.size() > options_.max_tetrahedra || 6 * sample_->points.size() >= no_cell) {
-            return Error{ErrorKind::limit, "E-PIP-001",
-                         "the model would need about " + std::to_string(6 * sample_->points.size()) +
-                             " tetrahedra, more than " + std::to_string(std::min<std::uint64_t>(options_.max_tetrahedra, no_cell)),
-                         {}, "give a larger --size"};
-        }
-        return end_stage("sample", 0.15);
-    }
-
-    void warn_of_thin_structures(double size_mm) {
-        const std::vector<double> thickness = mean_thickness(contours_);
-        for (std::size_t s = 0; s < thickness.size(); ++s) {
-            if (!(thickness[s] > 0) || thickness[s] >= too_thin * size_mm) continue;
-            Place place = place_of(static_cast<std::uint32_t>(s));
-            place.value = brief(thickness[s]) + " mm";
-            context_.warn({"W-PIP-002",
-                           "the structure is thinner in the mean than the edge length of " + brief(size_mm) +
-                               " mm: walls may be torn, look at its components and genus",
-                           place, "kept; --size " + brief(thickness[s]) + " resolves it"});
-        }
-    }
-
-    Status tetrahedralize() {
-        ANATOMESH_TRY(Tetrahedralization delaunay,
-                      Tetrahedralization::create(sample_->points, context_.threads));
-        mesh_.emplace(std::move(delaunay), *field_, structures_, sample_->stats.size_mm,
-                      interface_tolerance * sample_->stats.size_mm);
-        // The mesh's vertex of every contour point, and the structures it must have on its surface.
-        std::vector<std::array<std::uint32_t, 2>> owners;
-        for (const Contour& contour : contours_.contours) {
-            for (std::uint32_t n = contour.first_point; n < contour.first_point + contour.point_count; ++n) {
-                owners.push_back({mesh_->first_vertices()[sample_->contour_vertices[n]], contour.structure});
-            }
-        }
-        owner_pairs_ = std::move(owners);
-        const auto vertices = mesh_->first_vertices();
-        std::vector<SegmentPiece> pieces;
-        for (const SegmentPiece& piece : sample_->pieces) {
-            pieces.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
-        }
-        ContourPieceOptions options{sample_->stats.size_mm, spared_,      dense_ && !crammed_, conforming_,
-                                    sample_->graded,        sparing_ == 0};
-        if (is_parallel(contours_) && contours_.exclusive) options.last_few = last_few_of_labels;
-        pieces_.emplace(*mesh_, sample_->guard, *field_, std::move(pieces), options);
-        given_.assign(mesh_->points().size(), 0);
-        for (std::size_t n = 0; n < sample_->stats.contour_points; ++n) given_[vertices[n]] = 1;
-        return end_stage("delaunay", 0.35);
-    }
-
-    Status cull_cells() {
-        const CullStats stats = mesh_->update(context_);
-        ANATOMESH_CHECK_STATUS(check_region_count(*mesh_));
-        report().share_culled = static_cast<double>(stats.culled) / static_cast<double>(mesh_->regions().size());
-        figures_ = {{"cells", static_cast<double>(mesh_->regions().size())},
-                    {"culled", static_cast<double>(stats.culled)},
-                    {"culled_share", report().share_culled}};
-        return end_stage("cull", 0.45);
-    }
-
-    Status refine_cells() {
-        const double size_mm = sample_->stats.size_mm;
-        RefinementOptions options{
-            size_mm,     options_.max_radius_edge, 0,         surface_deviation * size_mm, spared_,
-            conforming_, sample_->graded,          even_mean_};
-        if (spared_) {
-            const double share = crowded_share * plane_density(contours_, *field_);
-            options.crowded_mm = std::min(share, most_crowded_share) * size_mm;
-        }
-        refinement_.emplace(*mesh_, *pieces_, sample_->guard, *field_, structures_, given_, options);
-        ANATOMESH_CHECK_STATUS(refinement_->run(context_));
-        const RefinementStats& stats = refinement_->stats();
-        report().radius_edge_mean_before_refinement = stats.radius_edge_mean_before;
-        figures_ = {{"crossing_points", static_cast<double>(stats.crossing_points)},
-                    {"deviation_points", static_cast<double>(stats.deviation_points)},
-                    {"circumcenters", static_cast<double>(stats.circumcenters)},
-                    {"surface_points", static_cast<double>(stats.surface_points)},
-                    {"side_points", static_cast<double>(pieces_->side_points())},
-                    {"segment_points", static_cast<double>(pieces_->vertices().size())}};
-        return end_stage("refine", 0.6);
-    }
-
-    ContourOwners contour_owners(const std::vector<SegmentPiece>& all, std::size_t point_count) const {
-        std::vector<std::array<std::uint32_t, 3>> pieces;
-        for (const SegmentPiece& piece : all) pieces.push_back({piece.a, piece.b, piece.structure});
-        return {owner_pairs_, point_count, pieces};
-    }
-
-    // `look`: empty, or the vertices that may have a defect.
-    RelabelStats relabel_cells(std::vector<std::uint32_t>& unsound,
-                               const std::vector<std::uint32_t>& look = {}) {
-        pieces_->regions_changed();
-        const std::size_t vertex_count = mesh_->points().size();
-        std::optional<VertexStars> stars;
-        ContourOwners owners;
-        PlanesOfStack planes;
-        parallel_tasks(context_.threads,
-                       {[&] { stars.emplace(mesh_->cells().cells, vertex_count, context_.threads); },
-                        [&] { owners = contour_owners(pieces_->pieces(), vertex_count); },
-                        [&] {
-                            planes = planes_of_stack(contours_, vertices_of_contours(), pieces_->pieces(),
-                                                     vertex_count);
-                        }});
-        return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, *stars, owners,
-                       mesh_->sides(), spike_share * sample_->stats.size_mm, mesh_->regions(),
-                       mesh_->registry(), unsound, look, context_.threads,
-                       {planes.slice_of, planes.planes, field_.get(), structures_});
-    }
-
-    Status cut_cells() {
-        std::vector<std::uint32_t> unsound;
-        RelabelStats relabelled = relabel_cells(unsound);
-        // What was given up for a manifold's sake gets room beside it.
-        CellSearch search;
-        for (int round = 0; round < relabel_rounds && relabelled.lost_pieces_after > 0; ++round) {
-            mesh_->look_again(search);
-            search.cells.clear();
-            std::vector<std::uint32_t> look = unsound;
-            ANATOMESH_TRY(const bool opened, pieces_->open_sides(context_, &look));
-            if (!opened) break;
-            ANATOMESH_CHECK_STATUS(refinement_->refine_changed(search, context_));
-            mesh_->look_again(search);
-            for (const std::uint32_t c : search.cells) {
-                look.insert(look.end(), mesh_->cells().cells[c].begin(), mesh_->cells().cells[c].end());
-            }
-            sort_distinct(look, mesh_->points().size());
-            relabelled.add(relabel_cells(unsound, look));
-        }
-        TetMesh& mesh = model_.mesh;
-        parallel_tasks(context_.threads,
-                       {[&] { find_neighbors(true); }, [&] { mesh.cells = mesh_->cells().cells; },
-                        [&] {
-                            mesh.points = mesh_->points();
-                            mesh.regions = mesh_->regions();
-                            segment_vertices_ = pieces_->vertices();
-                            piece_list_ = pieces_->pieces();
-                        }});
-        RecoverStats recovered;
-        // Between dense planes they are too many: some ms each.
-        if (!dense_ && sparing_ < most_more_bad.size()) recovered = recover_pieces(unsound, relabelled);
-        const ContourOwners owners = contour_owners(piece_list_, mesh.points.size());
-        ANATOMESH_TRY(const SplitStats split,
-                      split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
-        segment_vertices_.insert(segment_vertices_.end(), split.on_segments.begin(), split.on_segments.end());
-        for (const auto& [a, b, structure] : split.pieces) cut_pieces_.push_back({a, b, structure, 0});
-        if (!unsound.empty()) find_neighbors(false);
-        given_.resize(mesh.points.size(), 0);
-        const CrumbStats crumbs = give_crumbs_away(
-            mesh, neighbors_, given_, {crumb_share * std::pow(sample_->stats.size_mm, 3)}, context_.threads);
-        model_.regions = mesh_->registry().table();
-        figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
-                    {"cells_moved", static_cast<double>(relabelled.cells_moved)},
-                    {"cells_mended", static_cast<double>(relabelled.cells_mended)},
-                    {"flat_cells_peeled", static_cast<double>(relabelled.flat_cells_peeled)},
-                    {"lost_pieces", static_cast<double>(relabelled.lost_pieces_before)},
-                    {"lost_pieces_after_relabelling", static_cast<double>(relabelled.lost_pieces_after)},
-                    {"missing_pieces", static_cast<double>(recovered.missing_before)},
-                    {"missing_pieces_after", static_cast<double>(recovered.missing_after)},
-                    {"recovered_by_vertices", static_cast<double>(recovered.vertices_added)},
-                    {"unsound_after_relabelling", static_cast<double>(relabelled.unsound_after)},
-                    {"edges_split", static_cast<double>(split.edges_split)},
-                    {"vertices_split", static_cast<double>(split.vertices_split)},
-                    {"vertices_joined", static_cast<double>(split.vertices_joined)},
-                    {"crumbs_given_away", static_cast<double>(crumbs.pieces)}};
-        return end_stage("cut", 0.75);
-    }
-
-    // What the Delaunay mesh does not have, by exchanging cells.
-    RecoverStats recover_pieces(std::vector<std::uint32_t>& unsound, RelabelStats& relabelled) {
-        std::vector<std::uint8_t> held(model_.mesh.points.size(), 0);
-        const auto vertices = mesh_->first_vertices();
-        for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
-            held[vertices[n]] = 1;
-        const bool drawn = is_parallel(contours_) && !contours_.exclusive;
-        RecoveredPieces recovered(
-            model_.mesh, neighbors_, *mesh_, *field_,
-            {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
-            {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
-             most_more_bad[sparing_], drawn ? most_missing_of_drawn : 1});
-        recovered.run(unsound, relabelled, context_);
-        piece_list_ = recovered.pieces();
-        segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
-                                 recovered.vertices().end());
-        recovered_ = recovered.stats().missing_after < recovered.stats().missing_before;
-        return recovered.stats();
-    }
-
-    std::vector<std::uint32_t> vertices_of_contours() const {
-        std::vector<std::uint32_t> vertices;
-        for (const std::uint32_t n : sample_->contour_vertices)
-            vertices.push_back(mesh_->first_vertices()[n]);
-        return vertices;
-    }
-
-    // Those of the Delaunay mesh, where no cell was split.
-    void find_neighbors(bool as_before) {
-        if (!as_before) {
-            neighbors_ = cell_neighbors(model_.mesh.cells, model_.mesh.points.size(), context_.threads);
-            return;
-        }
-        const std::vector<CellNeighbors>& cells = mesh_->cells().neighbors;
-        neighbors_.resize(4 * cells.size());
-        for (std::size_t c = 0; c < cells.size(); ++c)
-            std::copy(cells[c].begin(), cells[c].end(),
-                      neighbors_.begin() + static_cast<std::ptrdiff_t>(4 * c));
-    }
-
-    Status improve_cells() {
-        // Contour vertices, points on contour segments and the frame stay where they are.
-        std::vector<std::uint8_t> fixed(model_.mesh.points.size(), 0);
-        const SampleStats& stats = sample_->stats;
-        const auto vertices = mesh_->first_vertices();
-        for (std::size_t n = 0; n < stats.contour_points + stats.segment_points; ++n) fixed[vertices[n]] = 1;
-        for (const std::uint32_t v : segment_vertices_) fixed[v] = 1;
-        for (std::size_t n = vertices.size() - stats.frame_points; n < vertices.size(); ++n) fixed[vertices[n]] = 1;
-        ImproveOptions options;
-        options.max_radius_edge = options_.max_radius_edge;
-        options.tolerance_mm = interface_tolerance * stats.size_mm;
-        if (spared_) options.rounds = 0;
-        std::optional<VertexStars> stars(find_stars());
-        const ImproveStats improved =
-            improve(model_.mesh, *stars, fixed, *field_, structures_, model_.regions, options, context_);
-        // Before, so that fewer angles are bad; after, since flips leave room.
-        SmoothStats smoothed = smooth_all(*stars, fixed);
-        stars.reset();
-        // Much of that is serial: the field's volumes are found beside it.
-        DihedralStats dihedrals;
-        Status volumes = Nothing{};
-        parallel_tasks(context_.threads,
-                       {[&] { dihedrals = improve_angles(fixed); }, [&] { volumes = find_volumes(); }});
-        ANATOMESH_CHECK_STATUS(volumes);
-        stars = find_stars();
-        const SmoothStats again = smooth_all(*stars, fixed, smooth_mean);
-        smoothed.vertices_moved += again.vertices_moved;
-        smoothed.surface_vertices_moved += again.surface_vertices_moved;
-        BalanceOptions balance;
-        balance.max_offset_mm = balance_reach * stats.size_mm;
-        balance.ends = field_->flat_ends();
-        const SlicesThatTell slices = slices_that_tell(contours_, balance.ends);
-        balance.slices = slices.stack;
-        balance.on_slice_mm = slices.on_plane_mm;
-        balance.end_tolerance_mm = interface_tolerance * stats.size_mm;
-        const BalanceStats balanced =
-            balance_volumes(model_.mesh, neighbors_, *stars, model_.regions, fixed, volumes_mm3_,
-                            options_.max_radius_edge, balance, context_.threads);
-        figures_ = {{"vertices_onto_interface", static_cast<double>(improved.vertices_onto_interface)},
-                    {"vertices_smoothed", static_cast<double>(improved.vertices_smoothed)},
-                    {"above_bound_before", static_cast<double>(improved.above_bound_before)},
-                    {"above_bound_after", static_cast<double>(improved.above_bound_after)},
-                    {"vertices_evened", static_cast<double>(smoothed.vertices_moved)},
-                    {"surface_vertices_evened", static_cast<double>(smoothed.surface_vertices_moved)},
-                    {"angles_below_target_before", static_cast<double>(dihedrals.bad_before)},
-                    {"angles_below_target_after", static_cast<double>(dihedrals.bad_after)},
-                    {"vertices_moved", static_cast<double>(dihedrals.vertices_moved)},
-                    {"surface_vertices_moved", static_cast<double>(dihedrals.surface_vertices_moved)},
-                    {"edges_removed", static_cast<double>(dihedrals.edges_removed)},
-                    {"facets_removed", static_cast<double>(dihedrals.facets_removed)},
-                    {"surface_edges_flipped", static_cast<double>(dihedrals.surface_edges_flipped)},
-                    {"surface_edges_smoothed", static_cast<double>(dihedrals.surface_edges_smoothed)},
-                    {"cells_given", static_cast<double>(dihedrals.cells_given)},
-                    {"ears_dropped", static_cast<double>(dihedrals.ears_dropped)},
-                    {"edges_collapsed", static_cast<double>(dihedrals.edges_collapsed)},
-                    {"vertices_inserted", static_cast<double>(dihedrals.vertices_inserted)},
-                    {"facets_lifted", static_cast<double>(dihedrals.facets_lifted)},
-                    {"pieces_off_surface", static_cast<double>(dihedrals.pieces_found)},
-                    {"pieces_brought", static_cast<double>(dihedrals.pieces_brought)},
-                    {"apexes_lowered", static_cast<double>(dihedrals.apexes_lowered)},
-                    {"facets_left_in_slices", static_cast<double>(dihedrals.facets_left)},
-                    {"visits_of_wrong_cuts", static_cast<double>(dihedrals.cuts_found)},
-                    {"changes_to_cuts", static_cast<double>(dihedrals.cuts_mended)},
-                    {"largest_volume_offset_mm", balanced.largest_offset_mm},
-                    {"flat_ends_held", balanced.ends_held ? 1.0 : 0.0},
-                    {"volume_difference_before", balanced.worst_before},
-                    {"volume_difference_after", balanced.worst_after}};
-        return end_stage("improve", 0.85);
-    }
-
-    Status find_volumes() {
-        if (volumes_.empty()) {
-            ANATOMESH_TRY(volumes_, field_volumes(*field_, structures_, {}, context_));
-        }
-        for (const StructureVolume& volume : volumes_) volumes_mm3_.push_back(volume.by_field);
-        return Nothing{};
-    }
-
-    VertexStars find_stars() const {
-        return VertexStars(model_.mesh.cells, model_.mesh.points.size(), context_.threads);
-    }
-
-    SmoothStats smooth_all(const VertexStars& stars, const std::vector<std::uint8_t>& fixed,
-                           double max_mean = HUGE_VAL) {
-        SmoothOptions options;
-        options.max_mean = max_mean;
-        options.max_radius_edge = options_.max_radius_edge;
-        options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
-        options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
-        return smooth_vertices(model_.mesh, neighbors_, stars, fixed, *field_, structures_, model_.regions,
-                               options, context_);
-    }
-
-    // Contour segments that are edges of the surface stay edges of it.
-    DihedralStats improve_angles(std::vector<std::uint8_t>& fixed) {
-        std::vector<VertexPair> segments;
-        const auto vertex = [&](std::size_t point) { return mesh_->first_vertices()[sample_->contour_vertices[point]]; };
-        for (const Contour& contour : contours_.contours) {
-            for (std::uint32_t n = 0; n < contour.point_count; ++n) {
-                segments.push_back({vertex(contour.first_point + n), vertex(contour.first_point + (n + 1) % contour.point_count)});
-            }
-        }
-        std::vector<SegmentPiece> pieces = piece_list_;
-        pieces.insert(pieces.end(), cut_pieces_.begin(), cut_pieces_.end());
-        DihedralOptions options;
-        options.max_radius_edge = options_.max_radius_edge;
-        options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
-        options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
-        options.apex_mm = highest_apex * sample_->stats.size_mm;
-        if (spared_) {
-            options.target_degrees = dense_target_degrees;
-            options.passes = 1;
-            options.last_deviation = 1;  // the one pass is the last
-        }
-        const std::vector<std::uint32_t> slice_of =
-            slices_of_vertices(contours_, vertices_of_contours(), piece_list_, model_.mesh.points.size());
-        const ContourOwners owners = contour_owners(pieces, model_.mesh.points.size());
-        const std::vector<PieceSides> sides =
-            piece_sides(model_.mesh.cells, model_.mesh.regions, model_.regions, model_.mesh.points.size(),
-                        pieces, context_.threads);
-        std::vector<std::array<std::uint32_t, 3>> beside;
-        for (std::size_t n = 0; n < pieces.size(); ++n) {
-            if (sides[n].inside != sides[n].outside)
-                beside.push_back({pieces[n].a, pieces[n].b, pieces[n].structure});
-        }
-        // Where more are, contours crowd each other: each would cost much and bring little.
-        if (static_cast<double>(beside.size()) > most_beside * static_cast<double>(pieces.size()))
-            beside.clear();
-        const SlicesThatTell slices = slices_that_tell(contours_, field_->flat_ends());
-        return improve_dihedrals(
-            model_.mesh, neighbors_, fixed, edges_along(model_.mesh, neighbors_, segments), *field_,
-            structures_,
-            {&model_.regions, slice_of, &owners, slices.planes, slices.weights, slices.on_plane_mm, beside},
-            options, context_);
-    }
-
-    void drop_outside_cells() {
-        TetMesh& mesh = model_.mesh;
-        const std::vector<std::uint32_t> vertex = drop_outside(mesh, neighbors_, context_.threads);
-        model_.contour_vertices.reserve(sample_->contour_vertices.size());
-        for (const std::uint32_t n : sample_->contour_vertices) {
-            model_.contour_vertices.push_back(vertex[mesh_->first_vertices()[n]]);
-        }
-        compact_regions(mesh, model_.regions);
-        move_back(mesh.points);
-        // Contour vertices keep the coordinates that they came with, bit for bit.
-        for (std::size_t n = 0; n < model_.contour_vertices.size(); ++n) {
-            const std::uint32_t v = model_.contour_vertices[n];
-            if (v != no_cell) mesh.points[v] = source_.points[n];  // one that was lost is the certificate's to find
-        }
-        model_.structures = contours_.structures;
-        model_.field = field_;
-        model_.field_origin = origin_;
-    }
-
-    void move_back(std::vector<Vec3>& points) const {
-        for (Vec3& p : points) p = p + origin_;
-    }
-
-    Status certify() {
-        CertificateInput input{model_.mesh, model_.regions, model_.structures};
-        input.contours = &source_;
-        input.field_volumes_mm3 = volumes_mm3_;
-        input.field = field_.get();
-        input.field_origin = origin_;
-        measure_model(input, context_, report());
-        ANATOMESH_CHECK_STATUS(end_stage("certificate", 1.0));
-        warn_of_model(report(), sample_->stats.size_mm, contours_.source, context_);
-        // Alone, a structure that tapers fast has another volume than its areas tell, and rightly.
-        if (contours_.exclusive) warn_of_volumes(volumes_, model_.structures, contours_.source, context_);
-        look_for_tears();
-        warn_of_crowded_cells();
-        for (const Clause& clause : report().certificate) {
-            if (clause.state != ClauseState::broken) continue;
-            // Cuts, quality and volume are out of reach for this input; a wrong surface would be a fault of
-            // ours.
-            const bool out_of_reach = clause.number == 2 || clause.number == 4 || clause.number == 6;
-            return Error{out_of_reach ? ErrorKind::geometry : ErrorKind::internal, "E-PIP-002",
-                         "clause " + std::to_string(clause.number) + " of the contract is broken: " + clause.statement +
-                             " (" + clause.evidence + ")",
-                         {}, advice_on_size() + "; nothing was written"};
-        }
-        return Nothing{};
-    }
-
-    std::string advice_on_size() const {
-        const std::vector<double> thickness = mean_thickness(contours_);
-        double thinnest = sample_->stats.size_mm;
-        for (const double t : thickness) {
-            if (t > 0) thinnest = std::min(thinnest, t);
-        }
-        if (!size_given_) {
-            return "edge lengths down to " + brief(sample_->stats.size_mm) +
-                   " mm were tried: leave out what is thin or jagged (--structure, --min-area), or give a "
-                   "smaller --size";
-        }
-        if (!(thinnest < too_thin * sample_->stats.size_mm)) return "try another --size";
-        return "what is drawn is only " + brief(thinnest) + " mm thick in the mean: give --size " + brief(thinnest) +
-               " or leave --size out";
-    }
-
-    // What was not done for their sake is the user's to know.
-    void warn_of_crowded_cells() {
-        if (!spared_) return;
-        const QualityReport& quality = report().quality;
-        Place place;
-        place.file = contours_.source;
-        place.value = brief(100 * quality.radius_edge_share_over_2) +
-                      " % of the tetrahedra above radius-edge ratio 2, " +
-                      std::to_string(quality.dihedral_below_10) + " with an angle below 10 degrees";
-        context_.warn(
-            {"W-PIP-005",
-             "the planes lie closer than the vertices along their contours; cells between vertices "
-             "that crowd each other were left as they come, and the surface may have pits or spikes there",
-             place,
-             "kept; give a --size for all that can be done for their shapes, which takes several "
-             "times as long"});
-    }
-
-    // Clauses 1 to 6 hold for a plate with holes as well.
-    void look_for_tears() {
-        std::vector<std::size_t> same(structures_);
-        std::iota(same.begin(), same.end(), std::size_t{0});
-        const double size_mm = sample_->stats.size_mm;
-        tears_ = find_tears({model_.mesh, neighbors_, model_.regions, report().structures, source_, same,
-                             model_.contour_vertices, size_mm},
-                            context_.threads);
-        warn_of_tears(tears_, source_, size_mm, context_);
-    }
-
-    Place place_of(std::uint32_t structure) const {
-        const Structure& named = contours_.structures[structure];
-        Place place;
-        place.file = contours_.source;
-        place.structure = named.name.empty() ? std::to_string(named.number) : named.name;
-        return place;
-    }
-
-    ModelReport& report() { return model_.report; }
-
-    void end_stage_timing(const std::string& name) {
-        const auto now = Clock::now();
-        StageReport stage;
-        stage.name = name;
-        stage.seconds = std::chrono::duration<double>(now - stage_start_).count();
-        stage.points = mesh_ ? (model_.mesh.points.empty() ? mesh_->points().size() : model_.mesh.points.size())
-                             : (sample_ ? sample_->points.size() : 0);
-        stage.cells = model_.mesh.cells.empty() ? (mesh_ ? mesh_->regions().size() : 0) : model_.mesh.cells.size();
-        stage.figures = std::move(figures_);
-        figures_.clear();
-        report().stages.push_back(std::move(stage));
-        stage_start_ = now;
-    }
-
-    // Notes the stage in the report, shows its mesh, and stops if the user wants it.
-    Status end_stage(const std::string& name, double share_done) {
-        end_stage_timing(name);
-        if (observer_ && mesh_) {
-            show(name);
-            stage_start_ = Clock::now();
-        }
-        context_.report(name, share_done);
-        if (context_.cancelled()) return cancelled_error();
-        return Nothing{};
-    }
-
-    void show(const std::string& name) const {
-        if (name == "certificate") return observer_(name, model_.mesh);
-        TetMesh mesh = model_.mesh;
-        if (mesh.cells.empty()) mesh = {mesh_->points(), mesh_->cells().cells, mesh_->regions()};
-        if (mesh.regions.empty()) return;
-        move_back(mesh.points);
-        observer_(name, mesh);
-    }
-
-    const ContourSet& source_;  // as given
-    const Vec3 origin_;
-    const ContourSet contours_;  // relative to it
-    const ModelOptions& options_;
-    const bool size_given_;
-    const std::size_t tries_before_;
-    const bool is_first_;
-    const double even_mean_;
-    RunContext& context_;
-    const StageObserver& observer_;
-    std::uint32_t structures_;
-
-    std::shared_ptr<const StructureField> field_;
-    std::vector<StructureVolume> volumes_;  // of the field, by structure
-    std::vector<double> volumes_mm3_;       // by field
-    std::size_t warnings_of_field_ = 0;  // and before
-    std::optional<PointSample> sample_;
-    std::optional<LabelledMesh> mesh_;
-    std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
-    std::optional<ContourPieces> pieces_;          // of contour segments, in mesh_
-    std::optional<RefinementRounds> refinement_;   // of mesh_
-    bool dense_ = false;  // the planes: closer than two thirds of the contours' vertices
-    bool crammed_ =
-        false;  // so much so, or so many, that all that can be done would take several times as long
-    bool conforming_ = false;                      // the first try on planes that cross: see SampleOptions
-    std::size_t sparing_ = 0;                      // of the tries before, those that were not
-    bool spared_ = false;                          // these, and the first try with a default size
-    std::vector<SegmentPiece> piece_list_;         // those of pieces_, and where the cut split them further
-    std::vector<SegmentPiece> cut_pieces_;         // of those that the last step of the cut split
-    bool recovered_ = false;                       // some of them, by exchanging cells
-    std::vector<std::uint8_t> given_;              // by vertex: one of a contour
-    std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on
-    std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling, by the cut too
-    Model model_;
-    std::vector<SurfaceTear> tears_;
-    std::vector<std::pair<std::string, double>> figures_;  // of the stage under way
-    Clock::time_point stage_start_ = Clock::now();
-};
+constexpr double finer = 0.7;  // a further try's edge length, in those of the one before
 
 // A model that keeps the contract, while another one is tried.
 struct KeptModel {
     Model model;
+    Trial trial;
     std::vector<Warning> warnings;
-    std::string sought;            // what another one was tried for
-    bool conformed_badly = false;  // that was for the shape of single cells
-
-    double over_bound() const { return model.report.quality.radius_edge_share_over_2; }
+    TryOutcome outcome;
+    std::string sought;  // what another one was tried for
 };
 
-bool keeps_shapes(const Model& model) {
-    return model.report.certificate.at(3).state == ClauseState::kept;
+// Whether another model does not mend what it was tried for.
+bool is_in_vain(const KeptModel& kept, const BuiltOnce& other, const Attempts& attempts) {
+    if (!other.model.ok()) return true;
+    if (attempts.finer_for_shape() && other.outcome.over_bound >= kept.outcome.over_bound) return true;
+    const bool keeps_shapes = other.model.value().report.certificate.at(3).state == ClauseState::kept;
+    return kept.outcome.conformed_badly && !kept.outcome.tore_walls && !keeps_shapes;
 }
 
-TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
-    TryOutcome outcome;
-    outcome.kept_contract = model.ok();
-    outcome.spared_work = builder.spared_shapes();
-    if (!model.ok()) {
-        outcome.size_matters = model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001";
-        return outcome;
+// Tries until a model is as good as it can be.
+class Tries {
+  public:
+    Tries(const ContourSet& contours, const ModelOptions& options, RunContext& context,
+          const StageObserver& observer)
+        : contours_(contours), context_(context), observer_(observer) {
+        trial_.options = options;
+        trial_.size_given = options.size_mm > 0;
     }
-    outcome.tore_walls = builder.tore_a_structure();
-    outcome.conformed_badly = builder.conforming() && !keeps_shapes(model.value());
-    outcome.over_bound = model.value().report.quality.radius_edge_share_over_2;
-    outcome.cells = model.value().mesh.cells.size();
-    return outcome;
-}
+
+    Result<Model> run() {
+        const auto start = std::chrono::steady_clock::now();
+        ANATOMESH_TRY(Model model, choose());
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+        note_other_tries(model.report, seconds.count());
+        ANATOMESH_CHECK_STATUS(show_again());
+        return model;
+    }
+
+  private:
+    Result<Model> choose() {
+        Attempts attempts(trial_.size_given);
+        for (;; ++trial_.before) {
+            BuiltOnce built = build(observer_);
+            if (!built.model.ok() && built.model.error().kind == ErrorKind::cancelled)
+                return std::move(built.model);
+            const NextTry next = attempts.next(built.outcome);
+            if (next == NextTry::none) {
+                if (kept_ && is_in_vain(*kept_, built, attempts)) return before_it();
+                // Where planes cross, contours force cells more than those between them do.
+                if (!built.model.ok() || !is_parallel(contours_)) return std::move(built.model);
+                return evened(std::move(built));
+            }
+            prepare(next, std::move(built));
+        }
+    }
+
+    BuiltOnce build(const StageObserver& observer) {
+        BuiltOnce built = build_once(contours_, trial_, context_, observer, known_);
+        known_ = built.known;
+        ++count_;
+        return built;
+    }
+
+    void prepare(NextTry next, BuiltOnce built) {
+        const double size_mm = (next == NextTry::same_size ? 1 : finer) * built.size_mm;
+        const std::string error = built.model.ok() ? "" : built.model.error().message;
+        const Warning again = built_again(next, built.outcome, error, size_mm);
+        if (built.model.ok()) {
+            kept_.emplace(KeptModel{std::move(built.model.value()), trial_, context_.warnings, built.outcome,
+                                    sought_by(next, built.outcome)});
+        }
+        trial_.options.size_mm = size_mm;
+        if (!warnings_before_) warnings_before_ = known_.warnings;
+        context_.warnings.resize(*warnings_before_);
+        context_.warn(again);
+    }
+
+    Result<Model> before_it() {
+        context_.warnings = std::move(kept_->warnings);
+        context_.warn({"W-PIP-001",
+                       kept_->sought + " was tried, and was no better",
+                       {},
+                       "the model before it was kept"});
+        trial_ = kept_->trial;
+        shown_is_another_ = true;
+        return std::move(kept_->model);
+    }
+
+    Result<Model> evened(BuiltOnce built) {
+        const std::size_t warnings = built.known.warnings;
+        const auto build_even = [&](double even_mean) {
+            context_.warnings.resize(warnings);
+            trial_.even_mean = even_mean;
+            return build({}).model;
+        };
+        const double first = trial_.even_mean;
+        ANATOMESH_TRY(EvenedModel even,
+                      even_out(std::move(built.model.value()), built.size_mm, build_even, context_));
+        trial_.even_mean = even.even_mean.value_or(first);
+        shown_is_another_ = even.even_mean.has_value();
+        return std::move(even.model);
+    }
+
+    // So that the stages tell the time of all tries.
+    void note_other_tries(ModelReport& report, double seconds_of_all) const {
+        if (count_ < 2) return;
+        for (const StageReport& stage : report.stages) seconds_of_all -= stage.seconds;
+        StageReport others;
+        others.name = "other tries";
+        others.seconds = std::max(0.0, seconds_of_all);
+        others.points = report.vertices;
+        others.cells = report.tetrahedra;
+        others.figures = {{"tries", static_cast<double>(count_ - 1)}};
+        report.stages.push_back(std::move(others));
+    }
+
+    // The stages that were shown last were of another model than the one that is taken.
+    Status show_again() {
+        if (!observer_ || !shown_is_another_) return Nothing{};
+        const std::vector<Warning> warnings = context_.warnings;
+        const BuiltOnce again = build(observer_);
+        context_.warnings = warnings;
+        if (!again.model.ok()) return again.model.error();
+        return Nothing{};
+    }
+
+    const ContourSet& contours_;
+    RunContext& context_;
+    const StageObserver& observer_;
+    Trial trial_;
+    FieldAndVolumes known_;
+    std::optional<std::size_t> warnings_before_;  // of the contours and their field
+    std::optional<KeptModel> kept_;
+    std::size_t count_ = 0;
+    bool shown_is_another_ = false;
+};
 
 }  // namespace
 
 Result<Model> build_model(const ContourSet& contours, const ModelOptions& options, RunContext& context,
                           const StageObserver& observer) {
-    ModelOptions tried = options;
-    FieldAndVolumes known;
-    std::optional<std::size_t> warnings_before;  // of the contours and their field
-    std::optional<KeptModel> kept;
-    Attempts attempts(options.size_mm > 0);
-    for (std::size_t tries_before = 0;; ++tries_before) {
-        const auto builder_with = [&](double even_mean, FieldAndVolumes of) {
-            return Builder(contours, tried, options.size_mm > 0, tries_before, context, observer,
-                           std::move(of), even_mean);
-        };
-        Builder builder = builder_with(RefinementOptions{}.even_mean, known);
-        Result<Model> model = builder.run();
-        if (!model.ok() && model.error().kind == ErrorKind::cancelled) return model;
-        const TryOutcome outcome = outcome_of(model, builder);
-        const NextTry next = attempts.next(outcome);
-        if (next == NextTry::none) {
-            const bool worse =
-                kept &&
-                (!model.ok() || (attempts.finer_for_shape() && outcome.over_bound >= kept->over_bound()) ||
-                 (kept->conformed_badly && !keeps_shapes(model.value())));
-            // Where planes cross, contours force cells more than those between them do.
-            if (!worse && (!model.ok() || !is_parallel(contours))) return model;
-            if (!worse) {
-                const FieldAndVolumes same = builder.field_and_volumes();
-                const auto build = [&](double even_mean) {
-                    context.warnings.resize(same.warnings);
-                    return builder_with(even_mean, same).run();
-                };
-                return even_out(std::move(model.value()), builder.size_mm(), build, context);
-            }
-            context.warnings = std::move(kept->warnings);
-            context.warn({"W-PIP-001",
-                          kept->sought + " was tried, and was no better",
-                          {},
-                          "the model before it was kept"});
-            return std::move(kept->model);
-        }
-        const double size_mm = (next == NextTry::same_size ? 1 : finer) * builder.size_mm();
-        const Warning again = built_again(next, outcome, model.ok() ? "" : model.error().message, size_mm);
-        if (model.ok())
-            kept.emplace(KeptModel{std::move(model.value()), context.warnings, sought_by(next, outcome),
-                                   outcome.conformed_badly});
-        tried.size_mm = size_mm;
-        known = builder.field_and_volumes();
-        if (!warnings_before) warnings_before = known.warnings;
-        context.warnings.resize(*warnings_before);
-        context.warn(again);
-    }
+    return Tries(contours, options, context, observer).run();
 }
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-// build_model: from kept contours to a checked tetrahedral model. The whole method, one line a stage.
+// build_model: from kept contours to a checked tetrahedral model, by as many tries as it takes.
 #pragma once
 
 #include <functional>
@@ -37,7 +37,8 @@ struct Model {
 };
 
 // Called with the mesh after each stage that has one ("cull", "refine", "cut", "improve", "certificate", in
-// this order; again from the start on a further attempt, also one that is not kept): for looking and dumping.
+// this order; again from the start on a further attempt): for looking and dumping. The last round is that of
+// the model that is returned; where another one was tried after it, it is built once more for that.
 using StageObserver = std::function<void(const std::string& stage, const TetMesh& mesh)>;
 
 // Requires: a kept contour set. Guarantees: the clauses of the certificate that are marked kept, checked on the

@@ -1,6 +1,7 @@
 #include "anatomesh/reconcile/flatten_folds.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -19,6 +20,8 @@ constexpr double narrow_gap = 0.25, narrow_area = 0.045;
 constexpr double drawn_gap = 0.35, drawn_area = 0.06;
 // A corner sharper than the one, of a point that was drawn blunter than the other, is a spike.
 constexpr double sharp_degrees = 90, blunt_degrees = 100;
+constexpr double needle_degrees = 15;  // sharper ones bound next to nothing
+constexpr double pulled_share = 0.5;   // of its height that the movement made
 constexpr double least_move_mm = 0.5;  // of a point of a contour: else nothing was folded
 
 struct RingPoint {
@@ -85,27 +88,43 @@ double corner_degrees(Vec2 before, Vec2 at, Vec2 after) {
     return std::abs(std::atan2(cross(u, v), dot(u, v))) * 180 / std::numbers::pi;
 }
 
-// Of a point that was drawn, between those that were drawn next to it; else 180.
-double drawn_corner_degrees(const Ring& ring, std::size_t k) {
+// The points that were drawn next to one that was.
+std::array<const RingPoint*, 2> drawn_beside(const Ring& ring, std::size_t k) {
     const std::size_t n = ring.size();
-    if (!ring[k].was_drawn) return 180;
     std::size_t before = (k + n - 1) % n, after = (k + 1) % n;
     while (!ring[before].was_drawn) before = (before + n - 1) % n;
     while (!ring[after].was_drawn) after = (after + 1) % n;
-    return corner_degrees(ring[before].drawn, ring[k].drawn, ring[after].drawn);
+    return {&ring[before], &ring[after]};
 }
 
-// The sharpest corner that was none when drawn, if its point is the contour's own.
-std::optional<Fold> sharpest_spike(const Ring& ring) {
+// Of q over the way from p to r, with a sign.
+double height(Vec2 p, Vec2 q, Vec2 r) {
+    const double way = length(r - p);
+    return way > 0 ? cross(r - p, q - p) / way : length(q - p);
+}
+
+// Whether the movement made a sharp corner of a blunt one.
+bool was_pulled_out(const Ring& ring, std::size_t k) {
+    const RingPoint& point = ring[k];
+    if (!point.was_drawn) return true;
+    const auto [before, after] = drawn_beside(ring, k);
+    const double now = height(before->here, point.here, after->here);
+    const double drawn = height(before->drawn, point.drawn, after->drawn);
+    return corner_degrees(before->drawn, point.drawn, after->drawn) >= blunt_degrees &&
+           std::abs(now - drawn) >= pulled_share * std::abs(now);
+}
+
+// The sharpest corner below an angle that was none when drawn, if its point is the contour's own.
+std::optional<Fold> sharpest_spike(const Ring& ring, double sharp) {
     std::optional<Fold> found;
     const std::size_t n = ring.size();
-    double least = sharp_degrees;
+    double least = sharp;
     for (std::size_t i = 0; i < n; ++i) {
-        const std::size_t k = (i + 1) % n;
+        const RingPoint &a = ring[i], &b = ring[(i + 1) % n], &c = ring[(i + 2) % n];
         // Between two common points it may be all that is there of an interval on a common line.
-        if (ring[k].stays || (ring[i].stays && ring[(i + 2) % n].stays)) continue;
-        const double now = corner_degrees(ring[i].here, ring[k].here, ring[(i + 2) % n].here);
-        if (now >= least || drawn_corner_degrees(ring, k) < blunt_degrees) continue;
+        if (b.stays || (a.stays && c.stays)) continue;
+        const double now = corner_degrees(a.here, b.here, c.here);
+        if (now >= least || !was_pulled_out(ring, (i + 1) % n)) continue;
         found = Fold{i, i + 2};
         least = now;
     }
@@ -195,13 +214,16 @@ class Flattener {
     // The slice's contours without their folds, or as they are.
     void flatten(const Slice& slice, std::vector<std::vector<Vec3>>& fresh) {
         FoldStats stats = stats_;
+        const auto number = static_cast<std::size_t>(&slice - set_.slices.data());
+        const bool keeps_spikes = !options_.keeps_spikes.empty() && options_.keeps_spikes[number];
         std::vector<PlaneRing> rings;
         for (std::uint32_t c = slice.first_contour; c < slice.first_contour + slice.contour_count; ++c) {
             double furthest = 0;
             Ring ring = ring_of(set_.contours[c], slice.plane, furthest);
             while (furthest >= least_move_mm && ring.size() > 4) {
                 const std::optional<Fold> fold = longest_fold(ring, options_.longest_mm);
-                const std::optional<Fold> spike = fold ? std::nullopt : sharpest_spike(ring);
+                const std::optional<Fold> spike =
+                    fold ? std::nullopt : sharpest_spike(ring, keeps_spikes ? needle_degrees : sharp_degrees);
                 if (!fold && !spike) break;
                 ++(fold ? stats.folds : stats.spikes);
                 take_out(ring, fold ? *fold : *spike, stats);

@@ -16,6 +16,7 @@ struct MovedPoint {
 
 struct FoldOptions {
     double longest_mm = 40;  // how far apart, along a contour, the ends of a fold are looked for. mm, > 0
+    std::vector<bool> keeps_spikes{};  // by slice, but for needles; empty: none
 };
 
 struct FoldStats {
@@ -27,11 +28,12 @@ struct FoldStats {
 // and bounds next to nothing: no model can follow that but with crumbs. Stretches of a contour that are
 // narrow (ends near each other and little area for their length) and were not when drawn are replaced by the
 // segment between their ends, the longest first; then single points that became sharp corners, below 90
-// degrees, of blunt ones, the sharpest first: what crossing slices pulled apart. Points that other contours
-// have too (shared walls, common points of crossing slices) stay, and so does a point between two of them. A
-// slice that would not be sound afterwards keeps its contours. `moved` holds the points that were drawn, in
-// any order; others count as moved like the point before them. The set's points are laid out anew.
-// Complexity: O(n log n), and per fold O(points of its contour x points within the longest stretch).
+// degrees, of blunt ones, the sharpest first: what crossing slices pulled apart, if the movement made at
+// least half of the corner's height. Points that other contours have too (shared walls, common points of
+// crossing slices) stay, and so does a point between two of them. A slice that would not be sound afterwards
+// keeps its contours. `moved` holds the points that were drawn, in any order; others count as moved like the
+// point before them. The set's points are laid out anew. Complexity: O(n log n), and per fold O(points of its
+// contour x points within the longest stretch).
 FoldStats flatten_folds(ContourSet& set, std::vector<MovedPoint> moved, const FoldOptions& options);
 
 }  // namespace anatomesh

@@ -132,6 +132,29 @@ TEST(FlattenFolds, a_corner_that_is_blunt_or_was_drawn_sharp_stays) {
     EXPECT_EQ(flatten_folds(drawn.set, drawn.moved, {40}).spikes, 0u);
 }
 
+// A hexagon whose corners got sharper by a sixth of their height is the drawing's.
+TEST(FlattenFolds, a_large_corner_that_was_drawn_stays) {
+    const Plane plane = make_plane({0, 0, 0}, {0, 0, 1});
+    for (const double stretch : {1.8, 1.95}) {
+        Ring drawn, now;
+        for (int k = 0; k < 6; ++k) {
+            const double turn = 2 * std::numbers::pi * k / 6;
+            drawn.push_back({7 * std::cos(turn), 7 * std::sin(turn)});
+            now.push_back({stretch * drawn.back().x, drawn.back().y});
+        }
+        Case one(plane, now, drawn);
+        EXPECT_EQ(flatten_folds(one.set, one.moved, {40}).vertices, 0u) << stretch;
+    }
+}
+
+TEST(FlattenFolds, a_slice_that_keeps_its_spikes_keeps_them) {
+    const Plane plane = make_plane({0, 0, 0}, {0, 0, 1});
+    for (const bool keeps : {true, false}) {
+        Case one(plane, with_spike(3.5), with_spike(0));
+        EXPECT_EQ(flatten_folds(one.set, one.moved, {40, {keeps}}).spikes, keeps ? 0u : 1u);
+    }
+}
+
 // A common point beside the spike was not drawn: how blunt the corner was is told by what was.
 TEST(FlattenFolds, a_spike_beside_a_point_that_was_not_drawn_goes) {
     const Plane plane = make_plane({0, 0, 0}, {0, 0, 1});

@@ -71,8 +71,7 @@ class Reconciler {
             for (std::size_t k = 0; k < is_moved.size(); ++k) is_moved[k] = set_.points[k] != drawn_[k];
             const SharedPoints shared = insert_shared_points(set_, comparisons_, normal_reach_mm, is_moved);
             stats_.shared_points = shared.points;
-            stats_.folds = flatten_folds(set_, std::move(moved), {4 * options_.max_disagreement_mm});
-            compare();
+            flatten(moved);
         }
         if (context_.cancelled()) return cancelled_error();
         note_difference_after();
@@ -99,6 +98,33 @@ class Reconciler {
         std::erase_if(comparisons_, [&](const LineComparison& c) {
             return is_silent(silences_, c.a, c.structure) || is_silent(silences_, c.b, c.structure);
         });
+    }
+
+    // Where slices do not agree on their common line, cutting a spike off may move an end there: those that
+    // would be further apart keep theirs.
+    void flatten(const std::vector<MovedPoint>& moved) {
+        const ContourSet with_folds = set_;
+        FoldOptions options{4 * options_.max_disagreement_mm, std::vector<bool>(set_.slices.size(), true)};
+        stats_.folds = flatten_folds(set_, moved, options);
+        compare();
+        const std::vector<PairDisagreement> least = disagreements(comparisons_);
+        options.keeps_spikes.assign(set_.slices.size(), false);
+        for (bool risen = true; risen;) {
+            set_ = with_folds;
+            stats_.folds = flatten_folds(set_, moved, options);
+            compare();
+            risen = false;
+            for (const PairDisagreement& now : disagreements(comparisons_)) {
+                const auto was = std::lower_bound(least.begin(), least.end(), now, before);
+                const bool same =
+                    was != least.end() && was->slice_a == now.slice_a && was->slice_b == now.slice_b;
+                if (now.difference_mm <= (same ? was->difference_mm : 0)) continue;
+                for (const std::uint32_t slice : {now.slice_a, now.slice_b}) {
+                    risen = risen || !options.keeps_spikes[slice];
+                    options.keeps_spikes[slice] = true;
+                }
+            }
+        }
     }
 
     Place place_of_slice(std::uint32_t slice, double value_mm) const {
@@ -453,9 +479,12 @@ class Reconciler {
     void warn_of_folds() {
         const FoldStats& folds = stats_.folds;
         if (folds.vertices == 0) return;
+        const auto counted = [](std::uint64_t count, const std::string& noun) {
+            return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+        };
         context_.warn({"W-RCN-006",
-                       std::to_string(folds.folds) + " narrow folds and " + std::to_string(folds.spikes) +
-                           " spikes, up to " + brief(folds.highest_mm) +
+                       counted(folds.folds, "narrow fold") + " and " + counted(folds.spikes, "spike") +
+                           ", up to " + brief(folds.highest_mm) +
                            " mm high, came about as contours were moved",
                        {set_.source, "", "", "", ""},
                        "cut off, with " + std::to_string(folds.vertices) + " drawn vertices"});

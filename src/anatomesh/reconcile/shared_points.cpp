@@ -123,11 +123,17 @@ class Grouper {
         groups_.target.push_back(target);
         groups_.lines.emplace_back();
         add_lines(lines, groups_.lines.back());
-        std::vector<std::uint32_t> slices;
-        for (const Membership& member : members) slices.push_back(set_.contours[member.end->contour].slice);
-        std::sort(slices.begin(), slices.end());
-        slices.erase(std::unique(slices.begin(), slices.end()), slices.end());
+        std::vector<std::uint32_t> slices, contours;
+        for (const Membership& member : members) {
+            slices.push_back(set_.contours[member.end->contour].slice);
+            contours.push_back(member.end->contour);
+        }
+        for (std::vector<std::uint32_t>* list : {&slices, &contours}) {
+            std::sort(list->begin(), list->end());
+            list->erase(std::unique(list->begin(), list->end()), list->end());
+        }
         groups_.slices.push_back(std::move(slices));
+        groups_.contours.push_back(std::move(contours));
     }
 
   private:
@@ -197,12 +203,12 @@ class Inserter {
           insertions_(set.contours.size()) {
         find_usable();
         join_near();
-        drop_doubled();
         for (std::size_t c = 0; c < comparisons.size(); ++c) {
             gather(comparisons[c].ends_a, ends_.of_a[c]);
             gather(comparisons[c].ends_b, ends_.of_b[c]);
         }
         for (auto& list : insertions_) sort_and_merge(list);
+        drop_doubled();
     }
 
     SharedPoints run() {
@@ -249,21 +255,32 @@ class Inserter {
     void drop_doubled() {
         PointGrid grid(least_interval_mm, groups_.target.size());
         for (const Vec3& p : groups_.target) grid.add(p);
+        stands_in_.assign(groups_.target.size(), no_node);
         for (std::uint32_t g = 0; g < groups_.target.size(); ++g) {
-            bool doubled = false;
-            grid.for_each_within(groups_.target[g], least_interval_mm,
-                                 [&](std::uint32_t k, double) { doubled |= usable_[k] && stands_for(k, g); });
-            if (doubled) usable_[g] = false;
+            if (!usable_[g]) continue;
+            grid.for_each_within(groups_.target[g], least_interval_mm, [&](std::uint32_t k, double) {
+                if (usable_[k] && stands_for(k, g)) stands_in_[g] = std::min(stands_in_[g], k);
+            });
+            if (stands_in_[g] != no_node) usable_[g] = false;
         }
     }
 
-    // Whether a group has a point in all slices of another one, and is to be kept of the two.
+    // Whether a group has a point on all contours of another one, and is to be kept of the two.
     bool stands_for(std::uint32_t kept, std::uint32_t other) const {
-        const std::vector<std::uint32_t>&of = groups_.slices[other], &all = groups_.slices[kept];
+        const std::vector<std::uint32_t>&of = groups_.contours[other], &all = groups_.contours[kept];
         if (kept == other || !std::includes(all.begin(), all.end(), of.begin(), of.end())) return false;
         if (all.size() != of.size()) return true;
         if (apart_[kept].has_value() != apart_[other].has_value()) return apart_[kept].has_value();
         return kept < other;
+    }
+
+    // Those that the group stood in for are on their own again.
+    void bring_back(std::uint32_t group) {
+        for (std::size_t g = 0; g < stands_in_.size(); ++g) {
+            if (stands_in_[g] != group) continue;
+            stands_in_[g] = no_node;
+            usable_[g] = true;
+        }
     }
 
     // Nothing unless these are the groups of all pairs of some slices, one each: else a contour would pass a
@@ -396,6 +413,7 @@ class Inserter {
                 continue;
             sound.pop_back();
             if (!part(group)) usable_[group] = false;
+            bring_back(group);
             dropped = true;
         }
         return dropped;
@@ -434,6 +452,7 @@ class Inserter {
     EndGroups groups_;
     std::vector<bool> usable_;
     std::vector<std::optional<Vec3>> apart_;          // of groups that were joined: their own points
+    std::vector<std::uint32_t> stands_in_;            // per group: the one that is used in its place
     std::vector<std::vector<Insertion>> insertions_;  // per contour, in its order
     std::vector<std::pair<std::uint32_t, std::uint32_t>> fresh_;
 };

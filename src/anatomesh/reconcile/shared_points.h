@@ -26,7 +26,7 @@ struct EndGroups {
     std::vector<double> position;  // per group: the mean of its places, weighed by the squared sines
     std::vector<Vec3> target;      // per group: the point; a drawn vertex where all agree within rounding
     std::vector<std::vector<Line>> lines;            // per group: those that it lies on, distinct
-    std::vector<std::vector<std::uint32_t>> slices;  // per group: of its places, rising
+    std::vector<std::vector<std::uint32_t>> slices, contours;  // per group: of its places, rising
     double worst_mm = 0;           // largest distance, across the contours, of a place from its group's point
 };
 

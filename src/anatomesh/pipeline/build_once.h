@@ -1,0 +1,44 @@
+// build_once: one run of the method, from kept contours to a checked model, one line a stage.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "anatomesh/base/result.h"
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/field/structure_field.h"
+#include "anatomesh/field/volume.h"
+#include "anatomesh/pipeline/attempts.h"
+#include "anatomesh/pipeline/build_model.h"
+#include "anatomesh/pipeline/refinement_rounds.h"
+
+namespace anatomesh {
+
+// Which of the runs that build_model() tries it is.
+struct Trial {
+    ModelOptions options;
+    bool size_given = false;  // by the user; else it is the default, or one tried after it
+    std::size_t before = 0;   // so many tries that were made for other reasons than the mean ratio
+    double even_mean = RefinementOptions{}.even_mean;  // as there
+};
+
+// What does not depend on the size.
+struct FieldAndVolumes {
+    std::shared_ptr<const StructureField> field;
+    std::vector<StructureVolume> volumes;  // of the field, by structure
+    std::size_t warnings = 0;              // of the context, when the field was made
+};
+
+struct BuiltOnce {
+    Result<Model> model;
+    TryOutcome outcome;
+    FieldAndVolumes known;
+    double size_mm = 0;  // the edge length aimed at; 0: it did not come so far
+};
+
+// `known`: of a run before, or empty. Requires and errors: as build_model(). The same result every time.
+BuiltOnce build_once(const ContourSet& contours, const Trial& trial, RunContext& context,
+                     const StageObserver& observer, FieldAndVolumes known);
+
+}  // namespace anatomesh
