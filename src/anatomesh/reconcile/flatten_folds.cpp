@@ -19,7 +19,7 @@ namespace {
 constexpr double narrow_gap = 0.25, narrow_area = 0.045;
 constexpr double drawn_gap = 0.35, drawn_area = 0.06;
 // A corner sharper than the one, of a point that was drawn blunter than the other, is a spike.
-constexpr double sharp_degrees = 90, blunt_degrees = 100;
+constexpr double sharp_degrees = 75, blunt_degrees = 100;
 constexpr double needle_degrees = 15;  // sharper ones bound next to nothing
 constexpr double pulled_share = 0.5;   // of its height that the movement made
 constexpr double least_move_mm = 0.5;  // of a point of a contour: else nothing was folded

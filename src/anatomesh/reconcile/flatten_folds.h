@@ -27,7 +27,7 @@ struct FoldStats {
 // Where a movement brings the sides of a notch together, the contour goes out and comes back beside itself
 // and bounds next to nothing: no model can follow that but with crumbs. Stretches of a contour that are
 // narrow (ends near each other and little area for their length) and were not when drawn are replaced by the
-// segment between their ends, the longest first; then single points that became sharp corners, below 90
+// segment between their ends, the longest first; then single points that became sharp corners, below 75
 // degrees, of blunt ones, the sharpest first: what crossing slices pulled apart, if the movement made at
 // least half of the corner's height. Points that other contours have too (shared walls, common points of
 // crossing slices) stay, and so does a point between two of them. A slice that would not be sound afterwards
