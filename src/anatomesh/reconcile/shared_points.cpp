@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/reconcile/slice_soundness.h"
 
@@ -128,10 +129,8 @@ class Grouper {
             slices.push_back(set_.contours[member.end->contour].slice);
             contours.push_back(member.end->contour);
         }
-        for (std::vector<std::uint32_t>* list : {&slices, &contours}) {
-            std::sort(list->begin(), list->end());
-            list->erase(std::unique(list->begin(), list->end()), list->end());
-        }
+        sort_distinct(slices);
+        sort_distinct(contours);
         groups_.slices.push_back(std::move(slices));
         groups_.contours.push_back(std::move(contours));
     }
