@@ -30,7 +30,7 @@ constexpr std::uint32_t repeated_every = 30;
 constexpr int parts = 6;
 // Refused aloud (E-PIP-002): contours that touch, contradict each other or meet at small angles where planes
 // cross, force bad cells.
-constexpr std::array<std::uint32_t, 2> refused_models{88, 228};
+constexpr std::array<std::uint32_t, 1> refused_models{88};
 // The planes meet one of the structures so little that most of it is lost, which is warned of.
 constexpr std::array<std::uint32_t, 1> hardly_met{314};
 

@@ -22,6 +22,7 @@ constexpr double drawn_gap = 0.35, drawn_area = 0.06;
 constexpr double sharp_degrees = 75, blunt_degrees = 100;
 constexpr double needle_degrees = 15;  // sharper ones bound next to nothing
 constexpr double pulled_share = 0.5;   // of its height that the movement made
+constexpr double lowest_mm = 0.1;      // of a spike that is more than a kink
 constexpr double least_move_mm = 0.5;  // of a point of a contour: else nothing was folded
 
 struct RingPoint {
@@ -108,6 +109,9 @@ bool was_pulled_out(const Ring& ring, std::size_t k) {
     const RingPoint& point = ring[k];
     if (!point.was_drawn) return true;
     const auto [before, after] = drawn_beside(ring, k);
+    const std::size_t n = ring.size();
+    if (std::abs(height(ring[(k + n - 1) % n].here, point.here, ring[(k + 1) % n].here)) <= lowest_mm)
+        return corner_degrees(before->drawn, point.drawn, after->drawn) >= blunt_degrees;
     const double now = height(before->here, point.here, after->here);
     const double drawn = height(before->drawn, point.drawn, after->drawn);
     return corner_degrees(before->drawn, point.drawn, after->drawn) >= blunt_degrees &&

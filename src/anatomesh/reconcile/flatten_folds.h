@@ -29,11 +29,11 @@ struct FoldStats {
 // narrow (ends near each other and little area for their length) and were not when drawn are replaced by the
 // segment between their ends, the longest first; then single points that became sharp corners, below 75
 // degrees, of blunt ones, the sharpest first: what crossing slices pulled apart, if the movement made at
-// least half of the corner's height. Points that other contours have too (shared walls, common points of
-// crossing slices) stay, and so does a point between two of them. A slice that would not be sound afterwards
-// keeps its contours. `moved` holds the points that were drawn, in any order; others count as moved like the
-// point before them. The set's points are laid out anew. Complexity: O(n log n), and per fold O(points of its
-// contour x points within the longest stretch).
+// least half of the corner's height or that is less than 0.1 mm over the points beside it. Points that other
+// contours have too (shared walls, common points of crossing slices) stay, and so does a point between two of
+// them. A slice that would not be sound afterwards keeps its contours. `moved` holds the points that were
+// drawn, in any order; others count as moved like the point before them. The set's points are laid out anew.
+// Complexity: O(n log n), and per fold O(points of its contour x points within the longest stretch).
 FoldStats flatten_folds(ContourSet& set, std::vector<MovedPoint> moved, const FoldOptions& options);
 
 }  // namespace anatomesh

@@ -166,6 +166,28 @@ TEST(FlattenFolds, a_spike_beside_a_point_that_was_not_drawn_goes) {
         << "the corner and then the point beside it";
 }
 
+// A vertex that was moved past a common point by less than a tenth of a millimetre: the contour would go back
+// to it.
+TEST(FlattenFolds, a_kink_beside_a_common_point_goes) {
+    const Plane plane = make_plane({0, 0, 0}, {0, 0, 1});
+    for (const double beyond : {0.03, 0.06}) {
+        const Ring ring = with_spike(0);
+        Case one(plane, ring, ring);
+        for (MovedPoint& point : one.moved) point.drawn += Vec3{1, 0, 0};
+        const Vec3 common = plane.to_space(ring[0] + Vec2{0.02, beyond});
+        std::vector<Vec3>& all = one.set.points;
+        all.insert(std::find(all.begin(), all.end(), plane.to_space(ring[0])), common);
+        one.set.contours[0].point_count = 41;
+        const Plane across = make_plane(common, {0, 1, 0});
+        const Vec2 q = across.to_plane(common);
+        crossing_fixtures::add_slice(one.set, across, {q, q + Vec2{5, 5}, q + Vec2{-5, 5}});
+        EXPECT_EQ(flatten_folds(one.set, one.moved, {40}).spikes, 1u) << beyond;
+        const auto points = one.set.points_of(one.set.contours[0]);
+        EXPECT_EQ(std::count(points.begin(), points.end(), common), 1);
+        EXPECT_EQ(std::count(points.begin(), points.end(), plane.to_space(ring[0])), 0);
+    }
+}
+
 // A fold round something that lies in it would cross it.
 TEST(FlattenFolds, a_slice_that_would_not_be_sound_keeps_its_contours) {
     const Plane plane = make_plane({0, 0, 0}, {0, 0, 1});

@@ -14,12 +14,14 @@
 #include "anatomesh/reconcile/align_slices.h"
 #include "anatomesh/reconcile/contour_graph.h"
 #include "anatomesh/reconcile/disagreement.h"
+#include "anatomesh/reconcile/drawn_places.h"
 #include "anatomesh/reconcile/flatten_folds.h"
 #include "anatomesh/reconcile/line_ends.h"
 #include "anatomesh/reconcile/movement.h"
 #include "anatomesh/reconcile/shared_points.h"
 #include "anatomesh/reconcile/silences.h"
 #include "anatomesh/reconcile/slice_soundness.h"
+#include "anatomesh/reconcile/split_at_ends.h"
 #include "anatomesh/reconcile/stray_slices.h"
 
 namespace anatomesh {
@@ -28,6 +30,8 @@ namespace {
 
 constexpr int most_rounds = 16;
 constexpr int most_idle_rounds = 6;
+constexpr int most_repetitions = 4;      // of all rounds, with more vertices
+constexpr double least_split_mm = 0.03;  // of a segment that gets a vertex
 constexpr int most_align_rounds = 12;
 constexpr double align_precision_mm = 1e-3;
 constexpr double agreement_mm = 0.01;      // across the contours: then common points can be put in
@@ -56,22 +60,14 @@ class Reconciler {
         if (options_.align) {
             ANATOMESH_CHECK_STATUS(align());
         }
-        drawn_ = set_.points;
+        drawn_ = drawn_places(set_);
         compare();
         stats_.pairs = disagreements(comparisons_);
         summarize(comparisons_, stats_);
         if (options_.reconcile) {
             ANATOMESH_CHECK_STATUS(check_bound());
-            graph_ = make_contour_graph(set_);
-            ANATOMESH_CHECK_STATUS(move());
+            ANATOMESH_CHECK_STATUS(make_agree());
             note_movements();
-            std::vector<MovedPoint> moved(drawn_.size());
-            for (std::size_t k = 0; k < moved.size(); ++k) moved[k] = {set_.points[k], drawn_[k]};
-            std::vector<bool> is_moved(drawn_.size());
-            for (std::size_t k = 0; k < is_moved.size(); ++k) is_moved[k] = set_.points[k] != drawn_[k];
-            const SharedPoints shared = insert_shared_points(set_, comparisons_, normal_reach_mm, is_moved);
-            stats_.shared_points = shared.points;
-            flatten(moved);
         }
         if (context_.cancelled()) return cancelled_error();
         note_difference_after();
@@ -102,16 +98,16 @@ class Reconciler {
 
     // Where slices do not agree on their common line, cutting a spike off may move an end there: those that
     // would be further apart keep theirs.
-    void flatten(const std::vector<MovedPoint>& moved) {
+    FoldStats flatten(const std::vector<MovedPoint>& moved) {
         const ContourSet with_folds = set_;
         FoldOptions options{4 * options_.max_disagreement_mm, std::vector<bool>(set_.slices.size(), true)};
-        stats_.folds = flatten_folds(set_, moved, options);
+        FoldStats folds = flatten_folds(set_, moved, options);
         compare();
         const std::vector<PairDisagreement> least = disagreements(comparisons_);
         options.keeps_spikes.assign(set_.slices.size(), false);
         for (bool risen = true; risen;) {
             set_ = with_folds;
-            stats_.folds = flatten_folds(set_, moved, options);
+            folds = flatten_folds(set_, moved, options);
             compare();
             risen = false;
             for (const PairDisagreement& now : disagreements(comparisons_)) {
@@ -125,6 +121,7 @@ class Reconciler {
                 }
             }
         }
+        return folds;
     }
 
     Place place_of_slice(std::uint32_t slice, double value_mm) const {
@@ -207,13 +204,67 @@ class Reconciler {
                          "raise the bound with --max-disagreement, or keep every vertex with --reconcile 0"};
     }
 
+    // Moves the contours until crossing slices agree, puts common points in and cuts folds off. Where slices
+    // differ afterwards their contours get vertices at just those places and are moved again, which is kept
+    // if they differ by less.
+    Status make_agree() {
+        ANATOMESH_CHECK_STATUS(move());
+        join();
+        for (int n = 0; n < most_repetitions && left_mm() > 0; ++n) {
+            const ContourSet set = set_;
+            const DrawnPlaces drawn = drawn_;
+            const std::vector<LineComparison> comparisons = comparisons_;
+            const FoldStats folds = stats_.folds;
+            const std::uint64_t shared_points = stats_.shared_points;
+            const double left = left_mm();
+            split_at_ends(set_, comparisons_, least_split_mm);
+            drawn_ = carry_over(set, drawn, set_);
+            compare();
+            ANATOMESH_CHECK_STATUS(move());
+            join();
+            if (left_mm() < left) continue;
+            set_ = set;
+            drawn_ = drawn;
+            comparisons_ = comparisons;
+            stats_.folds = folds;
+            stats_.shared_points = shared_points;
+            break;
+        }
+        return Nothing{};
+    }
+
+    double left_mm() const {
+        double left = 0;
+        for (const LineComparison& comparison : comparisons_) left += comparison.difference_mm;
+        return left;
+    }
+
+    // Common points where slices agree now; then without folds.
+    void join() {
+        const ContourSet before = set_;
+        std::vector<MovedPoint> moved;
+        std::vector<bool> is_moved(set_.points.size());
+        for (std::size_t k = 0; k < is_moved.size(); ++k) {
+            is_moved[k] = set_.points[k] != drawn_.at[k];
+            if (drawn_.is_drawn[k]) moved.push_back({set_.points[k], drawn_.at[k]});
+        }
+        stats_.shared_points = insert_shared_points(set_, comparisons_, normal_reach_mm, is_moved).points;
+        const FoldStats folds = flatten(moved);
+        stats_.folds.folds += folds.folds;
+        stats_.folds.spikes += folds.spikes;
+        stats_.folds.vertices += folds.vertices;
+        stats_.folds.highest_mm = std::max(stats_.folds.highest_mm, folds.highest_mm);
+        drawn_ = carry_over(before, drawn_, set_);
+    }
+
     Status move() {
+        graph_ = make_contour_graph(set_);
         double best = std::numeric_limits<double>::infinity();
         int idle = 0;  // rounds without progress worth the name
-        for (stats_.rounds = 0; stats_.rounds < most_rounds; ++stats_.rounds) {
-            if (stats_.rounds > 0) compare();
+        for (int round = 0; round < most_rounds; ++round, ++stats_.rounds) {
+            if (round > 0) compare();
             if (context_.cancelled()) return cancelled_error();
-            context_.report("reconcile", static_cast<double>(stats_.rounds) / most_rounds);
+            context_.report("reconcile", static_cast<double>(round) / most_rounds);
             if (!place_movements()) return Nothing{};
             idle = worst_mm_ < 0.9 * best ? 0 : idle + 1;
             best = std::min(best, worst_mm_);
@@ -319,13 +370,14 @@ class Reconciler {
         const std::uint32_t node = graph_.node_of_point[point];
         const Vec2 move = shares[node] * moves[node];
         if (move == Vec2{}) return set_.points[point];
-        const Vec3 to = set_.points[point] + (move.x * plane.u + move.y * plane.v), way = to - drawn_[point];
+        const Vec3 to = set_.points[point] + (move.x * plane.u + move.y * plane.v),
+                   way = to - drawn_.at[point];
         const double distance = length(way);
         if (distance <= options_.max_disagreement_mm) return to;
         // As rounded, too.
         for (double less = 0;; less = std::max(2 * less, std::numeric_limits<double>::epsilon())) {
-            const Vec3 at = drawn_[point] + ((1 - less) * options_.max_disagreement_mm / distance) * way;
-            if (length(at - drawn_[point]) <= options_.max_disagreement_mm) return at;
+            const Vec3 at = drawn_.at[point] + ((1 - less) * options_.max_disagreement_mm / distance) * way;
+            if (length(at - drawn_.at[point]) <= options_.max_disagreement_mm) return at;
         }
     }
 
@@ -377,26 +429,30 @@ class Reconciler {
         }
     }
 
+    // Of the drawn vertices that are kept.
     void note_movements() {
         double sum = 0;
+        std::size_t count = 0;
         for (std::uint32_t s = 0; s < set_.slices.size(); ++s) {
             SliceMovement& movement = stats_.movements[s];
             double of_slice = 0;
-            std::size_t points = 0;
+            std::size_t vertices = 0;
             for (const Contour& contour : set_.contours_of(set_.slices[s])) {
                 for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count;
                      ++k) {
-                    const double distance = length(set_.points[k] - drawn_[k]);
+                    if (!drawn_.is_drawn[k]) continue;
+                    const double distance = length(set_.points[k] - drawn_.at[k]);
                     of_slice += distance;
                     movement.max_mm = std::max(movement.max_mm, distance);
+                    ++vertices;
                 }
-                points += contour.point_count;
             }
-            movement.mean_mm = points > 0 ? of_slice / static_cast<double>(points) : 0;
-            sum += of_slice;
+            movement.mean_mm = of_slice / static_cast<double>(std::max<std::size_t>(1, vertices));
             stats_.max_movement_mm = std::max(stats_.max_movement_mm, movement.max_mm);
+            sum += of_slice;
+            count += vertices;
         }
-        stats_.mean_movement_mm = sum / static_cast<double>(std::max<std::size_t>(1, drawn_.size()));
+        stats_.mean_movement_mm = sum / static_cast<double>(std::max<std::size_t>(1, count));
     }
 
     void note_difference_after() {
@@ -611,7 +667,7 @@ class Reconciler {
     const ReconcileOptions& options_;
     RunContext& context_;
     ReconcileStats stats_;
-    std::vector<Vec3> drawn_;
+    DrawnPlaces drawn_;
     double margin_ = 0;
     double worst_mm_ = 0;  // of places from their groups' points, in this round
     std::vector<PlanePatch> patches_;

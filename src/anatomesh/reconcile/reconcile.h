@@ -36,7 +36,7 @@ struct PairDisagreement {
 };
 
 struct SliceMovement {
-    double mean_mm = 0, max_mm = 0;  // of its drawn vertices, without the shift
+    double mean_mm = 0, max_mm = 0;  // of its drawn vertices that are kept, without the shift
     Vec3 shift;                      // by align, in the slice's plane
 };
 
@@ -63,8 +63,9 @@ struct ReconcileResult {
 // of |d|^2 + smoothing^2 |d'|^2 along all contours together, found by conjugate gradients in a few rounds; an
 // interval or gap that only one of two slices has is drawn back across the line when no point has to move
 // further than the bound. Then contours that agree get the end itself as a common vertex, and narrow folds
-// and spikes that the movement made are cut off (flatten_folds.h). Of a structure that a slice leaves undrawn
-// where others show it the slice says nothing (silences.h).
+// and spikes that the movement made are cut off (flatten_folds.h). Where slices still differ, all that is
+// repeated, as long as it brings them nearer, with vertices at just those ends. Of a structure that a slice
+// leaves undrawn where others show it the slice says nothing (silences.h).
 //
 // Requires: a kept contour set. Guarantees: a kept contour set again: contours stay simple, do not cross and
 // keep their nesting, by exact predicates; where that needs it a step is shortened. Slices that agree on

@@ -108,6 +108,22 @@ TEST(Reconcile, C25_slices_drawn_apart_agree_exactly_afterwards_within_the_bound
     }
 }
 
+// Where vertices are further apart than the planes, there are more places to bring together than vertices
+// that can be moved.
+TEST(Reconcile, C25_coarse_contours_far_apart_agree_too) {
+    std::mt19937 random(21);
+    for (int n = 0; n < 6; ++n) {
+        const ContourSet set =
+            drawn_ball(30, three_stacks(24, 4, 0.05), {2.0, 1.5, n < 5 ? 16 : 150}, random);
+        ReconcileOptions options;
+        options.max_disagreement_mm = 20;
+        const ReconcileResult result = reconciled(set, options);
+        EXPECT_EQ(result.stats.difference_after_mm, 0) << "case " << n;
+        expect_exact_agreement(result.kept);
+        expect_sound(result.kept);
+    }
+}
+
 TEST(Reconcile, C25_moved_vertices_leave_room_for_common_points) {
     std::mt19937 random(4);
     const ContourSet set = drawn_ball(30, three_stacks(24, 6, 0.05), {1.0, 0.7, 400}, random);

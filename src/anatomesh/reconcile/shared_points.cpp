@@ -196,10 +196,12 @@ class Inserter {
              const std::vector<bool>& moved)
         : set_(set),
           moved_(moved),
-          ends_(place_ends(set, make_contour_graph(set), comparisons)),
+          graph_(make_contour_graph(set)),
+          ends_(place_ends(set, graph_, comparisons)),
           groups_(group_ends(set, ends_, comparisons, reach)),
           usable_(groups_.target.size(), true),
           insertions_(set.contours.size()) {
+        put_on_lines();
         find_usable();
         join_near();
         for (std::size_t c = 0; c < comparisons.size(); ++c) {
@@ -221,6 +223,18 @@ class Inserter {
     }
 
   private:
+    // A vertex that was moved is as near to the line as the movement came; the point is on it.
+    void put_on_lines() {
+        for (std::size_t p = 0; p < ends_.on_nodes; ++p) {
+            const std::uint32_t group = groups_.members[p].group;
+            if (group == no_node || groups_.lines[group].size() != 1) continue;
+            Vec3& target = groups_.target[group];
+            const Line& line = groups_.lines[group].front();
+            if (moved_[graph_.point_of_node[ends_.places[p].node]] && target == ends_.places[p].at)
+                target = line.at(line.along(target));
+        }
+    }
+
     void find_usable() {
         for (std::size_t p = 0; p < ends_.places.size(); ++p) {
             const EndGroups::Member& member = groups_.members[p];
@@ -447,6 +461,7 @@ class Inserter {
 
     ContourSet& set_;
     const std::vector<bool>& moved_;
+    const ContourGraph graph_;
     const EndPlaces ends_;
     EndGroups groups_;
     std::vector<bool> usable_;

@@ -1,0 +1,23 @@
+// DrawnPlaces: where the points of moved contours were drawn, kept up as the contours get and lose points.
+#pragma once
+
+#include <vector>
+
+#include "anatomesh/contour/contour_set.h"
+
+namespace anatomesh {
+
+// Per point of a set.
+struct DrawnPlaces {
+    std::vector<Vec3> at;        // where it was drawn; of a point put in later: where its contour was
+    std::vector<bool> is_drawn;  // false: put in later
+};
+
+DrawnPlaces drawn_places(const ContourSet& set);
+
+// Those of `after`, the same contours with points put in, moved or taken out: points that a contour of
+// `before` has at the same place keep theirs, others were drawn as far from their place as these are along
+// the contour between the two beside them. O(n log n).
+DrawnPlaces carry_over(const ContourSet& before, const DrawnPlaces& drawn, const ContourSet& after);
+
+}  // namespace anatomesh
