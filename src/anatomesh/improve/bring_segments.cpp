@@ -591,6 +591,7 @@ class Bringer {
             if (chains.size() == before) break;
         }
         for (const Chain& chain : chains) stats.brought -= chain.vertices.size() - 1;
+        stats.changed = std::move(changed_);
         return stats;
     }
 
@@ -627,8 +628,10 @@ class Bringer {
             bench_.mesh.end_attempt(false);
             return sound ? Outcome::bad_cut : Outcome::unsound;
         }
-        for (std::size_t n = 1; n < chain.vertices.size(); ++n)
+        for (std::size_t n = 1; n < chain.vertices.size(); ++n) {
             bench_.fix_edge(chain.vertices[n - 1], chain.vertices[n]);
+            bench_.release_edge(chain.vertices[n - 1], chain.vertices[n]);
+        }
         std::vector<std::uint32_t> changed = std::move(thickening.changed);
         const std::vector<std::uint32_t> improved = improve_(changed);
         changed.insert(changed.end(), improved.begin(), improved.end());
@@ -644,7 +647,10 @@ class Bringer {
         bench_.mesh.end_attempt(good);
         if (good) {
             above_bound_ = std::move(above_bound);
+            changed_.insert(changed_.end(), changed.begin(), changed.end());
         } else {
+            for (std::size_t n = 1; n < chain.vertices.size(); ++n)
+                bench_.keep_edge(chain.vertices[n - 1], chain.vertices[n]);
             bench_.stats = stats;
         }
         return good ? Outcome::done : Outcome::bad_cells;
@@ -697,6 +703,7 @@ class Bringer {
     std::optional<SectionAreas> areas_;
     std::size_t improved_ = 0;                // in vain
     std::vector<std::uint32_t> above_bound_;  // cells inside; rising
+    std::vector<std::uint32_t> changed_;      // cells, for the chains that were brought
     double least_sine_;
     const ImproveCells& improve_;
 };

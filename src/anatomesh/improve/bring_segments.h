@@ -11,6 +11,7 @@ namespace anatomesh {
 
 struct BringStats {
     std::uint64_t found = 0, brought = 0;  // pieces
+    std::vector<std::uint32_t> changed;    // cells that were made or reshaped, some of which may be gone
 };
 
 // Improves the shapes of these cells; returns the cells that it made or reshaped, some of which may be gone.
@@ -29,7 +30,8 @@ using ImproveCells = std::function<std::vector<std::uint32_t>(std::vector<std::u
 // leaves the surface of its structure, if a cut of a stack gets worse, if an interface there is farther than
 // the workbench's `apex_mm` from the field's, or if a cell changed inside has an angle whose sine is below
 // `least_sine` or a ratio above the workbench's last bound; where cells were parted, also if more have one
-// above its first bound than before. Pieces that were brought are fixed; `improve` may put vertices on them.
+// above its first bound than before. Pieces that were brought are fixed and kept
+// no more (workbench.h); `improve` may put vertices on them.
 // Guarantees: all cells positive (checked exactly); no vertex moves but by `improve`. Same result every time.
 // Complexity: O(cells + pieces), and 10 to 100 ms for each that is off its surface. Errors: none.
 BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine,

@@ -62,9 +62,10 @@ class Climber {
     void run(RunContext& context) {
         std::vector<std::uint32_t> all(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
+        for (const auto& [a, b, structure] : drawn_.pieces_beside) bench_.keep_edge(a, b);
         drop_ears(context.threads);
         lower_far_apexes(context.threads);
-        bring_pieces();
+        bring_pieces(listed_degrees);
         all.resize(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
         collect(std::move(all), context.threads);
@@ -95,6 +96,11 @@ class Climber {
         mended.left.insert(mended.left.end(), watched_.begin(), watched_.end());
         mended = mend(context.threads, &mended.left);
         watched_.insert(watched_.end(), mended.changed.begin(), mended.changed.end());
+        // What could not be brought at first, for no angle below the least there is.
+        collect(watched_, context.threads);
+        const double least = worst_degrees();
+        queue_ = {};
+        bring_pieces(std::max(least, listed_degrees));
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
@@ -168,13 +174,17 @@ class Climber {
         bench_.options.max_radius_edge = before;
     }
 
-    // Pieces of contour segments that lie beside their structure's surface.
-    void bring_pieces() {
+    // Pieces of contour segments that lie beside their structure's surface; those found at first are kept, so
+    // that those which could not be brought may be when the cells are better.
+    void bring_pieces(double least_degrees) {
+        std::vector<std::uint32_t> watched = std::exchange(watched_, {});
         const BringStats brought =
-            bring_segments(bench_, drawn_, std::sin(listed_degrees * radians_per_degree),
+            bring_segments(bench_, drawn_, std::sin(least_degrees * radians_per_degree),
                            [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); });
-        bench_.stats.pieces_found = brought.found;
-        bench_.stats.pieces_brought = brought.brought;
+        bench_.stats.pieces_found = std::max(bench_.stats.pieces_found, brought.found);
+        bench_.stats.pieces_brought += brought.brought;
+        watched_ = std::move(watched);
+        watched_.insert(watched_.end(), brought.changed.begin(), brought.changed.end());
     }
 
     // The shapes of these cells and of those that come of it, with the operations of the end; last their

@@ -76,8 +76,9 @@ struct DihedralStats {
 // move too, by `max_deviation_mm` at most in each step. Cells with a ratio above `last_radius_edge` are
 // changed where that becomes lower by a tenth, at no angle below 10 degrees and below what it was. Before and
 // after, spikes and pits of one cell are taken off the surfaces where the field has none, before that deep
-// ones of any number are lowered (lower_apexes.h), and contour pieces beside their surface are brought to lie
-// on it (bring_segments.h). In between, edges of surfaces are flipped for smaller
+// ones of any number are lowered (lower_apexes.h); before and at last contour pieces beside their surface are
+// brought to lie on it (bring_segments.h), until when they stay edges of the mesh.
+// In between, edges of surfaces are flipped for smaller
 // angles between facets (flip_surface_edges.h), where no angle inside falls below the target or what it was.
 // Guarantees: no cell inside with an angle below the least before and below 10 degrees; all cells positive by
 // exact orientation; vertices with fixed[v] != 0 do not move and stay on their surfaces, but for those of
@@ -97,8 +98,9 @@ DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint32_t>& neigh
                                 const DrawnSlices& drawn, const DihedralOptions& options,
                                 RunContext& context);
 
-// The mesh edges on interfaces that lie along the segments, as fixed_edges wants them: for each segment whose
-// ends are joined by a chain of interface edges along the straight line, the edges of the chain. Requires: as
+// The mesh edges on interfaces that lie along the segments, as fixed_edges wants them: for each segment the
+// chain of interface edges along the straight line that joins its ends; where there is none, the edges of
+// those that start at its ends. Requires: as
 // region_facets(). Complexity: linear in the cells and the segments.
 std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
                                     std::span<const VertexPair> segments);

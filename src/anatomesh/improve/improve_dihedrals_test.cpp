@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "anatomesh/improve/labelled_meshes_for_test.h"
 #include "anatomesh/mesh/cell_shape.h"
@@ -294,6 +295,50 @@ TEST(ImproveDihedrals, keeps_fixed_edges_on_the_surface) {
     EXPECT_GT(flipped.stats.surface_edges_flipped, 0u);
 }
 
+// So many that none is brought to the surface.
+TEST(ImproveDihedrals, keeps_contour_pieces_beside_their_surface) {
+    constexpr std::size_t every = 10, most_brought = 40;
+    LabelledCase c = random_case("random", AnalyticField({ball({}, 7)}, 9), 1, 11);
+    const std::vector<std::uint8_t> surface = on_surface(c.mesh, c.regions, 0);
+    std::map<VertexPair, std::array<bool, 2>> sides;
+    for (std::size_t n = 0; n < c.mesh.cells.size(); ++n) {
+        for (const auto& [i, j] : cell_edges) {
+            const std::uint32_t a = c.mesh.cells[n][i], b = c.mesh.cells[n][j];
+            if (surface[a] && surface[b])
+                sides[{std::min(a, b), std::max(a, b)}][c.mesh.regions[n] != 0] = true;
+        }
+    }
+    std::vector<std::array<std::uint32_t, 3>> pieces;
+    std::size_t found = 0;
+    for (const auto& [edge, side] : sides) {
+        if (side[0] != side[1] && ++found % every == 0) pieces.push_back({edge[0], edge[1], 0});
+    }
+    ASSERT_GT(pieces.size(), most_brought);
+    std::vector<std::array<std::uint32_t, 2>> owned;
+    for (const auto& [a, b, structure] : pieces) {
+        c.fixed[a] = c.fixed[b] = 1;
+        owned.push_back({a, structure});
+        owned.push_back({b, structure});
+    }
+    const ContourOwners owners(owned, c.mesh.points.size(), pieces);
+    DrawnSlices drawn;
+    drawn.table = &c.regions;
+    drawn.owners = &owners;
+    drawn.pieces_beside = pieces;
+    std::vector<std::uint32_t> neighbors = neighbors_of(c.mesh);
+    RunContext context;
+    const DihedralStats stats =
+        improve_dihedrals(c.mesh, neighbors, c.fixed, {}, c.field, 1, drawn, {}, context);
+    EXPECT_GT(stats.edges_removed, 0u);
+    EXPECT_EQ(stats.pieces_brought, 0u);
+    std::set<VertexPair> edges;
+    for (const Cell& cell : c.mesh.cells) {
+        for (const auto& [i, j] : cell_edges)
+            edges.insert({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
+    }
+    for (const auto& [a, b, structure] : pieces) EXPECT_TRUE(edges.contains({a, b})) << a << " " << b;
+}
+
 TEST(EdgesAlong, finds_the_chain_of_a_segment_and_nothing_for_one_that_is_missing) {
     const LabelledCase c = sampled_case("box", AnalyticField({ball({}, 3)}, 4), 1);
     std::vector<Triangle> surface = structure_surface(c.mesh, c.regions, 0);
@@ -307,6 +352,22 @@ TEST(EdgesAlong, finds_the_chain_of_a_segment_and_nothing_for_one_that_is_missin
             far = f[0];
     }
     EXPECT_TRUE(edges_along(c.mesh, neighbors_of(c.mesh), std::vector<VertexPair>{{a, far}}).empty());
+}
+
+TEST(EdgesAlong, finds_what_there_is_of_a_segment_with_a_gap) {
+    LabelledCase c = sampled_case("box", AnalyticField({ball({}, 3)}, 4), 1);
+    const std::vector<std::uint32_t> neighbors = neighbors_of(c.mesh);
+    std::size_t found = 0;
+    for (const auto& [a, b, d] : structure_surface(c.mesh, c.regions, 0)) {
+        TetMesh mesh = c.mesh;
+        const auto beyond = static_cast<std::uint32_t>(mesh.points.size());
+        mesh.points.push_back(mesh.points[b] + (mesh.points[b] - mesh.points[a]));
+        const std::vector<VertexPair> edge{{std::min(a, b), std::max(a, b)}};
+        EXPECT_EQ(edges_along(mesh, neighbors, std::vector<VertexPair>{{a, beyond}}), edge);
+        EXPECT_EQ(edges_along(mesh, neighbors, std::vector<VertexPair>{{beyond, a}}), edge);
+        ++found;
+    }
+    EXPECT_GT(found, 10u);
 }
 
 }  // namespace

@@ -39,37 +39,40 @@ class InterfaceEdges {
     std::vector<std::uint32_t> start_, ends_;
 };
 
+// Adds the chain of edges that starts at the end a of a segment, as far as it goes; says whether it ends at
+// b.
+bool follow(const TetMesh& mesh, const InterfaceEdges& edges, std::uint32_t a, std::uint32_t b,
+            std::vector<VertexPair>& found) {
+    const Vec3 start = mesh.points[a], way = mesh.points[b] - start;
+    const double whole = squared_length(way);
+    double reached = 0;
+    for (std::uint32_t current = a; current != b;) {
+        std::uint32_t next = no_cell;
+        double next_reached = whole;
+        for (const std::uint32_t end : edges.from(current)) {
+            const Vec3 offset = mesh.points[end] - start;
+            const double along = dot(offset, way);
+            if (along <= reached || along > next_reached || length(cross(offset, way)) > off_line * whole)
+                continue;
+            next = end;
+            next_reached = along;
+        }
+        if (next == no_cell) return false;
+        found.push_back({std::min(current, next), std::max(current, next)});
+        current = next;
+        reached = next_reached;
+    }
+    return true;
+}
+
 }  // namespace
 
 std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
                                     std::span<const VertexPair> segments) {
     const InterfaceEdges edges(mesh, neighbors);
-    std::vector<VertexPair> found, chain;
+    std::vector<VertexPair> found;
     for (const auto& [a, b] : segments) {
-        const Vec3 start = mesh.points[a], way = mesh.points[b] - start;
-        const double whole = squared_length(way);
-        chain.clear();
-        double reached = 0;
-        for (std::uint32_t current = a; current != b;) {
-            std::uint32_t next = no_cell;
-            double next_reached = whole;
-            for (const std::uint32_t end : edges.from(current)) {
-                const Vec3 offset = mesh.points[end] - start;
-                const double along = dot(offset, way);
-                if (along <= reached || along > next_reached || length(cross(offset, way)) > off_line * whole)
-                    continue;
-                next = end;
-                next_reached = along;
-            }
-            if (next == no_cell) {
-                chain.clear();
-                break;
-            }
-            chain.push_back({std::min(current, next), std::max(current, next)});
-            current = next;
-            reached = next_reached;
-        }
-        found.insert(found.end(), chain.begin(), chain.end());
+        if (!follow(mesh, edges, a, b, found)) follow(mesh, edges, b, a, found);
     }
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());

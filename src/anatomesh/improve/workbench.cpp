@@ -36,6 +36,35 @@ void Workbench::fix_edge(std::uint32_t a, std::uint32_t b) {
     split_edges_.insert(std::upper_bound(split_edges_.begin(), split_edges_.end(), edge), edge);
 }
 
+void Workbench::keep_edge(std::uint32_t a, std::uint32_t b) {
+    const VertexPair edge{std::min(a, b), std::max(a, b)};
+    const auto at = std::lower_bound(kept_edges_.begin(), kept_edges_.end(), edge);
+    if (at == kept_edges_.end() || *at != edge) kept_edges_.insert(at, edge);
+}
+
+void Workbench::release_edge(std::uint32_t a, std::uint32_t b) {
+    std::erase(kept_edges_, VertexPair{std::min(a, b), std::max(a, b)});
+}
+
+bool Workbench::loses_kept_edge(std::span<const std::uint32_t> removed, std::span<const Cell> added) const {
+    if (kept_edges_.empty()) return false;
+    for (const std::uint32_t n : removed) {
+        const Cell& c = mesh.cell(n);
+        for (const auto& [i, j] : cell_edges) {
+            if (!fixed(c[i]) || !fixed(c[j])) continue;
+            const VertexPair edge{std::min(c[i], c[j]), std::max(c[i], c[j])};
+            if (!std::binary_search(kept_edges_.begin(), kept_edges_.end(), edge)) continue;
+            const auto has = [](const Cell& cell, std::uint32_t v) {
+                return std::find(cell.begin(), cell.end(), v) != cell.end();
+            };
+            if (std::none_of(added.begin(), added.end(),
+                             [&](const Cell& cell) { return has(cell, edge[0]) && has(cell, edge[1]); }))
+                return true;
+        }
+    }
+    return false;
+}
+
 std::uint32_t Workbench::slice_of(std::uint32_t v) const {
     if (v < slices->slice_of.size()) return slices->slice_of[v];
     const auto found = std::lower_bound(points_of_slices_.begin(), points_of_slices_.end(), VertexPair{v, 0});
@@ -89,6 +118,7 @@ bool Workbench::commit(std::span<const std::uint32_t> removed, std::span<const C
         if (orient3d(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3])) <= 0)
             return false;
     }
+    if (loses_kept_edge(removed, added)) return false;
     if (scouts) {
         proposal.cells.removed.assign(removed.begin(), removed.end());
         proposal.cells.added.assign(added.begin(), added.end());

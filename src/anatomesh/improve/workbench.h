@@ -68,6 +68,8 @@ class Workbench {
     // A point on a fixed edge, which becomes two.
     void fix_on_edge(std::uint32_t v, std::uint32_t a, std::uint32_t b);
 
+    void keep_edge(std::uint32_t a, std::uint32_t b);  // whole, wherever it lies, until it is released
+    void release_edge(std::uint32_t a, std::uint32_t b);
     // Whether a facet between two regions lies in the plane of one of `slices`, so that the cut there has the
     // structures of both, and these are not what is drawn there.
     bool spoils_cut(std::uint32_t a, std::uint32_t b, std::uint32_t c, Region above, Region below);
@@ -91,7 +93,8 @@ class Workbench {
     // The sine of a new cell, negative if it may not be; cells outside that may be count as perfect.
     double value(const Cell& c, Region region, const Bar& bar) const;
 
-    // Replaces cells by others of the same outer facets if all of these are positive, exactly.
+    // Replaces cells by others of the same outer facets if all are positive, exactly, and all kept edges
+    // stay.
     bool commit(std::span<const std::uint32_t> removed, std::span<const Cell> added,
                 std::span<const Region> regions);
 
@@ -122,6 +125,7 @@ class Workbench {
 
   private:
     std::uint32_t slice_of(std::uint32_t v) const;
+    bool loses_kept_edge(std::span<const std::uint32_t> removed, std::span<const Cell> added) const;
 
     static constexpr double min_gain = 0.02;
     static constexpr double flat_outside = 0.01;
@@ -130,6 +134,7 @@ class Workbench {
     std::vector<std::uint8_t>& fixed_;
     std::span<const VertexPair> fixed_edges_;
     std::vector<VertexPair> split_edges_;       // sorted: those that fixed edges were split into
+    std::vector<VertexPair> kept_edges_;        // sorted; all their ends are fixed
     std::vector<VertexPair> points_of_slices_;  // sorted: points on such edges in a slice, and the slice
 };
 
