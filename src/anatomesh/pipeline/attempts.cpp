@@ -4,6 +4,13 @@
 
 namespace anatomesh {
 
+namespace {
+
+// Of cells: such a model is no matter of luck.
+constexpr double most_unforced = 2 * certificate_share_over_bound;
+
+}  // namespace
+
 NextTry Attempts::next(const TryOutcome& last) {
     const bool refused = !last.kept_contract && last.size_matters;
     const bool small = last.kept_contract && last.cells < again_below;
@@ -14,6 +21,11 @@ NextTry Attempts::next(const TryOutcome& last) {
     const bool conformed_badly = small && last.spared_work && last.conformed_badly;
     if (!(refused || torn || ill_shaped || conformed_badly) || (refused && finer_for_shape_))
         return NextTry::none;
+    if (last.conformed && (refused || conformed_badly) && !size_given_ && conforming_ < most_conforming &&
+        last.cells < again_below / 2 && last.unforced <= most_unforced) {
+        ++conforming_;
+        return NextTry::slightly_finer;
+    }
     if (last.spared_work && (refused || conformed_badly || !size_given_))
         return same_++ < most_same ? NextTry::same_size : NextTry::none;
     if (size_given_ || finer_ == most_finer) return NextTry::none;

@@ -8,14 +8,20 @@
 // shapes only once: where two contours lie a hundredth of an edge from each other, any size has such cells,
 // and each try costs three times the one before it.
 //
-// Guarantees: at most `most_finer` finer tries, and `most_same` of one size. O(1).
+// Where contour segments were split for each other's sake (planes that cross) and that broke the contract or
+// left ill-shaped cells, it is luck which, a few in tens of thousands: it is done again with slightly shorter
+// edges first, and given up only then; at once where more than a hundredth of the cells are ill-shaped though
+// nothing forces them.
+//
+// Guarantees: at most `most_finer` finer tries, `most_same` of one size, and `most_conforming` slightly
+// shorter ones. O(1).
 #pragma once
 
 #include <cstddef>
 
 namespace anatomesh {
 
-enum class NextTry { none, same_size, finer };
+enum class NextTry { none, same_size, finer, slightly_finer };
 
 // What came of a try.
 struct TryOutcome {
@@ -23,14 +29,16 @@ struct TryOutcome {
     bool size_matters = false;  // where not kept: what is broken may hold with another edge length
     bool spared_work = false;   // less was done for the shape of cells than can be
     bool tore_walls = false;    // of a structure that a finer edge length may keep whole
-    bool conformed_badly = false;  // work was spared for the contours' sake, and single cells are ill-shaped
+    bool conformed = false;     // contour segments were split for each other's sake
+    bool conformed_badly = false;  // and single cells are ill-shaped
     double over_bound = 0;      // share of the tetrahedra above the radius-edge ratio, in [0, 1]
-    std::size_t cells = 0;
+    double unforced = 0;        // share of ill-shaped ones that nothing forces; as the next
+    std::size_t cells = 0;      // also where the contract was not kept
 };
 
 class Attempts {
   public:
-    static constexpr std::size_t most_finer = 3, most_same = 4;
+    static constexpr std::size_t most_finer = 3, most_same = 4, most_conforming = 4;
     static constexpr std::size_t again_below = 800000;  // cells of a model that keeps the contract
 
     // `size_given`: the edge length is the user's, and stays.
@@ -39,12 +47,15 @@ class Attempts {
     // `last`: of the latest try.
     NextTry next(const TryOutcome& last);
 
+    // Of the slightly finer tries so far.
+    std::size_t slightly_finer() const { return conforming_; }
+
     // Whether a model of too many ill-shaped cells is why the latest try was finer.
     bool finer_for_shape() const { return finer_for_shape_; }
 
   private:
     bool size_given_, finer_for_shape_ = false;
-    std::size_t finer_ = 0, same_ = 0;
+    std::size_t finer_ = 0, same_ = 0, conforming_ = 0;
 };
 
 }  // namespace anatomesh

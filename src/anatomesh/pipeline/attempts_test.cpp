@@ -8,11 +8,20 @@
 namespace anatomesh {
 namespace {
 
-const TryOutcome good{true, false, false, false, false, 0.001, 100000};
-const TryOutcome broken{false, true, false, false, false, 0, 0};
-const TryOutcome broken_spared{false, true, true, false, false, 0, 0};
-const TryOutcome ill_shaped{true, false, false, false, false, 0.0055, 100000};
-const TryOutcome torn{true, false, false, true, false, 0.001, 100000};
+const TryOutcome good{.kept_contract = true, .over_bound = 0.001, .cells = 100000};
+const TryOutcome broken{.size_matters = true};
+const TryOutcome broken_spared{.size_matters = true, .spared_work = true};
+const TryOutcome ill_shaped{.kept_contract = true, .over_bound = 0.0055, .cells = 100000};
+const TryOutcome torn{.kept_contract = true, .tore_walls = true, .over_bound = 0.001, .cells = 100000};
+// Contour segments were split for each other's sake.
+const TryOutcome broken_conformed{
+    .size_matters = true, .spared_work = true, .conformed = true, .cells = 100000};
+const TryOutcome conformed_badly{.kept_contract = true,
+                                 .spared_work = true,
+                                 .conformed = true,
+                                 .conformed_badly = true,
+                                 .over_bound = 0.001,
+                                 .cells = 100000};
 
 TryOutcome with_cells(TryOutcome outcome, std::size_t cells) {
     outcome.cells = cells;
@@ -33,28 +42,50 @@ TEST(Attempts, AGoodModelIsTheLast) {
 }
 
 TEST(Attempts, OfEveryOutcomeTheTriesEnd) {
-    for (unsigned bits = 0; bits < 128; ++bits) {
-        const TryOutcome outcome{(bits & 1) != 0,
-                                 (bits & 2) != 0,
-                                 (bits & 4) != 0,
-                                 (bits & 8) != 0,
-                                 (bits & 64) != 0,
-                                 bits & 16 ? 0.5 : 0.0,
-                                 bits & 32 ? Attempts::again_below : std::size_t{10}};
+    for (unsigned bits = 0; bits < 256; ++bits) {
+        const TryOutcome outcome{.kept_contract = (bits & 1) != 0,
+                                 .size_matters = (bits & 2) != 0,
+                                 .spared_work = (bits & 4) != 0,
+                                 .tore_walls = (bits & 8) != 0,
+                                 .conformed = (bits & 128) != 0,
+                                 .conformed_badly = (bits & 64) != 0,
+                                 .over_bound = bits & 16 ? 0.5 : 0.0,
+                                 .cells = bits & 32 ? Attempts::again_below : std::size_t{10}};
         for (const bool given : {false, true}) {
             const std::vector<NextTry> tries = all_tries(outcome, given);
-            EXPECT_LE(tries.size(), Attempts::most_finer + Attempts::most_same + 1) << bits;
+            EXPECT_LE(tries.size(),
+                      Attempts::most_finer + Attempts::most_same + Attempts::most_conforming + 1)
+                << bits;
             if (!given) continue;
-            for (const NextTry next : tries) EXPECT_NE(next, NextTry::finer) << bits;
+            for (const NextTry next : tries)
+                EXPECT_TRUE(next == NextTry::none || next == NextTry::same_size) << bits;
         }
     }
 }
 
-TEST(Attempts, WhatConformedBadlyIsBuiltAgainAtTheSameSizeWithoutThat) {
-    for (const bool given : {false, true}) {
-        Attempts attempts(given);
-        EXPECT_EQ(attempts.next({true, false, true, false, true, 0.001, 100000}), NextTry::same_size);
-        EXPECT_EQ(attempts.next(good), NextTry::none);
+// A few ill-shaped cells in tens of thousands are luck: another edge length has others.
+TEST(Attempts, WhatConformedBadlyIsTriedSlightlyFinerAndOnlyThenWithoutThat) {
+    for (const TryOutcome& bad : {broken_conformed, conformed_badly}) {
+        Attempts attempts(false);
+        for (std::size_t n = 1; n <= Attempts::most_conforming; ++n) {
+            EXPECT_EQ(attempts.next(bad), NextTry::slightly_finer);
+            EXPECT_EQ(attempts.slightly_finer(), n);
+        }
+        EXPECT_EQ(attempts.next(bad), NextTry::same_size);
+        EXPECT_EQ(attempts.next(broken), NextTry::finer);
+        Attempts lucky(false);
+        EXPECT_EQ(lucky.next(bad), NextTry::slightly_finer);
+        EXPECT_EQ(lucky.next(good), NextTry::none);
+    }
+}
+
+TEST(Attempts, WhatConformedBadlyAndIsLargeOrOfAGivenSizeIsBuiltWithoutThatAtOnce) {
+    for (const TryOutcome& bad : {broken_conformed, conformed_badly}) {
+        EXPECT_EQ(Attempts(true).next(bad), NextTry::same_size);
+        EXPECT_EQ(Attempts(false).next(with_cells(bad, Attempts::again_below / 2)), NextTry::same_size);
+        TryOutcome full = bad;
+        full.unforced = 0.011;
+        EXPECT_EQ(Attempts(false).next(full), NextTry::same_size);
     }
 }
 

@@ -1,6 +1,7 @@
 #include "anatomesh/pipeline/build_model.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <optional>
 #include <string>
@@ -17,6 +18,8 @@ namespace anatomesh {
 namespace {
 
 constexpr double finer = 0.7;  // a further try's edge length, in those of the one before
+// Of slightly finer tries, in those of the first.
+constexpr std::array<double, Attempts::most_conforming> slightly_finer{0.9, 0.8, 0.7, 0.56};
 
 // A model that keeps the contract, while another one is tried.
 struct KeptModel {
@@ -57,7 +60,7 @@ class Tries {
   private:
     Result<Model> choose() {
         Attempts attempts(trial_.size_given);
-        for (;; ++trial_.before) {
+        for (;;) {
             BuiltOnce built = build(observer_);
             if (!built.model.ok() && built.model.error().kind == ErrorKind::cancelled)
                 return std::move(built.model);
@@ -68,7 +71,7 @@ class Tries {
                 if (!built.model.ok() || !is_parallel(contours_)) return std::move(built.model);
                 return evened(std::move(built));
             }
-            prepare(next, std::move(built));
+            prepare(next, attempts.slightly_finer(), std::move(built));
         }
     }
 
@@ -79,15 +82,33 @@ class Tries {
         return built;
     }
 
-    void prepare(NextTry next, BuiltOnce built) {
-        const double size_mm = (next == NextTry::same_size ? 1 : finer) * built.size_mm;
+    // Of the next try. Slightly finer ones, and what comes after them, go by the first that conformed.
+    double next_size(NextTry next, std::size_t slightly_finer_tries, const BuiltOnce& built) {
+        if (!built.outcome.conformed || first_size_mm_ == 0) first_size_mm_ = built.size_mm;
+        switch (next) {
+            case NextTry::slightly_finer:
+                return slightly_finer[slightly_finer_tries - 1] * first_size_mm_;
+            case NextTry::finer:
+                first_size_mm_ = 0;
+                return finer * built.size_mm;
+            default:
+                return first_size_mm_;
+        }
+    }
+
+    void prepare(NextTry next, std::size_t slightly_finer_tries, BuiltOnce built) {
+        const bool conformed = built.outcome.conformed;
+        const double size_mm = next_size(next, slightly_finer_tries, built);
+        if (conformed && next == NextTry::same_size) trial_.may_conform = false;
         const std::string error = built.model.ok() ? "" : built.model.error().message;
         const Warning again = built_again(next, built.outcome, error, size_mm);
-        if (built.model.ok()) {
+        // Of those that conformed badly the first.
+        if (built.model.ok() && !(kept_ && built.outcome.conformed_badly)) {
             kept_.emplace(KeptModel{std::move(built.model.value()), trial_, context_.warnings, built.outcome,
                                     sought_by(next, built.outcome)});
         }
         trial_.options.size_mm = size_mm;
+        if (!conformed) ++trial_.before;
         if (!warnings_before_) warnings_before_ = known_.warnings;
         context_.warnings.resize(*warnings_before_);
         context_.warn(again);
@@ -150,6 +171,7 @@ class Tries {
     std::optional<std::size_t> warnings_before_;  // of the contours and their field
     std::optional<KeptModel> kept_;
     std::size_t count_ = 0;
+    double first_size_mm_ = 0;  // of tries that conform, before slightly finer ones
     bool shown_is_another_ = false;
 };
 

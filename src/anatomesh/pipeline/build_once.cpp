@@ -64,6 +64,10 @@ constexpr std::size_t last_few_of_labels = 40;
 // Of the contour pieces, beside their surface: where more are, they are not brought there.
 constexpr double most_beside = 0.003;
 constexpr double most_dense = 3;  // as plane_density() has it: more are left as they come first
+// Between dense planes pieces of contours are so many and so near to each other that splitting all for each
+// other's sake, and bringing back what is missing, costs a hundred times the rest; but not where there are
+// few.
+constexpr std::size_t few_points = 2000;
 // Radius-edge ratio inside: 0.95 is asked for, and what comes after the last smoothing takes a little of it.
 constexpr double smooth_mean = 0.947;
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
@@ -81,8 +85,8 @@ class Builder {
           contours_(relative_to(origin_, contours)),
           options_(trial.options),
           size_given_(trial.size_given),
+          may_conform_(trial.may_conform),
           tries_before_(trial.before),
-          is_first_(trial.before == 0),
           even_mean_(trial.even_mean),
           context_(context),
           observer_(observer),
@@ -93,6 +97,8 @@ class Builder {
     FieldAndVolumes field_and_volumes() const { return {field_, volumes_, warnings_of_field_}; }
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
+    // As far as it came.
+    const Model& model() const { return model_; }
     // Whether contour segments were split for each other's sake.
     bool conforming() const { return conforming_; }
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
@@ -136,11 +142,10 @@ class Builder {
         const double density = plane_density(contours_, *field_);
         dense_ = density > 1;
         crammed_ = density > most_dense || (dense_ && contours_.points.size() > options_.spare_dense_above);
-        spared_ = crammed_ && is_first_ && !size_given_;
-        // Further tries go on from what the first would be on other sets.
-        const bool may_conform = !dense_ && !is_parallel(contours_) && !Sweep::of(contours_);
-        conforming_ = may_conform && is_first_;
-        sparing_ = tries_before_ - (may_conform && !is_first_ ? 1 : 0);
+        spared_ = crammed_ && tries_before_ == 0 && !size_given_;
+        has_many_pieces_ = dense_ && contours_.points.size() > few_points;
+        conforming_ = may_conform_ && !crammed_ && !has_many_pieces_ && !is_parallel(contours_) &&
+                      !Sweep::of(contours_);
         return end_stage("field", 0.05);
     }
 
@@ -202,8 +207,9 @@ class Builder {
         for (const SegmentPiece& piece : sample_->pieces) {
             pieces.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
         }
-        ContourPieceOptions options{sample_->stats.size_mm, spared_,      dense_ && !crammed_, conforming_,
-                                    sample_->graded,        sparing_ == 0};
+        ContourPieceOptions options{sample_->stats.size_mm, spared_,
+                                    dense_ && !crammed_,    conforming_,
+                                    sample_->graded,        tries_before_ == 0};
         if (is_parallel(contours_) && contours_.exclusive) options.last_few = last_few_of_labels;
         pieces_.emplace(*mesh_, sample_->guard, *field_, std::move(pieces), options);
         given_.assign(mesh_->points().size(), 0);
@@ -300,8 +306,9 @@ class Builder {
                             piece_list_ = pieces_->pieces();
                         }});
         RecoverStats recovered;
-        // Between dense planes they are too many: some ms each.
-        if (!dense_ && sparing_ < most_more_bad.size()) recovered = recover_pieces(unsound, relabelled);
+        // Some ms each.
+        if (!crammed_ && !has_many_pieces_ && tries_before_ < most_more_bad.size())
+            recovered = recover_pieces(unsound, relabelled);
         const ContourOwners owners = contour_owners(piece_list_, mesh.points.size());
         ANATOMESH_TRY(const SplitStats split,
                       split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
@@ -340,7 +347,7 @@ class Builder {
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
             {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
-             most_more_bad[sparing_], drawn ? most_missing_of_drawn : 1});
+             most_more_bad[tries_before_], drawn ? most_missing_of_drawn : 1});
         recovered.run(unsound, relabelled, context_);
         piece_list_ = recovered.pieces();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
@@ -658,8 +665,8 @@ class Builder {
     const ContourSet contours_;  // relative to it
     const ModelOptions& options_;
     const bool size_given_;
-    const std::size_t tries_before_;
-    const bool is_first_;
+    const bool may_conform_;
+    const std::size_t tries_before_;  // that did not conform
     const double even_mean_;
     RunContext& context_;
     const StageObserver& observer_;
@@ -677,8 +684,8 @@ class Builder {
     bool dense_ = false;  // the planes: closer than two thirds of the contours' vertices
     bool crammed_ =
         false;  // so much so, or so many, that all that can be done would take several times as long
-    bool conforming_ = false;                      // the first try on planes that cross: see SampleOptions
-    std::size_t sparing_ = 0;                      // of the tries before, those that were not
+    bool has_many_pieces_ = false;                 // and dense: see few_points
+    bool conforming_ = false;                      // where planes cross: see SampleOptions
     bool spared_ = false;                          // these, and the first try with a default size
     std::vector<SegmentPiece> piece_list_;         // those of pieces_, and where the cut split them further
     std::vector<SegmentPiece> cut_pieces_;         // of those that the last step of the cut split
@@ -700,6 +707,12 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
     TryOutcome outcome;
     outcome.kept_contract = model.ok();
     outcome.spared_work = builder.spared_shapes();
+    outcome.conformed = builder.conforming();
+    const Model& made = model.ok() ? model.value() : builder.model();
+    outcome.cells = made.mesh.cells.size();
+    const std::uint64_t unforced = made.report.listed_cells_total - made.report.listed_cells_forced;
+    outcome.unforced =
+        static_cast<double>(unforced) / static_cast<double>(std::max<std::size_t>(1, outcome.cells));
     if (!model.ok()) {
         outcome.size_matters = model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001";
         return outcome;
@@ -707,7 +720,6 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
     outcome.tore_walls = builder.tore_a_structure();
     outcome.conformed_badly = builder.conforming() && !keeps_shapes(model.value());
     outcome.over_bound = model.value().report.quality.radius_edge_share_over_2;
-    outcome.cells = model.value().mesh.cells.size();
     return outcome;
 }
 

@@ -19,7 +19,8 @@ namespace anatomesh {
 struct Trial {
     ModelOptions options;
     bool size_given = false;  // by the user; else it is the default, or one tried after it
-    std::size_t before = 0;   // so many tries that were made for other reasons than the mean ratio
+    bool may_conform = true;  // contour segments may be split for each other's sake
+    std::size_t before = 0;   // so many tries without that, made for other reasons than the mean ratio
     double even_mean = RefinementOptions{}.even_mean;  // as there
 };
 

@@ -164,15 +164,15 @@ Warning built_again(NextTry next, const TryOutcome& outcome, const std::string& 
                                    ? "a tetrahedron that nothing forces was ill-shaped"
                                    : "too many tetrahedra were above radius-edge ratio 2";
     return {"W-PIP-001",
-            (next == NextTry::same_size ? "what was tried first did not keep the contract: "
-                                        : "the default edge length was too coarse for the smallest parts: ") +
+            (next != NextTry::finer ? "what was tried first did not keep the contract: "
+                                    : "the default edge length was too coarse for the smallest parts: ") +
                 reason,
             {},
             "built again with " + brief(size_mm) + " mm"};
 }
 
 std::string sought_by(NextTry next, const TryOutcome& outcome) {
-    return std::string(next == NextTry::finer ? "a shorter edge length" : "another way to build it") +
+    return std::string(next != NextTry::same_size ? "a shorter edge length" : "another way to build it") +
            " for the sake of " + (outcome.tore_walls ? "torn walls" : "ill-shaped tetrahedra");
 }
 
