@@ -19,10 +19,13 @@ NextTry Attempts::next(const TryOutcome& last) {
                             last.over_bound > certificate_share_over_bound;
     // What a finer size only made worse stays as it was.
     const bool conformed_badly = small && last.spared_work && last.conformed_badly;
+    // One that met a limit, or else, with shorter edges: the length before had none.
+    if (last.conformed && conforming_ > 0 && !last.kept_contract && !last.size_matters)
+        return NextTry::same_size;
     if (!(refused || torn || ill_shaped || conformed_badly) || (refused && finer_for_shape_))
         return NextTry::none;
     if (last.conformed && (refused || conformed_badly) && !size_given_ && conforming_ < most_conforming &&
-        last.cells < again_below / 2 && last.unforced <= most_unforced) {
+        last.cells < conforming_below && last.unforced <= most_unforced) {
         ++conforming_;
         return NextTry::slightly_finer;
     }

@@ -40,6 +40,7 @@ class Attempts {
   public:
     static constexpr std::size_t most_finer = 3, most_same = 4, most_conforming = 4;
     static constexpr std::size_t again_below = 800000;  // cells of a model that keeps the contract
+    static constexpr std::size_t conforming_below = 100000;  // of one that conformed badly
 
     // `size_given`: the edge length is the user's, and stays.
     explicit Attempts(bool size_given) : size_given_(size_given) {}

@@ -15,13 +15,13 @@ const TryOutcome ill_shaped{.kept_contract = true, .over_bound = 0.0055, .cells 
 const TryOutcome torn{.kept_contract = true, .tore_walls = true, .over_bound = 0.001, .cells = 100000};
 // Contour segments were split for each other's sake.
 const TryOutcome broken_conformed{
-    .size_matters = true, .spared_work = true, .conformed = true, .cells = 100000};
+    .size_matters = true, .spared_work = true, .conformed = true, .cells = 50000};
 const TryOutcome conformed_badly{.kept_contract = true,
                                  .spared_work = true,
                                  .conformed = true,
                                  .conformed_badly = true,
                                  .over_bound = 0.001,
-                                 .cells = 100000};
+                                 .cells = 50000};
 
 TryOutcome with_cells(TryOutcome outcome, std::size_t cells) {
     outcome.cells = cells;
@@ -79,10 +79,19 @@ TEST(Attempts, WhatConformedBadlyIsTriedSlightlyFinerAndOnlyThenWithoutThat) {
     }
 }
 
+// A limit that shorter edges meet is none of the model with the edges before.
+TEST(Attempts, WhereASlightlyFinerOneStopsItIsBuiltWithoutThat) {
+    const TryOutcome stopped{.conformed = true};
+    Attempts attempts(false);
+    EXPECT_EQ(attempts.next(broken_conformed), NextTry::slightly_finer);
+    EXPECT_EQ(attempts.next(stopped), NextTry::same_size);
+    EXPECT_EQ(Attempts(false).next(stopped), NextTry::none);
+}
+
 TEST(Attempts, WhatConformedBadlyAndIsLargeOrOfAGivenSizeIsBuiltWithoutThatAtOnce) {
     for (const TryOutcome& bad : {broken_conformed, conformed_badly}) {
         EXPECT_EQ(Attempts(true).next(bad), NextTry::same_size);
-        EXPECT_EQ(Attempts(false).next(with_cells(bad, Attempts::again_below / 2)), NextTry::same_size);
+        EXPECT_EQ(Attempts(false).next(with_cells(bad, Attempts::conforming_below)), NextTry::same_size);
         TryOutcome full = bad;
         full.unforced = 0.011;
         EXPECT_EQ(Attempts(false).next(full), NextTry::same_size);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "anatomesh/field/parallel_field.h"
+#include "anatomesh/measure/certificate.h"
 #include "anatomesh/pipeline/attempts.h"
 #include "anatomesh/pipeline/build_once.h"
 #include "anatomesh/pipeline/even_out.h"
@@ -35,7 +36,8 @@ bool is_in_vain(const KeptModel& kept, const BuiltOnce& other, const Attempts& a
     if (!other.model.ok()) return true;
     if (attempts.finer_for_shape() && other.outcome.over_bound >= kept.outcome.over_bound) return true;
     const bool keeps_shapes = other.model.value().report.certificate.at(3).state == ClauseState::kept;
-    return kept.outcome.conformed_badly && !kept.outcome.tore_walls && !keeps_shapes;
+    return kept.outcome.conformed_badly && !kept.outcome.tore_walls && !keeps_shapes &&
+           kept.outcome.unforced <= std::max(other.outcome.unforced, certificate_share_over_bound);
 }
 
 // Tries until a model is as good as it can be.
@@ -102,8 +104,9 @@ class Tries {
         if (conformed && next == NextTry::same_size) trial_.may_conform = false;
         const std::string error = built.model.ok() ? "" : built.model.error().message;
         const Warning again = built_again(next, built.outcome, error, size_mm);
-        // Of those that conformed badly the first.
-        if (built.model.ok() && !(kept_ && built.outcome.conformed_badly)) {
+        // Of those that conformed badly the least bad.
+        if (built.model.ok() &&
+            !(kept_ && built.outcome.conformed_badly && built.outcome.unforced >= kept_->outcome.unforced)) {
             kept_.emplace(KeptModel{std::move(built.model.value()), trial_, context_.warnings, built.outcome,
                                     sought_by(next, built.outcome)});
         }

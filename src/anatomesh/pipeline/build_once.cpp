@@ -98,7 +98,10 @@ class Builder {
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
     // As far as it came.
-    const Model& model() const { return model_; }
+    const ModelReport& report_so_far() const { return model_.report; }
+    std::size_t cells_so_far() const {
+        return !model_.mesh.cells.empty() ? model_.mesh.cells.size() : mesh_ ? mesh_->regions().size() : 0;
+    }
     // Whether contour segments were split for each other's sake.
     bool conforming() const { return conforming_; }
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
@@ -708,9 +711,9 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
     outcome.kept_contract = model.ok();
     outcome.spared_work = builder.spared_shapes();
     outcome.conformed = builder.conforming();
-    const Model& made = model.ok() ? model.value() : builder.model();
-    outcome.cells = made.mesh.cells.size();
-    const std::uint64_t unforced = made.report.listed_cells_total - made.report.listed_cells_forced;
+    const ModelReport& report = model.ok() ? model.value().report : builder.report_so_far();
+    outcome.cells = model.ok() ? model.value().mesh.cells.size() : builder.cells_so_far();
+    const std::uint64_t unforced = report.listed_cells_total - report.listed_cells_forced;
     outcome.unforced =
         static_cast<double>(unforced) / static_cast<double>(std::max<std::size_t>(1, outcome.cells));
     if (!model.ok()) {

@@ -164,7 +164,7 @@ Warning built_again(NextTry next, const TryOutcome& outcome, const std::string& 
                                    ? "a tetrahedron that nothing forces was ill-shaped"
                                    : "too many tetrahedra were above radius-edge ratio 2";
     return {"W-PIP-001",
-            (next != NextTry::finer ? "what was tried first did not keep the contract: "
+            (next != NextTry::finer ? "what was tried before did not keep the contract: "
                                     : "the default edge length was too coarse for the smallest parts: ") +
                 reason,
             {},

@@ -16,8 +16,11 @@ struct DrawnPlaces {
 DrawnPlaces drawn_places(const ContourSet& set);
 
 // Those of `after`, the same contours with points put in, moved or taken out: points that a contour of
-// `before` has at the same place keep theirs, others were drawn as far from their place as these are along
-// the contour between the two beside them. O(n log n).
-DrawnPlaces carry_over(const ContourSet& before, const DrawnPlaces& drawn, const ContourSet& after);
+// `before` has at the same place keep theirs, and so do those within `reach_mm` of one that went between the
+// same two. Others were drawn as far from their place as these are, linearly along the contour between the
+// two beside them. Requires: contours keep their direction. O(n log n), and what went times what came between
+// two points that stay.
+DrawnPlaces carry_over(const ContourSet& before, const DrawnPlaces& drawn, const ContourSet& after,
+                       double reach_mm);
 
 }  // namespace anatomesh

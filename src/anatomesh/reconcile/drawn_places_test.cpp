@@ -33,7 +33,7 @@ TEST(DrawnPlaces, points_that_stay_keep_theirs_to_the_bit_and_others_lie_between
     drawn.is_drawn[3] = false;
     // One put in, one moved, one taken out.
     const ContourSet after = polygon({{0, 0, 0}, {1, 0, 0}, {4, 0, 0}, {3.9, 4, 0}});
-    const DrawnPlaces carried = carry_over(before, drawn, after);
+    const DrawnPlaces carried = carry_over(before, drawn, after, 0.05);
     EXPECT_EQ(carried.at[0], drawn.at[0]);
     EXPECT_EQ(carried.at[2], drawn.at[1]);
     EXPECT_EQ(carried.is_drawn, (std::vector<bool>{true, false, true, false}));
@@ -46,9 +46,44 @@ TEST(DrawnPlaces, points_that_stay_keep_theirs_to_the_bit_and_others_lie_between
 TEST(DrawnPlaces, of_a_contour_without_a_known_point_lie_where_it_is) {
     const ContourSet before = polygon({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}}),
                      after = polygon({{1, 0, 0}, {5, 0, 0}, {5, 4, 0}});
-    const DrawnPlaces carried = carry_over(before, drawn_places(before), after);
+    const DrawnPlaces carried = carry_over(before, drawn_places(before), after, 0.05);
     EXPECT_EQ(carried.at, after.points);
     EXPECT_EQ(carried.is_drawn, (std::vector<bool>{false, false, false}));
+}
+
+// A vertex that became a common point is still the one that was drawn; what came beside it is not.
+TEST(DrawnPlaces, a_point_that_came_in_the_place_of_one_keeps_its) {
+    const std::vector<Vec3> square{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}};
+    for (std::size_t moved = 0; moved < 4; ++moved) {
+        for (const bool is_near : {true, false}) {
+            const ContourSet before = polygon(square);
+            DrawnPlaces drawn = drawn_places(before);
+            for (std::size_t k = 0; k < 4; ++k) drawn.at[k] += Vec3{0.1 * static_cast<double>(k), 7, 0};
+            std::vector<Vec3> points = square;
+            points[moved] += Vec3{is_near ? 0.03 : 0.3, 0, 0};
+            const Vec3 beside = 0.5 * (points[moved] + points[(moved + 1) % 4]);
+            points.insert(points.begin() + static_cast<std::ptrdiff_t>(moved) + 1, beside);
+            const DrawnPlaces carried = carry_over(before, drawn, polygon(points), 0.05);
+            for (std::size_t k = 0; k < 4; ++k) {
+                const std::size_t at = k <= moved ? k : k + 1;
+                EXPECT_EQ(carried.is_drawn[at], k != moved || is_near);
+                if (carried.is_drawn[at]) {
+                    EXPECT_EQ(carried.at[at], drawn.at[k]);
+                }
+            }
+            EXPECT_FALSE(carried.is_drawn[moved + 1]);
+        }
+    }
+}
+
+TEST(DrawnPlaces, one_known_point_is_enough) {
+    const ContourSet before = polygon({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}}),
+                     after = polygon({{0, 0, 0}, {5, 0, 0}, {4.02, 4, 0}});
+    DrawnPlaces drawn = drawn_places(before);
+    drawn.at[0] = {0, 1, 0};
+    const DrawnPlaces carried = carry_over(before, drawn, after, 0.05);
+    EXPECT_EQ(carried.is_drawn, (std::vector<bool>{true, false, true}));
+    EXPECT_EQ(carried.at[2], before.points[2]);
 }
 
 // Every end becomes a vertex, unless one is near; what was there stays.

@@ -31,7 +31,9 @@ namespace {
 constexpr int most_rounds = 16;
 constexpr int most_idle_rounds = 6;
 constexpr int most_repetitions = 4;      // of all rounds, with more vertices
-constexpr double least_split_mm = 0.03;  // of a segment that gets a vertex
+constexpr double least_split_mm = 0.1;   // of a segment that gets a vertex
+constexpr double least_gain = 0.2;       // of a repetition: the share by which slices differ less
+constexpr double joined_mm = 0.1;        // how far a vertex may have gone to a common point
 constexpr int most_align_rounds = 12;
 constexpr double align_precision_mm = 1e-3;
 constexpr double agreement_mm = 0.01;      // across the contours: then common points can be put in
@@ -67,7 +69,6 @@ class Reconciler {
         if (options_.reconcile) {
             ANATOMESH_CHECK_STATUS(check_bound());
             ANATOMESH_CHECK_STATUS(make_agree());
-            note_movements();
         }
         if (context_.cancelled()) return cancelled_error();
         note_difference_after();
@@ -206,28 +207,28 @@ class Reconciler {
 
     // Moves the contours until crossing slices agree, puts common points in and cuts folds off. Where slices
     // differ afterwards their contours get vertices at just those places and are moved again, which is kept
-    // if they differ by less.
+    // if they differ by a fifth less.
     Status make_agree() {
         ANATOMESH_CHECK_STATUS(move());
+        note_movements();
         join();
         for (int n = 0; n < most_repetitions && left_mm() > 0; ++n) {
             const ContourSet set = set_;
             const DrawnPlaces drawn = drawn_;
             const std::vector<LineComparison> comparisons = comparisons_;
-            const FoldStats folds = stats_.folds;
-            const std::uint64_t shared_points = stats_.shared_points;
+            const ReconcileStats stats = stats_;
             const double left = left_mm();
             split_at_ends(set_, comparisons_, least_split_mm);
-            drawn_ = carry_over(set, drawn, set_);
+            drawn_ = carry_over(set, drawn, set_, joined_mm);
             compare();
             ANATOMESH_CHECK_STATUS(move());
+            note_movements();
             join();
-            if (left_mm() < left) continue;
+            if (left_mm() <= (1 - least_gain) * left) continue;
             set_ = set;
             drawn_ = drawn;
             comparisons_ = comparisons;
-            stats_.folds = folds;
-            stats_.shared_points = shared_points;
+            stats_ = stats;
             break;
         }
         return Nothing{};
@@ -254,7 +255,7 @@ class Reconciler {
         stats_.folds.spikes += folds.spikes;
         stats_.folds.vertices += folds.vertices;
         stats_.folds.highest_mm = std::max(stats_.folds.highest_mm, folds.highest_mm);
-        drawn_ = carry_over(before, drawn_, set_);
+        drawn_ = carry_over(before, drawn_, set_, joined_mm);
     }
 
     Status move() {
@@ -429,13 +430,15 @@ class Reconciler {
         }
     }
 
-    // Of the drawn vertices that are kept.
+    // Of the drawn vertices, before they are joined.
     void note_movements() {
         double sum = 0;
+        stats_.max_movement_mm = 0;
         std::size_t count = 0;
         for (std::uint32_t s = 0; s < set_.slices.size(); ++s) {
             SliceMovement& movement = stats_.movements[s];
             double of_slice = 0;
+            movement.max_mm = 0;
             std::size_t vertices = 0;
             for (const Contour& contour : set_.contours_of(set_.slices[s])) {
                 for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count;

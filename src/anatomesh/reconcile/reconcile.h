@@ -36,7 +36,8 @@ struct PairDisagreement {
 };
 
 struct SliceMovement {
-    double mean_mm = 0, max_mm = 0;  // of its drawn vertices that are kept, without the shift
+    // Of its drawn vertices, without the shift, before they come to a common point (within 0.05 mm).
+    double mean_mm = 0, max_mm = 0;
     Vec3 shift;                      // by align, in the slice's plane
 };
 
@@ -64,8 +65,8 @@ struct ReconcileResult {
 // interval or gap that only one of two slices has is drawn back across the line when no point has to move
 // further than the bound. Then contours that agree get the end itself as a common vertex, and narrow folds
 // and spikes that the movement made are cut off (flatten_folds.h). Where slices still differ, all that is
-// repeated, as long as it brings them nearer, with vertices at just those ends. Of a structure that a slice
-// leaves undrawn where others show it the slice says nothing (silences.h).
+// repeated, as long as they differ by a fifth less, with vertices at just those ends. Of a structure that a
+// slice leaves undrawn where others show it the slice says nothing (silences.h).
 //
 // Requires: a kept contour set. Guarantees: a kept contour set again: contours stay simple, do not cross and
 // keep their nesting, by exact predicates; where that needs it a step is shortened. Slices that agree on
