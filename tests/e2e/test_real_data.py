@@ -40,7 +40,12 @@ class FetalBrain(harness.JudgedTestCase):
         self.judged(harness.data("contours", "fetal_brain_mr_3orient_aligned.csl"), "--frame", "RAS")
         missed, total = missed_segments(self.folder)
         self.assertGreater(total, 13000)
-        self.assertLess(missed, 0.03 * total)
+        self.assertLess(missed, 10)
+        # Drawn apart by up to 36 mm, they agree to the last bit when they have been moved.
+        report = json.loads((self.folder / "model.report.json").read_text())
+        self.assertGreater(report["crossing_slices"]["difference_mm"], 5000)
+        self.assertEqual(report["crossing_slices"]["difference_after_mm"], 0)
+        self.assertEqual(report["structures"][0]["components"], 1)
 
 
 class Spine(harness.JudgedTestCase):
