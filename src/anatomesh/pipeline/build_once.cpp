@@ -66,7 +66,7 @@ constexpr double most_beside = 0.003;
 constexpr double most_dense = 3;  // as plane_density() has it: more are left as they come first
 // Between dense planes pieces of contours are so many and so near to each other that splitting all for each
 // other's sake, and bringing back what is missing, costs a hundred times the rest; but not where there are
-// few.
+// few. One structure alone keeps nearly all of them without that, in better cells.
 constexpr std::size_t few_points = 2000;
 // Radius-edge ratio inside: 0.95 is asked for, and what comes after the last smoothing takes a little of it.
 constexpr double smooth_mean = 0.947;
@@ -146,8 +146,8 @@ class Builder {
         dense_ = density > 1;
         crammed_ = density > most_dense || (dense_ && contours_.points.size() > options_.spare_dense_above);
         spared_ = crammed_ && tries_before_ == 0 && !size_given_;
-        has_many_pieces_ = dense_ && contours_.points.size() > few_points;
-        conforming_ = may_conform_ && !crammed_ && !has_many_pieces_ && !is_parallel(contours_) &&
+        is_too_dense_to_conform_ = dense_ && (structures_ == 1 || contours_.points.size() > few_points);
+        conforming_ = may_conform_ && !crammed_ && !is_too_dense_to_conform_ && !is_parallel(contours_) &&
                       !Sweep::of(contours_);
         return end_stage("field", 0.05);
     }
@@ -310,7 +310,7 @@ class Builder {
                         }});
         RecoverStats recovered;
         // Some ms each.
-        if (!crammed_ && !has_many_pieces_ && tries_before_ < most_more_bad.size())
+        if (!crammed_ && !is_too_dense_to_conform_ && tries_before_ < most_more_bad.size())
             recovered = recover_pieces(unsound, relabelled);
         const ContourOwners owners = contour_owners(piece_list_, mesh.points.size());
         ANATOMESH_TRY(const SplitStats split,
@@ -687,7 +687,7 @@ class Builder {
     bool dense_ = false;  // the planes: closer than two thirds of the contours' vertices
     bool crammed_ =
         false;  // so much so, or so many, that all that can be done would take several times as long
-    bool has_many_pieces_ = false;                 // and dense: see few_points
+    bool is_too_dense_to_conform_ = false;         // see few_points
     bool conforming_ = false;                      // where planes cross: see SampleOptions
     bool spared_ = false;                          // these, and the first try with a default size
     std::vector<SegmentPiece> piece_list_;         // those of pieces_, and where the cut split them further

@@ -28,6 +28,9 @@ using namespace independent;
 constexpr std::uint32_t repeated_every = 30;
 // Of the cases of a set of planes, each a test; those run by default.
 constexpr int parts = 6;
+// Refused aloud (E-PIP-002): contours that touch, contradict each other or meet at small angles where planes
+// cross, force bad cells.
+constexpr std::array<std::uint32_t, 1> refused_models{228};
 // The planes meet one of the structures so little that most of it is lost, which is warned of.
 constexpr std::array<std::uint32_t, 1> hardly_met{314};
 
@@ -44,7 +47,7 @@ constexpr Bounds coarse_bounds{0.3, 1, 0.8, 2.5, 0.7}, fine_bounds{0.3, 1, 0.3, 
 constexpr double most_broken_where_planes_cross = 0.65, most_broken_beside_others = 0.18;
 constexpr std::size_t broken_besides_where_planes_cross = 10, broken_besides = 2;
 // Of all segments of a part of the cases of a set of planes.
-constexpr std::array<double, plane_sets> broken_in_all{0.04, 0.035, 0.045, 0.03, 0.10, 0.035, 0.05};
+constexpr std::array<double, plane_sets> broken_in_all{0.04, 0.035, 0.045, 0.03, 0.15, 0.035, 0.05};
 
 struct Segments {
     std::size_t all = 0, broken = 0;
@@ -316,6 +319,11 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
         std::map<std::string, int> codes;
         for (const Warning& warning : context.warnings) ++codes[warning.code];
         for (const auto& [code, count] : codes) std::printf("%s x%d ", code.c_str(), count);
+    }
+    if (std::find(refused_models.begin(), refused_models.end(), number) != refused_models.end()) {
+        ASSERT_FALSE(model.ok());
+        EXPECT_EQ(model.error().code, "E-PIP-002");
+        return;
     }
     ASSERT_TRUE(model.ok()) << to_line(model.error());
     if (number % repeated_every == 0) expect_same_again(model.value(), kept, options);

@@ -39,8 +39,11 @@ TEST(SegmentGuard,
             EXPECT_EQ(guard.ball_at(p, 0), SegmentGuard::no_ball);
             EXPECT_EQ(balls_alone.ball_at(p, 0.5) == 0, from_middle < 0.5 * half);
             const bool guarded = guard.ball_at(p, 0.5) == 0;
-            if (from_middle < 0.5 * half) EXPECT_TRUE(guarded);
-            if (from_middle > half) EXPECT_FALSE(guarded);
+            if (from_middle < 0.5 * half) {
+                EXPECT_TRUE(guarded);
+            } else if (from_middle > half) {
+                EXPECT_FALSE(guarded);
+            }
             if (guarded || from_middle > 0.97 * half) continue;
             // A point let through inside the ball is no nearer to the segment than a share of its way to the
             // ball's rim.
