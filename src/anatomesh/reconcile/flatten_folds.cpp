@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "anatomesh/reconcile/lay_out_points.h"
 #include "anatomesh/reconcile/slice_soundness.h"
 
 namespace anatomesh {
@@ -171,13 +172,7 @@ class Flattener {
     FoldStats run() {
         std::vector<std::vector<Vec3>> fresh(set_.contours.size());
         for (const Slice& slice : set_.slices) flatten(slice, fresh);
-        std::vector<Vec3> points;
-        for (std::uint32_t c = 0; c < set_.contours.size(); ++c) {
-            set_.contours[c].first_point = static_cast<std::uint32_t>(points.size());
-            set_.contours[c].point_count = static_cast<std::uint32_t>(fresh[c].size());
-            points.insert(points.end(), fresh[c].begin(), fresh[c].end());
-        }
-        set_.points = std::move(points);
+        lay_out_points(set_, fresh);
         return stats_;
     }
 

@@ -9,6 +9,7 @@
 
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/geom/point_grid.h"
+#include "anatomesh/reconcile/lay_out_points.h"
 #include "anatomesh/reconcile/slice_soundness.h"
 
 namespace anatomesh {
@@ -445,18 +446,10 @@ class Inserter {
     }
 
     void lay_out() {
-        std::vector<Vec3> points;
-        for (std::uint32_t c = 0; c < set_.contours.size(); ++c) {
-            const std::vector<Vec3> own = with_points(c, [&](std::uint32_t group) { return usable_[group]; });
-            fresh_.push_back(
-                {static_cast<std::uint32_t>(points.size()), static_cast<std::uint32_t>(own.size())});
-            points.insert(points.end(), own.begin(), own.end());
-        }
-        for (std::uint32_t c = 0; c < set_.contours.size(); ++c) {
-            set_.contours[c].first_point = fresh_[c].first;
-            set_.contours[c].point_count = fresh_[c].second;
-        }
-        set_.points = std::move(points);
+        std::vector<std::vector<Vec3>> fresh;
+        for (std::uint32_t c = 0; c < set_.contours.size(); ++c)
+            fresh.push_back(with_points(c, [&](std::uint32_t group) { return usable_[group]; }));
+        lay_out_points(set_, fresh);
     }
 
     ContourSet& set_;
@@ -468,7 +461,6 @@ class Inserter {
     std::vector<std::optional<Vec3>> apart_;          // of groups that were joined: their own points
     std::vector<std::uint32_t> stands_in_;            // per group: the one that is used in its place
     std::vector<std::vector<Insertion>> insertions_;  // per contour, in its order
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> fresh_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "anatomesh/reconcile/contour_graph.h"
+#include "anatomesh/reconcile/lay_out_points.h"
 #include "anatomesh/reconcile/slice_soundness.h"
 
 namespace anatomesh {
@@ -57,34 +58,25 @@ std::vector<Vec3> with_splits(const ContourSet& set, const Contour& contour, std
 
 std::size_t split_at_ends(ContourSet& set, std::span<const LineComparison> comparisons, double least_mm) {
     const std::vector<Split> splits = find_splits(set, comparisons);
-    std::vector<Vec3> points;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges(set.contours.size());
+    std::vector<std::vector<Vec3>> fresh(set.contours.size());
     for (const Slice& slice : set.slices) {
         std::vector<PlaneRing> rings;
-        std::vector<std::vector<Vec3>> fresh;
-        for (const Contour& contour : set.contours_of(slice)) {
-            fresh.push_back(with_splits(set, contour, splits, least_mm));
-            PlaneRing ring{contour.structure, {}};
-            for (const Vec3& p : fresh.back()) ring.at.push_back(slice.plane.to_plane(p));
+        const std::uint32_t end = slice.first_contour + slice.contour_count;
+        for (std::uint32_t c = slice.first_contour; c < end; ++c) {
+            fresh[c] = with_splits(set, set.contours[c], splits, least_mm);
+            PlaneRing ring{set.contours[c].structure, {}};
+            for (const Vec3& p : fresh[c]) ring.at.push_back(slice.plane.to_plane(p));
             rings.push_back(std::move(ring));
         }
-        const bool sound = slice_faults(rings, set.exclusive).empty();
-        for (std::uint32_t n = 0; n < slice.contour_count; ++n) {
-            const std::uint32_t c = slice.first_contour + n;
+        if (slice_faults(rings, set.exclusive).empty()) continue;
+        for (std::uint32_t c = slice.first_contour; c < end; ++c) {
             const auto old = set.points_of(set.contours[c]);
-            if (!sound) fresh[n].assign(old.begin(), old.end());
-            ranges[c] = {static_cast<std::uint32_t>(points.size()),
-                         static_cast<std::uint32_t>(fresh[n].size())};
-            points.insert(points.end(), fresh[n].begin(), fresh[n].end());
+            fresh[c].assign(old.begin(), old.end());
         }
     }
-    const std::size_t added = points.size() - set.points.size();
-    for (std::size_t c = 0; c < ranges.size(); ++c) {
-        set.contours[c].first_point = ranges[c].first;
-        set.contours[c].point_count = ranges[c].second;
-    }
-    set.points = std::move(points);
-    return added;
+    const std::size_t before = set.points.size();
+    lay_out_points(set, fresh);
+    return set.points.size() - before;
 }
 
 }  // namespace anatomesh
