@@ -30,6 +30,7 @@ constexpr double margin_degrees = 3;  // how far above the target operations aim
 constexpr double listed_degrees = 10;  // an angle below it is a blemish: worth ratios above the bound
 constexpr int radius_edge_steps = 3;   // from the bound to the last one
 constexpr std::size_t few_high = 2000;  // one cell in so many may be above it to be worked on
+constexpr std::size_t worth_a_pass = 20;  // another one: one cell in so many lowered
 
 // Tries on a bad cell that scouts make beforehand: its edges, facets and vertices.
 constexpr int edge_tries = 6, facet_tries = 10, scouted_tries = 14;
@@ -144,10 +145,30 @@ class Climber {
                                    bench_.mesh.point(v[3])) > most * most;
     }
 
-    // Of the few cells above what climb_at_last() allows, at the price of angles above those listed.
+    // Of the few cells above what climb_at_last() allows, at the price of angles above those listed; then of
+    // all above the bound, for no angle below the target: what comes of cells that contours force is none
+    // that they do not.
     void lower_ratios(RunContext& context) {
-        const double most = bench_.options.last_radius_edge;
-        if (!(most > bench_.options.max_radius_edge)) return;
+        const double most = bench_.options.max_radius_edge, last = bench_.options.last_radius_edge,
+                     listed = std::sin(listed_degrees * radians_per_degree);
+        if (last > most) lower_ratios_above(last, listed, bench_.mesh.cell_count() / few_high, context);
+        bench_.least_lowered_sine = listed;
+        bench_.most_lowered_ratio = last;
+        for (int pass = 0; pass < bench_.options.ratio_passes; ++pass) {
+            const LoweredRatios lowered =
+                lower_ratios_above(most, std::max(target_, listed), bench_.mesh.cell_count(), context);
+            if (lowered.changes == 0 || lowered.changes * worth_a_pass < lowered.found) break;
+        }
+        bench_.least_lowered_sine = 0;
+        bench_.most_lowered_ratio = HUGE_VAL;
+    }
+
+    struct LoweredRatios {
+        std::size_t found = 0, changes = 0;
+    };
+
+    // Of all cells above it, if there are no more than `limit`.
+    LoweredRatios lower_ratios_above(double most, double least_sine, std::size_t limit, RunContext& context) {
         const auto is_high = [&](std::uint32_t c) { return is_above(most, c); };
         std::vector<std::uint32_t> high = parallel_collect<std::uint32_t>(
             bench_.mesh.cell_count(), 16384, context.threads,
@@ -159,19 +180,22 @@ class Climber {
                         found.push_back(static_cast<std::uint32_t>(c));
                 }
             });
+        LoweredRatios lowered{high.size()};
         // Many are of planes that crowd each other: there the cells in their place spoil the rest.
-        if (high.size() > bench_.mesh.cell_count() / few_high) return;
+        if (high.size() > limit) return lowered;
         const double before = std::exchange(bench_.options.max_radius_edge, most);
         bench_.lowers_ratios = true;
-        bench_.least_needed_sine = std::sin(listed_degrees * radians_per_degree);
+        bench_.least_needed_sine = least_sine;
         for (std::size_t n = 0; n < high.size() && !context.cancelled(); ++n) {
             if (!is_high(high[n]) || !better(high[n], nullptr)) continue;
+            ++lowered.changes;
             watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());
             std::copy_if(bench_.changed.begin(), bench_.changed.end(), std::back_inserter(high), is_high);
         }
         bench_.lowers_ratios = false;
         bench_.least_needed_sine = 0;
         bench_.options.max_radius_edge = before;
+        return lowered;
     }
 
     // Pieces of contour segments that lie beside their structure's surface; those found at first are kept, so

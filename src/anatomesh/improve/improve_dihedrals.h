@@ -52,6 +52,7 @@ struct DihedralOptions {
                                    // facets fall by more. (0, 900]
     double apex_mm = 1;  // a vertex of a surface further from the field's is lowered (lower_apexes.h). > 0
     int passes = 4;                // over the cells that are still bad. [0, 100]
+    int ratio_passes = 4;          // over the cells above max_radius_edge, after those. [0, 100]
 };
 
 struct DihedralStats {
@@ -74,7 +75,8 @@ struct DihedralStats {
 // tried again with new vertices on edges and facets of interfaces too, then, where an angle is below 10
 // degrees and gets above it, with `last_radius_edge`; there vertices where three or more regions meet may
 // move too, by `max_deviation_mm` at most in each step. Cells with a ratio above `last_radius_edge` are
-// changed where that becomes lower by a tenth, at no angle below 10 degrees and below what it was. Before and
+// changed where that becomes lower by a tenth, at no angle below 10 degrees and below what it was; then those
+// above the bound likewise, at none below the target (and 10 degrees) and below what it was. Before and
 // after, spikes and pits of one cell are taken off the surfaces where the field has none, before that deep
 // ones of any number are lowered (lower_apexes.h); before and at last contour pieces beside their surface are
 // brought to lie on it (bring_segments.h), until when they stay edges of the mesh.

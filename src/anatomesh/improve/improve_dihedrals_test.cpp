@@ -124,6 +124,7 @@ TEST(ImproveDihedrals, repeats_bit_for_bit_and_leaves_what_is_good) {
     easy.target_degrees = 0;
     easy.flip_gain_degrees = 900;
     easy.last_radius_edge = 1e9;
+    easy.ratio_passes = 0;
     easy.apex_mm = 1e9;
     const Improved untouched = improved(c, {}, easy);
     EXPECT_EQ(untouched.mesh.points, c.mesh.points);
@@ -169,6 +170,35 @@ TEST(ImproveDihedrals, ratios_rise_above_the_bound_only_where_angles_below_10_de
         bought += left - after;
     }
     EXPECT_GT(bought, 0u);
+}
+
+// Most cells above the bound that angles leave are lowered to it, at no angle below the least there was or
+// the target.
+TEST(ImproveDihedrals, lowers_ratios_above_the_bound_at_no_angle_below_the_target) {
+    const double bound = DihedralOptions{}.max_radius_edge, target = DihedralOptions{}.target_degrees;
+    const auto above = [&](const TetMesh& mesh) {
+        std::size_t count = 0;
+        for (std::size_t n = 0; n < mesh.cells.size(); ++n) {
+            const Cell& v = mesh.cells[n];
+            count += mesh.regions[n] != 0 && radius_edge_ratio(mesh.points[v[0]], mesh.points[v[1]],
+                                                               mesh.points[v[2]], mesh.points[v[3]]) > bound;
+        }
+        return count;
+    };
+    std::size_t left = 0, after = 0;
+    for (const LabelledCase& c : labelled_cases()) {
+        SCOPED_TRACE(c.name);
+        DihedralOptions angles_alone;
+        angles_alone.ratio_passes = 0;
+        const Improved before = improved(c, {}, angles_alone), done = improved(c);
+        EXPECT_LE(above(done.mesh), above(before.mesh));
+        EXPECT_GE(worst_sine(done.mesh),
+                  std::min(worst_sine(before.mesh), std::sin(target * std::numbers::pi / 180)));
+        left += above(before.mesh);
+        after += above(done.mesh);
+    }
+    EXPECT_GT(left, 20u);
+    EXPECT_LT(2 * after, left);
 }
 
 // Flips of a surface's edges make it smoother; no angle inside falls below the target for it, and edges that

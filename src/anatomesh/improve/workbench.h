@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -53,6 +54,7 @@ class Workbench {
     bool moves_junctions = false;  // vertices where three or more regions meet may move
     bool lowers_ratios = false;    // operations are judged by the largest ratio, not by the least sine
     double least_needed_sine = 0;  // of new cells, whatever was there; of those judged by ratio, or as before
+    double least_lowered_sine = 0, most_lowered_ratio = HUGE_VAL;  // of those judged by ratio, even then
     double goal = 0;                     // sine that is good enough
     std::vector<std::uint32_t> changed;  // cells that the last operation made or reshaped
 
@@ -80,7 +82,7 @@ class Workbench {
     Bar bar_of(std::span<const std::uint32_t> cells) const;
     // What a new cell must reach.
     double needed_sine(const Bar& bar) const {
-        if (lowers_ratios) return std::min(bar.sine, least_needed_sine);
+        if (lowers_ratios) return std::max(std::min(bar.sine, least_needed_sine), least_lowered_sine);
         return std::max(bar.sine + min_gain * (0.02 + bar.sine), least_needed_sine);
     }
     double needed_outside_sine(const Bar& bar) const { return std::min(bar.outside_sine, flat_outside); }
@@ -88,7 +90,9 @@ class Workbench {
         return allowed_squared_ratio(bar, options.max_radius_edge);
     }
     double allowed_squared_ratio(const Bar& bar, double most) const {
-        return std::max((lowers_ratios ? lower_ratio : 1) * bar.squared_ratio, most * most);
+        if (!lowers_ratios) return std::max(bar.squared_ratio, most * most);
+        return std::max(std::min(lower_ratio * bar.squared_ratio, most_lowered_ratio * most_lowered_ratio),
+                        most * most);
     }
     // The sine of a new cell, negative if it may not be; cells outside that may be count as perfect.
     double value(const Cell& c, Region region, const Bar& bar) const;

@@ -495,6 +495,7 @@ class Builder {
         if (spared_) {
             options.target_degrees = dense_target_degrees;
             options.passes = 1;
+            options.ratio_passes = 0;
             options.last_deviation = 1;  // the one pass is the last
         }
         const std::vector<std::uint32_t> slice_of =

@@ -20,7 +20,7 @@ namespace {
 constexpr std::array<double, 5> least_shapes{0.99, 0.8, 0.6, 0.4, 0.2};  // of cells, as in recover/cavity.h
 constexpr int splits_of_the_last = 5;         // of pieces that nothing else recovers
 constexpr double most_more_forced = 0.03;     // a share of the cells inside
-constexpr double most_more_far_above = 2e-5;  // a share of the cells inside
+constexpr double most_more_far_above = 1.5e-4;  // a share of the cells inside
 constexpr double side_shape = 0.5;            // of the cells at points beside pieces
 constexpr int side_rounds = 2;
 constexpr std::size_t grain = 16384;  // cells at a time
