@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 #include <queue>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -25,6 +26,7 @@ constexpr std::size_t most_pieces = 50;                         // of a chain
 constexpr std::size_t most_facets = 8;                          // of a sheet, beside one for each piece
 constexpr std::size_t most_looked_at = 4000, most_sheets = 16;  // sheets for a chain
 constexpr std::size_t most_improved = 12;  // sheets and thicknesses whose cells are worked on
+constexpr std::size_t most_improved_at_last = 36;  // where some of these may be above the first bound
 constexpr std::size_t most_improved_in_all = 100;
 constexpr double edge_price = 0.43;  // of its square: the facets that an edge off the surface still needs
 constexpr double wrong_side = 5;     // price of a facet where the field has the side of the chain
@@ -32,6 +34,7 @@ constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of 
 constexpr double middle = 0.5;                     // where an edge between two vertices of a sheet is cut
 constexpr double most_of_cuts = 3e-4;  // share of what is drawn by which cuts may get worse for a chain
 constexpr double on_line = 1e-9;       // of a piece: a vertex so near to it lies on it
+constexpr std::size_t no_limit = static_cast<std::size_t>(-1);
 constexpr int rounds = 4;              // over the chains: one may need that beside it
 
 // Pieces one after the other, with vertices in between that are off the structure's surface as well.
@@ -41,13 +44,6 @@ struct Chain {
 
     bool has(std::uint32_t v) const {
         return std::find(vertices.begin(), vertices.end(), v) != vertices.end();
-    }
-    bool has_piece(std::uint32_t a, std::uint32_t b) const {
-        for (std::size_t n = 1; n < vertices.size(); ++n) {
-            if ((vertices[n - 1] == a && vertices[n] == b) || (vertices[n - 1] == b && vertices[n] == a))
-                return true;
-        }
-        return false;
     }
 };
 
@@ -62,8 +58,10 @@ struct Sheet {
             return std::find(facet.begin(), facet.end(), v) != facet.end();
         });
     }
-    bool has_edge(std::uint32_t a, std::uint32_t b) const {
-        return std::any_of(facets.begin(), facets.end(), [&](const auto& facet) {
+    bool has_edge(std::uint32_t a, std::uint32_t b) const { return facets_at(a, b) > 0; }
+    bool has_on_rim(std::uint32_t a, std::uint32_t b) const { return facets_at(a, b) == 1; }
+    std::ptrdiff_t facets_at(std::uint32_t a, std::uint32_t b) const {
+        return std::count_if(facets.begin(), facets.end(), [&](const auto& facet) {
             return std::find(facet.begin(), facet.end(), a) != facet.end() &&
                    std::find(facet.begin(), facet.end(), b) != facet.end();
         });
@@ -217,6 +215,7 @@ class SheetSearch {
 
     std::vector<Sheet> run() {
         std::vector<Sheet> found;
+        std::set<std::vector<std::array<std::uint32_t, 3>>> seen;
         std::priority_queue<Sheet, std::vector<Sheet>, Dearer> waiting;
         waiting.push({{}, chain_.vertices, 0, 0});
         for (std::size_t n = 0; n < most_looked_at && !waiting.empty() && found.size() < most_sheets; ++n) {
@@ -224,14 +223,19 @@ class SheetSearch {
             waiting.pop();
             const std::size_t open = first_off_surface(sheet);
             if (open + 1 == sheet.path.size()) {
-                const auto same = [&](const Sheet& other) { return other.facets == sheet.facets; };
-                if (std::none_of(found.begin(), found.end(), same)) found.push_back(std::move(sheet));
+                found.push_back(std::move(sheet));
                 continue;
             }
             if (sheet.facets.size() == most_facets + chain_.vertices.size() || !bench_.ring.closed) continue;
+            const auto push = [&](std::optional<Sheet> more) {
+                if (more && seen.insert(more->facets).second) waiting.push(std::move(*more));
+            };
             const std::vector<std::uint32_t> ring = bench_.ring.ring;
-            for (const std::uint32_t w : ring) {
-                if (std::optional<Sheet> more = grown(sheet, open, w)) waiting.push(std::move(*more));
+            for (const std::uint32_t w : ring) push(grown(sheet, open, w));
+            // Elsewhere facets between two edges of the path alone: they may be all that the others wait for.
+            for (std::size_t k = open + 1; k + 2 < sheet.path.size(); ++k) {
+                if (is_facet(sheet.path[k], sheet.path[k + 1], sheet.path[k + 2]))
+                    push(grown(sheet, k, sheet.path[k + 2]));
             }
         }
         return found;
@@ -274,6 +278,11 @@ class SheetSearch {
         return more;
     }
 
+    bool is_facet(std::uint32_t u, std::uint32_t v, std::uint32_t w) {
+        return sides_.find_ring(u, v) &&
+               std::find(bench_.ring.ring.begin(), bench_.ring.ring.end(), w) != bench_.ring.ring.end();
+    }
+
     bool may_be_within(std::uint32_t v) { return chain_.has(v) || !bench_.mesh.vertex_on_interface(v); }
 
     double price(std::uint32_t u, std::uint32_t v, std::uint32_t w) {
@@ -302,15 +311,16 @@ class SheetSearch {
 // Thickens a sheet. What is done to the mesh is the caller's to take back where that fails.
 class Thickening {
   public:
-    // `wide`: as far as to all vertices of the surface beside the sheet; else to those alone that edges of
-    // the surface join to all that a cell has of the sheet.
+    // `own`: the region in which the chain lies. `wide`: as far as to all vertices of the surface beside the
+    // sheet; else to those alone that edges of the surface join to all that a cell has of the sheet.
     Thickening(Workbench& bench, const ContourOwners& owners, const Chain& chain, const Sheet& sheet,
-               bool side, bool wide)
+               Region own, bool wide)
         : bench_(bench),
           owners_(owners),
           chain_(chain),
           sheet_(sheet),
-          side_(side),
+          own_(own),
+          side_(bench.table->contains(own, chain.structure)),
           wide_(wide),
           sides_(bench),
           on_sheet_(sheet.vertices()),
@@ -345,17 +355,28 @@ class Thickening {
         std::array<Vec3, 4> corners;
     };
 
+    // A piece of the structure on the sheet's rim: of the chain, or of a contour that the surface has
+    // already.
+    bool is_rim_piece(std::uint32_t a, std::uint32_t b) const {
+        const auto pieces = owners_.pieces_at(a);
+        const ContourOwners::Piece piece{b, chain_.structure};
+        return sheet_.has_on_rim(a, b) && std::find(pieces.begin(), pieces.end(), piece) != pieces.end();
+    }
+
+    // Those of other regions stay, for the sake of the surfaces of other structures.
+    bool may_go(std::uint32_t c) const { return bench_.mesh.region(c) == own_; }
+
     bool is_on(std::uint32_t v) const { return std::binary_search(on_sheet_.begin(), on_sheet_.end(), v); }
 
-    // Those on the chain's side with an edge of the sheet that is no piece, and their edges that leave it.
+    // Those that may go with an edge of the sheet that is no piece of its rim, and their edges that leave it.
     void find_cells() {
         std::vector<std::uint32_t> cells;
         for (const auto& facet : sheet_.facets) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t a = facet[k], b = facet[(k + 1) % 3];
-                if (chain_.has_piece(a, b) || !sides_.find_ring(a, b)) continue;
+                if (is_rim_piece(a, b) || !sides_.find_ring(a, b)) continue;
                 std::copy_if(bench_.ring.cells.begin(), bench_.ring.cells.end(), std::back_inserter(cells),
-                             [&](std::uint32_t c) { return sides_.has(c, chain_.structure) == side_; });
+                             [&](std::uint32_t c) { return may_go(c); });
             }
         }
         sort_distinct(cells);
@@ -413,14 +434,14 @@ class Thickening {
         for (const std::uint32_t v : look) {
             bench_.mesh.star(v, bench_.star);
             for (const std::uint32_t c : bench_.star) {
-                if (sides_.has(c, chain_.structure) == side_ && lies_between_cuts(c)) given.push_back(c);
+                if (may_go(c) && lies_between_cuts(c)) given.push_back(c);
             }
         }
         sort_distinct(given);
         return given;
     }
 
-    // Where what is given parts the cells left on the chain's side at a vertex of the sheet - on its rim,
+    // Where what is given parts the cells left of the chain's region at a vertex of the sheet - on its rim,
     // between cells that have no edge of it -, one part stays there; near the vertex the others are given
     // too. False where a cell would not be positive.
     bool leave_one_part(std::vector<std::uint32_t>& given, Region to, double thickness) {
@@ -473,11 +494,11 @@ class Thickening {
         return {fixed, cells.size()};
     }
 
-    // The cells on the chain's side at a vertex, in parts that facets join.
+    // The cells at a vertex that may go, in parts that facets join.
     std::vector<std::vector<std::uint32_t>> parts_at(std::uint32_t v) {
         bench_.mesh.star(v, bench_.star);
         std::vector<std::uint32_t> left = bench_.star;
-        std::erase_if(left, [&](std::uint32_t c) { return sides_.has(c, chain_.structure) != side_; });
+        std::erase_if(left, [&](std::uint32_t c) { return !may_go(c); });
         std::vector<std::vector<std::uint32_t>> parts;
         while (!left.empty()) {
             std::vector<std::uint32_t> part{left.back()};
@@ -558,6 +579,7 @@ class Thickening {
     const ContourOwners& owners_;
     const Chain& chain_;
     const Sheet& sheet_;
+    Region own_;
     bool side_, wide_;
     SidesAt sides_;
     std::vector<std::uint32_t> on_sheet_, beside_;           // vertices
@@ -568,8 +590,14 @@ class Thickening {
 
 class Bringer {
   public:
-    Bringer(Workbench& bench, const DrawnSlices& drawn, double least_sine, const ImproveCells& improve)
-        : bench_(bench), owners_(*drawn.owners), sides_(bench), least_sine_(least_sine), improve_(improve) {
+    Bringer(Workbench& bench, const DrawnSlices& drawn, double least_sine, double most_more,
+            const ImproveCells& improve)
+        : bench_(bench),
+          owners_(*drawn.owners),
+          sides_(bench),
+          most_more_share_(most_more),
+          least_sine_(least_sine),
+          improve_(improve) {
         if (!drawn.planes.empty()) areas_.emplace(bench, drawn);
     }
 
@@ -582,6 +610,9 @@ class Bringer {
         if (chains.empty()) return stats;
         std::vector<std::uint32_t> all(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
+        std::erase_if(all,
+                      [&](std::uint32_t c) { return !bench_.mesh.alive(c) || bench_.mesh.region(c) == 0; });
+        most_more_ = static_cast<std::size_t>(most_more_share_ * static_cast<double>(all.size()));
         above_bound_ = those_above_bound(std::move(all));
         for (int round = 0; round < rounds && !chains.empty(); ++round) {
             const std::size_t before = chains.size();
@@ -599,28 +630,42 @@ class Bringer {
     enum class Outcome { done, unsound, bad_cut, bad_cells };
 
     bool bring(const Chain& chain) {
-        for (std::size_t n = 1; n < chain.vertices.size(); ++n) {
+        for (std::size_t n = chain.vertices.size() - 1; n > 0; --n) {
             if (!sides_.beside_surface(chain.vertices[n - 1], chain.vertices[n], chain.structure))
                 return false;
         }
-        const bool side = sides_.has(bench_.ring.cells.front(), chain.structure);
-        const std::size_t improved_before = improved_;
-        for (const Sheet& sheet : SheetSearch(bench_, chain, side).run()) {
+        // The ring is now that of the first piece.
+        const Region own = bench_.mesh.region(bench_.ring.cells.front());
+        const std::vector<Sheet> sheets =
+            SheetSearch(bench_, chain, bench_.table->contains(own, chain.structure)).run();
+        least_more_ = no_limit;
+        if (try_all(chain, sheets, own, 0)) return true;
+        for (std::size_t most = least_more_; most <= most_more_; most *= 2) {
+            if (try_all(chain, sheets, own, most)) return true;
+        }
+        return false;
+    }
+
+    // `most_more`: cells above the first bound that may come of it where cells are parted.
+    bool try_all(const Chain& chain, const std::vector<Sheet>& sheets, Region own, std::size_t most_more) {
+        const std::size_t improved_before = improved_,
+                          most_here = most_more_ > 0 ? most_improved_at_last : most_improved;
+        for (const Sheet& sheet : sheets) {
             for (const bool wide : {true, false}) {
                 for (const double thickness : thicknesses) {
-                    const Outcome outcome =
-                        attempt(chain, Thickening(bench_, owners_, chain, sheet, side, wide), thickness);
+                    const Outcome outcome = attempt(
+                        chain, Thickening(bench_, owners_, chain, sheet, own, wide), thickness, most_more);
                     if (outcome == Outcome::done) return true;
                     if (outcome == Outcome::unsound) break;
                     improved_ += outcome == Outcome::bad_cells;
                 }
             }
-            if (improved_ - improved_before >= most_improved || improved_ >= most_improved_in_all) break;
+            if (improved_ - improved_before >= most_here || improved_ >= most_improved_in_all) break;
         }
         return false;
     }
 
-    Outcome attempt(const Chain& chain, Thickening thickening, double thickness) {
+    Outcome attempt(const Chain& chain, Thickening thickening, double thickness, std::size_t most_more) {
         const DihedralStats stats = bench_.stats;
         bench_.mesh.begin_attempt();
         const bool sound = thickening.run(thickness, areas_ ? &*areas_ : nullptr);
@@ -640,10 +685,14 @@ class Bringer {
         above_bound.insert(above_bound.end(), changed.begin(), changed.end());
         sort_distinct(above_bound);
         above_bound = those_above_bound(std::move(above_bound));
-        const bool good = sides_.on_surface(chain) &&
-                          (!thickening.parts_cells || above_bound.size() <= above_bound_.size()) &&
-                          std::all_of(changed.begin(), changed.end(),
-                                      [&](std::uint32_t c) { return is_good(c) && is_near(c); });
+        const std::size_t more = above_bound.size() - std::min(above_bound.size(), above_bound_.size());
+        bool good = sides_.on_surface(chain) &&
+                    std::all_of(changed.begin(), changed.end(),
+                                [&](std::uint32_t c) { return is_good(c) && is_near(c); });
+        if (good && thickening.parts_cells) {
+            least_more_ = std::min(least_more_, more);
+            good = more <= most_more;
+        }
         bench_.mesh.end_attempt(good);
         if (good) {
             above_bound_ = std::move(above_bound);
@@ -702,6 +751,9 @@ class Bringer {
     SidesAt sides_;
     std::optional<SectionAreas> areas_;
     std::size_t improved_ = 0;                // in vain
+    double most_more_share_;
+    std::size_t most_more_ = 0;               // cells above the first bound that a chain may cost
+    std::size_t least_more_ = no_limit;       // that it did
     std::vector<std::uint32_t> above_bound_;  // cells inside; rising
     std::vector<std::uint32_t> changed_;      // cells, for the chains that were brought
     double least_sine_;
@@ -710,10 +762,10 @@ class Bringer {
 
 }  // namespace
 
-BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine, double most_more,
                           const ImproveCells& improve) {
     if (!drawn.table || !drawn.owners || drawn.pieces_beside.empty()) return {};
-    return Bringer(bench, drawn, least_sine, improve).run(drawn.pieces_beside);
+    return Bringer(bench, drawn, least_sine, most_more, improve).run(drawn.pieces_beside);
 }
 
 }  // namespace anatomesh

@@ -23,18 +23,20 @@ using ImproveCells = std::function<std::vector<std::uint32_t>(std::vector<std::u
 // the least area, more where the field has the side that the pieces are on. The sheet is thickened: the edges
 // that lead off it are cut, and what lies between the cuts goes to the other side, a regular neighbourhood of
 // the sheet (Rourke and Sanderson, Introduction to Piecewise-Linear Topology, 1972, chapter 3) but for the
-// cells that have nothing of it but pieces: these are on its surface. Where it parts the cells of its side at
-// a vertex - one of the surface, on its rim -, those of one part go to the other side near that vertex too.
+// cells that have nothing of it but pieces on its rim - these are on its surface - and those of other regions
+// than the chain's, which other structures' surfaces need. Where it parts the cells of its region at a
+// vertex - one of the surface, on its rim -, those of one part go to the other side near that vertex too.
 // Then `improve` works on the shapes. All of it is taken back if a surface, of a structure or a region, is
 // not one disc at each vertex concerned and of the same Euler characteristic, if a contour vertex or piece
 // leaves the surface of its structure, if a cut of a stack gets worse, if an interface there is farther than
 // the workbench's `apex_mm` from the field's, or if a cell changed inside has an angle whose sine is below
-// `least_sine` or a ratio above the workbench's last bound; where cells were parted, also if more have one
-// above its first bound than before. Pieces that were brought are fixed and kept
+// `least_sine` or a ratio above the workbench's last bound; where cells were parted, also if those above its
+// first bound become more by over `most_more` of the cells inside: ways at no such price are tried first, and
+// cheap ones before dear ones. Pieces that were brought are fixed and kept
 // no more (workbench.h); `improve` may put vertices on them.
 // Guarantees: all cells positive (checked exactly); no vertex moves but by `improve`. Same result every time.
 // Complexity: O(cells + pieces), and 10 to 100 ms for each that is off its surface. Errors: none.
-BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine, double most_more,
                           const ImproveCells& improve);
 
 }  // namespace anatomesh

@@ -18,7 +18,9 @@ namespace {
 
 using Piece = std::array<std::uint32_t, 3>;
 
-constexpr double any_shape = 1e-4;
+constexpr double any_shape = 1e-4, any_ratio = 1000;
+constexpr double least_within = 0.8;
+constexpr double least_brought = 0.95;  // share, where sheets may be in each other's way
 
 // What a test does with the cells that a sheet changed; returns those that it made.
 using Improver =
@@ -32,6 +34,7 @@ struct Bricks {
     std::vector<Vec3> grid;
     std::vector<Piece> pieces;
     std::vector<std::array<std::uint32_t, 2>> owned;
+    double max_radius_edge = any_ratio, most_more_share = 0;  // as bring_segments() has them
 
     explicit Bricks(const std::function<bool(Vec3)>& inside, double shaken = 0, unsigned seed = 1) {
         std::mt19937 random(seed);
@@ -54,12 +57,14 @@ struct Bricks {
           neighbors(cell_neighbors(mesh.cells, mesh.points.size())),
           grid(mesh.points) {}
 
-    // With both ends on the surface, and cells on one side of it alone.
+    bool inside(std::size_t c) const { return table.contains(mesh.regions[c], 0); }
+
+    // With both ends on the first structure's surface, and cells on one side of it alone.
     std::vector<std::array<std::uint32_t, 2>> edges_beside_surface() const {
         std::vector<std::array<std::uint32_t, 2>> edges[2];
         std::vector<std::uint32_t> vertices[2];
         for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-            const auto side = static_cast<std::size_t>(mesh.regions[c] != 0);
+            const auto side = static_cast<std::size_t>(inside(c));
             const Cell& cell = mesh.cells[c];
             vertices[side].insert(vertices[side].end(), cell.begin(), cell.end());
             for (const auto& [i, j] : cell_edges)
@@ -82,6 +87,60 @@ struct Bricks {
         return beside;
     }
 
+    bool has_facet(const std::array<std::uint32_t, 3>& facet) const {
+        return std::any_of(mesh.cells.begin(), mesh.cells.end(), [&](const Cell& cell) {
+            return std::all_of(facet.begin(), facet.end(), [&](std::uint32_t v) {
+                return std::find(cell.begin(), cell.end(), v) != cell.end();
+            });
+        });
+    }
+
+    // Whether all cells at a vertex are on this side of the first structure.
+    bool lies(bool in, std::uint32_t v) const {
+        for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+            const Cell& cell = mesh.cells[c];
+            if (inside(c) != in && std::find(cell.begin(), cell.end(), v) != cell.end()) return false;
+        }
+        return true;
+    }
+
+    // By edges of the first structure's surface.
+    std::vector<std::uint32_t> joined_on_surface(std::uint32_t v) const {
+        std::vector<std::uint32_t> joined;
+        for (const Triangle& facet : structure_surface(mesh, table, 0)) {
+            if (std::find(facet.begin(), facet.end(), v) != facet.end())
+                joined.insert(joined.end(), facet.begin(), facet.end());
+        }
+        sort_distinct(joined);
+        std::erase(joined, v);
+        return joined;
+    }
+
+    // Puts a vertex in the middle of a facet, whose two cells become six.
+    std::uint32_t split_facet(const std::array<std::uint32_t, 3>& facet) {
+        const auto middle = static_cast<std::uint32_t>(mesh.points.size());
+        Vec3 p{};
+        for (const std::uint32_t v : facet) p = p + (1.0 / 3) * mesh.points[v];
+        mesh.points.push_back(p);
+        grid.push_back(p);
+        const std::size_t count = mesh.cells.size();
+        for (std::size_t c = 0; c < count; ++c) {
+            const Cell cell = mesh.cells[c];
+            const auto has = [&](std::uint32_t v) {
+                return std::find(cell.begin(), cell.end(), v) != cell.end();
+            };
+            if (!std::all_of(facet.begin(), facet.end(), has)) continue;
+            std::replace(mesh.cells[c].begin(), mesh.cells[c].end(), facet[0], middle);
+            for (const std::uint32_t v : {facet[1], facet[2]}) {
+                mesh.cells.push_back(cell);
+                std::replace(mesh.cells.back().begin(), mesh.cells.back().end(), v, middle);
+                mesh.regions.push_back(mesh.regions[c]);
+            }
+        }
+        neighbors = cell_neighbors(mesh.cells, mesh.points.size());
+        return middle;
+    }
+
     void draw(const std::vector<Vec3>& line) {
         std::vector<std::uint32_t> vertices;
         for (const Vec3 p : line)
@@ -97,10 +156,13 @@ struct Bricks {
         const Improver& improve = [](Workbench&, const auto&) { return std::vector<std::uint32_t>{}; }) {
         const ContourOwners owners(owned, mesh.points.size(), pieces);
         std::vector<std::uint8_t> fixed(mesh.points.size(), 1);
-        const fixtures::AnalyticField field({[](Vec3) { return 1.0; }}, 10);
+        const fixtures::AnalyticField field({2, [](Vec3) { return 1.0; }}, 10);
         EditMesh edited(std::move(mesh), neighbors);
         DihedralOptions options;
-        if (least_sine == any_shape) options.max_radius_edge = options.last_radius_edge = 1000;
+        if (least_sine == any_shape) {
+            options.max_radius_edge = max_radius_edge;
+            options.last_radius_edge = any_ratio;
+        }
         Workbench bench(edited, fixed, {}, field, 1, options);
         bench.table = &table;
         DrawnSlices drawn;
@@ -108,7 +170,7 @@ struct Bricks {
         drawn.owners = &owners;
         drawn.pieces_beside = pieces;
         const BringStats stats =
-            bring_segments(bench, drawn, least_sine,
+            bring_segments(bench, drawn, least_sine, most_more_share,
                            [&](const std::vector<std::uint32_t>& cells) { return improve(bench, cells); });
         mesh = std::move(edited).take(neighbors);
         return stats;
@@ -121,7 +183,7 @@ struct Bricks {
             const auto has = [&](std::uint32_t v) {
                 return std::find(cell.begin(), cell.end(), v) != cell.end();
             };
-            if (has(piece[0]) && has(piece[1])) (mesh.regions[c] ? in : out) = true;
+            if (has(piece[0]) && has(piece[1])) (inside(c) ? in : out) = true;
         }
         return in && out;
     }
@@ -134,18 +196,30 @@ bool beside_trench(Vec3 p) {
     return p.x > 1 && p.x < 7 && p.y > 1 && p.y < 7 && p.z > 1 && p.z < 5 && !(p.x > 2 && p.x < 5 && p.z > 2);
 }
 
-void expect_brought(Bricks& bricks) {
+// Whether all pieces were brought that were off the surface; the others stay, and the surfaces are what they
+// were.
+bool brings_all(Bricks& bricks, std::uint32_t structures = 1) {
     const TetMesh before = bricks.mesh;
-    for (const Piece& piece : bricks.pieces) ASSERT_FALSE(bricks.on_surface(piece));
+    const auto off_surface = [&] {
+        return static_cast<std::size_t>(
+            std::count_if(bricks.pieces.begin(), bricks.pieces.end(),
+                          [&](const Piece& piece) { return !bricks.on_surface(piece); }));
+    };
+    const std::size_t off_before = off_surface();
     const BringStats stats = bricks.bring();
-    EXPECT_EQ(stats.found, bricks.pieces.size());
-    EXPECT_EQ(stats.brought, bricks.pieces.size());
-    for (const Piece& piece : bricks.pieces) EXPECT_TRUE(bricks.on_surface(piece));
+    EXPECT_EQ(stats.found, off_before);
+    EXPECT_EQ(off_surface(), stats.found - stats.brought);
     EXPECT_TRUE(std::equal(before.points.begin(), before.points.end(), bricks.mesh.points.begin()));
     EXPECT_EQ(bricks.neighbors, cell_neighbors(bricks.mesh.cells, bricks.mesh.points.size()));
     fixtures::expect_sound_mesh(bricks.mesh, before);
-    fixtures::expect_same_surfaces(bricks.mesh, before, bricks.table, 1);
+    fixtures::expect_same_surfaces(bricks.mesh, before, bricks.table, structures);
     fixtures::expect_sound_regions(bricks.mesh, bricks.table);
+    return stats.brought == off_before;
+}
+
+void expect_brought(Bricks& bricks) {
+    for (const Piece& piece : bricks.pieces) ASSERT_FALSE(bricks.on_surface(piece));
+    EXPECT_TRUE(brings_all(bricks));
 }
 
 // An edge across the corner of a block, within it.
@@ -259,12 +333,17 @@ TEST(BringSegments, a_piece_on_the_surface_stays_as_it_is) {
     EXPECT_EQ(bricks.mesh.regions, before.regions);
 }
 
+// Of random cells.
+Bricks random_ball(std::uint32_t seed) {
+    return Bricks(
+        fixtures::random_case("ball", fixtures::AnalyticField({fixtures::ball({}, 7)}, 9), 1, seed));
+}
+
 // The sheets bend along a surface of random facets: at a vertex of it they part the cells on their side.
 TEST(BringSegments, an_edge_from_surface_to_surface_is_brought_whatever_cells_there_are) {
     constexpr std::size_t every = 10;
     for (std::uint32_t seed = 1; seed <= 2; ++seed) {
-        const Bricks ball(
-            fixtures::random_case("ball", fixtures::AnalyticField({fixtures::ball({}, 7)}, 9), 1, seed));
+        const Bricks ball = random_ball(seed);
         const auto edges = ball.edges_beside_surface();
         ASSERT_GT(edges.size(), 500u);
         for (std::size_t n = every / 2; n < edges.size(); n += every) {
@@ -274,6 +353,97 @@ TEST(BringSegments, an_edge_from_surface_to_surface_is_brought_whatever_cells_th
             expect_brought(bricks);
         }
     }
+}
+
+// In the facet between a piece and two edges of the surface there is a vertex, and one nearer to the piece:
+// the sheet has both within it, unless another one is smaller.
+TEST(BringSegments, a_sheet_has_vertices_within_it) {
+    constexpr std::size_t every = 3;
+    const Bricks ball = random_ball(1);
+    const auto edges = ball.edges_beside_surface();
+    std::size_t within = 0, tried = 0;
+    for (std::size_t n = every / 2; n < edges.size(); n += every) {
+        const auto [a, b] = edges[n];
+        const std::vector<std::uint32_t> at_a = ball.joined_on_surface(a), at_b = ball.joined_on_surface(b);
+        std::vector<std::uint32_t> both;
+        std::set_intersection(at_a.begin(), at_a.end(), at_b.begin(), at_b.end(), std::back_inserter(both));
+        std::erase_if(both, [&](std::uint32_t c) { return !ball.has_facet({a, b, c}); });
+        if (both.size() != 1) continue;
+        SCOPED_TRACE(n);
+        Bricks bricks = ball;
+        const std::uint32_t middle = bricks.split_facet({a, b, both.front()});
+        const std::uint32_t nearer = bricks.split_facet({a, b, middle});
+        const bool side = bricks.lies(true, middle);
+        bricks.draw({ball.grid[a], ball.grid[b]});
+        expect_brought(bricks);
+        within += bricks.lies(!side, middle) && bricks.lies(!side, nearer);
+        ++tried;
+    }
+    EXPECT_GT(tried, 20u);
+    EXPECT_GE(within, least_within * tried);
+}
+
+// Cells above the first bound may be the price where cells are parted.
+TEST(BringSegments, a_piece_that_parts_cells_costs_as_many_above_the_bound_as_it_may) {
+    constexpr std::size_t every = 10;
+    const Bricks ball = random_ball(1);
+    const auto edges = ball.edges_beside_surface();
+    std::array<std::size_t, 3> brought{};
+    constexpr std::array shares{0.0, 0.005, 1.0};
+    std::size_t tried = 0;
+    for (std::size_t n = every / 2; n < edges.size(); n += every, ++tried) {
+        for (std::size_t k = 0; k < shares.size(); ++k) {
+            Bricks bricks = ball;
+            bricks.max_radius_edge = 2;
+            bricks.most_more_share = shares[k];
+            bricks.draw({ball.grid[edges[n][0]], ball.grid[edges[n][1]]});
+            brought[k] += bricks.bring().brought;
+        }
+    }
+    EXPECT_LT(brought[0], brought[1]);
+    EXPECT_LT(brought[1], brought[2]);
+    EXPECT_EQ(brought[2], tried);
+}
+
+// Whatever way its sheet goes, it leaves one end of the piece along the next piece.
+TEST(BringSegments, a_sheet_has_the_next_piece_of_the_contour_on_its_rim) {
+    constexpr std::size_t every = 10;
+    const Bricks ball = random_ball(1);
+    const auto edges = ball.edges_beside_surface();
+    std::size_t brought = 0, tried = 0;
+    for (std::size_t n = every / 2; n < edges.size(); n += every) {
+        SCOPED_TRACE(n);
+        Bricks bricks = ball;
+        const auto [a, b] = edges[n];
+        bricks.draw({ball.grid[a], ball.grid[b]});
+        for (const std::uint32_t w : bricks.joined_on_surface(a)) bricks.draw({ball.grid[a], ball.grid[w]});
+        brought += brings_all(bricks);
+        ++tried;
+    }
+    EXPECT_GE(brought, least_brought * tried);
+}
+
+// Two structures that touch or overlap: the sheet takes nothing from the other.
+TEST(BringSegments, a_piece_beside_another_structure_is_brought) {
+    constexpr std::size_t every = 10;
+    std::size_t brought = 0, tried = 0;
+    for (const bool overlap : {false, true}) {
+        const double x = overlap ? 2 : 3.5;
+        const Bricks balls(fixtures::random_case(
+            "balls",
+            fixtures::AnalyticField({fixtures::ball({-x, 0, 0}, 6), fixtures::ball({x, 0, 0}, 6)}, 9,
+                                    !overlap),
+            2, 1));
+        const auto edges = balls.edges_beside_surface();
+        for (std::size_t n = every / 2; n < edges.size(); n += every) {
+            SCOPED_TRACE(n);
+            Bricks bricks = balls;
+            bricks.draw({balls.grid[edges[n][0]], balls.grid[edges[n][1]]});
+            brought += brings_all(bricks, 2);
+            ++tried;
+        }
+    }
+    EXPECT_GE(brought, least_brought * tried);
 }
 
 }  // namespace

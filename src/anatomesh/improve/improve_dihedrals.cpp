@@ -29,6 +29,7 @@ constexpr double margin_degrees = 3;  // how far above the target operations aim
 
 constexpr double listed_degrees = 10;  // an angle below it is a blemish: worth ratios above the bound
 constexpr int radius_edge_steps = 3;   // from the bound to the last one
+constexpr double most_for_segment = 1e-5;  // a share of the cells inside, to be above the bound for its sake
 constexpr std::size_t few_high = 2000;  // one cell in so many may be above it to be worked on
 constexpr std::size_t worth_a_pass = 20;  // another one: one cell in so many lowered
 
@@ -66,7 +67,7 @@ class Climber {
         for (const auto& [a, b, structure] : drawn_.pieces_beside) bench_.keep_edge(a, b);
         drop_ears(context.threads);
         lower_far_apexes(context.threads);
-        bring_pieces(listed_degrees);
+        bring_pieces(listed_degrees, 0);
         all.resize(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
         collect(std::move(all), context.threads);
@@ -101,7 +102,7 @@ class Climber {
         collect(watched_, context.threads);
         const double least = worst_degrees();
         queue_ = {};
-        bring_pieces(std::max(least, listed_degrees));
+        bring_pieces(std::max(least, listed_degrees), most_for_segment);
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
@@ -200,11 +201,11 @@ class Climber {
 
     // Pieces of contour segments that lie beside their structure's surface; those found at first are kept, so
     // that those which could not be brought may be when the cells are better.
-    void bring_pieces(double least_degrees) {
+    void bring_pieces(double least_degrees, double most_more_above_bound) {
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
-        const BringStats brought =
-            bring_segments(bench_, drawn_, std::sin(least_degrees * radians_per_degree),
-                           [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); });
+        const BringStats brought = bring_segments(
+            bench_, drawn_, std::sin(least_degrees * radians_per_degree), most_more_above_bound,
+            [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); });
         bench_.stats.pieces_found = std::max(bench_.stats.pieces_found, brought.found);
         bench_.stats.pieces_brought += brought.brought;
         watched_ = std::move(watched);
