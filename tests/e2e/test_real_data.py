@@ -29,7 +29,7 @@ class Pelvis(harness.JudgedTestCase):
     def test_contour_list(self):
         self.judged(harness.data("contours", "pelvis_ct_labels_3mm.csl"), "--frame", "RAS")
         missed, total = missed_segments(self.folder)
-        self.assertLess(missed, 5)
+        self.assertEqual(missed, 0)
         self.assertGreater(total, 29000)
 
 
@@ -40,7 +40,7 @@ class FetalBrain(harness.JudgedTestCase):
         self.judged(harness.data("contours", "fetal_brain_mr_3orient_aligned.csl"), "--frame", "RAS")
         missed, total = missed_segments(self.folder)
         self.assertGreater(total, 13000)
-        self.assertLess(missed, 10)
+        self.assertEqual(missed, 0)
         # Drawn apart by up to 36 mm, they agree to the last bit when they have been moved.
         report = json.loads((self.folder / "model.report.json").read_text())
         self.assertGreater(report["crossing_slices"]["difference_mm"], 5000)
@@ -72,6 +72,9 @@ class BodyLabels(harness.JudgedTestCase):
 
     def test_body_of_a_computed_tomography(self):
         self.judged(harness.data("body_ct_mr_labels", "example_seg_fast_force_split.nii.gz"))
+        missed, total = missed_segments(self.folder)
+        self.assertGreater(total, 60_000)
+        self.assertEqual(missed, 0)
 
     def test_labels_cut_by_the_image_border_keep_their_long_segments(self):
         # Along the border segments are many edges long; vertices once came so near to them that 184 were lost.

@@ -17,8 +17,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::array<double, 5> least_shapes{0.99, 0.8, 0.6, 0.4, 0.2};  // of cells, as in recover/cavity.h
-constexpr int splits_of_the_last = 5;         // of pieces that nothing else recovers
+constexpr std::array<double, 6> least_shapes{0.99, 0.8, 0.6, 0.4, 0.2, 0.1};  // of cells, as in cavity.h
+constexpr double worth_splits = 0.2;          // from there on pieces are split that nothing else recovers,
+constexpr int most_splits = 5;                // each so often
+constexpr double worth_any_shape = 2e-4;      // of the pieces, if no more are missing: the last of the shapes
 constexpr double most_more_forced = 0.03;     // a share of the cells inside
 constexpr double most_more_far_above = 1.5e-4;  // a share of the cells inside
 constexpr double side_shape = 0.5;            // of the cells at points beside pieces
@@ -61,11 +63,14 @@ void RecoveredPieces::run(std::vector<std::uint32_t>& unsound, RelabelStats& rel
 void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& context) {
     const BadShares bad_before = shares_of_bad(context.threads);
     for (std::size_t n = 0; n < least_shapes.size() && stats_.missing_after > 0; ++n) {
+        if (n + 1 == least_shapes.size() && static_cast<double>(stats_.missing_after) >
+                                                worth_any_shape * static_cast<double>(drawn_.pieces.size()))
+            return;
         auto before = std::make_tuple(mesh_, neighbors_, drawn_.pieces, sides_);
         RecoverOptions options;
         options.least_shape = least_shapes[n];
         options.threads = context.threads;
-        options.most_splits = n + 1 == least_shapes.size() ? splits_of_the_last : 0;
+        options.most_splits = least_shapes[n] <= worth_splits ? most_splits : 0;
         const RecoverResult recovered =
             recover_pieces(mesh_, neighbors_, drawn_.pieces, drawn_.held, options);
         std::vector<std::uint32_t> here;
