@@ -640,10 +640,8 @@ class Bringer {
             SheetSearch(bench_, chain, bench_.table->contains(own, chain.structure)).run();
         least_more_ = no_limit;
         if (try_all(chain, sheets, own, 0)) return true;
-        for (std::size_t most = least_more_; most <= most_more_; most *= 2) {
-            if (try_all(chain, sheets, own, most)) return true;
-        }
-        return false;
+        const std::size_t least = least_more_;
+        return least <= most_more_ && try_all(chain, sheets, own, least);
     }
 
     // `most_more`: cells above the first bound that may come of it where cells are parted.

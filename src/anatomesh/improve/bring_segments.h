@@ -35,7 +35,8 @@ using ImproveCells = std::function<std::vector<std::uint32_t>(std::vector<std::u
 // cheap ones before dear ones. Pieces that were brought are fixed and kept
 // no more (workbench.h); `improve` may put vertices on them.
 // Guarantees: all cells positive (checked exactly); no vertex moves but by `improve`. Same result every time.
-// Complexity: O(cells + pieces), and 10 to 100 ms for each that is off its surface. Errors: none.
+// Complexity: O(cells + pieces), and for each chain of such pieces the shapes of the cells of a hundred
+// sheets at most: ms to seconds. Errors: none.
 BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine, double most_more,
                           const ImproveCells& improve);
 

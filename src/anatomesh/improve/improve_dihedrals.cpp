@@ -434,7 +434,8 @@ class Climber {
         for (int n = first; n < scouted_tries; ++n) {
             if (attempt(bench_, cell, n)) return true;
         }
-        if (give_cell(bench_, cell)) return true;
+        // One given to the outside would be counted no more, and leave a pit.
+        if (!bench_.lowers_ratios && give_cell(bench_, cell)) return true;
         for (int e = 0; e < 6; ++e) {
             if (collapse_edge(bench_, cell, e, true) || collapse_edge(bench_, cell, e, false)) return true;
         }

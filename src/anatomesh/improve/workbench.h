@@ -42,8 +42,7 @@ class Workbench {
     DihedralOptions options;
     DihedralStats stats;
     const RegionTable* table = nullptr;  // of the mesh's regions
-    const DrawnSlices* slices =
-        nullptr;  // if any: no operation makes the cuts by them less like what is drawn
+    const DrawnSlices* slices = nullptr;  // if any: no operation makes their cuts less like what is drawn
     // A copy of a bench that scouts leaves the mesh as it is: removals and moves say true where they may
     // succeed, false only where they would fail. Each thread may have one.
     bool scouts = false;
@@ -53,8 +52,9 @@ class Workbench {
     Proposal proposal;             // of scouts: the last change that would have been made
     bool moves_junctions = false;  // vertices where three or more regions meet may move
     bool lowers_ratios = false;    // operations are judged by the largest ratio, not by the least sine
-    double least_needed_sine = 0;  // of new cells, whatever was there; of those judged by ratio, or as before
-    double least_lowered_sine = 0, most_lowered_ratio = HUGE_VAL;  // of those judged by ratio, even then
+    // The least sine of new cells; of those judged by ratio also the least there was, if that is not below
+    // least_lowered_sine, and no ratio above most_lowered_ratio.
+    double least_needed_sine = 0, least_lowered_sine = 0, most_lowered_ratio = HUGE_VAL;
     double goal = 0;                     // sine that is good enough
     std::vector<std::uint32_t> changed;  // cells that the last operation made or reshaped
 
@@ -137,17 +137,17 @@ class Workbench {
 
     std::vector<std::uint8_t>& fixed_;
     std::span<const VertexPair> fixed_edges_;
-    std::vector<VertexPair> split_edges_;       // sorted: those that fixed edges were split into
-    std::vector<VertexPair> kept_edges_;        // sorted; all their ends are fixed
-    std::vector<VertexPair> points_of_slices_;  // sorted: points on such edges in a slice, and the slice
+    // Sorted: those that fixed edges were split into; those that stay, of which all ends are fixed; points on
+    // fixed edges in a slice, and the slice.
+    std::vector<VertexPair> split_edges_, kept_edges_, points_of_slices_;
 };
 
 // The other two corners of a cell's facet at a vertex, in the facet's order.
 std::array<std::uint32_t, 2> others_of_facet(const Cell& cell, int facet, std::uint32_t vertex);
 
 // The facets of the only surface at a vertex, seen from the region of the first cell of `bench.star`, which
-// is the vertex's star: of each the two other vertices, in the facet's order; the bench looks between the two
-// regions. False where three or more regions meet, or the mesh ends.
+// is the vertex's star: of each the two others, in its order; the bench looks between the two regions. False
+// where three or more regions meet, or the mesh ends.
 bool surface_facets_at(Workbench& bench, std::uint32_t vertex,
                        std::vector<std::array<std::uint32_t, 2>>& facets);
 
