@@ -188,6 +188,8 @@ class Climber {
         bench_.lowers_ratios = true;
         bench_.least_needed_sine = least_sine;
         for (std::size_t n = 0; n < high.size() && !context.cancelled(); ++n) {
+            gives_cells_ =
+                bench_.options.gives_for_ratio || is_above(bench_.options.last_radius_edge, high[n]);
             if (!is_high(high[n]) || !better(high[n], nullptr)) continue;
             ++lowered.changes;
             watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());
@@ -196,6 +198,7 @@ class Climber {
         bench_.lowers_ratios = false;
         bench_.least_needed_sine = 0;
         bench_.options.max_radius_edge = before;
+        gives_cells_ = true;
         return lowered;
     }
 
@@ -434,8 +437,7 @@ class Climber {
         for (int n = first; n < scouted_tries; ++n) {
             if (attempt(bench_, cell, n)) return true;
         }
-        // One given to the outside would be counted no more, and leave a pit.
-        if (!bench_.lowers_ratios && give_cell(bench_, cell)) return true;
+        if (gives_cells_ && give_cell(bench_, cell)) return true;
         for (int e = 0; e < 6; ++e) {
             if (collapse_edge(bench_, cell, e, true) || collapse_edge(bench_, cell, e, false)) return true;
         }
@@ -460,6 +462,7 @@ class Climber {
     const DrawnSlices& drawn_;
     double target_;
     bool thorough_ = false;  // the last climb
+    bool gives_cells_ = true;  // to the other side of an interface
     std::priority_queue<BadCell> queue_;
     std::vector<std::uint32_t> left_;
     std::vector<std::uint32_t> watched_;  // what may be bad in the end

@@ -492,6 +492,7 @@ class Builder {
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
         options.apex_mm = highest_apex * sample_->stats.size_mm;
+        options.gives_for_ratio = is_parallel(contours_);  // elsewhere pits come of it
         if (spared_) {
             options.target_degrees = dense_target_degrees;
             options.passes = 1;
