@@ -339,67 +339,67 @@ Bricks random_ball(std::uint32_t seed) {
         fixtures::random_case("ball", fixtures::AnalyticField({fixtures::ball({}, 7)}, 9), 1, seed));
 }
 
+// Calls `body` with a copy of the bricks and every n-th of their edges beside the surface; returns how many
+// there were.
+template <typename Body>
+std::size_t for_edges(const Bricks& bricks, std::size_t every, Body body) {
+    const auto edges = bricks.edges_beside_surface();
+    EXPECT_GT(edges.size(), 300u);
+    std::size_t count = 0;
+    for (std::size_t n = every / 2; n < edges.size(); n += every, ++count) {
+        SCOPED_TRACE(n);
+        body(Bricks(bricks), edges[n]);
+    }
+    return count;
+}
+
 // The sheets bend along a surface of random facets: at a vertex of it they part the cells on their side.
 TEST(BringSegments, an_edge_from_surface_to_surface_is_brought_whatever_cells_there_are) {
-    constexpr std::size_t every = 10;
     for (std::uint32_t seed = 1; seed <= 2; ++seed) {
-        const Bricks ball = random_ball(seed);
-        const auto edges = ball.edges_beside_surface();
-        ASSERT_GT(edges.size(), 500u);
-        for (std::size_t n = every / 2; n < edges.size(); n += every) {
-            SCOPED_TRACE(n);
-            Bricks bricks = ball;
-            bricks.draw({ball.grid[edges[n][0]], ball.grid[edges[n][1]]});
+        for_edges(random_ball(seed), 10, [](Bricks bricks, VertexPair edge) {
+            bricks.draw({bricks.grid[edge[0]], bricks.grid[edge[1]]});
             expect_brought(bricks);
-        }
+        });
     }
 }
 
 // In the facet between a piece and two edges of the surface there is a vertex, and one nearer to the piece:
 // the sheet has both within it, unless another one is smaller.
 TEST(BringSegments, a_sheet_has_vertices_within_it) {
-    constexpr std::size_t every = 3;
-    const Bricks ball = random_ball(1);
-    const auto edges = ball.edges_beside_surface();
     std::size_t within = 0, tried = 0;
-    for (std::size_t n = every / 2; n < edges.size(); n += every) {
-        const auto [a, b] = edges[n];
-        const std::vector<std::uint32_t> at_a = ball.joined_on_surface(a), at_b = ball.joined_on_surface(b);
+    for_edges(random_ball(1), 3, [&](Bricks bricks, VertexPair edge) {
+        const auto [a, b] = edge;
+        const std::vector<std::uint32_t> at_a = bricks.joined_on_surface(a),
+                                         at_b = bricks.joined_on_surface(b);
         std::vector<std::uint32_t> both;
         std::set_intersection(at_a.begin(), at_a.end(), at_b.begin(), at_b.end(), std::back_inserter(both));
-        std::erase_if(both, [&](std::uint32_t c) { return !ball.has_facet({a, b, c}); });
-        if (both.size() != 1) continue;
-        SCOPED_TRACE(n);
-        Bricks bricks = ball;
+        std::erase_if(both, [&](std::uint32_t c) { return !bricks.has_facet({a, b, c}); });
+        if (both.size() != 1) return;
         const std::uint32_t middle = bricks.split_facet({a, b, both.front()});
         const std::uint32_t nearer = bricks.split_facet({a, b, middle});
         const bool side = bricks.lies(true, middle);
-        bricks.draw({ball.grid[a], ball.grid[b]});
+        bricks.draw({bricks.grid[a], bricks.grid[b]});
         expect_brought(bricks);
         within += bricks.lies(!side, middle) && bricks.lies(!side, nearer);
         ++tried;
-    }
+    });
     EXPECT_GT(tried, 20u);
     EXPECT_GE(within, least_within * tried);
 }
 
 // Cells above the first bound may be the price where cells are parted.
 TEST(BringSegments, a_piece_that_parts_cells_costs_as_many_above_the_bound_as_it_may) {
-    constexpr std::size_t every = 10;
-    const Bricks ball = random_ball(1);
-    const auto edges = ball.edges_beside_surface();
-    std::array<std::size_t, 3> brought{};
     constexpr std::array shares{0.0, 0.005, 1.0};
-    std::size_t tried = 0;
-    for (std::size_t n = every / 2; n < edges.size(); n += every, ++tried) {
+    std::array<std::size_t, 3> brought{};
+    const std::size_t tried = for_edges(random_ball(1), 10, [&](const Bricks& ball, VertexPair edge) {
         for (std::size_t k = 0; k < shares.size(); ++k) {
             Bricks bricks = ball;
             bricks.max_radius_edge = 2;
             bricks.most_more_share = shares[k];
-            bricks.draw({ball.grid[edges[n][0]], ball.grid[edges[n][1]]});
+            bricks.draw({bricks.grid[edge[0]], bricks.grid[edge[1]]});
             brought[k] += bricks.bring().brought;
         }
-    }
+    });
     EXPECT_LT(brought[0], brought[1]);
     EXPECT_LT(brought[1], brought[2]);
     EXPECT_EQ(brought[2], tried);
@@ -407,41 +407,30 @@ TEST(BringSegments, a_piece_that_parts_cells_costs_as_many_above_the_bound_as_it
 
 // Whatever way its sheet goes, it leaves one end of the piece along the next piece.
 TEST(BringSegments, a_sheet_has_the_next_piece_of_the_contour_on_its_rim) {
-    constexpr std::size_t every = 10;
-    const Bricks ball = random_ball(1);
-    const auto edges = ball.edges_beside_surface();
-    std::size_t brought = 0, tried = 0;
-    for (std::size_t n = every / 2; n < edges.size(); n += every) {
-        SCOPED_TRACE(n);
-        Bricks bricks = ball;
-        const auto [a, b] = edges[n];
-        bricks.draw({ball.grid[a], ball.grid[b]});
-        for (const std::uint32_t w : bricks.joined_on_surface(a)) bricks.draw({ball.grid[a], ball.grid[w]});
+    std::size_t brought = 0;
+    const std::size_t tried = for_edges(random_ball(1), 10, [&](Bricks bricks, VertexPair edge) {
+        const auto [a, b] = edge;
+        bricks.draw({bricks.grid[a], bricks.grid[b]});
+        for (const std::uint32_t w : bricks.joined_on_surface(a)) {
+            bricks.draw({bricks.grid[a], bricks.grid[w]});
+        }
         brought += brings_all(bricks);
-        ++tried;
-    }
+    });
     EXPECT_GE(brought, least_brought * tried);
 }
 
 // Two structures that touch or overlap: the sheet takes nothing from the other.
 TEST(BringSegments, a_piece_beside_another_structure_is_brought) {
-    constexpr std::size_t every = 10;
     std::size_t brought = 0, tried = 0;
     for (const bool overlap : {false, true}) {
         const double x = overlap ? 2 : 3.5;
-        const Bricks balls(fixtures::random_case(
-            "balls",
-            fixtures::AnalyticField({fixtures::ball({-x, 0, 0}, 6), fixtures::ball({x, 0, 0}, 6)}, 9,
-                                    !overlap),
-            2, 1));
-        const auto edges = balls.edges_beside_surface();
-        for (std::size_t n = every / 2; n < edges.size(); n += every) {
-            SCOPED_TRACE(n);
-            Bricks bricks = balls;
-            bricks.draw({balls.grid[edges[n][0]], balls.grid[edges[n][1]]});
-            brought += brings_all(bricks, 2);
-            ++tried;
-        }
+        const fixtures::AnalyticField field({fixtures::ball({-x, 0, 0}, 6), fixtures::ball({x, 0, 0}, 6)}, 9,
+                                            !overlap);
+        tried += for_edges(Bricks(fixtures::random_case("balls", field, 2, 1)), 10,
+                           [&](Bricks bricks, VertexPair edge) {
+                               bricks.draw({bricks.grid[edge[0]], bricks.grid[edge[1]]});
+                               brought += brings_all(bricks, 2);
+                           });
     }
     EXPECT_GE(brought, least_brought * tried);
 }
