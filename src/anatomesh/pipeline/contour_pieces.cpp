@@ -1,7 +1,9 @@
 #include "anatomesh/pipeline/contour_pieces.h"
 
 #include <algorithm>
+#include <array>
 
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/refine/refine.h"
 
 namespace anatomesh {
@@ -14,6 +16,7 @@ constexpr std::size_t a_few = 8;  // so many may always be split further
 constexpr double free_share =
     0.25;  // of a piece that is split: no other contour vertex is this near to its middle
 constexpr double shortest_piece = 0.3;    // of a contour segment that is still split, in sizes
+constexpr double straight = 1e-18;        // squared sine of the angle between pieces of one segment
 constexpr double dense_free_share = 0.5;  // the whole ball of a piece that is split
 // Where more than a few are missing, as where planes cross: no other contour vertex, nor an end of the piece,
 // is this near to its middle, in sizes.
@@ -21,6 +24,13 @@ constexpr double piece_clearance = 0.05;
 constexpr double lone_room = 1.9;  // in shares as above: nearly the whole ball of the piece
 constexpr double crowded_room = 0.3;
 constexpr double shortest_graded = 0.01;  // as shortest_piece, where pieces were split beforehand
+
+bool goes_straight_on(const std::vector<Vec3>& points, std::uint32_t from, std::uint32_t at,
+                      std::uint32_t to) {
+    const Vec3 way = points[at] - points[from], next = points[to] - points[at];
+    return dot(way, next) > 0 &&
+           squared_length(cross(way, next)) <= straight * squared_length(way) * squared_length(next);
+}
 
 }  // namespace
 
@@ -52,7 +62,10 @@ ContourPieces::ContourPieces(LabelledMesh& mesh, SegmentGuard& guard, const Stru
       options_(options),
       pieces_(std::move(pieces)),
       acute_(acute_vertices(mesh.points(), pieces_)),
-      are_short_(options.conforming) {}
+      are_short_(options.conforming) {
+    // Contours that cross within a slice are split opposite each other instead.
+    if (options.conforming) find_apexes();
+}
 
 Status ContourPieces::grow(std::vector<Vec3> found, const std::vector<std::uint32_t>& balls,
                            RunContext& context, const SplitLimits& limits) {
@@ -84,7 +97,14 @@ void ContourPieces::keep_apart(std::vector<SegmentPiece>& split, std::vector<Seg
     for (const SegmentPiece& piece : split) {
         const bool shares_ball = !apart.empty() && apart.back().ball == piece.ball;
         const Vec3 point = *place_of_split(piece, limits);
-        if (!shares_ball && chosen.any_within(point, room_of(piece, limits))) {
+        const std::optional<Vec3> apex = apex_of(piece);
+        bool taken = false;
+        if (!shares_ball) {
+            chosen.for_each_within(point, room_of(piece, limits), [&](std::uint32_t n, double) {
+                taken = taken || !apex || !SegmentGuard::is_on_shell(chosen.point(n), point, *apex);
+            });
+        }
+        if (taken) {
             kept.push_back(piece);
             continue;
         }
@@ -106,11 +126,22 @@ void ContourPieces::add_halves(const std::vector<SegmentPiece>& split,
             const Vec3 middle = mesh_.points()[middles[k]];
             low = guard_.add_segment(mesh_.points()[piece.a], middle);
             high = guard_.add_segment(middle, mesh_.points()[piece.b]);
+            pass_apex_on(piece, low, high);
             vertices_.push_back(middles[k]);
         }
         pieces_.push_back({piece.a, middles[k], piece.structure, low});
         pieces_.push_back({middles[k], piece.b, piece.structure, high});
     }
+}
+
+// To the balls of its halves.
+void ContourPieces::pass_apex_on(const SegmentPiece& piece, std::uint32_t low, std::uint32_t high) {
+    if (apexes_.empty()) return;
+    apexes_.resize(high + 1, no_cell);
+    apexes_[low] = apexes_[high] = apexes_[piece.ball];
+    if (apexes_[piece.ball] != no_cell) return;
+    if (is_acute(piece.a)) apexes_[low] = piece.a;
+    if (is_acute(piece.b)) apexes_[high] = piece.b;
 }
 
 double ContourPieces::room_of(const SegmentPiece& piece, const SplitLimits& limits) const {
@@ -122,14 +153,66 @@ double ContourPieces::room_of(const SegmentPiece& piece, const SplitLimits& limi
 // Not where a contour runs close beside it, which would have to be split in its turn, and so on.
 bool ContourPieces::may_split(const SegmentPiece& piece, const SplitLimits& limits) const {
     const double span = length(mesh_.points()[piece.b] - mesh_.points()[piece.a]);
-    const Vec3 middle = 0.5 * (mesh_.points()[piece.a] + mesh_.points()[piece.b]);
-    return span > limits.shortest * options_.size_mm &&
-           !guard_.any_point_within(middle, room_of(piece, limits));
+    if (!(span > limits.shortest * options_.size_mm)) return false;
+    const Vec3 place = split_place(piece);
+    const double room = room_of(piece, limits);
+    const std::optional<Vec3> apex = apex_of(piece);
+    return apex ? !guard_.any_point_within(place, room, *apex) : !guard_.any_point_within(place, room);
+}
+
+bool ContourPieces::is_acute(std::uint32_t vertex) const {
+    return std::binary_search(acute_.begin(), acute_.end(), vertex);
+}
+
+// Along the straight pieces from each vertex where pieces meet at acute angles, up to the next such one.
+void ContourPieces::find_apexes() {
+    std::uint32_t balls = 0;
+    for (const SegmentPiece& piece : pieces_) balls = std::max(balls, piece.ball + 1);
+    apexes_.assign(balls, no_cell);
+    // By an end: the other one, and the ball.
+    std::vector<std::array<std::uint32_t, 3>> at;
+    for (const SegmentPiece& piece : pieces_) {
+        at.push_back({piece.a, piece.b, piece.ball});
+        at.push_back({piece.b, piece.a, piece.ball});
+    }
+    sort_distinct(at);
+    const auto ends_at = [&](std::uint32_t v) {
+        return std::equal_range(at.begin(), at.end(), std::array{v, 0u, 0u},
+                                [](const auto& x, const auto& y) { return x[0] < y[0]; });
+    };
+    for (const std::uint32_t apex : acute_) {
+        const auto [first, last] = ends_at(apex);
+        for (auto way = first; way != last; ++way) {
+            auto [from, to, ball] = *way;
+            while (!is_acute(to) && apexes_[ball] == no_cell) {
+                apexes_[ball] = apex;
+                const auto [next, end] = ends_at(to);
+                const auto ahead = std::find_if(next, end, [&](const auto& piece) {
+                    return piece[1] != from && goes_straight_on(mesh_.points(), from, to, piece[1]);
+                });
+                if (ahead == end) break;
+                from = to;
+                to = (*ahead)[1];
+                ball = (*ahead)[2];
+            }
+        }
+    }
+}
+
+std::optional<Vec3> ContourPieces::apex_of(const SegmentPiece& piece) const {
+    if (apexes_.empty() || apexes_[piece.ball] == no_cell) return std::nullopt;
+    return mesh_.points()[apexes_[piece.ball]];
+}
+
+Vec3 ContourPieces::split_place(const SegmentPiece& piece) const {
+    if (const std::optional<Vec3> apex = apex_of(piece)) return shell_point(mesh_.points(), piece, *apex);
+    return split_point(mesh_.points(), piece, acute_);
 }
 
 // Where others are too near, opposite to what lies in its ball, if the limits let it.
-std::optional<Vec3> ContourPieces::place_of_split(const SegmentPiece& piece, const SplitLimits& limits) const {
-    if (may_split(piece, limits)) return split_point(mesh_.points(), piece, acute_);
+std::optional<Vec3> ContourPieces::place_of_split(const SegmentPiece& piece,
+                                                  const SplitLimits& limits) const {
+    if (may_split(piece, limits)) return split_place(piece);
     const Vec3 a = mesh_.points()[piece.a], b = mesh_.points()[piece.b];
     if (!limits.at_feet || !(length(b - a) > limits.shortest * options_.size_mm)) return std::nullopt;
     const std::optional<Vec3> beside = guard_.point_in_ball_of(a, b);

@@ -92,6 +92,12 @@ class ContourPieces {
     void keep_apart(std::vector<SegmentPiece>& split, std::vector<SegmentPiece>& kept,
                     const SplitLimits& limits) const;
     bool may_split(const SegmentPiece& piece, const SplitLimits& limits) const;
+    bool is_acute(std::uint32_t vertex) const;
+    void find_apexes();
+    void pass_apex_on(const SegmentPiece& piece, std::uint32_t low, std::uint32_t high);
+    // The vertex where pieces meet at acute angles from which this one comes, if it comes from one.
+    std::optional<Vec3> apex_of(const SegmentPiece& piece) const;
+    Vec3 split_place(const SegmentPiece& piece) const;
     // Where the piece is split, if it may be.
     std::optional<Vec3> place_of_split(const SegmentPiece& piece, const SplitLimits& limits) const;
     Status recover_few(RunContext& context);
@@ -102,6 +108,8 @@ class ContourPieces {
     ContourPieceOptions options_;
     std::vector<SegmentPiece> pieces_;
     std::vector<std::uint32_t> acute_;  // vertices where some of them meet at acute angles; rising
+    // By ball: that of these from which the piece comes, or no_cell; empty where planes do not cross.
+    std::vector<std::uint32_t> apexes_;
     MissingPieces missing_;             // of them
     CellSearch search_;                 // the cells that missing_ has not seen
     SidesOfPieces sides_;

@@ -128,8 +128,51 @@ TEST(ContourPieces, that_cross_at_small_angles_all_become_edges) {
             options.graded = true;
             ContourPieces pieces(mesh, drawn.guard, field, drawn.pieces, options);
             ASSERT_TRUE(pieces.finish(context).ok());
-            EXPECT_TRUE(
-                missing_pieces(mesh.cells().cells, mesh.points().size(), pieces.pieces()).empty());
+            EXPECT_TRUE(missing_pieces(mesh.cells().cells, mesh.points().size(), pieces.pieces()).empty());
+        }
+    }
+}
+
+// As at the pole of planes about an axis: pieces of one length all round a vertex, a few degrees apart, each
+// with a vertex in its ball somewhere. Where one is split, so are those beside it, at the same distance.
+TEST(ContourPieces, that_meet_at_a_pole_all_become_edges) {
+    for (const int count : {16, 24, 40, 64}) {
+        for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+            SCOPED_TRACE(testing::Message() << count << " pieces, seed " << seed);
+            Drawn drawn(seed, 0.2 * size, 0.05 * size);
+            drawn.pieces.clear();
+            drawn.guard = SegmentGuard(size, 1000);
+            Random random(seed);
+            const Plane plane = make_plane({0.01, 0.02, 0.03}, random.direction());
+            const auto add = [&](Vec3 p) {
+                drawn.guard.add_point(p);
+                drawn.points.push_back(p);
+                return static_cast<std::uint32_t>(drawn.points.size() - 1);
+            };
+            const std::uint32_t pole = add(plane.origin);
+            const double span = random.between(0.8, 1.6);
+            const double apart = 2 * std::numbers::pi / count;
+            for (int n = 0; n < count; ++n) {
+                const double angle = apart * n;
+                const Vec3 way = std::cos(angle) * plane.u + std::sin(angle) * plane.v;
+                const std::uint32_t end = add(drawn.points[pole] + span * way);
+                const std::uint32_t ball = drawn.guard.add_segment(drawn.points[pole], drawn.points[end]);
+                drawn.pieces.push_back({pole, end, 0, ball});
+                const double along = span * random.between(0.3, 0.9);
+                drawn.points.push_back(drawn.points[pole] + along * way + 0.2 * along * apart * plane.normal);
+            }
+            const fixtures::AnalyticField field({fixtures::ball({}, 3)}, 30);
+            RunContext context;
+            LabelledMesh mesh = labelled(drawn, field, context);
+            const std::size_t missing =
+                missing_pieces(mesh.cells().cells, mesh.points().size(), drawn.pieces).size();
+            EXPECT_GT(missing, 2u);
+            ContourPieceOptions options;
+            options.size_mm = size;
+            options.conforming = true;
+            ContourPieces pieces(mesh, drawn.guard, field, drawn.pieces, options);
+            ASSERT_TRUE(pieces.finish(context).ok());
+            EXPECT_TRUE(missing_pieces(mesh.cells().cells, mesh.points().size(), pieces.pieces()).empty());
         }
     }
 }

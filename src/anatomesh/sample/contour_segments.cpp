@@ -17,6 +17,7 @@ namespace {
 // touch to within the last digits of their files. The certificate's chains have the same tolerance.
 constexpr double touching = 1e-6;
 
+constexpr double from_ends = 0.25;  // of a piece that is split on a shell, in its lengths
 constexpr double least_slope_to_foot = 0.005;  // see foot_on()
 
 // Whether a point this share of the way along s is no nearer than `distance` to its ends.
@@ -227,9 +228,18 @@ Vec3 split_point(std::span<const Vec3> points, const SegmentPiece& piece,
     const Vec3 a = points[piece.a], b = points[piece.b];
     const bool at_a = std::binary_search(acute.begin(), acute.end(), piece.a);
     if (at_a == std::binary_search(acute.begin(), acute.end(), piece.b)) return 0.5 * (a + b);
-    const double span = length(b - a);
-    const double share = std::exp2(std::floor(std::log2(span * 2 / 3))) / span;
-    return at_a ? a + share * (b - a) : b + share * (a - b);
+    return shell_point(points, piece, at_a ? a : b);
+}
+
+Vec3 shell_point(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 apex) {
+    const Vec3 a = points[piece.a], b = points[piece.b];
+    const double at_a = length(a - apex), at_b = length(b - apex), span = at_b - at_a;
+    const double low = std::min(at_a, at_b) + from_ends * std::abs(span),
+                 high = std::max(at_a, at_b) - from_ends * std::abs(span);
+    double unit = std::exp2(std::ceil(std::log2(high)));
+    while (std::floor(high / unit) * unit < low) unit /= 2;
+    const double shell = std::floor(high / unit) * unit;
+    return a + ((shell - at_a) / span) * (b - a);
 }
 
 std::optional<Vec3> foot_on(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 p) {

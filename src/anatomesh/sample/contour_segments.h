@@ -60,12 +60,17 @@ std::vector<SegmentPart> parts_between(const std::vector<ContourSegment>& segmen
 std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,
                                           const std::vector<SegmentPiece>& pieces);
 
-// Where a piece is split: at its middle; but pieces that meet at an acute angle (`acute`: as
-// acute_vertices()) are split at one distance from where they meet, a power of two, so that neither half lies
-// in the ball of the other and splitting ends (Shewchuk, Delaunay refinement mesh generation, 1997, chapter
-// 3: concentric shells).
+// Where a piece is split: at its middle; but one of those that meet at an acute angle (`acute`: as
+// acute_vertices()) at its shell_point().
 Vec3 split_point(std::span<const Vec3> points, const SegmentPiece& piece,
                  std::span<const std::uint32_t> acute);
+
+// Where a piece is split that lies on the way from a vertex where pieces meet at acute angles: at a distance
+// from this `apex` that is the roundest binary number in the middle half of the piece. So all that meet there
+// are split at the same distances, none of their parts lies in the ball of another, and splitting ends
+// (Shewchuk, Delaunay refinement mesh generation, 1997, chapter 3: concentric shells). Requires: the apex on
+// the piece's line, not between its ends.
+Vec3 shell_point(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 apex);
 
 // The foot of p on a piece. Split there, the piece has p in the ball of neither half, and no piece that ends
 // at p and goes on beside this one has the foot in its ball: where two contours cross at a small angle,

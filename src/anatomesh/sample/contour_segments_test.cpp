@@ -35,7 +35,8 @@ TEST(ContourSegments, a_wall_drawn_by_two_structures_is_one_segment_of_both) {
     const Given given = given_by(drawing);
     const auto segments = distinct_segments(given.set, given.vertices);
     EXPECT_EQ(segments.size(), 7u);
-    EXPECT_EQ(std::count_if(segments.begin(), segments.end(), [](auto& s) { return s.structures.size() == 2; }), 1);
+    EXPECT_EQ(
+        std::count_if(segments.begin(), segments.end(), [](auto& s) { return s.structures.size() == 2; }), 1);
 }
 
 TEST(ContourSegments, crossing_contours_share_a_new_point) {
@@ -133,12 +134,46 @@ TEST(ContourSegments, contours_of_one_structure_are_left_alone) {
     drawing.add(0, 0, rectangle({0, 0}, {8, 8}));
     drawing.add(0, 0, rectangle({2, 2}, {5, 5}));
     Given given = given_by(drawing);
-    EXPECT_TRUE(cuts_at_contacts(given.set, distinct_segments(given.set, given.vertices), 0.1, given.points).empty());
+    EXPECT_TRUE(
+        cuts_at_contacts(given.set, distinct_segments(given.set, given.vertices), 0.1, given.points).empty());
+}
+
+// On rays from one apex: the same for all that reach from one distance to another, away from their ends, and as
+// round a number as there is between.
+TEST(ShellPoint, is_at_one_distance_for_all_pieces_that_hold_the_roundest_number) {
+    std::mt19937 random(3);
+    const auto unit = [&] { return std::ldexp(static_cast<double>(random()), -32); };
+    for (int n = 0; n < 2000; ++n) {
+        const Vec3 apex{10 * unit(), 10 * unit(), 10 * unit()};
+        const double near = n % 4 == 0 ? 0 : 3 * unit(), far = near + 0.01 + 3 * unit();
+        std::vector<double> shells;
+        for (int ray = 0; ray < 3; ++ray) {
+            Vec3 way{unit() - 0.5, unit() - 0.5, unit() - 0.5};
+            way = (1 / length(way)) * way;
+            std::vector<Vec3> points{apex + near * way, apex + far * way};
+            if (ray == 1) std::swap(points[0], points[1]);
+            const Vec3 at = shell_point(points, {0, 1, 0, 0}, apex);
+            shells.push_back(length(at - apex));
+            EXPECT_LT(length(cross(at - apex, way)), 1e-12);
+            EXPECT_GE(shells.back(), near + 0.25 * (far - near) - 1e-12);
+            EXPECT_LE(shells.back(), far - 0.25 * (far - near) + 1e-12);
+        }
+        EXPECT_NEAR(shells[0], shells[1], 1e-12);
+        EXPECT_NEAR(shells[0], shells[2], 1e-12);
+        // Of the numbers in the middle half none is a multiple of twice the unit of this one.
+        int exponent = 0;
+        double whole = shells[0];
+        while (std::abs(whole - std::round(whole)) > 1e-9 * whole) whole *= 2, --exponent;
+        while (std::abs(whole / 2 - std::round(whole / 2)) < 1e-9) whole /= 2, ++exponent;
+        const double twice = std::exp2(exponent + 1), high = far - 0.25 * (far - near) - 1e-9;
+        EXPECT_LT(std::floor(high / twice) * twice, near + 0.25 * (far - near) + 1e-9);
+    }
 }
 
 TEST(MissingPieces, finds_those_that_are_no_edges) {
     const std::vector<Cell> cells{{0, 1, 2, 3}, {1, 2, 3, 4}};
-    const std::vector<SegmentPiece> pieces{{0, 4, 0, 0}, {4, 1, 0, 1}, {2, 0, 1, 2}, {4, 0, 1, 0}, {5, 3, 0, 3}};
+    const std::vector<SegmentPiece> pieces{
+        {0, 4, 0, 0}, {4, 1, 0, 1}, {2, 0, 1, 2}, {4, 0, 1, 0}, {5, 3, 0, 3}};
     EXPECT_EQ(missing_pieces(cells, 6, pieces), (std::vector<std::uint32_t>{0, 3, 4}));
 }
 

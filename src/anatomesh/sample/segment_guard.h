@@ -11,8 +11,9 @@
 
 namespace anatomesh {
 
-// Holds contour points and the pieces that contour segments were split into. A segment whose diametral ball (the
-// smallest ball round it) holds no vertex is an edge of the Delaunay tetrahedralization (Shewchuk, Comput. Geom. 22, 2002).
+// Holds contour points and the pieces that contour segments were split into. A segment whose diametral ball
+// (the smallest ball round it) holds no vertex is an edge of the Delaunay tetrahedralization (Shewchuk,
+// Comput. Geom. 22, 2002).
 class SegmentGuard {
   public:
     // `size` is the edge length about which queries are made, mm. `lens_slope`: see ball_at(). >= 0
@@ -34,6 +35,23 @@ class SegmentGuard {
     void drop_ball(std::uint32_t ball) { squared_half_lengths_[ball] = -1; }
 
     bool any_point_within(Vec3 p, double distance) const { return points_.any_within(p, distance); }
+
+    // The same, but for points on the shell of p about `apex`.
+    bool any_point_within(Vec3 p, double distance, Vec3 apex) const {
+        bool found = false;
+        points_.for_each_within(p, distance, [&](std::uint32_t n, double) {
+            found = found || !is_on_shell(points_.point(n), p, apex);
+        });
+        return found;
+    }
+
+    // Whether q is as far from `apex` as p is, and at no angle from it below a degree: there, pieces that
+    // meet at the apex are split without being in each other's way.
+    static bool is_on_shell(Vec3 q, Vec3 p, Vec3 apex) {
+        constexpr double as_far = 1e-6, least_angle = 0.0175;
+        const double shell = length(p - apex);
+        return std::abs(length(q - apex) - shell) <= as_far * shell && length(q - p) >= least_angle * shell;
+    }
 
     // The contour point in the diametral ball of pq that is nearest to its middle, but for p and q.
     std::optional<Vec3> point_in_ball_of(Vec3 p, Vec3 q) const {
