@@ -202,7 +202,8 @@ struct ShapeFindings {
     std::uint64_t above = 0, forced = 0;  // cells above the bound; those of them that the contours force
     double mean_free = 0;                 // ratio of the cells that nothing is known to force
     std::uint64_t bad = 0, gross = 0;     // that nothing is known to force and that are beyond these bounds
-    std::vector<ListedCell> worst;        // some of them
+    std::uint64_t forced_gross = 0;       // that the contours force, and beyond the latter
+    std::vector<ListedCell> worst;        // some of all these
 };
 
 constexpr std::size_t named_places = 3;
@@ -234,7 +235,8 @@ ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes
                            listed.min_dihedral_deg < certificate_gross_dihedral_deg;
         found.bad += bad && !is_forced;
         found.gross += gross && !is_forced;
-        if (bad && !is_forced && found.worst.size() < named_places) found.worst.push_back(listed);
+        found.forced_gross += gross && is_forced;
+        if ((is_forced ? gross : bad) && found.worst.size() < named_places) found.worst.push_back(listed);
         if (report.listed_cells.size() < max_listed_cells) report.listed_cells.push_back(std::move(listed));
     }
     if (input.contours) {
@@ -458,7 +460,8 @@ std::string bad_cells_text(const ShapeFindings& found) {
     std::string text =
         std::to_string(found.bad) +
         " of the tetrahedra that nothing is known to force are beyond ratio 4 or angle 10 degrees, " +
-        std::to_string(found.gross) + " beyond 100 or 0.05 (";
+        std::to_string(found.gross) + " beyond 100 or 0.05, and " + std::to_string(found.forced_gross) +
+        " of those that contours force (";
     for (std::size_t n = 0; n < found.worst.size(); ++n) {
         const ListedCell& cell = found.worst[n];
         text += (n > 0 ? "; " : "") + std::string("at ") + fixed_text(cell.at[0], 1) + " " +
@@ -471,16 +474,17 @@ std::string bad_cells_text(const ShapeFindings& found) {
 Clause clause_shape(const CertificateInput& input, const ShapeFindings& found, const ModelReport& report) {
     const QualityReport& quality = report.quality;
     const std::uint64_t free = found.above - found.forced;
-    Clause clause{4, ClauseState::kept,
-                  "Radius-edge ratio at most 2 for every tetrahedron that the input does not force to be "
-                  "worse, but for 0.5 % of them while the mean is at most 1.2, and at most 4 for each, with "
-                  "dihedral angles of at least 10 degrees.",
-                  ""};
+    Clause clause{
+        4, ClauseState::kept,
+        "Radius-edge ratio at most 2 for every tetrahedron that the input does not force to be "
+        "worse, but for 0.5 % of them while the mean is at most 1.2, and at most 4 for each, with "
+        "dihedral angles of at least 10 degrees; for none above 100 or with an angle below 0.05 degrees.",
+        ""};
     // Negated, so that a mean that is no number breaks the clause.
     const bool tolerable =
         static_cast<double>(free) <= certificate_share_over_bound * static_cast<double>(report.tetrahedra) &&
         found.mean_free <= certificate_mean_radius_edge;
-    if (found.bad > 0) clause.state = ClauseState::not_promised_yet;
+    if (found.bad + found.forced_gross > 0) clause.state = ClauseState::not_promised_yet;
     if ((free > 0 && !tolerable) || found.gross > 0) clause.state = ClauseState::broken;
     clause.evidence = "radius-edge: " + count_of(found.above, report.tetrahedra) + " (" +
                       share_text(found.above, report.tetrahedra) + ") above 2, ";
@@ -498,7 +502,7 @@ Clause clause_shape(const CertificateInput& input, const ShapeFindings& found, c
     clause.evidence += "; smallest dihedral angle " + fixed_text(quality.dihedral_min_deg, 2) + " degrees, " +
                        std::to_string(quality.dihedral_below_10) + " tetrahedra below 10, " +
                        std::to_string(quality.dihedral_below_15) + " below 15";
-    if (found.bad > 0)
+    if (found.bad + found.forced_gross > 0)
         clause.evidence = "measured, not met: " + bad_cells_text(found) + "; " + clause.evidence;
     return clause;
 }

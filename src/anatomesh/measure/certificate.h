@@ -50,7 +50,8 @@ inline constexpr double certificate_max_radius_edge = 2.0;
 inline constexpr double certificate_share_over_bound = 0.005;
 // One cell that nothing forces and that is beyond these: the clause is not kept.
 inline constexpr double certificate_bad_radius_edge = 4, certificate_bad_dihedral_deg = 10;
-// One such cell beyond these breaks it, whatever the shares.
+// One such cell beyond these breaks it, whatever the shares; one that the contours force is too flat for any
+// use, so that the clause is not kept.
 inline constexpr double certificate_gross_radius_edge = 100, certificate_gross_dihedral_deg = 0.05;
 // A contour vertex nearer to another one, or to a segment, than this share of the mean edge forces its cells.
 inline constexpr double certificate_crowded_share = 0.1;

@@ -192,6 +192,37 @@ TEST(Certificate, flat_cells_are_listed_with_what_forces_them) {
     EXPECT_GT(report.quality.dihedral_below_10, 0u);
 }
 
+// A block one cell wide, all vertices of which are contour vertices, and these so far apart.
+TEST(Certificate, cells_too_flat_for_any_use_are_said_though_contours_force_them) {
+    for (const double apart : {0.1, 1e-5}) {
+        SCOPED_TRACE(apart);
+        Case thin;
+        thin.mesh = testing::brick_mesh({1, 1, 4}, everywhere);
+        for (Vec3& p : thin.mesh.points) p.x *= apart;
+        for (Vec3& p : thin.contours.points) p = {p.x > 0 ? apart : 0, p.y > 0 ? 1.0 : 0.0, p.z};
+        for (const double z : {0.0, 4.0}) {
+            Slice slice = thin.contours.slices[0];
+            slice.plane = make_plane({0, 0, z}, {0, 0, 1});
+            slice.first_contour = static_cast<std::uint32_t>(thin.contours.contours.size());
+            thin.contours.contours.push_back({0, static_cast<std::uint32_t>(thin.contours.slices.size()),
+                                              static_cast<std::uint32_t>(thin.contours.points.size()), 4});
+            thin.contours.slices.push_back(slice);
+            for (int n = 0; n < 4; ++n) {
+                const Vec3 p = thin.contours.points[static_cast<std::size_t>(n)];
+                thin.contours.points.push_back({p.x, p.y, z});
+            }
+        }
+        const ModelReport report = thin.measure(true);
+        EXPECT_EQ(report.listed_cells_total, report.tetrahedra);
+        EXPECT_EQ(report.listed_cells_forced, report.tetrahedra);
+        const Clause& clause = report.certificate[3];
+        EXPECT_EQ(clause.state, apart < 0.01 ? ClauseState::not_promised_yet : ClauseState::kept);
+        EXPECT_EQ(clause.evidence.find("of those that contours force (at ") != std::string::npos,
+                  apart < 0.01)
+            << clause.evidence;
+    }
+}
+
 // The clause of shape of a brick mesh of 32 x 32 x 8 cells in which `spoiled` inner vertices were moved next
 // to a neighbour, with the contours or without.
 Clause shape_of_spoiled(int spoiled, double distance, bool with_contours) {
