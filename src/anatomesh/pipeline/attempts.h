@@ -33,6 +33,7 @@ struct TryOutcome {
     bool conformed_badly = false;  // and single cells are ill-shaped
     double over_bound = 0;      // share of the tetrahedra above the radius-edge ratio, in [0, 1]
     double unforced = 0;        // share of ill-shaped ones that nothing forces; as the next
+    double bad = 0;             // share of those of which clause 4 allows not one
     std::size_t cells = 0;      // also where the contract was not kept
 };
 

@@ -21,6 +21,8 @@ namespace {
 constexpr double finer = 0.7;  // a further try's edge length, in those of the one before
 // Of slightly finer tries, in those of the first.
 constexpr std::array<double, Attempts::most_conforming> slightly_finer{0.9, 0.8, 0.7, 0.56};
+// Of cells: so few for which clause 4 is not kept are less than the contour segments that would be lost.
+constexpr double few_bad = 1e-4;
 
 // A model that keeps the contract, while another one is tried.
 struct KeptModel {
@@ -73,7 +75,11 @@ class Tries {
                 if (!built.model.ok() || !is_parallel(contours_)) return std::move(built.model);
                 return evened(std::move(built));
             }
-            prepare(next, attempts.slightly_finer(), std::move(built));
+            const Warning again = prepare(next, attempts.slightly_finer(), std::move(built));
+            if (!trial_.may_conform && kept_ && kept_->outcome.conformed_badly &&
+                !kept_->outcome.tore_walls && kept_->outcome.bad <= few_bad)
+                return conforming_one();
+            context_.warn(again);
         }
     }
 
@@ -98,7 +104,8 @@ class Tries {
         }
     }
 
-    void prepare(NextTry next, std::size_t slightly_finer_tries, BuiltOnce built) {
+    // Returns what is to be said of the next try.
+    Warning prepare(NextTry next, std::size_t slightly_finer_tries, BuiltOnce built) {
         const bool conformed = built.outcome.conformed;
         const double size_mm = next_size(next, slightly_finer_tries, built);
         if (conformed && next == NextTry::same_size) trial_.may_conform = false;
@@ -106,7 +113,7 @@ class Tries {
         const Warning again = built_again(next, built.outcome, error, size_mm);
         // Of those that conformed badly the least bad.
         if (built.model.ok() &&
-            !(kept_ && built.outcome.conformed_badly && built.outcome.unforced >= kept_->outcome.unforced)) {
+            !(kept_ && built.outcome.conformed_badly && built.outcome.bad >= kept_->outcome.bad)) {
             kept_.emplace(KeptModel{std::move(built.model.value()), trial_, context_.warnings, built.outcome,
                                     sought_by(next, built.outcome)});
         }
@@ -114,7 +121,15 @@ class Tries {
         if (!conformed) ++trial_.before;
         if (!warnings_before_) warnings_before_ = known_.warnings;
         context_.warnings.resize(*warnings_before_);
-        context_.warn(again);
+        return again;
+    }
+
+    // Of those tried that split contour segments for each other's sake the least bad.
+    Result<Model> conforming_one() {
+        context_.warnings = std::move(kept_->warnings);
+        trial_ = kept_->trial;
+        shown_is_another_ = count_ > 1;
+        return std::move(kept_->model);
     }
 
     Result<Model> before_it() {

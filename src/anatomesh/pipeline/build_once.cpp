@@ -66,8 +66,8 @@ constexpr double most_beside = 0.003;
 constexpr double most_dense = 3;  // as plane_density() has it: more are left as they come first
 // Between dense planes pieces of contours are so many and so near to each other that splitting all for each
 // other's sake, and bringing back what is missing, costs a hundred times the rest; but not where there are
-// few. One structure alone keeps nearly all of them without that, in better cells.
-constexpr std::size_t few_points = 2000;
+// few.
+constexpr std::size_t few_points = 5000;
 // Radius-edge ratio inside: 0.95 is asked for, and what comes after the last smoothing takes a little of it.
 constexpr double smooth_mean = 0.947;
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
@@ -144,9 +144,10 @@ class Builder {
         report().slice_spacing_mm = field_->slice_spacing();
         const double density = plane_density(contours_, *field_);
         dense_ = density > 1;
-        crammed_ = density > most_dense || (dense_ && contours_.points.size() > options_.spare_dense_above);
+        crammed_ = (density > most_dense && contours_.points.size() > few_points) ||
+                   (dense_ && contours_.points.size() > options_.spare_dense_above);
         spared_ = crammed_ && tries_before_ == 0 && !size_given_;
-        is_too_dense_to_conform_ = dense_ && (structures_ == 1 || contours_.points.size() > few_points);
+        is_too_dense_to_conform_ = dense_ && contours_.points.size() > few_points;
         conforming_ = may_conform_ && !crammed_ && !is_too_dense_to_conform_ && !is_parallel(contours_) &&
                       !Sweep::of(contours_);
         return end_stage("field", 0.05);
@@ -708,6 +709,14 @@ bool keeps_shapes(const Model& model) {
     return model.report.certificate.at(3).state == ClauseState::kept;
 }
 
+bool spoils_clause_of_shapes(const ListedCell& cell) {
+    if (cell.forced_by.empty())
+        return !(cell.value <= certificate_bad_radius_edge) ||
+               cell.min_dihedral_deg < certificate_bad_dihedral_deg;
+    return !(cell.value <= certificate_gross_radius_edge) ||
+           cell.min_dihedral_deg < certificate_gross_dihedral_deg;
+}
+
 TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
     TryOutcome outcome;
     outcome.kept_contract = model.ok();
@@ -718,6 +727,9 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
     const std::uint64_t unforced = report.listed_cells_total - report.listed_cells_forced;
     outcome.unforced =
         static_cast<double>(unforced) / static_cast<double>(std::max<std::size_t>(1, outcome.cells));
+    outcome.bad = static_cast<double>(std::count_if(report.listed_cells.begin(), report.listed_cells.end(),
+                                                    spoils_clause_of_shapes)) /
+                  static_cast<double>(std::max<std::size_t>(1, outcome.cells));
     if (!model.ok()) {
         outcome.size_matters = model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001";
         return outcome;

@@ -82,21 +82,38 @@ ContourSet turned(int planes, int corners) {
     return std::move(reconcile_contours(kept(raw), {}, context).value().kept);
 }
 
-TEST(DensePlanes, keep_their_contour_segments_in_good_cells) {
-    std::vector<std::pair<std::string, ContourSet>> sets;
+// Those of which the contract allows none.
+std::size_t cells_that_nothing_forces(const Model& model) {
+    const std::vector<ListedCell>& cells = model.report.listed_cells;
+    return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [](const ListedCell& cell) {
+        return cell.forced_by.empty() && (cell.value > 4 || cell.min_dihedral_deg < 10);
+    }));
+}
+
+// At a pole contours meet at a few degrees: what they force there is the price of their segments.
+TEST(DensePlanes, keep_their_contour_segments_in_cells_as_good_as_these_let_them) {
+    struct Set {
+        std::string name;
+        ContourSet contours;
+        double least_kept, most_over_bound;
+    };
+    std::vector<Set> sets;
     for (const int planes : {50, 60, 70})
-        sets.emplace_back("sweep of " + std::to_string(planes), sweep(planes, 50));
-    for (const int planes : {20, 30, 40})
-        sets.emplace_back(std::to_string(planes) + " planes about an axis", turned(planes, 30));
-    for (const auto& [name, set] : sets) {
+        sets.push_back({"sweep of " + std::to_string(planes), sweep(planes, 50), 0.97, 0.008});
+    for (const int planes : {20, 40})
+        sets.push_back({std::to_string(planes) + " planes about an axis", turned(planes, 30), 0.999, 0.05});
+    // Nearly all vertices of its surface lie on contours, and too few are left to make the volume right: it
+    // is built without all that its segments ask for.
+    sets.push_back({"30 planes about an axis", turned(30, 30), 0.95, 0.05});
+    for (const auto& [name, set, least_kept, most_over_bound] : sets) {
         SCOPED_TRACE(name);
         RunContext context;
         const auto made = build_model(set, {}, context);
         ASSERT_TRUE(made.ok()) << to_line(made.error());
         const Model& model = made.value();
-        EXPECT_GT(share_of_segments_kept(model), 0.8);
-        EXPECT_LE(model.report.quality.dihedral_below_10, 2u);
-        EXPECT_LT(model.report.quality.radius_edge_share_over_2, 0.008);
+        EXPECT_GT(share_of_segments_kept(model), least_kept);
+        EXPECT_LE(cells_that_nothing_forces(model), 3u);
+        EXPECT_LT(model.report.quality.radius_edge_share_over_2, most_over_bound);
         EXPECT_TRUE(std::none_of(context.warnings.begin(), context.warnings.end(),
                                  [](const Warning& w) { return w.code == "W-PIP-005"; }));
         expect_structure(model, 0, {1, 0, 4.0 / 3 * pi * radius * radius * radius, 0.03});

@@ -1,10 +1,12 @@
 #include "anatomesh/pipeline/recovered_pieces.h"
 
 #include <algorithm>
+#include <map>
 #include <tuple>
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/cull/cull.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/measure/certificate.h"
@@ -23,6 +25,7 @@ constexpr int most_splits = 5;                // each so often
 constexpr double worth_any_shape = 2e-4;      // of the pieces, if no more are missing: the last of the shapes
 constexpr double most_more_forced = 0.03;     // a share of the cells inside
 constexpr double most_more_far_above = 2e-5;  // a share of the cells inside
+constexpr int most_attempts = 8;              // at a shape, without the pieces that cost too much
 constexpr double side_shape = 0.5;            // of the cells at points beside pieces
 constexpr int side_rounds = 2;
 constexpr std::size_t grain = 16384;  // cells at a time
@@ -59,39 +62,73 @@ void RecoveredPieces::run(std::vector<std::uint32_t>& unsound, RelabelStats& rel
     }
 }
 
-// What spoils too many cells is undone.
+// Pieces that cost too many cells are left, and the others tried again.
 void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& context) {
-    const BadShares bad_before = shares_of_bad(context.threads);
+    const BadCells bad_before = find_bad(context.threads);
+    RecoverOptions options;
+    options.threads = context.threads;
     for (std::size_t n = 0; n < least_shapes.size() && stats_.missing_after > 0; ++n) {
         if (n + 1 == least_shapes.size() && static_cast<double>(stats_.missing_after) >
                                                 worth_any_shape * static_cast<double>(drawn_.pieces.size()))
             return;
-        auto before = std::make_tuple(mesh_, neighbors_, drawn_.pieces, sides_);
-        RecoverOptions options;
         options.least_shape = least_shapes[n];
-        options.threads = context.threads;
         options.most_splits = least_shapes[n] <= worth_splits ? most_splits : 0;
-        const RecoverResult recovered =
-            recover_pieces(mesh_, neighbors_, drawn_.pieces, drawn_.held, options);
-        std::vector<std::uint32_t> here;
-        decide(recovered.undecided, here, context);
-        const BadShares bad = shares_of_bad(context.threads);
-        if (bad.above_bound > bad_before.above_bound + options_.most_more_bad ||
-            bad.far_above > bad_before.far_above + most_more_far_above ||
-            bad.forced > bad_before.forced + most_more_forced) {
-            std::tie(mesh_, neighbors_, drawn_.pieces, sides_) = std::move(before);
-            return;
+        const auto before = std::make_tuple(mesh_, neighbors_, drawn_.pieces, sides_);
+        for (int attempt = 0;; ++attempt) {
+            const RecoverResult recovered =
+                recover_pieces(mesh_, neighbors_, drawn_.pieces, drawn_.held, options);
+            std::vector<std::uint32_t> here;
+            decide(recovered.undecided, here, context);
+            const std::vector<MeshEdge> dear = too_dear(find_bad(context.threads), bad_before, recovered);
+            if (dear.empty()) {
+                look.insert(look.end(), here.begin(), here.end());
+                vertices_.insert(vertices_.end(), recovered.vertices.begin(), recovered.vertices.end());
+                stats_.missing_after = recovered.stats.missing_after;
+                stats_.without_vertex += recovered.stats.without_vertex;
+                stats_.vertices_added += recovered.stats.vertices_added;
+                stats_.vertices_dropped += recovered.stats.vertices_dropped;
+                break;
+            }
+            std::tie(mesh_, neighbors_, drawn_.pieces, sides_) = before;
+            if (attempt == most_attempts) return;
+            options.left.insert(options.left.end(), dear.begin(), dear.end());
+            sort_distinct(options.left);
         }
-        look.insert(look.end(), here.begin(), here.end());
-        vertices_.insert(vertices_.end(), recovered.vertices.begin(), recovered.vertices.end());
-        stats_.missing_after = recovered.stats.missing_after;
-        stats_.without_vertex += recovered.stats.without_vertex;
-        stats_.vertices_added += recovered.stats.vertices_added;
-        stats_.vertices_dropped += recovered.stats.vertices_dropped;
     }
 }
 
-RecoveredPieces::BadShares RecoveredPieces::shares_of_bad(int threads) const {
+// The pieces to leave so that bad cells become more by no more than they may: those that cost the most first.
+std::vector<MeshEdge> RecoveredPieces::too_dear(const BadCells& bad, const BadCells& before,
+                                                const RecoverResult& recovered) const {
+    std::vector<MeshEdge> dear;
+    const auto add_dearest = [&](const std::vector<std::uint32_t>& cells, std::size_t count_before,
+                                 double most_more) {
+        const double most =
+            static_cast<double>(count_before) / static_cast<double>(before.inside) + most_more;
+        const double allowed = most * static_cast<double>(bad.inside);
+        if (!(static_cast<double>(cells.size()) > allowed)) return;
+        std::map<MeshEdge, std::size_t> costs;
+        for (const std::uint32_t c : cells) {
+            const auto at = std::lower_bound(recovered.undecided.begin(), recovered.undecided.end(), c);
+            if (at == recovered.undecided.end() || *at != c) continue;
+            ++costs[recovered.made_for[static_cast<std::size_t>(at - recovered.undecided.begin())]];
+        }
+        std::vector<std::pair<MeshEdge, std::size_t>> dearest(costs.begin(), costs.end());
+        std::stable_sort(dearest.begin(), dearest.end(),
+                         [](const auto& x, const auto& y) { return x.second > y.second; });
+        double left = static_cast<double>(cells.size());
+        for (std::size_t n = 0; n < dearest.size() && left > allowed; ++n) {
+            dear.push_back(dearest[n].first);
+            left -= static_cast<double>(dearest[n].second);
+        }
+    };
+    add_dearest(bad.far, before.far.size(), most_more_far_above);
+    add_dearest(bad.unforced, before.unforced.size(), options_.most_more_bad);
+    add_dearest(bad.forced, before.forced.size(), most_more_forced);
+    return dear;
+}
+
+RecoveredPieces::BadCells RecoveredPieces::find_bad(int threads) const {
     const auto squared_ratio = [&](std::uint32_t c) {
         const Cell& v = mesh_.cells[c];
         return squared_radius_edge(mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]],
@@ -116,28 +153,26 @@ RecoveredPieces::BadShares RecoveredPieces::shares_of_bad(int threads) const {
         }
     });
     std::vector<std::uint32_t> bad;
-    std::size_t inside = 0;
+    BadCells found;
     double edges = 0;
     for (const Part& part : parts) {
         bad.insert(bad.end(), part.bad.begin(), part.bad.end());
-        inside += part.inside;
+        found.inside += part.inside;
         edges += part.edges;
     }
-    if (bad.empty()) return {};
+    if (bad.empty()) return found;
     ForcedCells forced(mesh_, drawn_.contours, drawn_.vertex_of);
-    forced.find_crowded(bad, certificate_crowded_share * edges / static_cast<double>(inside));
-    const double share = 1 / static_cast<double>(inside);
-    BadShares shares;
+    forced.find_crowded(bad, certificate_crowded_share * edges / static_cast<double>(found.inside));
     for (const std::uint32_t c : bad) {
         if (!forced.reason(c).empty()) {
-            shares.forced += share;
+            found.forced.push_back(c);
             continue;
         }
-        shares.above_bound += share;
+        found.unforced.push_back(c);
         if (!(squared_ratio(c) <= certificate_bad_radius_edge * certificate_bad_radius_edge))
-            shares.far_above += share;
+            found.far.push_back(c);
     }
-    return shares;
+    return found;
 }
 
 bool RecoveredPieces::open_sides(std::vector<std::uint32_t>& look, RunContext& context) {
@@ -180,10 +215,9 @@ void RecoveredPieces::relabel_at(std::vector<std::uint32_t>& look, std::vector<s
     std::vector<std::array<std::uint32_t, 3>> pieces;
     for (const SegmentPiece& piece : drawn_.pieces) pieces.push_back({piece.a, piece.b, piece.structure});
     const VertexStars stars(mesh_.cells, mesh_.points.size(), context.threads);
-    relabelled.add(relabel(mesh_.points, mesh_.cells, neighbors, stars,
-                           {drawn_.owners, mesh_.points.size(), pieces}, sides_,
-                           spike_share * options_.size_mm, mesh_.regions, registry_,
-                           unsound, look, context.threads));
+    relabelled.add(relabel(
+        mesh_.points, mesh_.cells, neighbors, stars, {drawn_.owners, mesh_.points.size(), pieces}, sides_,
+        spike_share * options_.size_mm, mesh_.regions, registry_, unsound, look, context.threads));
 }
 
 }  // namespace anatomesh

@@ -54,13 +54,15 @@ class RecoveredPieces {
 
   private:
     void recover(std::vector<std::uint32_t>& look, RunContext& context);
-    // Of the cells inside, those above the bound, and above that of clause 4 for single ones, that nothing is
-    // known to force.
-    struct BadShares {
-        double above_bound = 0, far_above = 0;
-        double forced = 0;  // above the bound, by the contours
+    // Of the cells inside those above the bound that nothing is known to force, of these those above that of
+    // clause 4 for single ones, and those that the contours force.
+    struct BadCells {
+        std::vector<std::uint32_t> unforced, far, forced;
+        std::size_t inside = 0;
     };
-    BadShares shares_of_bad(int threads) const;
+    BadCells find_bad(int threads) const;
+    std::vector<MeshEdge> too_dear(const BadCells& bad, const BadCells& before,
+                                   const RecoverResult& recovered) const;
     bool open_sides(std::vector<std::uint32_t>& look, RunContext& context);
     void decide(const std::vector<std::uint32_t>& undecided, std::vector<std::uint32_t>& look,
                 RunContext& context);

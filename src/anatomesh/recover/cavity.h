@@ -63,6 +63,8 @@ class Cavity {
     std::uint32_t fill();
 
     const std::vector<std::uint32_t>& cells() const { return cells_; }
+    // The new ones, after fill().
+    const std::vector<std::uint32_t>& filled() const { return slots_; }
 
   private:
     struct Facet {

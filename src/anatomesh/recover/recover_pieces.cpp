@@ -22,6 +22,7 @@ constexpr double enough = 0.8;      // a shape that is not looked further for
 
 struct Missing {
     std::uint32_t a, b;
+    MeshEdge piece;  // that it is, or is a part of
     int splits = 0;
 };
 
@@ -67,8 +68,8 @@ class Recoverer {
         return best_.has_value();
     }
 
-    // Does what recover() or split() found best. Returns the new vertex, or no_cell.
-    std::uint32_t commit() {
+    // Does what recover() or split() found best for a piece. Returns the new vertex, or no_cell.
+    std::uint32_t commit(const MeshEdge& piece) {
         cavity_.reset(best_->base, best_->apex);
         cavity_.open();
         std::vector<std::uint32_t> vertices;
@@ -77,6 +78,8 @@ class Recoverer {
         std::sort(vertices.begin(), vertices.end());
         vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
         const std::uint32_t v = cavity_.fill();
+        made_for_.resize(mesh_.cell_count());
+        for (const std::uint32_t c : cavity_.filled()) made_for_[c] = piece;
         for (const std::uint32_t u : vertices) {
             mesh_.star(u, star_);
             dropped_ += star_.empty();
@@ -86,6 +89,15 @@ class Recoverer {
 
     void keep(std::uint32_t a, std::uint32_t b) { kept_.add(a, b); }
     std::uint64_t dropped() const { return dropped_; }
+
+    // By new cell, rising.
+    std::vector<MeshEdge> made_for() const {
+        std::vector<MeshEdge> pieces;
+        for (std::uint32_t c = 0; c < mesh_.cell_count(); ++c) {
+            if (mesh_.alive(c) && mesh_.region(c) == undecided_region) pieces.push_back(made_for_[c]);
+        }
+        return pieces;
+    }
 
   private:
     struct Choice {
@@ -206,6 +218,7 @@ class Recoverer {
     std::vector<std::uint32_t> star_, pierced_, base_;
     std::vector<Near> near_;
     std::uint64_t dropped_ = 0;
+    std::vector<MeshEdge> made_for_;  // by cell: of those that are new
 };
 
 // A piece that got a vertex between its ends.
@@ -218,7 +231,7 @@ std::vector<Halved> recover_all(Recoverer& recoverer, std::vector<Missing>& miss
                                 const RecoverOptions& options, RecoverStats& stats) {
     std::vector<Halved> halved;
     const auto halve = [&](const Missing& piece) {
-        const std::uint32_t v = recoverer.commit();
+        const std::uint32_t v = recoverer.commit(piece.piece);
         if (v == no_cell) return v;
         recoverer.keep(piece.a, v);
         recoverer.keep(v, piece.b);
@@ -237,8 +250,8 @@ std::vector<Halved> recover_all(Recoverer& recoverer, std::vector<Missing>& miss
                 done = true;
             } else if (splits && piece.splits < options.most_splits && recoverer.split(piece)) {
                 const std::uint32_t v = halve(piece);
-                left.push_back({piece.a, v, piece.splits + 1});
-                left.push_back({v, piece.b, piece.splits + 1});
+                left.push_back({piece.a, v, piece.piece, piece.splits + 1});
+                left.push_back({v, piece.b, piece.piece, piece.splits + 1});
                 done = true;
             } else {
                 left.push_back(piece);
@@ -278,14 +291,21 @@ RecoverResult recover_pieces(TetMesh& mesh, std::vector<std::uint32_t>& neighbor
     EditMesh edit(std::move(mesh), neighbors);
     Recoverer recoverer(edit, kept_edges(fixed, pieces), options);
     std::vector<Missing> missing;
-    for (const MeshEdge& e : edges) missing.push_back({e[0], e[1]});
-    result.stats.missing_before = missing.size();
+    for (const MeshEdge& e : edges) {
+        if (!std::binary_search(options.left.begin(), options.left.end(), e))
+            missing.push_back({e[0], e[1], e});
+    }
+    result.stats.missing_before = edges.size();
     const std::vector<Halved> halved = recover_all(recoverer, missing, options, result.stats);
-    result.stats.missing_after = missing.size();
+    result.stats.missing_after =
+        missing.size() + static_cast<std::size_t>(std::count_if(
+                             options.left.begin(), options.left.end(),
+                             [&](const MeshEdge& e) { return !recoverer.is_edge(e[0], e[1]); }));
     result.stats.vertices_added = halved.size();
     result.stats.vertices_dropped = recoverer.dropped();
     for (const Halved& piece : halved) result.vertices.push_back(piece.middle);
     add_halves(halved, pieces);
+    result.made_for = recoverer.made_for();
     result.undecided = take_with_undecided(std::move(edit), mesh, neighbors);
     return result;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/recover/cavity.h"
 #include "anatomesh/sample/contour_segments.h"
 
 namespace anatomesh {
@@ -12,9 +13,10 @@ namespace anatomesh {
 struct RecoverOptions {
     // Of the cells made, as in cavity.h; a piece that asks for worse ones is left. (0, 1]
     double least_shape = 0.2;
-    int most_splits = 5;  // of a piece, and of its halves, that is not recovered at once. [0, 20]
-    int passes = 4;       // over the pieces that are missing. [1, 100]
-    int threads = 1;      // to find those with
+    int most_splits = 5;         // of a piece, and of its halves, that is not recovered at once. [0, 20]
+    int passes = 4;              // over the pieces that are missing. [1, 100]
+    int threads = 1;             // to find those with
+    std::vector<MeshEdge> left;  // missing pieces that are not to be tried; rising
 };
 
 struct RecoverStats {
@@ -27,6 +29,7 @@ struct RecoverResult {
     RecoverStats stats;
     std::vector<std::uint32_t> vertices;   // added; all lie on pieces
     std::vector<std::uint32_t> undecided;  // cells that are new, rising: in undecided_region (cavity.h)
+    std::vector<MeshEdge> made_for;        // for each of these the missing piece that it was made for
 };
 
 // The cells that a missing piece passes through are taken out, and more where the rest does not see the point

@@ -198,6 +198,40 @@ TEST(RecoverPieces, ask_for_no_worse_cells_than_allowed) {
     }
 }
 
+// What was made for a piece is not made where it is left; pieces not concerned become edges all the same.
+TEST(RecoverPieces, that_are_left_out_cost_nothing) {
+    for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+        SCOPED_TRACE(seed);
+        const Drawn drawn(seed);
+        RecoverOptions options;
+        options.most_splits = 0;
+        Drawn all = drawn;
+        const RecoverResult first = recover_pieces(all.mesh, all.neighbors, all.pieces, all.fixed, options);
+        ASSERT_EQ(first.made_for.size(), first.undecided.size());
+        const std::set<MeshEdge> old_edges = edges_of(drawn.mesh);
+        for (const MeshEdge& e : first.made_for) EXPECT_EQ(old_edges.count(e), 0u);
+        // Every other piece for which cells were made.
+        const std::set<MeshEdge> made(first.made_for.begin(), first.made_for.end());
+        for (const MeshEdge& e : made) {
+            if (options.left.empty() || made.size() > 2 * options.left.size()) options.left.push_back(e);
+        }
+        Drawn some = drawn;
+        const RecoverResult then =
+            recover_pieces(some.mesh, some.neighbors, some.pieces, some.fixed, options);
+        expect_same_domain(drawn.mesh, some.mesh, some.neighbors);
+        for (const MeshEdge& e : then.made_for)
+            EXPECT_FALSE(std::binary_search(options.left.begin(), options.left.end(), e));
+        const std::set<MeshEdge> edges = edges_of(some.mesh);
+        const auto missing = [&](const std::vector<SegmentPiece>& pieces) {
+            return std::count_if(pieces.begin(), pieces.end(),
+                                 [&](const SegmentPiece& piece) { return !is_edge(edges, piece); });
+        };
+        EXPECT_EQ(then.stats.missing_after, static_cast<std::uint64_t>(missing(some.pieces)));
+        EXPECT_LT(then.stats.missing_after, then.stats.missing_before);
+        EXPECT_GT(then.stats.missing_after, first.stats.missing_after);
+    }
+}
+
 TEST(InsertBeside, keeps_pieces_and_the_domain) {
     for (std::uint32_t seed = 1; seed <= 10; ++seed) {
         SCOPED_TRACE(seed);
