@@ -212,7 +212,7 @@ ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes
                          const ContourFindings& findings, int threads, ModelReport& report) {
     report.listed_cells.clear();
     report.listed_cells_total = shapes.over_bound.size();
-    report.listed_cells_forced = 0;
+    report.listed_cells_forced = report.listed_cells_bad = 0;
     ShapeFindings found;
     found.above = report.quality.radius_edge_over_2;
     found.mean_free = report.quality.radius_edge_mean;
@@ -234,6 +234,7 @@ ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes
         const bool gross = !(listed.value <= certificate_gross_radius_edge) ||
                            listed.min_dihedral_deg < certificate_gross_dihedral_deg;
         found.bad += bad && !is_forced;
+        report.listed_cells_bad += bad && !is_forced;
         found.gross += gross && !is_forced;
         found.forced_gross += gross && is_forced;
         if ((is_forced ? gross : bad) && found.worst.size() < named_places) found.worst.push_back(listed);
@@ -466,7 +467,8 @@ std::string bad_cells_text(const ShapeFindings& found) {
         const ListedCell& cell = found.worst[n];
         text += (n > 0 ? "; " : "") + std::string("at ") + fixed_text(cell.at[0], 1) + " " +
                 fixed_text(cell.at[1], 1) + " " + fixed_text(cell.at[2], 1) + ": ratio " +
-                fixed_text(cell.value, 2) + ", angle " + fixed_text(cell.min_dihedral_deg, 2);
+                fixed_text(cell.value, 2) + ", angle " + fixed_text(cell.min_dihedral_deg, 2) +
+                (cell.forced_by.empty() ? "" : ", forced");
     }
     return text + ")";
 }

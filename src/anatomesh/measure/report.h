@@ -174,6 +174,7 @@ struct ModelReport {
     std::vector<std::vector<std::uint32_t>> regions;  // members by region, indices into structures; [0] empty
     QualityReport quality;
     std::vector<Clause> certificate;
+    std::uint64_t listed_cells_bad = 0;  // that nothing forces, and of which clause 4 allows not one
     // Radius-edge above 2, worst first, then angles below 10 degrees; at most max_listed_cells.
     std::vector<ListedCell> listed_cells;
     std::uint64_t listed_cells_total = 0,

@@ -31,9 +31,10 @@ struct TryOutcome {
     bool tore_walls = false;    // of a structure that a finer edge length may keep whole
     bool conformed = false;     // contour segments were split for each other's sake
     bool conformed_badly = false;  // and single cells are ill-shaped
+    bool astray = false;        // and so is its surface: it goes far from the field's
     double over_bound = 0;      // share of the tetrahedra above the radius-edge ratio, in [0, 1]
     double unforced = 0;        // share of ill-shaped ones that nothing forces; as the next
-    double bad = 0;             // share of those of which clause 4 allows not one
+    double bad = 0;             // share of those of which clause 4 allows not one that nothing forces
     std::size_t cells = 0;      // also where the contract was not kept
 };
 

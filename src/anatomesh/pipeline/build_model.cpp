@@ -37,9 +37,15 @@ struct KeptModel {
 bool is_in_vain(const KeptModel& kept, const BuiltOnce& other, const Attempts& attempts) {
     if (!other.model.ok()) return true;
     if (attempts.finer_for_shape() && other.outcome.over_bound >= kept.outcome.over_bound) return true;
-    const bool keeps_shapes = other.model.value().report.certificate.at(3).state == ClauseState::kept;
-    return kept.outcome.conformed_badly && !kept.outcome.tore_walls && !keeps_shapes &&
+    return kept.outcome.conformed_badly && !kept.outcome.astray && !kept.outcome.tore_walls &&
+           other.outcome.bad > 0 &&
            kept.outcome.unforced <= std::max(other.outcome.unforced, certificate_share_over_bound);
+}
+
+// Of two that conformed badly; of those with few bad cells the later one, which is finer.
+bool is_worse(const BuiltOnce& built, const KeptModel& kept) {
+    if (built.outcome.astray != kept.outcome.astray) return built.outcome.astray;
+    return built.outcome.bad > few_bad && built.outcome.bad >= kept.outcome.bad;
 }
 
 // Tries until a model is as good as it can be.
@@ -76,7 +82,7 @@ class Tries {
                 return evened(std::move(built));
             }
             const Warning again = prepare(next, attempts.slightly_finer(), std::move(built));
-            if (!trial_.may_conform && kept_ && kept_->outcome.conformed_badly &&
+            if (!trial_.may_conform && kept_ && kept_->outcome.conformed_badly && !kept_->outcome.astray &&
                 !kept_->outcome.tore_walls && kept_->outcome.bad <= few_bad)
                 return conforming_one();
             context_.warn(again);
@@ -108,15 +114,13 @@ class Tries {
     Warning prepare(NextTry next, std::size_t slightly_finer_tries, BuiltOnce built) {
         const bool conformed = built.outcome.conformed;
         const double size_mm = next_size(next, slightly_finer_tries, built);
-        if (conformed && next == NextTry::same_size) trial_.may_conform = false;
         const std::string error = built.model.ok() ? "" : built.model.error().message;
         const Warning again = built_again(next, built.outcome, error, size_mm);
-        // Of those that conformed badly the least bad.
-        if (built.model.ok() &&
-            !(kept_ && built.outcome.conformed_badly && built.outcome.bad >= kept_->outcome.bad)) {
+        if (built.model.ok() && !(kept_ && built.outcome.conformed_badly && is_worse(built, *kept_))) {
             kept_.emplace(KeptModel{std::move(built.model.value()), trial_, context_.warnings, built.outcome,
                                     sought_by(next, built.outcome)});
         }
+        if (conformed && next == NextTry::same_size) trial_.may_conform = false;
         trial_.options.size_mm = size_mm;
         if (!conformed) ++trial_.before;
         if (!warnings_before_) warnings_before_ = known_.warnings;

@@ -40,7 +40,10 @@ namespace anatomesh {
 namespace {
 
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
-constexpr double balance_reach = 0.25;  // no vertex moves further than this for the volume's sake, in sizes
+// For the volume's sake no vertex moves further than the first of these, in sizes; or, where a larger share
+// of a volume is still amiss then, the second: where few vertices are free, that makes bumps of them.
+constexpr double balance_reach = 0.1, further_reach = 0.15;
+constexpr double most_amiss = 0.0015;
 constexpr double surface_deviation =
     0.06;                               // of the middle of an interface facet from the interface, in sizes
 constexpr double too_thin = 0.8;        // a mean thickness below so many sizes is warned of
@@ -68,6 +71,10 @@ constexpr double most_dense = 3;  // as plane_density() has it: more are left as
 // other's sake, and bringing back what is missing, costs a hundred times the rest; but not where there are
 // few.
 constexpr std::size_t few_points = 5000;
+// There contours leave few vertices of the surface free: more points between them are needed to make the
+// volume right, and a surface so far from the field's, in sizes, is one of bumps and pits.
+constexpr double dense_deviation = 0.03;  // as surface_deviation
+constexpr double most_astray = 0.3;
 // Radius-edge ratio inside: 0.95 is asked for, and what comes after the last smoothing takes a little of it.
 constexpr double smooth_mean = 0.947;
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
@@ -104,6 +111,10 @@ class Builder {
     }
     // Whether contour segments were split for each other's sake.
     bool conforming() const { return conforming_; }
+    // Whether that was done between dense planes, and bumps or pits came of it.
+    bool went_astray() const {
+        return conforming_ && dense_ && report_so_far().field_distance.max_mm > most_astray * size_mm();
+    }
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
     bool spared_shapes() const { return spared_ || recovered_ || (pieces_ && pieces_->are_short()); }
 
@@ -144,8 +155,7 @@ class Builder {
         report().slice_spacing_mm = field_->slice_spacing();
         const double density = plane_density(contours_, *field_);
         dense_ = density > 1;
-        crammed_ = (density > most_dense && contours_.points.size() > few_points) ||
-                   (dense_ && contours_.points.size() > options_.spare_dense_above);
+        crammed_ = density > most_dense || (dense_ && contours_.points.size() > options_.spare_dense_above);
         spared_ = crammed_ && tries_before_ == 0 && !size_given_;
         is_too_dense_to_conform_ = dense_ && contours_.points.size() > few_points;
         conforming_ = may_conform_ && !crammed_ && !is_too_dense_to_conform_ && !is_parallel(contours_) &&
@@ -234,8 +244,9 @@ class Builder {
 
     Status refine_cells() {
         const double size_mm = sample_->stats.size_mm;
+        const double deviation = conforming_ && dense_ ? dense_deviation : surface_deviation;
         RefinementOptions options{
-            size_mm,     options_.max_radius_edge, 0,         surface_deviation * size_mm, spared_,
+            size_mm,     options_.max_radius_edge, 0,         deviation * size_mm, spared_,
             conforming_, sample_->graded,          even_mean_};
         if (spared_) {
             const double share = crowded_share * plane_density(contours_, *field_);
@@ -410,15 +421,18 @@ class Builder {
         smoothed.vertices_moved += again.vertices_moved;
         smoothed.surface_vertices_moved += again.surface_vertices_moved;
         BalanceOptions balance;
-        balance.max_offset_mm = balance_reach * stats.size_mm;
         balance.ends = field_->flat_ends();
         const SlicesThatTell slices = slices_that_tell(contours_, balance.ends);
         balance.slices = slices.stack;
         balance.on_slice_mm = slices.on_plane_mm;
         balance.end_tolerance_mm = interface_tolerance * stats.size_mm;
-        const BalanceStats balanced =
-            balance_volumes(model_.mesh, neighbors_, *stars, model_.regions, fixed, volumes_mm3_,
-                            options_.max_radius_edge, balance, context_.threads);
+        const auto balanced_within = [&](double reach) {
+            balance.max_offset_mm = reach * stats.size_mm;
+            return balance_volumes(model_.mesh, neighbors_, *stars, model_.regions, fixed, volumes_mm3_,
+                                   options_.max_radius_edge, balance, context_.threads);
+        };
+        BalanceStats balanced = balanced_within(balance_reach);
+        if (balanced.worst_after > most_amiss) balanced = balanced_within(further_reach);
         figures_ = {{"vertices_onto_interface", static_cast<double>(improved.vertices_onto_interface)},
                     {"vertices_smoothed", static_cast<double>(improved.vertices_smoothed)},
                     {"above_bound_before", static_cast<double>(improved.above_bound_before)},
@@ -705,18 +719,6 @@ class Builder {
     Clock::time_point stage_start_ = Clock::now();
 };
 
-bool keeps_shapes(const Model& model) {
-    return model.report.certificate.at(3).state == ClauseState::kept;
-}
-
-bool spoils_clause_of_shapes(const ListedCell& cell) {
-    if (cell.forced_by.empty())
-        return !(cell.value <= certificate_bad_radius_edge) ||
-               cell.min_dihedral_deg < certificate_bad_dihedral_deg;
-    return !(cell.value <= certificate_gross_radius_edge) ||
-           cell.min_dihedral_deg < certificate_gross_dihedral_deg;
-}
-
 TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
     TryOutcome outcome;
     outcome.kept_contract = model.ok();
@@ -727,15 +729,15 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
     const std::uint64_t unforced = report.listed_cells_total - report.listed_cells_forced;
     outcome.unforced =
         static_cast<double>(unforced) / static_cast<double>(std::max<std::size_t>(1, outcome.cells));
-    outcome.bad = static_cast<double>(std::count_if(report.listed_cells.begin(), report.listed_cells.end(),
-                                                    spoils_clause_of_shapes)) /
+    outcome.bad = static_cast<double>(report.listed_cells_bad) /
                   static_cast<double>(std::max<std::size_t>(1, outcome.cells));
     if (!model.ok()) {
         outcome.size_matters = model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001";
         return outcome;
     }
     outcome.tore_walls = builder.tore_a_structure();
-    outcome.conformed_badly = builder.conforming() && !keeps_shapes(model.value());
+    outcome.astray = builder.went_astray();
+    outcome.conformed_badly = builder.conforming() && (report.listed_cells_bad > 0 || outcome.astray);
     outcome.over_bound = model.value().report.quality.radius_edge_share_over_2;
     return outcome;
 }

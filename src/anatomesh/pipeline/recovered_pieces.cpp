@@ -25,7 +25,7 @@ constexpr int most_splits = 5;                // each so often
 constexpr double worth_any_shape = 2e-4;      // of the pieces, if no more are missing: the last of the shapes
 constexpr double most_more_forced = 0.03;     // a share of the cells inside
 constexpr double most_more_far_above = 2e-5;  // a share of the cells inside
-constexpr int most_attempts = 8;              // at a shape, without the pieces that cost too much
+constexpr int most_attempts = 3;              // at a shape, without the pieces that cost too much
 constexpr double side_shape = 0.5;            // of the cells at points beside pieces
 constexpr int side_rounds = 2;
 constexpr std::size_t grain = 16384;  // cells at a time
@@ -79,8 +79,9 @@ void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& cont
                 recover_pieces(mesh_, neighbors_, drawn_.pieces, drawn_.held, options);
             std::vector<std::uint32_t> here;
             decide(recovered.undecided, here, context);
-            const std::vector<MeshEdge> dear = too_dear(find_bad(context.threads), bad_before, recovered);
-            if (dear.empty()) {
+            const BadCells bad = find_bad(context.threads);
+            const bool gains = recovered.stats.missing_after < stats_.missing_after;
+            if (gains && !is_too_bad(bad, bad_before)) {
                 look.insert(look.end(), here.begin(), here.end());
                 vertices_.insert(vertices_.end(), recovered.vertices.begin(), recovered.vertices.end());
                 stats_.missing_after = recovered.stats.missing_after;
@@ -89,26 +90,41 @@ void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& cont
                 stats_.vertices_dropped += recovered.stats.vertices_dropped;
                 break;
             }
+            const std::vector<MeshEdge> dear = too_dear(bad, bad_before, recovered);
             std::tie(mesh_, neighbors_, drawn_.pieces, sides_) = before;
-            if (attempt == most_attempts) return;
+            if (!gains && dear.empty()) break;
+            if (attempt == most_attempts || dear.empty()) return;
             options.left.insert(options.left.end(), dear.begin(), dear.end());
             sort_distinct(options.left);
         }
     }
 }
 
+std::array<RecoveredPieces::Excess, 3> RecoveredPieces::excesses(const BadCells& bad,
+                                                                 const BadCells& before) const {
+    const auto excess_of = [&](const std::vector<std::uint32_t>& cells,
+                               const std::vector<std::uint32_t>& cells_before, double most_more) {
+        const double share = static_cast<double>(cells_before.size()) / static_cast<double>(before.inside);
+        return Excess{&cells, static_cast<double>(cells.size()) -
+                                  (share + most_more) * static_cast<double>(bad.inside)};
+    };
+    return {excess_of(bad.far, before.far, most_more_far_above),
+            excess_of(bad.unforced, before.unforced, options_.most_more_bad),
+            excess_of(bad.forced, before.forced, most_more_forced)};
+}
+
+bool RecoveredPieces::is_too_bad(const BadCells& bad, const BadCells& before) const {
+    const std::array<Excess, 3> all = excesses(bad, before);
+    return std::any_of(all.begin(), all.end(), [](const Excess& excess) { return excess.count > 0; });
+}
+
 // The pieces to leave so that bad cells become more by no more than they may: those that cost the most first.
 std::vector<MeshEdge> RecoveredPieces::too_dear(const BadCells& bad, const BadCells& before,
                                                 const RecoverResult& recovered) const {
     std::vector<MeshEdge> dear;
-    const auto add_dearest = [&](const std::vector<std::uint32_t>& cells, std::size_t count_before,
-                                 double most_more) {
-        const double most =
-            static_cast<double>(count_before) / static_cast<double>(before.inside) + most_more;
-        const double allowed = most * static_cast<double>(bad.inside);
-        if (!(static_cast<double>(cells.size()) > allowed)) return;
+    for (const auto& [cells, count] : excesses(bad, before)) {
         std::map<MeshEdge, std::size_t> costs;
-        for (const std::uint32_t c : cells) {
+        for (const std::uint32_t c : *cells) {
             const auto at = std::lower_bound(recovered.undecided.begin(), recovered.undecided.end(), c);
             if (at == recovered.undecided.end() || *at != c) continue;
             ++costs[recovered.made_for[static_cast<std::size_t>(at - recovered.undecided.begin())]];
@@ -116,15 +132,12 @@ std::vector<MeshEdge> RecoveredPieces::too_dear(const BadCells& bad, const BadCe
         std::vector<std::pair<MeshEdge, std::size_t>> dearest(costs.begin(), costs.end());
         std::stable_sort(dearest.begin(), dearest.end(),
                          [](const auto& x, const auto& y) { return x.second > y.second; });
-        double left = static_cast<double>(cells.size());
-        for (std::size_t n = 0; n < dearest.size() && left > allowed; ++n) {
+        double left = count;
+        for (std::size_t n = 0; n < dearest.size() && left > 0; ++n) {
             dear.push_back(dearest[n].first);
             left -= static_cast<double>(dearest[n].second);
         }
-    };
-    add_dearest(bad.far, before.far.size(), most_more_far_above);
-    add_dearest(bad.unforced, before.unforced.size(), options_.most_more_bad);
-    add_dearest(bad.forced, before.forced.size(), most_more_forced);
+    }
     return dear;
 }
 

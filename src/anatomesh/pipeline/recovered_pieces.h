@@ -36,8 +36,9 @@ struct RecoveryOptions {
 };
 
 // After the first relabelling. Pieces that are no edges become edges (recover_pieces()), those that leave the
-// best cells first, as long as cells above the bound that the contours do not force stay few; then those that
-// are off their surface get vertices beside them (find_side_points()). New cells get their regions as others
+// best cells first, as long as cells above the bound stay few, of those that the contours do not force above
+// all: pieces that cost too many are left, and the others tried again, a few times; then those that are off
+// their surface get vertices beside them (find_side_points()). New cells get their regions as others
 // do (cull()), and are relabelled. Same result at any number of threads.
 class RecoveredPieces {
   public:
@@ -61,6 +62,13 @@ class RecoveredPieces {
         std::size_t inside = 0;
     };
     BadCells find_bad(int threads) const;
+    // Of some of them by how many they are more than they may be; above 0: too many.
+    struct Excess {
+        const std::vector<std::uint32_t>* cells;
+        double count;
+    };
+    std::array<Excess, 3> excesses(const BadCells& bad, const BadCells& before) const;
+    bool is_too_bad(const BadCells& bad, const BadCells& before) const;
     std::vector<MeshEdge> too_dear(const BadCells& bad, const BadCells& before,
                                    const RecoverResult& recovered) const;
     bool open_sides(std::vector<std::uint32_t>& look, RunContext& context);
