@@ -11,7 +11,7 @@
 // Where contour segments were split for each other's sake (planes that cross) and that broke the contract or
 // left ill-shaped cells, it is luck which, a few in tens of thousands: it is done again with slightly shorter
 // edges first, and given up only then; at once where more than a hundredth of the cells are ill-shaped though
-// nothing forces them.
+// nothing forces them. (Whether one of the models so made is taken after all is Tries' in build_model.cpp.)
 //
 // Guarantees: at most `most_finer` finer tries, `most_same` of one size, and `most_conforming` slightly
 // shorter ones. O(1).
