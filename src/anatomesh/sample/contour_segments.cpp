@@ -17,7 +17,7 @@ namespace {
 // touch to within the last digits of their files. The certificate's chains have the same tolerance.
 constexpr double touching = 1e-6;
 
-constexpr double from_ends = 0.25;  // of a piece that is split on a shell, in its lengths
+constexpr double from_ends = 0.25;             // of a piece that is split on a shell, in its lengths
 constexpr double least_slope_to_foot = 0.005;  // see foot_on()
 
 // Whether a point this share of the way along s is no nearer than `distance` to its ends.
@@ -38,14 +38,21 @@ bool lies_on(const Segment2& s, Vec2 p, double& share) {
 // Finds the contacts of the segments of one slice.
 class SliceContacts {
   public:
-    SliceContacts(const Plane& plane, const std::vector<ContourSegment>& segments, std::vector<std::uint32_t> chosen,
-                  double clearance, std::vector<Vec3>& points, std::vector<SegmentCut>& cuts)
-        : plane_(plane), segments_(segments), chosen_(std::move(chosen)), clearance_(clearance), points_(points), cuts_(cuts) {}
+    SliceContacts(const Plane& plane, const std::vector<ContourSegment>& segments,
+                  std::vector<std::uint32_t> chosen, double clearance, std::vector<Vec3>& points,
+                  std::vector<SegmentCut>& cuts)
+        : plane_(plane),
+          segments_(segments),
+          chosen_(std::move(chosen)),
+          clearance_(clearance),
+          points_(points),
+          cuts_(cuts) {}
 
     void find() {
         std::vector<Segment2> flat;
         for (const std::uint32_t s : chosen_) {
-            flat.push_back({plane_.to_plane(points_[segments_[s].a]), plane_.to_plane(points_[segments_[s].b])});
+            flat.push_back(
+                {plane_.to_plane(points_[segments_[s].a]), plane_.to_plane(points_[segments_[s].b])});
         }
         const SegmentIndex index(std::move(flat));
         index.for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
@@ -77,7 +84,8 @@ class SliceContacts {
 
     bool cut_at_end(std::uint32_t segment, const Segment2& s, Vec2 end, std::uint32_t point) {
         double share = 0;
-        if (point == segments_[segment].a || point == segments_[segment].b || !lies_on(s, end, share)) return false;
+        if (point == segments_[segment].a || point == segments_[segment].b || !lies_on(s, end, share))
+            return false;
         if (clear_of_ends(s, share, 0)) cuts_.push_back({segment, share, point});
         return true;
     }
@@ -121,7 +129,8 @@ void unite_contacts(std::vector<SegmentCut>& cuts, std::size_t before, std::vect
 
 }  // namespace
 
-std::vector<ContourSegment> distinct_segments(const ContourSet& contours, const std::vector<std::uint32_t>& vertices) {
+std::vector<ContourSegment> distinct_segments(const ContourSet& contours,
+                                              const std::vector<std::uint32_t>& vertices) {
     struct Drawn {
         std::uint32_t a, b, slice, structure;
         auto operator<=>(const Drawn&) const = default;
@@ -137,25 +146,30 @@ std::vector<ContourSegment> distinct_segments(const ContourSet& contours, const 
     std::sort(drawn.begin(), drawn.end());
     std::vector<ContourSegment> segments;
     for (const Drawn& d : drawn) {
-        if (segments.empty() || segments.back().a != d.a || segments.back().b != d.b) segments.push_back({d.a, d.b, d.slice, {}});
+        if (segments.empty() || segments.back().a != d.a || segments.back().b != d.b)
+            segments.push_back({d.a, d.b, d.slice, {}});
         segments.back().structures.push_back(d.structure);
     }
     for (ContourSegment& segment : segments) {
         std::sort(segment.structures.begin(), segment.structures.end());
-        segment.structures.erase(std::unique(segment.structures.begin(), segment.structures.end()), segment.structures.end());
+        segment.structures.erase(std::unique(segment.structures.begin(), segment.structures.end()),
+                                 segment.structures.end());
     }
     return segments;
 }
 
-std::vector<SegmentCut> cuts_at_contacts(const ContourSet& contours, const std::vector<ContourSegment>& segments,
-                                         double clearance_mm, std::vector<Vec3>& points) {
+std::vector<SegmentCut> cuts_at_contacts(const ContourSet& contours,
+                                         const std::vector<ContourSegment>& segments, double clearance_mm,
+                                         std::vector<Vec3>& points) {
     std::vector<SegmentCut> cuts;
     if (contours.structures.size() < 2) return cuts;  // contours of one structure do not meet
     const std::size_t before = points.size();
     std::vector<std::vector<std::uint32_t>> by_slice(contours.slices.size());
     for (std::uint32_t s = 0; s < segments.size(); ++s) by_slice[segments[s].slice].push_back(s);
     for (std::uint32_t slice = 0; slice < by_slice.size(); ++slice) {
-        SliceContacts(contours.slices[slice].plane, segments, std::move(by_slice[slice]), clearance_mm, points, cuts).find();
+        SliceContacts(contours.slices[slice].plane, segments, std::move(by_slice[slice]), clearance_mm,
+                      points, cuts)
+            .find();
     }
     unite_contacts(cuts, before, points);
     return cuts;
@@ -228,7 +242,9 @@ Vec3 split_point(std::span<const Vec3> points, const SegmentPiece& piece,
     const Vec3 a = points[piece.a], b = points[piece.b];
     const bool at_a = std::binary_search(acute.begin(), acute.end(), piece.a);
     if (at_a == std::binary_search(acute.begin(), acute.end(), piece.b)) return 0.5 * (a + b);
-    return shell_point(points, piece, at_a ? a : b);
+    const double span = length(b - a);
+    const double share = std::exp2(std::floor(std::log2(span * 2 / 3))) / span;
+    return at_a ? a + share * (b - a) : b + share * (a - b);
 }
 
 Vec3 shell_point(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 apex) {

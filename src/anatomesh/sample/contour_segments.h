@@ -61,7 +61,8 @@ std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,
                                           const std::vector<SegmentPiece>& pieces);
 
 // Where a piece is split: at its middle; but one of those that meet at an acute angle (`acute`: as
-// acute_vertices()) at its shell_point().
+// acute_vertices()) at a distance from where they meet that is a power of two, from a third to two thirds of
+// its length.
 Vec3 split_point(std::span<const Vec3> points, const SegmentPiece& piece,
                  std::span<const std::uint32_t> acute);
 
