@@ -106,10 +106,18 @@ class Conformer {
         return grid_.any_within(p, room) || fresh_.any_within(p, room);
     }
 
+    // Where planes cross on the shells on which what is left of the piece is split later.
+    Vec3 place_on_shell(const SegmentPiece& piece) const {
+        const bool at_a = std::binary_search(acute_.begin(), acute_.end(), piece.a),
+                   at_b = std::binary_search(acute_.begin(), acute_.end(), piece.b);
+        if (!slices_.empty() || at_a == at_b) return split_point(points_, piece, acute_);
+        return shell_point(points_, piece, points_[at_a ? piece.a : piece.b]);
+    }
+
     // If nothing is too near there.
     std::optional<Vec3> place_of_split(const SegmentPiece& piece, const Want& want) const {
         if (want.any()) {
-            const Vec3 at = split_point(points_, piece, acute_);
+            const Vec3 at = place_on_shell(piece);
             if (want.encroached && !is_taken(at, near_share * shortest_)) return at;
             if (want.ungraded && !is_taken(at, graded_room_) && !is_in_corner(at, piece)) return at;
         }
