@@ -83,7 +83,8 @@ struct DihedralStats {
 // after, spikes and pits of one cell are taken off the surfaces where the field has none, before that deep
 // ones of any number are lowered (lower_apexes.h); before and at last contour pieces beside their surface are
 // brought to lie on it (bring_segments.h), until when they stay edges of the mesh; at last each chain of them
-// may cost one cell in 100,000 above `max_radius_edge`. In between, edges of surfaces are flipped for smaller angles between facets (flip_surface_edges.h), where no
+// may cost one cell in 100,000 above `max_radius_edge`. In between, edges of surfaces are flipped for smaller
+// angles between facets (flip_surface_edges.h), where no
 // angle inside falls below the target or what it was. Guarantees: no cell inside with an angle below the
 // least before and below 10 degrees; all cells positive by exact orientation; vertices with fixed[v] != 0 do
 // not move and stay on their surfaces, but for those of structures further away than `apex_mm`; `fixed_edges`

@@ -40,8 +40,8 @@ namespace anatomesh {
 namespace {
 
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
-// For the volume's sake no vertex moves further than the first of these, in sizes; or, where a larger share
-// of a volume is still amiss then, the second: where few vertices are free, that makes bumps of them.
+// For the volume's sake no vertex moves further than the first of these, in sizes, and, where a larger share
+// of a volume is still amiss then, the second further: where few vertices are free, that makes bumps of them.
 constexpr double balance_reach = 0.1, further_reach = 0.15;
 constexpr double most_amiss = 0.0015;
 constexpr double surface_deviation =
@@ -432,7 +432,13 @@ class Builder {
                                    options_.max_radius_edge, balance, context_.threads);
         };
         BalanceStats balanced = balanced_within(balance_reach);
-        if (balanced.worst_after > most_amiss) balanced = balanced_within(further_reach);
+        if (balanced.worst_after > most_amiss) {
+            const BalanceStats first = balanced;
+            balanced = balanced_within(further_reach);
+            balanced.moves += first.moves;
+            balanced.largest_offset_mm += first.largest_offset_mm;
+            balanced.worst_before = first.worst_before;
+        }
         figures_ = {{"vertices_onto_interface", static_cast<double>(improved.vertices_onto_interface)},
                     {"vertices_smoothed", static_cast<double>(improved.vertices_smoothed)},
                     {"above_bound_before", static_cast<double>(improved.above_bound_before)},
