@@ -135,7 +135,6 @@ class Splitter {
                 put_patch_back();
                 return stats_;
             }
-            if (patch_.cells.size() > most_cells) break;
             if (join_lost()) continue;
             change_ = {std::vector<std::uint8_t>(patch_.cells.size(), 0), {}, {}};
             const std::size_t before = stats_.edges_split + stats_.vertices_split;
@@ -143,6 +142,7 @@ class Splitter {
             if (stats_.edges_split + stats_.vertices_split == before) split_vertices();
             if (stats_.edges_split + stats_.vertices_split == before) break;
             apply_change();
+            if (patch_.cells.size() > most_cells) break;
         }
         const Vec3 at = patch_.points[unsound_.front()];
         return Error{ErrorKind::geometry, "E-CUT-001",
