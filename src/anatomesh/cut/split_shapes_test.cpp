@@ -167,19 +167,6 @@ TEST(SplitShapes, L15_checkerboard) {
     EXPECT_NEAR(cubes.volume(0), 32, 16);
 }
 
-// Rather an error than all of the memory.
-TEST(SplitShapes, ends_where_cells_become_too_many) {
-    for (const std::uint64_t most : {0u, 100u}) {
-        Cubes cubes(6, [](int i, int j, int k) { return structure_if((i + j + k) % 2 == 0); });
-        SplitOptions options;
-        options.max_cells = most;
-        RunContext context;
-        const auto made = split_unsound(cubes.mesh, cubes.all_vertices(), {}, cubes.registry, options, context);
-        ASSERT_FALSE(made.ok());
-        EXPECT_EQ(made.error().code, "E-CUT-001");
-    }
-}
-
 TEST(SplitShapes, checkerboard_of_three_structures) {
     Cubes cubes(6, [](int i, int j, int k) {
         return std::vector<std::uint32_t>{static_cast<std::uint32_t>((i + 2 * j + 3 * k) % 3)};

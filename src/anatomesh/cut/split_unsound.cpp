@@ -128,7 +128,6 @@ class Splitter {
 
     Result<SplitStats> run(const std::vector<std::uint32_t>& unsound) {
         cut_out_patch(unsound);
-        const std::size_t most_cells = patch_.cells.size() + options_.max_cells;
         for (int pass = 0; pass < options_.max_passes; ++pass) {
             find_unsound();
             if (unsound_.empty()) {
@@ -142,7 +141,6 @@ class Splitter {
             if (stats_.edges_split + stats_.vertices_split == before) split_vertices();
             if (stats_.edges_split + stats_.vertices_split == before) break;
             apply_change();
-            if (patch_.cells.size() > most_cells) break;
         }
         const Vec3 at = patch_.points[unsound_.front()];
         return Error{ErrorKind::geometry, "E-CUT-001",

@@ -15,7 +15,6 @@ struct SplitOptions {
     double corner = 0.5;     // where the edges at a split vertex are cut, as a share of their length. (0, 1)
     double spindle = 0.5;    // how far a split edge's spindle reaches towards its ring. (0, 1)
     int max_passes = 200;    // a pass splits all unsound edges, or vertices, that share no cell
-    std::uint64_t max_cells = 2'000'000;  // by which those round the unsound vertices may become more
 };
 
 struct SplitStats {
@@ -43,11 +42,10 @@ struct SplitStats {
 //    segments on their surface, then a disc before a path, and the one that changes least.
 // Guarantees on success: every vertex of the mesh sound; no vertex moved; facets away from the split cells
 // unchanged; all cells positive (checked exactly); the tetrahedra outside the stars of the unsound vertices
-// untouched. Errors: geometry E-CUT-001, with its place, when a vertex stays unsound after max_passes, or
-// when more cells than max_cells allows were made before none was. Why it
+// untouched. Errors: geometry E-CUT-001 when a vertex stays unsound after max_passes, with its place. Why it
 // ends, for one structure: relabelling a regular neighbourhood of the singular set (Rourke and Sanderson,
 // Introduction to Piecewise-Linear Topology, 1972, chapter 3). With several structures at one vertex
-// max_passes bounds it, and max_cells the memory: a pass can make several times the cells before it.
+// max_passes bounds it.
 Result<SplitStats> split_unsound(TetMesh& mesh, const std::vector<std::uint32_t>& unsound, const ContourOwners& owners,
                                  RegionRegistry& registry, const SplitOptions& options, RunContext& context);
 
