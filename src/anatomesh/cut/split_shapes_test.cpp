@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <random>
 #include <set>
 
@@ -165,6 +167,63 @@ TEST(SplitShapes, L15_checkerboard) {
     split(cubes);
     expect_manifold(cubes, 1);
     EXPECT_NEAR(cubes.volume(0), 32, 16);
+}
+
+// Cells round an edge, in and out by turns, one of them so flat that a point half way along its edges may be
+// rounded to its other side: a cell made there would lie over its neighbour, and facets no longer meet.
+TEST(SplitShapes, cells_beside_a_nearly_flat_one_do_not_overlap) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> coordinate(-30, 30);
+    const auto anywhere = [&] { return Vec3{coordinate(random), coordinate(random), coordinate(random)}; };
+    int flat = 0, refused = 0;
+    for (int n = 0; n < 1000; ++n) {
+        const double angle = std::pow(10.0, -(n % 18));  // of the flat one
+        const Vec3 a = anywhere(), axis = normalized(anywhere()), u = normalized(cross(axis, anywhere())),
+                   v = cross(axis, u);
+        TetMesh mesh;
+        mesh.points = {a, a + 0.3 * axis};
+        const std::array<double, 6> angles{0, 0.5 * angle, 1, 2, 3.5, 5};
+        for (std::size_t k = 0; k < angles.size(); ++k) {
+            mesh.points.push_back(a + 0.1 * static_cast<double>(k) * axis +
+                                  (1 + static_cast<double>(k)) *
+                                      (std::cos(angles[k]) * u + std::sin(angles[k]) * v));
+        }
+        mesh.points.insert(mesh.points.end(), {a - 1.5 * axis, a + 1.8 * axis});
+        for (std::uint32_t k = 0; k < 6; ++k) mesh.cells.push_back({0, 1, 2 + k, 2 + (k + 1) % 6});
+        for (std::uint32_t k = 0; k < 6; ++k) {  // all round both ends
+            mesh.cells.push_back({8, 0, 2 + k, 2 + (k + 1) % 6});
+            mesh.cells.push_back({1, 9, 2 + k, 2 + (k + 1) % 6});
+        }
+        const std::vector<Vec3>& p = mesh.points;
+        if (std::any_of(mesh.cells.begin(), mesh.cells.end(),
+                        [&](const Cell& c) { return orient3d(p[c[0]], p[c[1]], p[c[2]], p[c[3]]) <= 0; }))
+            continue;
+        RegionRegistry registry;
+        const Region in = registry.intern({0});
+        mesh.regions = {in, 0, in, 0, in, 0};
+        mesh.regions.resize(mesh.cells.size(), 0);
+        RunContext context;
+        const auto made = split_unsound(mesh, {0, 1}, {}, registry, {}, context);
+        if (angle > 1e-9) {
+            EXPECT_TRUE(made.ok()) << angle;
+        } else {
+            ++flat;
+            refused += !made.ok();
+        }
+        if (!made.ok()) continue;
+        std::map<std::array<std::uint32_t, 3>, int> sides;  // of facets, by their vertices in order
+        for (const Cell& c : mesh.cells) {
+            EXPECT_EQ(orient3d(p[c[0]], p[c[1]], p[c[2]], p[c[3]]), 1);
+            for (std::array<std::uint32_t, 3> f : {std::array{c[1], c[2], c[3]}, std::array{c[0], c[3], c[2]},
+                                                   std::array{c[0], c[1], c[3]}, std::array{c[0], c[2], c[1]}}) {
+                std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
+                EXPECT_EQ(++sides[f], 1) << "two cells on one side of a facet";
+            }
+        }
+    }
+    EXPECT_GT(flat, 200);
+    EXPECT_GT(refused, 0);
+    EXPECT_LT(refused, flat);
 }
 
 TEST(SplitShapes, checkerboard_of_three_structures) {

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <utility>
 
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/geom/predicates.h"
@@ -44,6 +46,33 @@ struct Change {
         regions.push_back(region);
     }
 };
+
+// What the cells have as facets, each with its orientation seen from outside; those between two of them, which
+// have both, cancel. Nothing where a facet belongs to more than two. Lowest vertex first, in order.
+using OrientedFacet = std::pair<std::array<std::uint32_t, 3>, int>;
+std::optional<std::vector<OrientedFacet>> oriented_boundary(const std::vector<Cell>& cells) {
+    std::vector<OrientedFacet> facets;
+    for (const Cell& c : cells) {
+        for (std::array<std::uint32_t, 3> f : {std::array{c[1], c[2], c[3]}, std::array{c[0], c[3], c[2]},
+                                               std::array{c[0], c[1], c[3]}, std::array{c[0], c[2], c[1]}}) {
+            std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
+            const int side = f[1] < f[2] ? 1 : -1;
+            if (side < 0) std::swap(f[1], f[2]);
+            facets.emplace_back(f, side);
+        }
+    }
+    std::sort(facets.begin(), facets.end());
+    std::vector<OrientedFacet> boundary;
+    for (std::size_t n = 0; n < facets.size();) {
+        std::size_t end = n + 1;
+        while (end < facets.size() && facets[end].first == facets[n].first) ++end;
+        if (end - n > 2) return std::nullopt;
+        if (end - n == 1) boundary.push_back(facets[n]);
+        if (end - n == 2 && facets[n].second == facets[n + 1].second) return std::nullopt;
+        n = end;
+    }
+    return boundary;
+}
 
 bool positive(const std::vector<Vec3>& points, const Cell& c) {
     return orient3d(points[c[0]], points[c[1]], points[c[2]], points[c[3]]) > 0;
@@ -320,7 +349,7 @@ class Splitter {
                 added.add({edge[1], x, y, z}, outer);
             }
         }
-        if (!orient_all(added)) {
+        if (!fits(added, ring.cells)) {
             patch_.points.resize(first_new);
             return;
         }
@@ -531,7 +560,7 @@ class Splitter {
             added.add({v, near[0], near[1], near[2]}, corners[n]);
             add_prism(near, far, patch_.regions[star[n]], added);
         }
-        if (!orient_all(added)) {
+        if (!fits(added, star)) {
             patch_.points.resize(first_new);
             return;
         }
@@ -545,14 +574,19 @@ class Splitter {
         }
     }
 
-    // Turns every cell positive; false if one is flat.
-    bool orient_all(Change& added) const {
+    // Turns every cell positive. Whether the cells fill the place of those removed: not if one is flat, nor if
+    // a new point was rounded to the other side of one nearly so, which then lies over its neighbours.
+    bool fits(Change& added, std::span<const std::uint32_t> removed) const {
         for (Cell& cell : added.cells) {
-            const int sign = orient3d(patch_.points[cell[0]], patch_.points[cell[1]], patch_.points[cell[2]], patch_.points[cell[3]]);
+            const int sign = orient3d(patch_.points[cell[0]], patch_.points[cell[1]], patch_.points[cell[2]],
+                                      patch_.points[cell[3]]);
             if (sign == 0) return false;
             if (sign < 0) std::swap(cell[2], cell[3]);
         }
-        return true;
+        std::vector<Cell> before;
+        for (const std::uint32_t c : removed) before.push_back(patch_.cells[c]);
+        const auto boundary = oriented_boundary(added.cells);
+        return boundary && boundary == oriented_boundary(before);
     }
 
     // The regions of the cells, then their structures.
