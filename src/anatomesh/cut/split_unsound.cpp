@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <utility>
@@ -17,6 +18,8 @@ namespace anatomesh {
 namespace {
 
 using Edge = std::array<std::uint32_t, 2>;
+
+constexpr int most_gives = 20;  // passes that give pieces away
 
 // A part of the mesh round the unsound vertices, small enough to be rebuilt after every pass.
 struct Patch {
@@ -157,6 +160,7 @@ class Splitter {
 
     Result<SplitStats> run(const std::vector<std::uint32_t>& unsound) {
         cut_out_patch(unsound);
+        int gives = 0;
         for (int pass = 0; pass < options_.max_passes; ++pass) {
             find_unsound();
             if (unsound_.empty()) {
@@ -168,7 +172,10 @@ class Splitter {
             const std::size_t before = stats_.edges_split + stats_.vertices_split;
             split_edges();
             if (stats_.edges_split + stats_.vertices_split == before) split_vertices();
-            if (stats_.edges_split + stats_.vertices_split == before) break;
+            if (stats_.edges_split + stats_.vertices_split == before) {
+                if (gives++ == most_gives || !give_pieces()) break;
+                continue;
+            }
             apply_change();
         }
         const Vec3 at = patch_.points[unsound_.front()];
@@ -179,6 +186,41 @@ class Splitter {
     }
 
   private:
+    // Where no split has room, beside a cell that is nearly flat: the smallest piece too many of each vertex goes
+    // to the side round it. What becomes unsound by that is elsewhere, and can be split. Says whether any did.
+    bool give_pieces() {
+        bool gave = false;
+        std::vector<StarPiece> pieces;
+        for (const std::uint32_t v : unsound_) {
+            analyzer_->excess_pieces(v, pieces);
+            std::erase_if(pieces, [](const StarPiece& piece) { return piece.largest; });
+            if (pieces.empty()) continue;
+            const StarPiece& least = *std::min_element(
+                pieces.begin(), pieces.end(),
+                [](const StarPiece& x, const StarPiece& y) { return x.cells.size() < y.cells.size(); });
+            gave = give_to_other_side(least) || gave;
+        }
+        return gave;
+    }
+
+    // To the region with which the piece shares the most facets across its body's surface.
+    bool give_to_other_side(const StarPiece& piece) {
+        std::map<Region, int> facets;
+        for (const std::uint32_t c : piece.cells) {
+            for (const std::uint32_t n : patch_.neighbors[c]) {
+                if (n != no_cell && piece.body.holds(registry_.table(), patch_.regions[n]) != piece.inside)
+                    ++facets[patch_.regions[n]];
+            }
+        }
+        if (facets.empty()) return false;
+        const Region region = std::max_element(facets.begin(), facets.end(), [](const auto& x, const auto& y) {
+                                  return x.second < y.second;
+                              })->first;
+        for (const std::uint32_t c : piece.cells) patch_.regions[c] = region;
+        ++stats_.pieces_given;
+        return true;
+    }
+
     // Takes all cells that touch a vertex of the stars of the unsound vertices out of the mesh into the patch.
     void cut_out_patch(const std::vector<std::uint32_t>& unsound) {
         std::vector<std::uint8_t> reach(mesh_.points.size(), 0);  // 1: unsound, 2: in such a star

@@ -20,6 +20,7 @@ struct SplitOptions {
 struct SplitStats {
     std::uint64_t edges_split = 0, vertices_split = 0, vertices_joined = 0;
     std::uint64_t points_added = 0, cells_added = 0;
+    std::uint64_t pieces_given = 0;  // of stars, where no split had room
     std::vector<std::uint32_t>
         on_segments;  // of the points added: those on contour segments, with which they go on
     std::vector<std::array<std::uint32_t, 3>>
@@ -40,9 +41,11 @@ struct SplitStats {
 //    the surface keeps passing through the vertex. Of all such discs, and of all paths of corners that join
 //    two pieces of one side instead, the one is taken that leaves most contour vertices and pieces of contour
 //    segments on their surface, then a disc before a path, and the one that changes least.
+// Where none of them has room, beside a cell that is nearly flat, the smallest piece too many of each vertex left
+// goes to the side round it, twenty times at most: what that leaves unsound lies elsewhere, and is split.
 // Guarantees on success: every vertex of the mesh sound; no vertex moved; facets away from the split cells
 // unchanged; all cells positive, and new ones exactly in the place of the old ones (both checked, as rounding
-// may turn one that is nearly flat: that edge or vertex is then left); the tetrahedra outside the stars of the
+// may turn one that is nearly flat: that edge or vertex is not split then); the tetrahedra outside the stars of the
 // unsound vertices untouched. Errors: geometry E-CUT-001 when a vertex stays unsound after max_passes, or
 // because no split of it has room, with its place. Why it
 // ends, for one structure: relabelling a regular neighbourhood of the singular set (Rourke and Sanderson,

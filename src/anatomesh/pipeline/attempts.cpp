@@ -1,5 +1,7 @@
 #include "anatomesh/pipeline/attempts.h"
 
+#include <algorithm>
+
 #include "anatomesh/measure/certificate.h"
 
 namespace anatomesh {
@@ -8,6 +10,12 @@ namespace {
 
 // Of cells: such a model is no matter of luck.
 constexpr double most_unforced = 2 * certificate_share_over_bound;
+// A model that lacks no more than the first share of the segments that another one lacks has more contours, and
+// one that lacks no more than the second far more: then it may have so many times the components and handles.
+constexpr double fewer_missed = 0.75, far_fewer_missed = 0.5;
+constexpr long long more_tangles = 2;
+constexpr double some_bad = 1e-3;          // of cells
+constexpr double unwarned_distance = 0.5;  // in edge lengths: warned of is what is further off (W-PIP-008)
 
 }  // namespace
 
@@ -35,6 +43,22 @@ NextTry Attempts::next(const TryOutcome& last) {
     ++finer_;
     finer_for_shape_ = finer_for_shape_ || (ill_shaped && !torn);
     return NextTry::finer;
+}
+
+bool has_more_contours(const TryOutcome& kept, const TryOutcome& other) {
+    if (!kept.conformed_badly || kept.tore_walls || kept.missed > fewer_missed * other.missed) return false;
+    const long long times = kept.missed <= far_fewer_missed * other.missed ? more_tangles : 1;
+    return kept.tangles <= times * other.tangles && kept.bad <= some_bad &&
+           kept.farthest <= std::max(unwarned_distance, other.farthest);
+}
+
+bool is_worse(const TryOutcome& later, const TryOutcome& kept) {
+    if (later.astray != kept.astray) return later.astray;
+    if (later.astray) {
+        if (kept.missed <= fewer_missed * later.missed) return kept.missed < later.missed;
+        if (later.missed > fewer_missed * kept.missed && later.tangles > kept.tangles) return true;
+    }
+    return later.bad > Attempts::few_bad && later.bad >= kept.bad;
 }
 
 }  // namespace anatomesh

@@ -11,7 +11,8 @@
 // Where contour segments were split for each other's sake (planes that cross) and that broke the contract or
 // left ill-shaped cells, it is luck which, a few in tens of thousands: it is done again with slightly shorter
 // edges first, and given up only then; at once where more than a hundredth of the cells are ill-shaped though
-// nothing forces them. (Whether one of the models so made is taken after all is Tries' in build_model.cpp.)
+// nothing forces them. One of the models so made is taken after all where the one without lacks far more
+// segments (has_more_contours()).
 //
 // Guarantees: at most `most_finer` finer tries, `most_same` of one size, and `most_conforming` slightly
 // shorter ones. O(1).
@@ -32,6 +33,9 @@ struct TryOutcome {
     bool conformed = false;     // contour segments were split for each other's sake
     bool conformed_badly = false;  // and single cells are ill-shaped
     bool astray = false;        // and so is its surface: it goes far from the field's
+    double missed = 0;          // share of the contour segments that are no chains of edges of the surface
+    long long tangles = 0;      // components and handles of all structures
+    double farthest = 0;        // of its surface from the field's, in edge lengths
     double over_bound = 0;      // share of the tetrahedra above the radius-edge ratio, in [0, 1]
     double unforced = 0;        // share of ill-shaped ones that nothing forces; as the next
     double bad = 0;             // share of those of which clause 4 allows not one that nothing forces
@@ -43,6 +47,8 @@ class Attempts {
     static constexpr std::size_t most_finer = 3, most_same = 4, most_conforming = 4;
     static constexpr std::size_t again_below = 800000;  // cells of a model that keeps the contract
     static constexpr std::size_t conforming_below = 100000;  // of one that conformed badly
+    // Of cells: so few for which clause 4 is not kept are less than the contour segments that would be lost.
+    static constexpr double few_bad = 1e-4;
 
     // `size_given`: the edge length is the user's, and stays.
     explicit Attempts(bool size_given) : size_given_(size_given) {}
@@ -60,5 +66,13 @@ class Attempts {
     bool size_given_, finer_for_shape_ = false;
     std::size_t finer_ = 0, same_ = 0, conforming_ = 0;
 };
+
+// Whether a model that conformed badly has so many more of its contours than another one, which did not conform,
+// that this is worth more than what is bad in it: single ill-shaped cells, and a surface off the field's by no more
+// than nobody is warned of. Not where its surfaces hang together worse: contours are not to be had for handles.
+bool has_more_contours(const TryOutcome& kept, const TryOutcome& other);
+
+// Whether of two that conformed badly the later one is worse. Of those with few bad cells it is not: it is finer.
+bool is_worse(const TryOutcome& later, const TryOutcome& kept);
 
 }  // namespace anatomesh

@@ -128,5 +128,57 @@ TEST(Attempts, TornWallsAreTriedFinerWhileTheyAreTorn) {
     EXPECT_EQ(all_tries(torn, true), std::vector{NextTry::none});
 }
 
+const TryOutcome half_the_contours{.kept_contract = true, .missed = 0.2, .tangles = 4, .farthest = 0.3};
+
+TryOutcome with_contours(double missed, long long tangles, double bad = 0, double farthest = 0.4) {
+    TryOutcome outcome = conformed_badly;
+    outcome.missed = missed;
+    outcome.tangles = tangles;
+    outcome.bad = bad;
+    outcome.farthest = farthest;
+    return outcome;
+}
+
+TEST(Attempts, ContoursAreWorthSingleBadCellsButNoHandles) {
+    const auto kept = [](const TryOutcome& outcome) { return has_more_contours(outcome, half_the_contours); };
+    EXPECT_TRUE(kept(with_contours(0.14, 4)));
+    EXPECT_FALSE(kept(with_contours(0.16, 4))) << "hardly more contours";
+    EXPECT_FALSE(kept(with_contours(0.14, 5))) << "a handle more";
+    EXPECT_TRUE(kept(with_contours(0.09, 8))) << "more than twice the contours";
+    EXPECT_FALSE(kept(with_contours(0.09, 9)));
+    EXPECT_TRUE(kept(with_contours(0.09, 4, 9e-4)));
+    EXPECT_FALSE(kept(with_contours(0.09, 4, 2e-3))) << "more than single bad cells";
+    EXPECT_FALSE(kept(with_contours(0.09, 4, 0, 0.6))) << "a spike that a warning tells of";
+    TryOutcome torn_walls = with_contours(0.09, 4);
+    torn_walls.tore_walls = true;
+    EXPECT_FALSE(kept(torn_walls));
+    EXPECT_FALSE(has_more_contours(half_the_contours, half_the_contours)) << "did not conform";
+}
+
+TEST(Attempts, OfTwoThatConformedBadlyNoneIsWorseThanItself) {
+    for (const double missed : {0.0, 0.1}) {
+        for (const double bad : {0.0, 5e-5}) {
+            for (const bool astray : {false, true}) {
+                TryOutcome outcome = with_contours(missed, 4, bad);
+                outcome.astray = astray;
+                EXPECT_FALSE(is_worse(outcome, outcome));
+            }
+        }
+    }
+}
+
+TEST(Attempts, OfTwoAstrayTheOneWithMoreContoursOrFewerHandlesIsKept) {
+    const auto astray = [](double missed, long long tangles) {
+        TryOutcome outcome = with_contours(missed, tangles);
+        outcome.astray = true;
+        return outcome;
+    };
+    EXPECT_TRUE(is_worse(astray(0.2, 4), astray(0.1, 4)));
+    EXPECT_TRUE(is_worse(astray(0.1, 14), astray(0.1, 8)));
+    EXPECT_FALSE(is_worse(astray(0.05, 14), astray(0.1, 8)));
+    EXPECT_FALSE(is_worse(astray(0.1, 8), astray(0.1, 14)));
+    EXPECT_TRUE(is_worse(astray(0.05, 4), with_contours(0.2, 4))) << "one that is not astray comes first";
+}
+
 }  // namespace
 }  // namespace anatomesh

@@ -21,8 +21,6 @@ namespace {
 constexpr double finer = 0.7;  // a further try's edge length, in those of the one before
 // Of slightly finer tries, in those of the first.
 constexpr std::array<double, Attempts::most_conforming> slightly_finer{0.9, 0.8, 0.7, 0.56};
-// Of cells: so few for which clause 4 is not kept are less than the contour segments that would be lost.
-constexpr double few_bad = 1e-4;
 
 // A model that keeps the contract, while another one is tried.
 struct KeptModel {
@@ -35,17 +33,11 @@ struct KeptModel {
 
 // Whether another model does not mend what it was tried for.
 bool is_in_vain(const KeptModel& kept, const BuiltOnce& other, const Attempts& attempts) {
-    if (!other.model.ok()) return true;
+    if (!other.model.ok() || has_more_contours(kept.outcome, other.outcome)) return true;
     if (attempts.finer_for_shape() && other.outcome.over_bound >= kept.outcome.over_bound) return true;
     return kept.outcome.conformed_badly && !kept.outcome.astray && !kept.outcome.tore_walls &&
            other.outcome.bad > 0 &&
            kept.outcome.unforced <= std::max(other.outcome.unforced, certificate_share_over_bound);
-}
-
-// Of two that conformed badly; of those with few bad cells the later one, which is finer.
-bool is_worse(const BuiltOnce& built, const KeptModel& kept) {
-    if (built.outcome.astray != kept.outcome.astray) return built.outcome.astray;
-    return built.outcome.bad > few_bad && built.outcome.bad >= kept.outcome.bad;
 }
 
 // Tries until a model is as good as it can be.
@@ -83,7 +75,7 @@ class Tries {
             }
             const Warning again = prepare(next, attempts.slightly_finer(), std::move(built));
             if (!trial_.may_conform && kept_ && kept_->outcome.conformed_badly && !kept_->outcome.astray &&
-                !kept_->outcome.tore_walls && kept_->outcome.bad <= few_bad)
+                !kept_->outcome.tore_walls && kept_->outcome.bad <= Attempts::few_bad)
                 return conforming_one();
             context_.warn(again);
         }
@@ -116,7 +108,7 @@ class Tries {
         const double size_mm = next_size(next, slightly_finer_tries, built);
         const std::string error = built.model.ok() ? "" : built.model.error().message;
         const Warning again = built_again(next, built.outcome, error, size_mm);
-        if (built.model.ok() && !(kept_ && built.outcome.conformed_badly && is_worse(built, *kept_))) {
+        if (built.model.ok() && !(kept_ && built.outcome.conformed_badly && is_worse(built.outcome, kept_->outcome))) {
             kept_.emplace(KeptModel{std::move(built.model.value()), trial_, context_.warnings, built.outcome,
                                     sought_by(next, built.outcome)});
         }

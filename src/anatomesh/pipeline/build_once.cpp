@@ -347,6 +347,7 @@ class Builder {
                     {"edges_split", static_cast<double>(split.edges_split)},
                     {"vertices_split", static_cast<double>(split.vertices_split)},
                     {"vertices_joined", static_cast<double>(split.vertices_joined)},
+                    {"pieces_given", static_cast<double>(split.pieces_given)},
                     {"crumbs_given_away", static_cast<double>(crumbs.pieces)}};
         return end_stage("cut", 0.75);
     }
@@ -745,6 +746,15 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
     outcome.astray = builder.went_astray();
     outcome.conformed_badly = builder.conforming() && (report.listed_cells_bad > 0 || outcome.astray);
     outcome.over_bound = model.value().report.quality.radius_edge_share_over_2;
+    outcome.farthest = report.field_distance.max_mm / builder.size_mm();
+    std::uint64_t segments = 0, on_surface = 0;
+    for (const StructureReport& structure : report.structures) {
+        segments += structure.contour_segments;
+        on_surface += structure.contour_segments_on_surface;
+        outcome.tangles += static_cast<long long>(structure.components) + structure.genus;
+    }
+    outcome.missed = static_cast<double>(segments - on_surface) /
+                     static_cast<double>(std::max<std::uint64_t>(1, segments));
     return outcome;
 }
 

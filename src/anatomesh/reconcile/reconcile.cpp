@@ -37,7 +37,9 @@ constexpr double joined_mm = 0.1;        // how far a vertex may have gone to a 
 constexpr int most_align_rounds = 12;
 constexpr double align_precision_mm = 1e-3;
 constexpr double agreement_mm = 0.01;      // across the contours: then common points can be put in
-constexpr double clearance_mm = 0.1;       // of a contour drawn back from another slice's plane
+// Of a contour drawn back from another slice's plane, and of the mean distance between vertices: nearer to the
+// line two planes are so close to each other that no cells of any shape fit between.
+constexpr double least_clearance_mm = 0.1, clearance_share = 0.1;
 constexpr double flattening = 0.2;         // what is left of the height of an arc that is drawn back
 constexpr double normal_reach_mm = 1;      // contours' normals are taken over chords of this half length
 constexpr int most_shortenings = 16;       // of a step, by half each
@@ -79,6 +81,7 @@ class Reconciler {
   private:
     void measure_extents() {
         patches_ = plane_patches(set_);
+        clearance_mm_ = std::max(least_clearance_mm, clearance_share * mean_vertex_spacing(set_));
         margin_ = options_.margin_mm;
         if (margin_ == 0) margin_ = plane_spacings(set_, patches_).median;
         pairs_ = crossing_pairs(patches_, margin_);
@@ -315,7 +318,7 @@ class Reconciler {
                 any = true;
                 for (std::size_t n = 0; n < arc.points.size(); ++n) {
                     const double height = arc.heights_mm[n];
-                    const double distance = height + clearance_mm + flattening * (arc.height_mm - height);
+                    const double distance = height + clearance_mm_ + flattening * (arc.height_mm - height);
                     MovementNode& node = nodes_[graph_.node_of_point[arc.points[n]]];
                     if (node.hold == Hold::anchor) continue;
                     if (node.hold == Hold::pinned && squared_length(node.direction) > distance * distance)
@@ -671,7 +674,7 @@ class Reconciler {
     RunContext& context_;
     ReconcileStats stats_;
     DrawnPlaces drawn_;
-    double margin_ = 0;
+    double margin_ = 0, clearance_mm_ = 0;
     double worst_mm_ = 0;  // of places from their groups' points, in this round
     std::vector<PlanePatch> patches_;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;

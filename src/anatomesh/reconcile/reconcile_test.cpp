@@ -312,6 +312,29 @@ TEST(Reconcile, C26_what_one_slice_alone_has_is_drawn_back_across_the_line) {
     expect_sound(result.kept);
 }
 
+// Nearer to it than the vertices lie, cells between the planes there would have no shape.
+TEST(Reconcile, C26_what_is_drawn_back_keeps_off_the_line_by_a_share_of_the_vertices_distance) {
+    std::mt19937 random(3);
+    for (const int count : {24, 48, 150, 600}) {
+        ContourSet set = drawn_ball(20, {make_plane({}, {0, 0, 1})}, {0, 0, count}, random);
+        const Plane upright = make_plane({17, 0, 0}, {1, 0, 0});
+        Ring ring;
+        for (int i = 0; i < 60; ++i) {
+            const double angle = 2 * std::numbers::pi * i / 60;
+            ring.push_back(upright.to_plane({17, 8 * std::cos(angle), 10 + 8 * std::sin(angle)}));
+        }
+        add_slice(set, upright, ring);
+        const double spacing = mean_vertex_spacing(set);
+        const ReconcileResult result = reconciled(set);
+        double beyond = -HUGE_VAL;
+        for (const Vec3& p : result.kept.points) {
+            if (std::abs(p.z) < 1e-9) beyond = std::max(beyond, p.x - 17);
+        }
+        EXPECT_LT(beyond, -std::max(0.099, 0.09 * spacing)) << count << " vertices, " << spacing << " mm apart";
+        expect_sound(result.kept);
+    }
+}
+
 // As rounded, not only as meant: a report that says "10 against a bound of 10" reads it off.
 TEST(Reconcile, C26_no_vertex_moves_further_than_the_bound) {
     std::mt19937 random(6);

@@ -29,7 +29,7 @@ constexpr double size_per_thickness =
 constexpr double contact_clearance =
     0.01;  // of a contact of two contours from the ends of its segments, in sizes
 constexpr double shortest_conforming =
-    0.025;  // pieces are not split below it for other contours' sake, in sizes
+    0.01;  // pieces are not split below it for other contours' sake, in sizes
 constexpr double shortest_beside_others = 0.1;  // the same within parallel slices
 // There pieces are at most so many times as long as the next vertex beside them is far, down to a length in
 // sizes: what a pixel's size is apart in the mean runs hundredths of a millimetre apart in places.
