@@ -198,17 +198,20 @@ class Splitter {
             const StarPiece& least = *std::min_element(
                 pieces.begin(), pieces.end(),
                 [](const StarPiece& x, const StarPiece& y) { return x.cells.size() < y.cells.size(); });
-            gave = give_to_other_side(least) || gave;
+            gave = give_to_other_side(v, least) || gave;
         }
         return gave;
     }
 
-    // To the region with which the piece shares the most facets across its body's surface.
-    bool give_to_other_side(const StarPiece& piece) {
+    // To the region with which the piece shares the most facets at the vertex across its body's surface.
+    bool give_to_other_side(std::uint32_t vertex, const StarPiece& piece) {
         std::map<Region, int> facets;
         for (const std::uint32_t c : piece.cells) {
-            for (const std::uint32_t n : patch_.neighbors[c]) {
-                if (n != no_cell && piece.body.holds(registry_.table(), patch_.regions[n]) != piece.inside)
+            for (std::size_t i = 0; i < 4; ++i) {
+                const std::uint32_t n = patch_.neighbors[c][i];
+                if (patch_.cells[c][i] != vertex && n != no_cell &&
+                    piece.body.holds(registry_.table(), patch_.regions[n]) !=
+                        piece.inside)
                     ++facets[patch_.regions[n]];
             }
         }

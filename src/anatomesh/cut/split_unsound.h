@@ -42,12 +42,12 @@ struct SplitStats {
 //    two pieces of one side instead, the one is taken that leaves most contour vertices and pieces of contour
 //    segments on their surface, then a disc before a path, and the one that changes least.
 // Where none of them has room, beside a cell that is nearly flat, the smallest piece too many of each vertex left
-// goes to the side round it, twenty times at most: what that leaves unsound lies elsewhere, and is split.
+// goes to the region round it, twenty times at most: what that leaves unsound is split where it has room.
 // Guarantees on success: every vertex of the mesh sound; no vertex moved; facets away from the split cells
 // unchanged; all cells positive, and new ones exactly in the place of the old ones (both checked, as rounding
 // may turn one that is nearly flat: that edge or vertex is not split then); the tetrahedra outside the stars of the
 // unsound vertices untouched. Errors: geometry E-CUT-001 when a vertex stays unsound after max_passes, or
-// because no split of it has room, with its place. Why it
+// because neither it nor what giving pieces left has room, with its place. Why it
 // ends, for one structure: relabelling a regular neighbourhood of the singular set (Rourke and Sanderson,
 // Introduction to Piecewise-Linear Topology, 1972, chapter 3). With several structures at one vertex
 // max_passes bounds it.

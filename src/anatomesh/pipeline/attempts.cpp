@@ -13,9 +13,14 @@ constexpr double most_unforced = 2 * certificate_share_over_bound;
 // A model that lacks no more than the first share of the segments that another one lacks has more contours, and
 // one that lacks no more than the second far more: then it may have so many times the components and handles.
 constexpr double fewer_missed = 0.75, far_fewer_missed = 0.5;
+constexpr double least_gain = 0.005;  // of the segments
 constexpr long long more_tangles = 2;
 constexpr double some_bad = 1e-3;          // of cells
 constexpr double unwarned_distance = 0.5;  // in edge lengths: warned of is what is further off (W-PIP-008)
+
+bool lacks_fewer(const TryOutcome& one, const TryOutcome& other) {
+    return one.missed <= fewer_missed * other.missed && one.missed <= other.missed - least_gain;
+}
 
 }  // namespace
 
@@ -46,7 +51,7 @@ NextTry Attempts::next(const TryOutcome& last) {
 }
 
 bool has_more_contours(const TryOutcome& kept, const TryOutcome& other) {
-    if (!kept.conformed_badly || kept.tore_walls || kept.missed > fewer_missed * other.missed) return false;
+    if (!kept.conformed_badly || other.conformed || kept.tore_walls || !lacks_fewer(kept, other)) return false;
     const long long times = kept.missed <= far_fewer_missed * other.missed ? more_tangles : 1;
     return kept.tangles <= times * other.tangles && kept.bad <= some_bad &&
            kept.farthest <= std::max(unwarned_distance, other.farthest);
@@ -55,8 +60,8 @@ bool has_more_contours(const TryOutcome& kept, const TryOutcome& other) {
 bool is_worse(const TryOutcome& later, const TryOutcome& kept) {
     if (later.astray != kept.astray) return later.astray;
     if (later.astray) {
-        if (kept.missed <= fewer_missed * later.missed) return kept.missed < later.missed;
-        if (later.missed > fewer_missed * kept.missed && later.tangles > kept.tangles) return true;
+        if (lacks_fewer(kept, later)) return true;
+        if (!lacks_fewer(later, kept) && later.tangles > kept.tangles) return true;
     }
     return later.bad > Attempts::few_bad && later.bad >= kept.bad;
 }

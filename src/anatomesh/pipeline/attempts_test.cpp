@@ -155,7 +155,18 @@ TEST(Attempts, ContoursAreWorthSingleBadCellsButNoHandles) {
     EXPECT_FALSE(has_more_contours(half_the_contours, half_the_contours)) << "did not conform";
 }
 
-TEST(Attempts, OfTwoThatConformedBadlyNoneIsWorseThanItself) {
+TEST(Attempts, WhereNothingIsGainedTheOneThatConformedIsNotKept) {
+    for (const double missed : {0.0, 0.0001, 0.004}) {
+        TryOutcome other = half_the_contours;
+        other.missed = missed;
+        EXPECT_FALSE(has_more_contours(with_contours(0, 4), other)) << missed;
+    }
+    TryOutcome conformed = half_the_contours;
+    conformed.conformed = true;
+    EXPECT_FALSE(has_more_contours(with_contours(0.09, 4), conformed)) << "a finer one, and a good one";
+}
+
+TEST(Attempts, OfTwoAlikeWithFewBadCellsTheLaterOneIsTaken) {
     for (const double missed : {0.0, 0.1}) {
         for (const double bad : {0.0, 5e-5}) {
             for (const bool astray : {false, true}) {

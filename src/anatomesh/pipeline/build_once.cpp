@@ -746,7 +746,8 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
     outcome.astray = builder.went_astray();
     outcome.conformed_badly = builder.conforming() && (report.listed_cells_bad > 0 || outcome.astray);
     outcome.over_bound = model.value().report.quality.radius_edge_share_over_2;
-    outcome.farthest = report.field_distance.max_mm / builder.size_mm();
+    outcome.farthest =
+        report.field_distance.at_least ? HUGE_VAL : report.field_distance.max_mm / builder.size_mm();
     std::uint64_t segments = 0, on_surface = 0;
     for (const StructureReport& structure : report.structures) {
         segments += structure.contour_segments;

@@ -316,9 +316,11 @@ class Reconciler {
                     arc_between(set_, ends[i], ends[i + 1], set_.slices[own].plane, set_.slices[other].plane);
                 if (arc.points.empty() || arc.height_mm > options_.max_disagreement_mm) continue;
                 any = true;
+                // A contour that is hardly beyond the line is not taken far from where it was drawn.
+                const double clearance_mm = std::clamp(arc.height_mm, least_clearance_mm, clearance_mm_);
                 for (std::size_t n = 0; n < arc.points.size(); ++n) {
                     const double height = arc.heights_mm[n];
-                    const double distance = height + clearance_mm_ + flattening * (arc.height_mm - height);
+                    const double distance = height + clearance_mm + flattening * (arc.height_mm - height);
                     MovementNode& node = nodes_[graph_.node_of_point[arc.points[n]]];
                     if (node.hold == Hold::anchor) continue;
                     if (node.hold == Hold::pinned && squared_length(node.direction) > distance * distance)

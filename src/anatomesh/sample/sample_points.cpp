@@ -1,12 +1,14 @@
 #include "anatomesh/sample/sample_points.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <map>
 #include <optional>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/geom/point_grid.h"
@@ -29,7 +31,11 @@ constexpr double size_per_thickness =
 constexpr double contact_clearance =
     0.01;  // of a contact of two contours from the ends of its segments, in sizes
 constexpr double shortest_conforming =
-    0.01;  // pieces are not split below it for other contours' sake, in sizes
+    0.025;  // pieces are not split below it for other contours' sake, in sizes
+// The same about an axis: where so many segments meet, which four planes through a line make, they run beside each
+// other at a few degrees.
+constexpr double shortest_about_axis = 0.01;
+constexpr std::size_t segments_at_pole = 8;
 constexpr double shortest_beside_others = 0.1;  // the same within parallel slices
 // There pieces are at most so many times as long as the next vertex beside them is far, down to a length in
 // sizes: what a pixel's size is apart in the mean runs hundredths of a millimetre apart in places.
@@ -261,7 +267,7 @@ class SegmentSplitter {
         // Those of a label map have the vertices of their common lines in common.
         sample_.graded = side_by_side && !conforming && !contours.exclusive;
         if (conforming || side_by_side) {
-            ConformOptions options{(conforming ? shortest_conforming : shortest_beside_others) * size_, {}};
+            ConformOptions options{shortest_piece(conforming) * size_, {}};
             if (!conforming) options.slices = std::move(slices_);
             options.threads = threads;
             sample_.graded = sample_.graded && split_graded(options);
@@ -272,6 +278,25 @@ class SegmentSplitter {
     }
 
   private:
+    // In sizes.
+    double shortest_piece(bool conforming) const {
+        if (!conforming) return shortest_beside_others;
+        return has_pole() ? shortest_about_axis : shortest_conforming;
+    }
+
+    bool has_pole() const {
+        std::vector<std::array<std::uint32_t, 2>> ends;  // vertex, ball: structures may share a piece
+        for (const SegmentPiece& piece : sample_.pieces)
+            ends.insert(ends.end(), {{piece.a, piece.ball}, {piece.b, piece.ball}});
+        sort_distinct(ends);
+        std::size_t first = 0;
+        for (std::size_t n = 0; n < ends.size(); ++n) {
+            if (ends[n][0] != ends[first][0]) first = n;
+            if (n - first + 1 >= segments_at_pole) return true;
+        }
+        return false;
+    }
+
     // Unless that asks for too many points: outlines that run side by side all round are not worth so small
     // cells.
     bool split_graded(ConformOptions options) {
