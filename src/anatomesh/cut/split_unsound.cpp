@@ -187,7 +187,7 @@ class Splitter {
 
   private:
     // Where no split has room, beside a cell that is nearly flat: the smallest piece too many of each vertex goes
-    // to the side round it. What becomes unsound by that is elsewhere, and can be split. Says whether any did.
+    // to the region round it. Says whether any did.
     bool give_pieces() {
         bool gave = false;
         std::vector<StarPiece> pieces;
@@ -210,8 +210,7 @@ class Splitter {
             for (std::size_t i = 0; i < 4; ++i) {
                 const std::uint32_t n = patch_.neighbors[c][i];
                 if (patch_.cells[c][i] != vertex && n != no_cell &&
-                    piece.body.holds(registry_.table(), patch_.regions[n]) !=
-                        piece.inside)
+                    piece.body.holds(registry_.table(), patch_.regions[n]) != piece.inside)
                     ++facets[patch_.regions[n]];
             }
         }

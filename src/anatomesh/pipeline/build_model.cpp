@@ -108,7 +108,8 @@ class Tries {
         const double size_mm = next_size(next, slightly_finer_tries, built);
         const std::string error = built.model.ok() ? "" : built.model.error().message;
         const Warning again = built_again(next, built.outcome, error, size_mm);
-        if (built.model.ok() && !(kept_ && built.outcome.conformed_badly && is_worse(built.outcome, kept_->outcome))) {
+        if (built.model.ok() &&
+            !(kept_ && built.outcome.conformed_badly && is_worse(built.outcome, kept_->outcome))) {
             kept_.emplace(KeptModel{std::move(built.model.value()), trial_, context_.warnings, built.outcome,
                                     sought_by(next, built.outcome)});
         }

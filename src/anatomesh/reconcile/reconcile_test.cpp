@@ -293,17 +293,23 @@ TEST(Reconcile, few_ends_count_in_full_at_95_percent) {
     EXPECT_EQ(stats.p95_mm, stats.max_mm);
 }
 
-TEST(Reconcile, C26_what_one_slice_alone_has_is_drawn_back_across_the_line) {
-    std::mt19937 random(3);
-    // A circle of radius 20 in z = 0, and a smaller section in x = 17 that does not reach down to it.
-    ContourSet set = drawn_ball(20, {make_plane({}, {0, 0, 1})}, {0, 0, 200}, random);
-    const Plane upright = make_plane({17, 0, 0}, {1, 0, 0});
+// A circle of radius 20 and so many vertices in z = 0, and a smaller section in the plane of that x, which does not
+// reach down to it.
+ContourSet circle_with_section_across(int count, double x, std::mt19937& random) {
+    ContourSet set = drawn_ball(20, {make_plane({}, {0, 0, 1})}, {0, 0, count}, random);
+    const Plane upright = make_plane({x, 0, 0}, {1, 0, 0});
     Ring ring;
     for (int i = 0; i < 60; ++i) {
         const double angle = 2 * std::numbers::pi * i / 60;
-        ring.push_back(upright.to_plane({17, 8 * std::cos(angle), 10 + 8 * std::sin(angle)}));
+        ring.push_back(upright.to_plane({x, 8 * std::cos(angle), 10 + 8 * std::sin(angle)}));
     }
     add_slice(set, upright, ring);
+    return set;
+}
+
+TEST(Reconcile, C26_what_one_slice_alone_has_is_drawn_back_across_the_line) {
+    std::mt19937 random(3);
+    const ContourSet set = circle_with_section_across(200, 17, random);
     const ReconcileResult result = reconciled(set);
     EXPECT_EQ(result.stats.unmatched, 1u);
     EXPECT_GT(result.stats.movements[0].max_mm, 3);
@@ -316,14 +322,7 @@ TEST(Reconcile, C26_what_one_slice_alone_has_is_drawn_back_across_the_line) {
 TEST(Reconcile, C26_what_is_drawn_back_keeps_off_the_line_by_a_share_of_the_vertices_distance) {
     std::mt19937 random(3);
     for (const int count : {24, 48, 150, 600}) {
-        ContourSet set = drawn_ball(20, {make_plane({}, {0, 0, 1})}, {0, 0, count}, random);
-        const Plane upright = make_plane({17, 0, 0}, {1, 0, 0});
-        Ring ring;
-        for (int i = 0; i < 60; ++i) {
-            const double angle = 2 * std::numbers::pi * i / 60;
-            ring.push_back(upright.to_plane({17, 8 * std::cos(angle), 10 + 8 * std::sin(angle)}));
-        }
-        add_slice(set, upright, ring);
+        const ContourSet set = circle_with_section_across(count, 17, random);
         const double spacing = mean_vertex_spacing(set);
         const ReconcileResult result = reconciled(set);
         double beyond = -HUGE_VAL;
@@ -335,20 +334,29 @@ TEST(Reconcile, C26_what_is_drawn_back_keeps_off_the_line_by_a_share_of_the_vert
     }
 }
 
+TEST(Reconcile, C26_what_is_hardly_beyond_the_line_is_not_taken_far) {
+    std::mt19937 random(3);
+    for (const int count : {12, 24, 150}) {
+        const double x = 20 - 0.05;
+        const ContourSet set = circle_with_section_across(count, x, random);
+        double beyond = 0;
+        for (const Vec3& p : set.points) {
+            if (std::abs(p.z) < 1e-9) beyond = std::max(beyond, p.x - x);
+        }
+        EXPECT_GT(beyond, 0);
+        const ReconcileResult result = reconciled(set);
+        EXPECT_GT(result.stats.max_movement_mm, beyond) << count;
+        EXPECT_LT(result.stats.max_movement_mm, 0.3) << count;
+    }
+}
+
 // As rounded, not only as meant: a report that says "10 against a bound of 10" reads it off.
 TEST(Reconcile, C26_no_vertex_moves_further_than_the_bound) {
     std::mt19937 random(6);
     std::uniform_real_distribution<double> any(-300, 300), near(12, 18);
     for (int n = 0; n < 60; ++n) {
         const double x = near(random);
-        ContourSet set = drawn_ball(20, {make_plane({}, {0, 0, 1})}, {0, 0, 400}, random);
-        const Plane upright = make_plane({x, 0, 0}, {1, 0, 0});
-        Ring ring;
-        for (int i = 0; i < 60; ++i) {
-            const double angle = 2 * std::numbers::pi * i / 60;
-            ring.push_back(upright.to_plane({x, 8 * std::cos(angle), 10 + 8 * std::sin(angle)}));
-        }
-        add_slice(set, upright, ring);
+        ContourSet set = circle_with_section_across(400, x, random);
         const Vec3 away{any(random), any(random), any(random)};
         for (Vec3& p : set.points) p += away;
         for (Slice& slice : set.slices) slice.plane.origin += away;
