@@ -346,7 +346,7 @@ TEST(Reconcile, C26_what_is_hardly_beyond_the_line_is_not_taken_far) {
         EXPECT_GT(beyond, 0);
         const ReconcileResult result = reconciled(set);
         EXPECT_GT(result.stats.max_movement_mm, beyond) << count;
-        EXPECT_LT(result.stats.max_movement_mm, 0.3) << count;
+        EXPECT_LT(result.stats.max_movement_mm, 0.2) << count;
     }
 }
 
