@@ -19,6 +19,7 @@
 #include "anatomesh/reconcile/line_ends.h"
 #include "anatomesh/reconcile/movement.h"
 #include "anatomesh/reconcile/shared_points.h"
+#include "anatomesh/reconcile/settle_poles.h"
 #include "anatomesh/reconcile/silences.h"
 #include "anatomesh/reconcile/slice_soundness.h"
 #include "anatomesh/reconcile/split_at_ends.h"
@@ -45,6 +46,8 @@ constexpr double normal_reach_mm = 1;      // contours' normals are taken over c
 constexpr int most_shortenings = 16;       // of a step, by half each
 constexpr double shortening_reach_mm = 3;  // along the contour
 constexpr std::size_t most_named_pairs = 10;
+constexpr double pole_radius_share = 0.3;  // of the mean distance between vertices
+constexpr double sharp_pole_degrees = 70;
 constexpr double outlier_mm = 2,
                  outlier_factor = 4;  // of a slice's median disagreement, and over that of all
 
@@ -234,7 +237,17 @@ class Reconciler {
             stats_ = stats;
             break;
         }
+        settle();
         return Nothing{};
+    }
+
+    void settle() {
+        const PoleOptions options{pole_radius_share * mean_vertex_spacing(set_), sharp_pole_degrees,
+                                  options_.max_disagreement_mm};
+        stats_.poles = settle_poles(set_, drawn_, options);
+        if (stats_.poles.poles == 0) return;
+        note_movements();
+        compare();
     }
 
     double left_mm() const {
@@ -497,6 +510,7 @@ class Reconciler {
         warn_of_disagreement();
         warn_of_pairs();
         warn_of_folds();
+        warn_of_poles();
         warn_of_rest();
         warn_of_outliers();
         warn_of_silences();
@@ -552,6 +566,17 @@ class Reconciler {
                            " mm high, came about as contours were moved",
                        {set_.source, "", "", "", ""},
                        "cut off, with " + std::to_string(folds.vertices) + " drawn vertices"});
+    }
+
+    void warn_of_poles() {
+        const PoleStats& poles = stats_.poles;
+        if (poles.poles == 0) return;
+        context_.warn({"W-RCN-009",
+                       "contours rise and fall from plane to plane beside a line in which four planes or more "
+                       "meet, at " +
+                           std::to_string(poles.poles) + (poles.poles == 1 ? " place" : " places"),
+                       {set_.source, "", "", "", brief(poles.highest_mm) + " mm"},
+                       "turned there, by " + brief(poles.highest_mm) + " mm at most"});
     }
 
     void warn_of_shifts() {

@@ -7,6 +7,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/contour_set.h"
 #include "anatomesh/reconcile/flatten_folds.h"
+#include "anatomesh/reconcile/settle_poles.h"
 
 namespace anatomesh {
 
@@ -36,7 +37,8 @@ struct PairDisagreement {
 };
 
 struct SliceMovement {
-    // Of its drawn vertices, without the shift, before they come to a common point (within 0.05 mm).
+    // Of its drawn vertices, without the shift; where no pole is settled before they come to a common point
+    // (within 0.05 mm).
     double mean_mm = 0, max_mm = 0;
     Vec3 shift;                      // by align, in the slice's plane
 };
@@ -50,6 +52,7 @@ struct ReconcileStats {
     double mean_movement_mm = 0, max_movement_mm = 0;
     std::uint64_t shared_points = 0;  // points on common lines that contours of both slices now have
     FoldStats folds;                  // that the movement made, cut off
+    PoleStats poles;                  // where contours rose and fell from plane to plane
     std::uint32_t rounds = 0;
 };
 
@@ -65,14 +68,15 @@ struct ReconcileResult {
 // interval or gap that only one of two slices has is drawn back across the line when no point has to move
 // further than the bound. Then contours that agree get the end itself as a common vertex, and narrow folds
 // and spikes that the movement made are cut off (flatten_folds.h). Where slices still differ, all that is
-// repeated, as long as they differ by a fifth less, with vertices at just those ends. Of a structure that a
+// repeated, as long as they differ by a fifth less, with vertices at just those ends. Where four planes or more
+// share a line, contours that rise and fall in turn beside it are turned (settle_poles.h). Of a structure that a
 // slice leaves undrawn where others show it the slice says nothing (silences.h).
 //
 // Requires: a kept contour set. Guarantees: a kept contour set again: contours stay simple, do not cross and
 // keep their nesting, by exact predicates; where that needs it a step is shortened. Slices that agree on
 // their common line afterwards (difference_after_mm of 0; all that can) have the same points there, bit for
-// bit. Where all ends agree within rounding no vertex moves. Parallel slices come back as they are. What
-// moved and what is left is said in stats and warnings W-RCN-001..008. Errors: geometry E-RCN-001 slices
+// bit. Where all ends agree within rounding no vertex moves but at such poles. Parallel slices come back as they are. What
+// moved and what is left is said in stats and warnings W-RCN-001..009. Errors: geometry E-RCN-001 slices
 // further apart than the bound (names both), E-RCN-002 a shift above it. The same at any thread count.
 // Complexity: O(n log n + crossings) per round. No earlier method is followed.
 Result<ReconcileResult> reconcile_contours(ContourSet set, const ReconcileOptions& options,
