@@ -20,15 +20,17 @@ namespace anatomesh {
 namespace {
 
 constexpr std::size_t planes_at_pole = 4;
-constexpr double same_line_sine = 1e-6;   // of a common line's directions: planes as files give them
-constexpr double least_across = 0.1;      // of a leg's direction across the line: else it runs along it
+constexpr double same_line_sine = 1e-6;     // of a common line's directions: planes as files give them
+constexpr double least_across = 0.1;        // of a leg's direction across the line: else it runs along it
 constexpr double widest_gap_degrees = 150;  // between the neighbours of a leg
-constexpr double share_of_way = 1.0 / 3;  // to the next point that must stay
-constexpr double vertex_near = 1.3;       // of the radius: a vertex there is the leg's end
+constexpr double share_of_way = 1.0 / 3;    // to the next point that must stay
+constexpr double vertex_near = 1.3;         // of the radius: a vertex there is the leg's end
 constexpr double least_turn_degrees = 3;    // a leg that turns by less stays as it is
 constexpr int most_turns = 50;
 
-double degrees(double radians) { return radians * 180 / std::numbers::pi; }
+double degrees(double radians) {
+    return radians * 180 / std::numbers::pi;
+}
 
 // A point of a contour at a pole.
 struct Visit {
@@ -46,9 +48,9 @@ struct Leg {
     std::vector<std::uint32_t> inside;  // points of the set up to the radius, going out
     bool ends_on_vertex = false;        // the last of these; else between it and the next
     Vec3 end;
-    Vec3 radial;          // unit vector across the line, in the half plane
+    Vec3 radial;                              // unit vector across the line, in the half plane
     double drawn_latitude = 0, latitude = 0;  // of its end over that, radians; before and after
-    double azimuth = 0;   // of the half plane, radians
+    double azimuth = 0;                       // of the half plane, radians
     bool held = false;
 };
 
@@ -366,12 +368,12 @@ class Settler {
     const PoleOptions& options_;
     const ContourGraph graph_;
     PoleStats stats_;
-    std::vector<Visit> visits_;                     // by place, then by structure
+    std::vector<Visit> visits_;  // by place, then by structure
     std::vector<std::span<const Visit>> places_;
     std::map<std::pair<std::uint32_t, std::uint32_t>, Vec3> ways_;  // of legs that were turned
-    std::vector<bool> stays_;             // per point of the set
-    std::vector<Vec3> moved_;             // the same
-    std::vector<std::vector<PutIn>> put_in_;  // after the point
+    std::vector<bool> stays_;                                       // per point of the set
+    std::vector<Vec3> moved_;                                       // the same
+    std::vector<std::vector<PutIn>> put_in_;                        // after the point
 };
 
 }  // namespace

@@ -9,9 +9,9 @@
 namespace anatomesh {
 
 struct PoleOptions {
-    double radius_mm = 1;          // up to where contours are turned. mm, > 0
-    double least_degrees = 120;    // between the surface's two sides at a contour; less is settled. (0, 180)
-    double most_moved_mm = 10;     // of a vertex from where it was drawn. mm, > 0
+    double radius_mm = 1;        // up to where contours are turned. mm, > 0
+    double least_degrees = 70;   // between the surface's two sides at a contour; less is settled. (0, 180)
+    double most_moved_mm = 10;   // of a vertex from where it was drawn. mm, > 0
 };
 
 struct PoleStats {
@@ -24,15 +24,16 @@ struct PoleStats {
 // planes are nearer to each other than contours can be drawn: legs that rise and fall in turn leave fins and
 // slits that no cells fit into. Where the facets between a leg and those of the two planes beside it make an
 // angle below the least, all legs of the pole are turned about it in their planes, each half way to the facet
-// between its neighbours, again and again until none is sharper: what rises and falls from plane to plane goes,
-// a slope or a ridge over several planes stays. Legs are turned up to the radius, where they get a vertex, or
-// up to less: a third of the way to the next point that other slices have too, or at which contours branch.
+// between its neighbours, again and again until none is sharper: what rises and falls from plane to plane
+// goes, a slope or a ridge over several planes stays. Legs are turned up to the radius, where they get a
+// vertex, or up to less: a third of the way to the next point that other slices have too, or at which
+// contours branch.
 //
-// Requires: a kept contour set with common points (insert_shared_points); `drawn` of it. Guarantees: poles and
-// all other common points keep their bits; contours that structures share stay shared; a slice that would not
-// be sound keeps its contours; points within the radius keep their distance from the pole. The set's points are
-// laid out anew, in the same order, and `drawn` with them. O(n log n), a check of the slices that change, and
-// 50 turns a leg. No earlier method is followed.
+// Requires: a kept contour set with common points (insert_shared_points); `drawn` of it. Guarantees: poles
+// and all other common points keep their bits; contours that structures share stay shared; a slice that would
+// not be sound keeps its contours; points within the radius keep their distance from the pole. The set's
+// points are laid out anew, in the same order, and `drawn` with them. O(n log n), a check of the slices that
+// change, and 50 turns a leg. No earlier method is followed.
 PoleStats settle_poles(ContourSet& set, DrawnPlaces& drawn, const PoleOptions& options);
 
 }  // namespace anatomesh

@@ -50,7 +50,8 @@ void add_ring(ContourSet& set, const Plane& plane, std::uint32_t structure, cons
 
 // In every one of `planes` about the z axis a body below the surface, whose legs meet at the origin; above it
 // another one, on the slices that `above` says.
-Fan fan_of(int planes, const Slope& slope, const std::function<bool(int)>& above = [](int) { return false; }) {
+Fan fan_of(
+    int planes, const Slope& slope, const std::function<bool(int)>& above = [](int) { return false; }) {
     Fan fan;
     fan.set.source = "fan";
     fan.set.structures = {{1, "below", {200, 0, 0}}, {2, "above", {0, 200, 0}}};
@@ -58,7 +59,8 @@ Fan fan_of(int planes, const Slope& slope, const std::function<bool(int)>& above
         const double azimuth = pi * k / planes;
         const Vec3 out{std::cos(azimuth), std::sin(azimuth), 0};
         const Plane plane = make_plane({}, {-out.y, out.x, 0});
-        fan.set.slices.push_back({plane, static_cast<std::uint32_t>(fan.set.contours.size()), 0, std::to_string(k)});
+        fan.set.slices.push_back(
+            {plane, static_cast<std::uint32_t>(fan.set.contours.size()), 0, std::to_string(k)});
         const Vec3 one = reach * out + Vec3{0, 0, reach * std::tan(slope(azimuth, k))};
         const Vec3 other = -reach * out + Vec3{0, 0, reach * std::tan(slope(azimuth + pi, k + planes))};
         const Vec3 down{0, 0, 80};
@@ -68,7 +70,9 @@ Fan fan_of(int planes, const Slope& slope, const std::function<bool(int)>& above
     return fan;
 }
 
-double degrees(double angle) { return angle * 180 / pi; }
+double degrees(double angle) {
+    return angle * 180 / pi;
+}
 
 // The smallest angle at a leg between the facets to those beside it, of structure 0, from its points next to
 // the origin.
@@ -138,7 +142,8 @@ TEST(SettlePoles, what_rises_and_falls_from_plane_to_plane_goes) {
         EXPECT_LT(stats.highest_mm, 0.6 * radius);
         EXPECT_GE(sharpest(fan.set), 70 - 1e-6);
         expect_sound(fan.set);
-        // What was drawn further out, and the pole, is where it was; the others are on the legs at the radius.
+        // What was drawn further out, and the pole, is where it was; the others are on the legs at the
+        // radius.
         ASSERT_EQ(fan.drawn.at.size(), fan.set.points.size());
         std::size_t put_in = 0;
         for (std::uint32_t s = 0; s < before.slices.size(); ++s) {
@@ -263,7 +268,8 @@ TEST(SettlePoles, no_vertex_moves_further_than_it_may) {
         const PoleStats stats = fan.settle(most);
         double furthest = 0;
         for (std::size_t k = 0; k < fan.set.points.size(); ++k) {
-            if (fan.drawn.is_drawn[k]) furthest = std::max(furthest, length(fan.set.points[k] - fan.drawn.at[k]));
+            if (fan.drawn.is_drawn[k])
+                furthest = std::max(furthest, length(fan.set.points[k] - fan.drawn.at[k]));
         }
         EXPECT_LE(furthest, most);
         EXPECT_EQ(stats.poles, most < 1 ? 0u : 1u);
