@@ -90,6 +90,18 @@ class BodyLabels(harness.JudgedTestCase):
                 self.assertLessEqual(missed, total / 10000)
 
 
+class Eclipse(harness.JudgedTestCase):
+    def test_every_cut_is_what_is_drawn(self):
+        # 16 structures that overlap. In one cut a vertex that was put under a slice was in the way of its neighbours.
+        self.run_program("model", harness.data("eclipse_contours", "EclipseEnt_Structures.seg"), "-o", "model.vtu", "--quiet")
+        missed, total = missed_segments(self.folder)
+        self.assertEqual(missed, 0)
+        self.assertGreater(total, 75000)
+        report = json.loads((self.folder / "model.report.json").read_text())
+        self.assertEqual({each["state"] for each in report["certificate"]}, {"kept"})
+        self.assertGreater(len(report["cuts"]), 370)
+
+
 class Rtstruct(harness.JudgedTestCase):
     def test_abdomen(self):
         files = sorted(harness.data("abdomen_rtstruct").rglob("*.dcm"))

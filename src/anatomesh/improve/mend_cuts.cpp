@@ -151,7 +151,8 @@ class Mender {
 
     // To a place over or under a plane that its cells meet.
     bool move(std::uint32_t v, const Bounds& bounds) {
-        if (bench_.fixed(v)) return false;
+        const bool again = bench_.settled(v);
+        if (bench_.fixed(v) && !again) return false;
         bench_.mesh.star(v, bench_.star);
         const double before = areas_.wrong_round(v, bench_.star);
         if (!(before > 0)) return false;
@@ -190,7 +191,7 @@ class Mender {
                 bench_.mesh.move_point(v, p);
                 if (bench_.positive(star) && areas_.wrong_round(v, star) <= enough_less * before) {
                     bench_.changed = star;
-                    bench_.fix(v);
+                    again ? bench_.fix(v) : bench_.settle(v);
                     ++stats_.vertices_moved;
                     return true;
                 }
@@ -330,7 +331,7 @@ class Mender {
                 if (!Hole(bench_, {c, other}, {})
                          .fill(foot + share * (top - foot), {}, bounds.ratio, enough, above))
                     continue;
-                bench_.fix(v);
+                bench_.settle(v);
                 ++stats_.vertices_inserted;
                 return true;
             }

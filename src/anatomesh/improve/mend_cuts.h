@@ -23,7 +23,8 @@ struct MendStats {
 // less: a free vertex is moved off the plane or across it; a cell is given to the region across the facet;
 // the edge of the surface across the plane is flipped; the two cells at a facet in the plane are filled from
 // a new vertex beside it. The two cells at a facet within a region are given to one beside them, together.
-// What was moved and what is new is fixed from then on. Guarantees: all cells positive (checked exactly);
+// What was moved and what is new is fixed from then on for all others, and here when it was moved once more.
+// Guarantees: all cells positive (checked exactly);
 // cells made or reshaped inside keep the workbench's target and bound, or, where that can't be and the cut
 // comes near to the 0.1 % that it may be wrong by, have no angle whose sine is below `least_sine` and no
 // ratio above the last bound, or than there was; no vertex moved and no cell given brings a surface further

@@ -184,6 +184,43 @@ TEST(MendCuts, free_vertices_leave_the_plane_and_fixed_ones_stay) {
     }
 }
 
+// What an earlier mending put beside a plane may be in the way when cells round it have changed.
+TEST(MendCuts, what_was_put_beside_a_plane_may_cross_it_once_more) {
+    for (const bool settled : {false, true}) {
+        Wall wall;
+        wall.draw(width);
+        std::vector<std::uint32_t> astray;  // apart from each other
+        for (std::uint32_t v = 0; v < wall.mesh.points.size(); ++v) {
+            Vec3& p = wall.mesh.points[v];
+            if (p.x != 4 || p.z != 3 || p.y == 0 || p.y == width || static_cast<int>(p.y) % 3 != 1) continue;
+            p = p + Vec3{0.4, 0, 0.1};
+            wall.slice_of[v] = no_slice;
+            astray.push_back(v);
+        }
+        ASSERT_GE(astray.size(), 2u);
+        // The wall bulges below the slice, and goes through its plane beside what is drawn.
+        const auto side = [](Vec3 p) { return p.x - 4 - (p.z < 3 ? 0.5 : 0); };
+        wall.field = fixtures::AnalyticField({side, [side](Vec3 p) { return -side(p); }}, 10);
+        const std::vector<Vec3> points = wall.mesh.points;
+        EditMesh edited(std::move(wall.mesh), wall.neighbors);
+        Workbench bench(edited, wall.fixed, {}, wall.field, 2, {});
+        bench.table = &wall.table;
+        bench.goal = 0.3;
+        if (settled) {
+            for (const std::uint32_t v : astray) bench.settle(v);
+        }
+        const DrawnSlices slices = wall.drawn();
+        const MendStats stats = mend_cuts(bench, slices, 0.17, 1);
+        EXPECT_EQ(stats.vertices_moved, settled ? astray.size() : 0);
+        for (const std::uint32_t v : astray) {
+            EXPECT_TRUE(bench.fixed(v));
+            EXPECT_FALSE(bench.settled(v));
+            EXPECT_EQ(edited.point(v) != points[v], settled);
+            EXPECT_EQ(edited.point(v).z < 3, settled);
+        }
+    }
+}
+
 // The middles of its facets are a third of the way.
 TEST(MendCuts, a_cell_whose_far_vertex_would_come_to_the_surface_is_not_given) {
     for (const double apex_mm : {0.3, 1.5}) {

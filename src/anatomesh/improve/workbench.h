@@ -41,7 +41,7 @@ class Workbench {
     InterfaceProbe probe;
     DihedralOptions options;
     DihedralStats stats;
-    const RegionTable* table = nullptr;  // of the mesh's regions
+    const RegionTable* table = nullptr;   // of the mesh's regions
     const DrawnSlices* slices = nullptr;  // if any: no operation makes their cuts less like what is drawn
     // A copy of a bench that scouts leaves the mesh as it is: removals and moves say true where they may
     // succeed, false only where they would fail. Each thread may have one.
@@ -66,6 +66,9 @@ class Workbench {
     }
 
     void fix(std::uint32_t v) { fixed_[v] = 1; }
+    // Fixed too, but for mend_cuts(), which may move it once more.
+    void settle(std::uint32_t v) { fixed_[v] = settled_once; }
+    bool settled(std::uint32_t v) const { return fixed_[v] == settled_once; }
     void fix_edge(std::uint32_t a, std::uint32_t b);
     // A point on a fixed edge, which becomes two.
     void fix_on_edge(std::uint32_t v, std::uint32_t a, std::uint32_t b);
@@ -131,6 +134,7 @@ class Workbench {
     std::uint32_t slice_of(std::uint32_t v) const;
     bool loses_kept_edge(std::span<const std::uint32_t> removed, std::span<const Cell> added) const;
 
+    static constexpr std::uint8_t settled_once = 2;
     static constexpr double min_gain = 0.02;
     static constexpr double flat_outside = 0.01;
     static constexpr double lower_ratio = 0.8;  // squared
