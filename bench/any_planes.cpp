@@ -238,8 +238,13 @@ Result<std::string> errors_of_model(const Truth& truth, const std::vector<Surfac
     for (const Vec3& p : area_samples(surface, samples)) {
         if (within(cut, p)) to_truth.push_back(distance_from_truth(truth, p));
     }
-    return fmt::format("{} | {} | {} | {:.1f}", mean_and_p95(std::move(to_model)),
-                       mean_and_p95(std::move(to_truth)), model.mesh.cells.size(), seconds);
+    std::size_t segments = 0, missed = 0;
+    for (const StructureReport& structure : model.report.structures) {
+        segments += structure.contour_segments;
+        missed += structure.contour_segments - structure.contour_segments_on_surface;
+    }
+    return fmt::format("{} | {} | {} of {} | {} | {:.1f}", mean_and_p95(std::move(to_model)),
+                       mean_and_p95(std::move(to_truth)), missed, segments, model.mesh.cells.size(), seconds);
 }
 
 // Without every n-th slice.
@@ -273,10 +278,10 @@ Status cut_planes(const InputOptions& options, const CutOptions& cut, bool heade
     ANATOMESH_TRY(const std::string of_model, errors_of_model(truth, places, cut, kept, context));
     if (header) {
         fmt::print(
-            "| input | planes | points | nearest plane: mean, mm | 95 % | shape-based: mean | 95 % | ours, "
-            "the "
-            "field: mean | 95 % | truth to model: mean | 95 % | model to truth: mean | 95 % | tetrahedra | s "
-            "|\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
+            "| input | planes | points | nearest plane: mean, mm | 95 % | shape-based: mean | 95 % "
+            "| ours, the field: mean | 95 % | truth to model: mean | 95 % | model to truth: mean | 95 % "
+            "| segments missed | tetrahedra | s |\n"
+            "|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
     }
     fmt::print("| {} | {} {} | {} | {} | {} |\n", name_of(options), kept.slices.size(), cut.kind,
                kept.points.size(), errors_of_all(places, kept, *field), of_model);
