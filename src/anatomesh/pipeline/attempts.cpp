@@ -10,11 +10,10 @@ namespace {
 
 // Of cells: such a model is no matter of luck.
 constexpr double most_unforced = 2 * certificate_share_over_bound;
-// A model that lacks no more than the first share of the segments that another one lacks has more contours, and
-// one that lacks no more than the second far more: then it may have so many times the components and handles.
-constexpr double fewer_missed = 0.75, far_fewer_missed = 0.5;
-constexpr double least_gain = 0.005;  // of the segments
-constexpr long long more_tangles = 2;
+// A model that lacks no more than this share of the segments that another one lacks has more contours.
+constexpr double fewer_missed = 0.75;
+constexpr double least_gain = 0.005;       // of the segments
+constexpr double most_tangles = 4;         // times those of the other one
 constexpr double some_bad = 1e-3;          // of cells
 constexpr double unwarned_distance = 0.5;  // in edge lengths: warned of is what is further off (W-PIP-008)
 
@@ -51,15 +50,20 @@ NextTry Attempts::next(const TryOutcome& last) {
 }
 
 bool has_more_contours(const TryOutcome& kept, const TryOutcome& other) {
-    if (!kept.conformed_badly || other.conformed || kept.tore_walls || !lacks_fewer(kept, other)) return false;
-    const long long times = kept.missed <= far_fewer_missed * other.missed ? more_tangles : 1;
-    return kept.tangles <= times * other.tangles && kept.bad <= some_bad &&
-           kept.farthest <= std::max(unwarned_distance, other.farthest);
+    if (!kept.conformed_badly || other.conformed || kept.tore_walls || !lacks_fewer(kept, other))
+        return false;
+    // As many times the components and handles as the other one lacks times the segments.
+    const double times =
+        other.missed < most_tangles * kept.missed ? other.missed / kept.missed : most_tangles;
+    return static_cast<double>(kept.tangles) <= times * static_cast<double>(other.tangles) &&
+           kept.bad <= some_bad && kept.farthest <= std::max(unwarned_distance, other.farthest);
 }
 
 bool is_worse(const TryOutcome& later, const TryOutcome& kept) {
     if (later.astray != kept.astray) return later.astray;
     if (later.astray) {
+        const bool is_far = later.farthest > unwarned_distance;
+        if (is_far != (kept.farthest > unwarned_distance)) return is_far;
         if (lacks_fewer(kept, later)) return true;
         if (!lacks_fewer(later, kept) && later.tangles > kept.tangles) return true;
     }

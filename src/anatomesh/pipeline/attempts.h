@@ -69,12 +69,13 @@ class Attempts {
 
 // Whether a model that conformed badly has so many more of its contours than another one, which did not conform,
 // that this is worth more than what is bad in it: single ill-shaped cells, and a surface off the field's by half an
-// edge length, or as far as the other's. Not where its surfaces have more components and handles in all, but for
-// twice as many where the other one lacks twice the segments.
+// edge length, or as far as the other's. Not where its surfaces have more times the components and handles in all
+// than the other one lacks times the segments, or more than four times.
 bool has_more_contours(const TryOutcome& kept, const TryOutcome& other);
 
 // Whether of two that conformed badly the later one is worse. Of those with few bad cells it is not, for it is finer,
-// unless both go astray and the first has more contours, or as many and fewer components and handles.
+// unless both go astray and it alone by more than half an edge length, or both or none so far and the first has more
+// contours, or as many and fewer components and handles.
 bool is_worse(const TryOutcome& later, const TryOutcome& kept);
 
 }  // namespace anatomesh

@@ -143,9 +143,12 @@ TEST(Attempts, ContoursAreWorthSingleBadCellsButNoHandles) {
     const auto kept = [](const TryOutcome& outcome) { return has_more_contours(outcome, half_the_contours); };
     EXPECT_TRUE(kept(with_contours(0.14, 4)));
     EXPECT_FALSE(kept(with_contours(0.16, 4))) << "hardly more contours";
-    EXPECT_FALSE(kept(with_contours(0.14, 5))) << "a handle more";
-    EXPECT_TRUE(kept(with_contours(0.09, 8))) << "more than twice the contours";
+    EXPECT_FALSE(kept(with_contours(0.14, 6))) << "handles";
+    EXPECT_TRUE(kept(with_contours(0.09, 8))) << "lacks less than half";
     EXPECT_FALSE(kept(with_contours(0.09, 9)));
+    EXPECT_TRUE(kept(with_contours(0.04, 16)));
+    EXPECT_TRUE(kept(with_contours(0, 16)));
+    EXPECT_FALSE(kept(with_contours(0, 17))) << "four times the handles";
     EXPECT_TRUE(kept(with_contours(0.09, 4, 9e-4)));
     EXPECT_FALSE(kept(with_contours(0.09, 4, 2e-3))) << "more than single bad cells";
     EXPECT_FALSE(kept(with_contours(0.09, 4, 0, 0.6))) << "a spike that a warning tells of";
@@ -189,6 +192,11 @@ TEST(Attempts, OfTwoAstrayTheOneWithMoreContoursOrFewerHandlesIsKept) {
     EXPECT_FALSE(is_worse(astray(0.05, 14), astray(0.1, 8)));
     EXPECT_FALSE(is_worse(astray(0.1, 8), astray(0.1, 14)));
     EXPECT_TRUE(is_worse(astray(0.05, 4), with_contours(0.2, 4))) << "one that is not astray comes first";
+    TryOutcome far = astray(0.05, 4);
+    far.farthest = 0.8;
+    EXPECT_TRUE(is_worse(far, astray(0.2, 8))) << "a spike that a warning tells of";
+    EXPECT_FALSE(is_worse(astray(0.2, 8), far));
+    EXPECT_FALSE(is_worse(far, far));
 }
 
 }  // namespace

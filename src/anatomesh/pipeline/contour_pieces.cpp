@@ -16,7 +16,6 @@ constexpr std::size_t a_few = 8;  // so many may always be split further
 constexpr double free_share =
     0.25;  // of a piece that is split: no other contour vertex is this near to its middle
 constexpr double shortest_piece = 0.3;    // of a contour segment that is still split, in sizes
-constexpr double straight = 1e-18;        // squared sine of the angle between pieces of one segment
 constexpr double dense_free_share = 0.5;  // the whole ball of a piece that is split
 // Where more than a few are missing, as where planes cross: no other contour vertex, nor an end of the piece,
 // is this near to its middle, in sizes.
@@ -24,13 +23,6 @@ constexpr double piece_clearance = 0.05;
 constexpr double lone_room = 1.9;  // in shares as above: nearly the whole ball of the piece
 constexpr double crowded_room = 0.3;
 constexpr double shortest_graded = 0.01;  // as shortest_piece, where pieces were split beforehand
-
-bool goes_straight_on(const std::vector<Vec3>& points, std::uint32_t from, std::uint32_t at,
-                      std::uint32_t to) {
-    const Vec3 way = points[at] - points[from], next = points[to] - points[at];
-    return dot(way, next) > 0 &&
-           squared_length(cross(way, next)) <= straight * squared_length(way) * squared_length(next);
-}
 
 }  // namespace
 
@@ -64,7 +56,7 @@ ContourPieces::ContourPieces(LabelledMesh& mesh, SegmentGuard& guard, const Stru
       acute_(acute_vertices(mesh.points(), pieces_)),
       are_short_(options.conforming) {
     // Contours that cross within a slice are split opposite each other instead.
-    if (options.conforming) find_apexes();
+    if (options.conforming) apexes_ = PieceApexes(mesh_.points(), pieces_, acute_);
 }
 
 Status ContourPieces::grow(std::vector<Vec3> found, const std::vector<std::uint32_t>& balls,
@@ -126,22 +118,12 @@ void ContourPieces::add_halves(const std::vector<SegmentPiece>& split,
             const Vec3 middle = mesh_.points()[middles[k]];
             low = guard_.add_segment(mesh_.points()[piece.a], middle);
             high = guard_.add_segment(middle, mesh_.points()[piece.b]);
-            pass_apex_on(piece, low, high);
+            apexes_.pass_on(piece, low, high);
             vertices_.push_back(middles[k]);
         }
         pieces_.push_back({piece.a, middles[k], piece.structure, low});
         pieces_.push_back({middles[k], piece.b, piece.structure, high});
     }
-}
-
-// To the balls of its halves.
-void ContourPieces::pass_apex_on(const SegmentPiece& piece, std::uint32_t low, std::uint32_t high) {
-    if (apexes_.empty()) return;
-    apexes_.resize(high + 1, no_cell);
-    apexes_[low] = apexes_[high] = apexes_[piece.ball];
-    if (apexes_[piece.ball] != no_cell) return;
-    if (is_acute(piece.a)) apexes_[low] = piece.a;
-    if (is_acute(piece.b)) apexes_[high] = piece.b;
 }
 
 double ContourPieces::room_of(const SegmentPiece& piece, const SplitLimits& limits) const {
@@ -160,48 +142,10 @@ bool ContourPieces::may_split(const SegmentPiece& piece, const SplitLimits& limi
     return apex ? !guard_.any_point_within(place, room, *apex) : !guard_.any_point_within(place, room);
 }
 
-bool ContourPieces::is_acute(std::uint32_t vertex) const {
-    return std::binary_search(acute_.begin(), acute_.end(), vertex);
-}
-
-// Along the straight pieces from each vertex where pieces meet at acute angles, up to the next such one.
-void ContourPieces::find_apexes() {
-    std::uint32_t balls = 0;
-    for (const SegmentPiece& piece : pieces_) balls = std::max(balls, piece.ball + 1);
-    apexes_.assign(balls, no_cell);
-    // By an end: the other one, and the ball.
-    std::vector<std::array<std::uint32_t, 3>> at;
-    for (const SegmentPiece& piece : pieces_) {
-        at.push_back({piece.a, piece.b, piece.ball});
-        at.push_back({piece.b, piece.a, piece.ball});
-    }
-    sort_distinct(at);
-    const auto ends_at = [&](std::uint32_t v) {
-        return std::equal_range(at.begin(), at.end(), std::array{v, 0u, 0u},
-                                [](const auto& x, const auto& y) { return x[0] < y[0]; });
-    };
-    for (const std::uint32_t apex : acute_) {
-        const auto [first, last] = ends_at(apex);
-        for (auto way = first; way != last; ++way) {
-            auto [from, to, ball] = *way;
-            while (!is_acute(to) && apexes_[ball] == no_cell) {
-                apexes_[ball] = apex;
-                const auto [next, end] = ends_at(to);
-                const auto ahead = std::find_if(next, end, [&](const auto& piece) {
-                    return piece[1] != from && goes_straight_on(mesh_.points(), from, to, piece[1]);
-                });
-                if (ahead == end) break;
-                from = to;
-                to = (*ahead)[1];
-                ball = (*ahead)[2];
-            }
-        }
-    }
-}
-
 std::optional<Vec3> ContourPieces::apex_of(const SegmentPiece& piece) const {
-    if (apexes_.empty() || apexes_[piece.ball] == no_cell) return std::nullopt;
-    return mesh_.points()[apexes_[piece.ball]];
+    const std::optional<std::uint32_t> apex = apexes_.of(piece);
+    if (!apex) return std::nullopt;
+    return mesh_.points()[*apex];
 }
 
 Vec3 ContourPieces::split_place(const SegmentPiece& piece) const {

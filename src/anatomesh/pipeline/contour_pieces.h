@@ -11,6 +11,7 @@
 #include "anatomesh/pipeline/labelled_mesh.h"
 #include "anatomesh/refine/missing_segments.h"
 #include "anatomesh/sample/contour_segments.h"
+#include "anatomesh/sample/piece_apexes.h"
 #include "anatomesh/sample/segment_guard.h"
 
 namespace anatomesh {
@@ -92,9 +93,6 @@ class ContourPieces {
     void keep_apart(std::vector<SegmentPiece>& split, std::vector<SegmentPiece>& kept,
                     const SplitLimits& limits) const;
     bool may_split(const SegmentPiece& piece, const SplitLimits& limits) const;
-    bool is_acute(std::uint32_t vertex) const;
-    void find_apexes();
-    void pass_apex_on(const SegmentPiece& piece, std::uint32_t low, std::uint32_t high);
     // The vertex where pieces meet at acute angles from which this one comes, if it comes from one.
     std::optional<Vec3> apex_of(const SegmentPiece& piece) const;
     Vec3 split_place(const SegmentPiece& piece) const;
@@ -108,8 +106,7 @@ class ContourPieces {
     ContourPieceOptions options_;
     std::vector<SegmentPiece> pieces_;
     std::vector<std::uint32_t> acute_;  // vertices where some of them meet at acute angles; rising
-    // By ball: that of these from which the piece comes, or no_cell; empty where planes do not cross.
-    std::vector<std::uint32_t> apexes_;
+    PieceApexes apexes_;                // of none where planes do not cross
     MissingPieces missing_;             // of them
     CellSearch search_;                 // the cells that missing_ has not seen
     SidesOfPieces sides_;

@@ -9,6 +9,7 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/point_grid.h"
+#include "anatomesh/sample/piece_apexes.h"
 
 namespace anatomesh {
 
@@ -38,6 +39,7 @@ class Conformer {
           threads_(options.threads),
           slices_(options.slices),
           acute_(acute_vertices(points, pieces)),
+          apexes_(slices_.empty() ? PieceApexes(points, pieces, acute_) : PieceApexes()),
           cell_size_(cell_share * mean_length(points, pieces)),
           grid_(cell_size_, points.size()),
           fresh_(cell_size_, 0) {
@@ -80,6 +82,7 @@ class Conformer {
             guard_.drop_ball(pieces[n].ball);
             const std::uint32_t low = guard_.add_segment(points_[pieces[n].a], *at);
             const std::uint32_t high = guard_.add_segment(*at, points_[pieces[n].b]);
+            apexes_.pass_on(pieces[n], low, high);
             for (std::size_t k = n; k < last; ++k) next.push_back({pieces[k].a, v, pieces[k].structure, low});
             for (std::size_t k = n; k < last; ++k)
                 next.push_back({v, pieces[k].b, pieces[k].structure, high});
@@ -105,20 +108,32 @@ class Conformer {
     bool is_taken(Vec3 p, double room) const {
         return grid_.any_within(p, room) || fresh_.any_within(p, room);
     }
-
-    // Where planes cross on the shells on which what is left of the piece is split later.
-    Vec3 place_on_shell(const SegmentPiece& piece) const {
-        const bool at_a = std::binary_search(acute_.begin(), acute_.end(), piece.a),
-                   at_b = std::binary_search(acute_.begin(), acute_.end(), piece.b);
-        if (!slices_.empty() || at_a == at_b) return split_point(points_, piece, acute_);
-        return shell_point(points_, piece, points_[at_a ? piece.a : piece.b]);
+    // But for points on the shell of p about the apex.
+    bool is_taken(Vec3 p, double room, Vec3 apex) const {
+        bool found = false;
+        const auto look = [&](const PointGrid& grid) {
+            grid.for_each_within(p, room, [&](std::uint32_t n, double) {
+                found = found || !SegmentGuard::is_on_shell(grid.point(n), p, apex);
+            });
+        };
+        look(grid_);
+        look(fresh_);
+        return found;
     }
 
-    // If nothing is too near there.
+    // If nothing is too near there. Where planes cross on shells, on which all that meet at an apex may be
+    // split side by side: were every other one split, those between would have vertices in their balls for
+    // good.
     std::optional<Vec3> place_of_split(const SegmentPiece& piece, const Want& want) const {
         if (want.any()) {
-            const Vec3 at = place_on_shell(piece);
-            if (want.encroached && !is_taken(at, near_share * shortest_)) return at;
+            const double room = near_share * shortest_;
+            if (const std::optional<std::uint32_t> apex = apexes_.of(piece)) {
+                const Vec3 at = shell_point(points_, piece, points_[*apex]);
+                if (!is_taken(at, room, points_[*apex])) return at;
+                return std::nullopt;
+            }
+            const Vec3 at = split_point(points_, piece, acute_);
+            if (want.encroached && !is_taken(at, room)) return at;
             if (want.ungraded && !is_taken(at, graded_room_) && !is_in_corner(at, piece)) return at;
         }
         if (want.beside == no_vertex) return std::nullopt;
@@ -162,16 +177,19 @@ class Conformer {
         return total / static_cast<double>(pieces.size());
     }
 
-    // Pieces of one ball.
+    // Pieces of one ball. Of what is nearer than points may lie only what shells can keep apart.
     bool is_encroached(std::span<const SegmentPiece> all) const {
         const SegmentPiece& piece = all[0];
         const Vec3 a = points_[piece.a], way = points_[piece.b] - a;
         const double span = length(way);
         if (span < 2 * shortest_) return false;
+        const std::optional<std::uint32_t> apex = apexes_.of(piece);
         bool found = false;
         grid_.for_each_within(a + 0.5 * way, 0.5 * in_ball * span, [&](std::uint32_t v, double) {
-            found = found || (v != piece.a && v != piece.b && counts(v, all) &&
-                              length(cross(way, points_[v] - a)) > near_share * shortest_ * span);
+            if (found || v == piece.a || v == piece.b || !counts(v, all)) return;
+            const double distance = length(cross(way, points_[v] - a)) / span;
+            found = distance > near_share * shortest_ ||
+                    (apex && distance > SegmentGuard::least_angle * length(points_[v] - points_[*apex]));
         });
         return found;
     }
@@ -257,14 +275,15 @@ class Conformer {
     std::vector<Vec3>& points_;
     SegmentGuard& guard_;
     const double shortest_, growth_, graded_room_;
-    double shortest_graded_;             // so far
-    double ungraded_before_;             // what it was in the last round
-    std::size_t first_fresh_ = 0;        // the first point of the last round
+    double shortest_graded_;       // so far
+    double ungraded_before_;       // what it was in the last round
+    std::size_t first_fresh_ = 0;  // the first point of the last round
     const int threads_;
     std::vector<std::uint32_t> slices_;  // by point, or empty
     std::vector<Owner> owners_;          // sorted; with slices
     std::vector<VertexPair> neighbors_;  // sorted: ends of pieces, both ways; with growth_
     const std::vector<std::uint32_t> acute_;
+    PieceApexes apexes_;  // of none within slices
     const double cell_size_;
     PointGrid grid_, fresh_;  // of all points, and of those of the last round
 };

@@ -31,8 +31,9 @@ struct ConformOptions {
 // at a small angle, `growth` makes lengths follow the distance, so that cells there can be about as wide as
 // long. Nearer to where they cross than lengths can follow, pieces are split at the feet of each other's
 // vertices (foot_on()). A vertex nearer to a piece than half the shortest length is left in its ball: no
-// split above that length takes it out. Pieces that meet at an acute angle are split on concentric shells, and
-// no point is put nearer than half the shortest length to another one. `points` are those on contours, as
+// split above that length takes it out, but for one on another way from the same apex. Pieces that come from
+// where some meet at acute angles (PieceApexes) are split on concentric shells. No point is put nearer than half
+// the shortest length to another one, unless both are on one shell. `points` are those on contours, as
 // `guard` has them; new ones are appended, and both know the halves. Returns how many. At most 24 rounds;
 // complexity: O(n) each beside the points in balls. The same result every time. Follows: Shewchuk, Delaunay
 // refinement mesh generation, 1997, chapters 3 and 4.

@@ -248,14 +248,18 @@ Vec3 split_point(std::span<const Vec3> points, const SegmentPiece& piece,
 }
 
 Vec3 shell_point(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 apex) {
-    const Vec3 a = points[piece.a], b = points[piece.b];
-    const double at_a = length(a - apex), at_b = length(b - apex), span = at_b - at_a;
-    const double low = std::min(at_a, at_b) + from_ends * std::abs(span),
-                 high = std::max(at_a, at_b) - from_ends * std::abs(span);
+    const bool outward = squared_length(points[piece.a] - apex) < squared_length(points[piece.b] - apex);
+    const Vec3 a = points[outward ? piece.a : piece.b], b = points[outward ? piece.b : piece.a];
+    const double at_a = length(a - apex), at_b = length(b - apex);
+    const double low = at_a + from_ends * (at_b - at_a), high = at_b - from_ends * (at_b - at_a);
     double unit = std::exp2(std::ceil(std::log2(high)));
     while (std::floor(high / unit) * unit < low) unit /= 2;
     const double shell = std::floor(high / unit) * unit;
-    return a + ((shell - at_a) / span) * (b - a);
+    // The greater root of |a + t way - apex| = shell.
+    const Vec3 way = b - a;
+    const double slope = dot(way, a - apex), square = squared_length(way);
+    const double rest = (shell - at_a) * (shell + at_a);
+    return a + (rest / (slope + std::sqrt(slope * slope + square * rest))) * way;
 }
 
 std::optional<Vec3> foot_on(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 p) {

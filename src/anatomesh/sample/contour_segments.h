@@ -70,7 +70,7 @@ Vec3 split_point(std::span<const Vec3> points, const SegmentPiece& piece,
 // from this `apex` that is the roundest binary number in the middle half of the piece. Split
 // so again and again, all that meet there get the same distances as far as they reach; then none of their
 // parts lies in the ball of another, and splitting ends (Shewchuk, Delaunay refinement mesh generation, 1997,
-// chapter 3: concentric shells). Requires: the apex on the piece's line, not between its ends.
+// chapter 3: concentric shells). Requires: the way from one end to the other leads away from the apex.
 Vec3 shell_point(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 apex);
 
 // The foot of p on a piece. Split there, the piece has p in the ball of neither half, and no piece that ends

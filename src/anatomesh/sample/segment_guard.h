@@ -45,10 +45,12 @@ class SegmentGuard {
         return found;
     }
 
+    static constexpr double least_angle = 0.05;  // between pieces that shells keep apart, radians
+
     // Whether q is as far from `apex` as p is, and at no angle from it below three degrees: there, pieces
     // that meet at the apex are split without being in each other's way.
     static bool is_on_shell(Vec3 q, Vec3 p, Vec3 apex) {
-        constexpr double as_far = 1e-6, least_angle = 0.05;
+        constexpr double as_far = 1e-6;
         const double shell = length(p - apex);
         return std::abs(length(q - apex) - shell) <= as_far * shell && length(q - p) >= least_angle * shell;
     }

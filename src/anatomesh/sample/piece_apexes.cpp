@@ -1,0 +1,85 @@
+#include "anatomesh/sample/piece_apexes.h"
+
+#include <algorithm>
+#include <array>
+#include <compare>
+#include <functional>
+#include <queue>
+
+#include "anatomesh/base/sort_distinct.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::uint32_t no_apex = 0xFFFFFFFFu;
+constexpr double least_cosine = 0.9;  // of the angle between a piece and the way to it from the apex
+
+// Whether the way from one point to another leads on from the apex.
+bool leads_on(Vec3 apex, Vec3 from, Vec3 to) {
+    const Vec3 way = from - apex, next = to - from;
+    return dot(way, next) >= least_cosine * length(way) * length(next);
+}
+
+}  // namespace
+
+PieceApexes::PieceApexes(std::span<const Vec3> points, const std::vector<SegmentPiece>& pieces,
+                         std::vector<std::uint32_t> acute)
+    : acute_(std::move(acute)) {
+    std::uint32_t balls = 0;
+    for (const SegmentPiece& piece : pieces) balls = std::max(balls, piece.ball + 1);
+    of_ball_.assign(balls, no_apex);
+    // By an end: the other one, and the ball.
+    std::vector<std::array<std::uint32_t, 3>> at;
+    for (const SegmentPiece& piece : pieces) {
+        at.push_back({piece.a, piece.b, piece.ball});
+        at.push_back({piece.b, piece.a, piece.ball});
+    }
+    sort_distinct(at);
+    const auto ends_at = [&](std::uint32_t v) {
+        return std::equal_range(at.begin(), at.end(), std::array{v, 0u, 0u},
+                                [](const auto& x, const auto& y) { return x[0] < y[0]; });
+    };
+    // The nearest to an apex first: where two ways meet each has its half.
+    struct Way {
+        double reached;
+        std::uint32_t apex, from, to, ball;
+        auto operator<=>(const Way&) const = default;
+    };
+    std::priority_queue<Way, std::vector<Way>, std::greater<>> ways;
+    for (const std::uint32_t apex : acute_) {
+        const auto [first, last] = ends_at(apex);
+        for (auto way = first; way != last; ++way) ways.push({0, apex, apex, (*way)[1], (*way)[2]});
+    }
+    while (!ways.empty()) {
+        const auto [reached, apex, from, to, ball] = ways.top();
+        ways.pop();
+        if (is_apex(to) || of_ball_[ball] != no_apex) continue;
+        of_ball_[ball] = apex;
+        const auto [next, end] = ends_at(to);
+        const auto ahead = std::find_if(next, end, [&, back = from, at = to](const auto& piece) {
+            return piece[1] != back && leads_on(points[apex], points[at], points[piece[1]]);
+        });
+        if (ahead != end) ways.push({length(points[to] - points[apex]), apex, to, (*ahead)[1], (*ahead)[2]});
+    }
+}
+
+std::optional<std::uint32_t> PieceApexes::of(const SegmentPiece& piece) const {
+    if (of_ball_.empty() || of_ball_[piece.ball] == no_apex) return std::nullopt;
+    return of_ball_[piece.ball];
+}
+
+void PieceApexes::pass_on(const SegmentPiece& piece, std::uint32_t low, std::uint32_t high) {
+    if (of_ball_.empty()) return;
+    of_ball_.resize(std::max<std::size_t>(of_ball_.size(), std::max(low, high) + 1), no_apex);
+    of_ball_[low] = of_ball_[high] = of_ball_[piece.ball];
+    if (of_ball_[piece.ball] != no_apex) return;
+    if (is_apex(piece.a)) of_ball_[low] = piece.a;
+    if (is_apex(piece.b)) of_ball_[high] = piece.b;
+}
+
+bool PieceApexes::is_apex(std::uint32_t vertex) const {
+    return std::binary_search(acute_.begin(), acute_.end(), vertex);
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,37 @@
+// PieceApexes: the vertices from which the pieces of contour segments come, where they meet at acute angles.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "anatomesh/sample/contour_segments.h"
+
+namespace anatomesh {
+
+// An apex is a vertex at which pieces meet at acute angles. From each one the straight pieces come, one after
+// the other, up to the next apex: they are split on its shells (shell_point()), which all that come from it
+// then have in common. A piece between two of them comes from neither; its halves do.
+class PieceApexes {
+  public:
+    // Of no piece.
+    PieceApexes() = default;
+    // `acute`: as acute_vertices() of these. Complexity: O(n log n).
+    PieceApexes(std::span<const Vec3> points, const std::vector<SegmentPiece>& pieces,
+                std::vector<std::uint32_t> acute);
+
+    // The vertex from which the piece comes, if it comes from one.
+    std::optional<std::uint32_t> of(const SegmentPiece& piece) const;
+
+    // The piece is split: its halves at its first end and at its second one have these balls.
+    void pass_on(const SegmentPiece& piece, std::uint32_t low, std::uint32_t high);
+
+  private:
+    bool is_apex(std::uint32_t vertex) const;
+
+    std::vector<std::uint32_t> acute_;
+    std::vector<std::uint32_t> of_ball_;  // or no_apex; empty: of none
+};
+
+}  // namespace anatomesh
