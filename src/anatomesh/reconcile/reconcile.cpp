@@ -18,8 +18,8 @@
 #include "anatomesh/reconcile/flatten_folds.h"
 #include "anatomesh/reconcile/line_ends.h"
 #include "anatomesh/reconcile/movement.h"
-#include "anatomesh/reconcile/shared_points.h"
 #include "anatomesh/reconcile/settle_poles.h"
+#include "anatomesh/reconcile/shared_points.h"
 #include "anatomesh/reconcile/silences.h"
 #include "anatomesh/reconcile/slice_soundness.h"
 #include "anatomesh/reconcile/split_at_ends.h"
@@ -31,22 +31,23 @@ namespace {
 
 constexpr int most_rounds = 16;
 constexpr int most_idle_rounds = 6;
-constexpr int most_repetitions = 4;      // of all rounds, with more vertices
-constexpr double least_split_mm = 0.1;   // of a segment that gets a vertex
-constexpr double least_gain = 0.2;       // of a repetition: the share by which slices differ less
-constexpr double joined_mm = 0.1;        // how far a vertex may have gone to a common point
+constexpr int most_repetitions = 4;     // of all rounds, with more vertices
+constexpr double least_split_mm = 0.1;  // of a segment that gets a vertex
+constexpr double least_gain = 0.2;      // of a repetition: the share by which slices differ less
+constexpr double joined_mm = 0.1;       // how far a vertex may have gone to a common point
 constexpr int most_align_rounds = 12;
 constexpr double align_precision_mm = 1e-3;
-constexpr double agreement_mm = 0.01;      // across the contours: then common points can be put in
-// Of a contour drawn back from another slice's plane, and of the mean distance between vertices: nearer to the
-// line two planes are so close to each other that no cells of any shape fit between.
+constexpr double agreement_mm = 0.01;  // across the contours: then common points can be put in
+// Of a contour drawn back from another slice's plane, and of the mean distance between vertices: nearer to
+// the line two planes are so close to each other that no cells of any shape fit between.
 constexpr double least_clearance_mm = 0.1, clearance_share = 0.1;
 constexpr double flattening = 0.2;         // what is left of the height of an arc that is drawn back
 constexpr double normal_reach_mm = 1;      // contours' normals are taken over chords of this half length
 constexpr int most_shortenings = 16;       // of a step, by half each
 constexpr double shortening_reach_mm = 3;  // along the contour
 constexpr std::size_t most_named_pairs = 10;
-constexpr double pole_radius_share = 0.3;  // of the mean distance between vertices
+constexpr double least_moved_share = 0.05;  // of the radius about poles: else the slices agreed as drawn
+constexpr double pole_radius_share = 0.3;   // of the mean distance between vertices
 constexpr double sharp_pole_degrees = 70;
 constexpr double outlier_mm = 2,
                  outlier_factor = 4;  // of a slice's median disagreement, and over that of all
@@ -241,13 +242,25 @@ class Reconciler {
         return Nothing{};
     }
 
+    // Where the drawings agree a sharp edge is one, and stays; so it does where slices would agree less.
     void settle() {
         const PoleOptions options{pole_radius_share * mean_vertex_spacing(set_), sharp_pole_degrees,
                                   options_.max_disagreement_mm};
+        if (stats_.max_movement_mm < least_moved_share * options.radius_mm) return;
+        const ContourSet set = set_;
+        const DrawnPlaces drawn = drawn_;
+        const std::vector<LineComparison> comparisons = comparisons_;
+        const ReconcileStats stats = stats_;
+        const double left = left_mm();
         stats_.poles = settle_poles(set_, drawn_, options);
         if (stats_.poles.poles == 0) return;
         note_movements();
         compare();
+        if (left_mm() <= left) return;
+        set_ = set;
+        drawn_ = drawn;
+        comparisons_ = comparisons;
+        stats_ = stats;
     }
 
     double left_mm() const {
@@ -571,12 +584,13 @@ class Reconciler {
     void warn_of_poles() {
         const PoleStats& poles = stats_.poles;
         if (poles.poles == 0) return;
-        context_.warn({"W-RCN-009",
-                       "contours rise and fall from plane to plane beside a line in which four planes or more "
-                       "meet, at " +
-                           std::to_string(poles.poles) + (poles.poles == 1 ? " place" : " places"),
-                       {set_.source, "", "", "", brief(poles.highest_mm) + " mm"},
-                       "turned there, by " + brief(poles.highest_mm) + " mm at most"});
+        context_.warn(
+            {"W-RCN-009",
+             "contours rise and fall from plane to plane beside a line in which four planes or more "
+             "meet, at " +
+                 std::to_string(poles.poles) + (poles.poles == 1 ? " place" : " places"),
+             {set_.source, "", "", "", brief(poles.highest_mm) + " mm"},
+             "turned there, by " + brief(poles.highest_mm) + " mm at most"});
     }
 
     void warn_of_shifts() {

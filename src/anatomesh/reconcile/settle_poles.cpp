@@ -24,6 +24,7 @@ constexpr double same_line_sine = 1e-6;     // of a common line's directions: pl
 constexpr double least_across = 0.1;        // of a leg's direction across the line: else it runs along it
 constexpr double widest_gap_degrees = 150;  // between the neighbours of a leg
 constexpr double share_of_way = 1.0 / 3;    // to the next point that must stay
+constexpr double least_radius = 0.02;       // of that asked for: less is no room for a vertex
 constexpr double vertex_near = 1.3;         // of the radius: a vertex there is the leg's end
 constexpr double least_turn_degrees = 3;    // a leg that turns by less stays as it is
 constexpr int most_turns = 50;
@@ -65,6 +66,7 @@ class Settler {
         put_in_.resize(set_.points.size());
         for (const auto& visits : places_) settle(visits);
         if (stats_.poles > 0) lay_out();
+        if (stats_.highest_mm == 0) stats_.poles = 0;
         return stats_;
     }
 
@@ -128,7 +130,7 @@ class Settler {
             for (const bool forward : {false, true})
                 radius = std::min(radius, share_of_way * way_to_next(visit, forward));
         }
-        if (!(radius > 0)) return;
+        if (!(radius >= least_radius * options_.radius_mm)) return;
         const std::size_t before = ways_.size();
         for (std::size_t first = 0; first < visits.size();) {
             std::size_t last = first;
@@ -290,6 +292,7 @@ class Settler {
     }
 
     bool goes_too_far(const Leg& leg, Vec3 way) const {
+        if (length(turned(leg, leg.end, way) - leg.end) > options_.most_moved_mm) return true;
         return std::any_of(leg.inside.begin(), leg.inside.end(), [&](std::uint32_t k) {
             return length(turned(leg, set_.points[k], way) - drawn_.at[k]) > options_.most_moved_mm;
         });
