@@ -75,7 +75,7 @@ struct ReconcileResult {
 // Requires: a kept contour set. Guarantees: a kept contour set again: contours stay simple, do not cross and
 // keep their nesting, by exact predicates; where that needs it a step is shortened. Slices that agree on
 // their common line afterwards (difference_after_mm of 0; all that can) have the same points there, bit for
-// bit. Where all ends agree within rounding no vertex moves but at such poles. Parallel slices come back as they are. What
+// bit. Where all ends agree within rounding no vertex moves. Parallel slices come back as they are. What
 // moved and what is left is said in stats and warnings W-RCN-001..009. Errors: geometry E-RCN-001 slices
 // further apart than the bound (names both), E-RCN-002 a shift above it. The same at any thread count.
 // Complexity: O(n log n + crossings) per round. No earlier method is followed.

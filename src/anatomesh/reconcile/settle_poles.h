@@ -24,8 +24,8 @@ struct PoleStats {
 // planes are nearer to each other than contours can be drawn: legs that rise and fall in turn leave fins and
 // slits that no cells fit into. Where the facets between a leg and those of the two planes beside it make an
 // angle below the least, all legs of the pole are turned about it in their planes, each half way to the facet
-// between its neighbours, again and again until none is sharper: what rises and falls from plane to plane
-// goes, a slope or a ridge over several planes stays. Legs are turned up to the radius, where they get a
+// between its neighbours, until none is sharper, at most 50 times: what rises and falls from plane to plane
+// goes, a slope over several planes stays; so does a leg that would turn by less than 3 degrees. Legs are turned up to the radius, where they get a
 // vertex, or up to less: a third of the way to the next point that other slices have too, or at which
 // contours branch.
 //
