@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <compare>
 #include <functional>
 #include <queue>
@@ -13,12 +14,16 @@ namespace anatomesh {
 namespace {
 
 constexpr std::uint32_t no_apex = 0xFFFFFFFFu;
-constexpr double least_cosine = 0.9;  // of the angle between a piece and the way to it from the apex
+constexpr double straight = 1e-18;          // squared sine of the angle between pieces of one segment
+constexpr double least_cosine = 0.9;        // of the angle between a piece and the way to it from a pole
+constexpr std::ptrdiff_t ways_at_pole = 8;  // four planes that meet in a line
 
-// Whether the way from one point to another leads on from the apex.
-bool leads_on(Vec3 apex, Vec3 from, Vec3 to) {
+// Whether the way from one point to another leads on from the apex: straight, or from a pole about so.
+bool leads_on(Vec3 apex, Vec3 from, Vec3 to, bool is_pole) {
     const Vec3 way = from - apex, next = to - from;
-    return dot(way, next) >= least_cosine * length(way) * length(next);
+    const double along = dot(way, next), squares = squared_length(way) * squared_length(next);
+    if (is_pole) return along >= least_cosine * std::sqrt(squares);
+    return along > 0 && squared_length(cross(way, next)) <= straight * squares;
 }
 
 }  // namespace
@@ -56,9 +61,11 @@ PieceApexes::PieceApexes(std::span<const Vec3> points, const std::vector<Segment
         ways.pop();
         if (is_apex(to) || of_ball_[ball] != no_apex) continue;
         of_ball_[ball] = apex;
+        const auto [first, last] = ends_at(apex);
+        const bool is_pole = last - first >= ways_at_pole;
         const auto [next, end] = ends_at(to);
         const auto ahead = std::find_if(next, end, [&, back = from, at = to](const auto& piece) {
-            return piece[1] != back && leads_on(points[apex], points[at], points[piece[1]]);
+            return piece[1] != back && leads_on(points[apex], points[at], points[piece[1]], is_pole);
         });
         if (ahead != end) ways.push({length(points[to] - points[apex]), apex, to, (*ahead)[1], (*ahead)[2]});
     }

@@ -11,8 +11,9 @@
 namespace anatomesh {
 
 // An apex is a vertex at which pieces meet at acute angles. From each one the straight pieces come, one after
-// the other, up to the next apex: they are split on its shells (shell_point()), which all that come from it
-// then have in common. A piece between two of them comes from neither; its halves do.
+// the other - from a pole, where eight or more meet, those that lead on about straight -, up to the next
+// apex: they are split on its shells (shell_point()), which all that come from it then have in common. A
+// piece between two of them comes from neither; its halves do.
 class PieceApexes {
   public:
     // Of no piece.
