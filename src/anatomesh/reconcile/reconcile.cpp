@@ -220,22 +220,16 @@ class Reconciler {
         note_movements();
         join();
         for (int n = 0; n < most_repetitions && left_mm() > 0; ++n) {
-            const ContourSet set = set_;
-            const DrawnPlaces drawn = drawn_;
-            const std::vector<LineComparison> comparisons = comparisons_;
-            const ReconcileStats stats = stats_;
+            const State before = state();
             const double left = left_mm();
             split_at_ends(set_, comparisons_, least_split_mm);
-            drawn_ = carry_over(set, drawn, set_, joined_mm);
+            drawn_ = carry_over(before.set, before.drawn, set_, joined_mm);
             compare();
             ANATOMESH_CHECK_STATUS(move());
             note_movements();
             join();
             if (left_mm() <= (1 - least_gain) * left) continue;
-            set_ = set;
-            drawn_ = drawn;
-            comparisons_ = comparisons;
-            stats_ = stats;
+            go_back_to(before);
             break;
         }
         settle();
@@ -247,20 +241,28 @@ class Reconciler {
         const PoleOptions options{pole_radius_share * mean_vertex_spacing(set_), sharp_pole_degrees,
                                   options_.max_disagreement_mm};
         if (stats_.max_movement_mm < least_moved_share * options.radius_mm) return;
-        const ContourSet set = set_;
-        const DrawnPlaces drawn = drawn_;
-        const std::vector<LineComparison> comparisons = comparisons_;
-        const ReconcileStats stats = stats_;
+        const State before = state();
         const double left = left_mm();
         stats_.poles = settle_poles(set_, drawn_, options);
         if (stats_.poles.poles == 0) return;
         note_movements();
         compare();
-        if (left_mm() <= left) return;
-        set_ = set;
-        drawn_ = drawn;
-        comparisons_ = comparisons;
-        stats_ = stats;
+        if (left_mm() > left) go_back_to(before);
+    }
+
+    // What a step changes, to be taken back where it does not help.
+    struct State {
+        ContourSet set;
+        DrawnPlaces drawn;
+        std::vector<LineComparison> comparisons;
+        ReconcileStats stats;
+    };
+    State state() const { return {set_, drawn_, comparisons_, stats_}; }
+    void go_back_to(const State& before) {
+        set_ = before.set;
+        drawn_ = before.drawn;
+        comparisons_ = before.comparisons;
+        stats_ = before.stats;
     }
 
     double left_mm() const {

@@ -280,6 +280,18 @@ TEST(SettlePoles, no_vertex_moves_further_than_it_may) {
     }
 }
 
+// Nor does what is put in, where no vertex lies within the radius.
+TEST(SettlePoles, no_leg_without_vertices_is_turned_further_either) {
+    for (const double most : {0.01, 10.0}) {
+        Fan fan = fan_of(12, zigzag(0.3, 1, 0.5));
+        const std::vector<Vec3> before = fan.set.points;
+        const PoleStats stats = fan.settle(most);
+        EXPECT_LE(stats.highest_mm, most);
+        EXPECT_EQ(stats.poles, most < 1 ? 0u : 1u);
+        EXPECT_EQ(fan.set.points == before, most < 1);
+    }
+}
+
 TEST(SettlePoles, C25_reconciling_settles_them_and_says_so) {
     const auto codes = [](const ContourSet& set, bool reconcile, ReconcileStats& stats) {
         RunContext context;

@@ -110,15 +110,8 @@ class Conformer {
     }
     // But for points on the shell of p about the apex.
     bool is_taken(Vec3 p, double room, Vec3 apex) const {
-        bool found = false;
-        const auto look = [&](const PointGrid& grid) {
-            grid.for_each_within(p, room, [&](std::uint32_t n, double) {
-                found = found || !SegmentGuard::is_on_shell(grid.point(n), p, apex);
-            });
-        };
-        look(grid_);
-        look(fresh_);
-        return found;
+        return SegmentGuard::any_within(grid_, p, room, apex) ||
+               SegmentGuard::any_within(fresh_, p, room, apex);
     }
 
     // If nothing is too near there. Where planes cross on shells, on which all that meet at an apex may be

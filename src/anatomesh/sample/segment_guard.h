@@ -38,9 +38,12 @@ class SegmentGuard {
 
     // The same, but for points on the shell of p about `apex`.
     bool any_point_within(Vec3 p, double distance, Vec3 apex) const {
+        return any_within(points_, p, distance, apex);
+    }
+    static bool any_within(const PointGrid& points, Vec3 p, double distance, Vec3 apex) {
         bool found = false;
-        points_.for_each_within(p, distance, [&](std::uint32_t n, double) {
-            found = found || !is_on_shell(points_.point(n), p, apex);
+        points.for_each_within(p, distance, [&](std::uint32_t n, double) {
+            found = found || !is_on_shell(points.point(n), p, apex);
         });
         return found;
     }
