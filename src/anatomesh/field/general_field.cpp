@@ -11,6 +11,7 @@
 #include "anatomesh/field/caps.h"
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/field_queries.h"
+#include "anatomesh/field/slants.h"
 #include "anatomesh/field/slice_regions.h"
 #include "anatomesh/field/sparse_planes.h"
 #include "anatomesh/field/thin_structures.h"
@@ -25,6 +26,7 @@ constexpr std::uint32_t most_near = 16;  // patches that a query takes into acco
 constexpr std::uint32_t no_structure = 0xffffffffu;
 constexpr double most_widened = 3;        // times the usual, the radius within which patches count
 constexpr std::size_t few_listed = 6;     // patches, among which hidden ones cost nothing
+constexpr double slant_cell = 1.0 / 6;     // of the grids of slants, a share of the clamp
 constexpr double least_share = 0.01;      // of a patch that others hide: less is nothing
 constexpr double fade_of_outside = 0.01;  // weight of outside at the radius
 constexpr double never = -std::numeric_limits<double>::infinity();
@@ -41,6 +43,12 @@ struct Key {
     std::uint32_t patch;
 };
 using Keys = std::array<Key, most_near>;
+
+// What a patch says of a structure at a point.
+struct Said {
+    double distance;  // signed, in the plane, less where the plane runs along the boundary
+    double slant;     // of the boundary against the plane (slants.h)
+};
 
 // A patch as a point sees it.
 struct Seen {
@@ -144,7 +152,7 @@ class GeneralField final : public FieldQueries<GeneralField> {
     Seen see(Vec3 p, const Key& key) const;
     double share_of(const Seen& near, const Sight& sight) const;
     void end(Sight& sight) const;
-    double distance(std::uint32_t structure, const Seen& near) const;
+    Said said(std::uint32_t structure, const Seen& near) const;
     double blend(std::uint32_t structure, const Sight& sight) const;
     std::uint32_t next_structure(const Sight& sight, std::uint32_t from) const;
     Status build_maps(const ContourSet& set, const std::vector<bool>& left_out, RunContext& context);
@@ -154,11 +162,13 @@ class GeneralField final : public FieldQueries<GeneralField> {
     void drop_hidden(Vec3 center, double half, std::vector<std::uint32_t>& list,
                      std::vector<Beside>& scratch) const;
     void build_grid(int threads);
+    void find_slants(int threads);
 
     std::vector<FieldPatch> patches_;
     std::vector<std::optional<DistanceMap>> maps_;  // per patch in order of structure, the union last
     std::vector<std::uint32_t> structure_of_;
     std::uint32_t union_ = 0;
+    Slants slants_;
     double spacing_ = 0, margin_ = 0, radius_ = 0, reach_ = 0,
            end_spacing_ = 0;  // outside joins in half of it beyond the end
     EndCaps caps_;
@@ -314,12 +324,13 @@ Sight GeneralField::look(Vec3 p) const {
     return sight;
 }
 
-double GeneralField::distance(std::uint32_t structure, const Seen& near) const {
+Said GeneralField::said(std::uint32_t structure, const Seen& near) const {
     const FieldPatch& patch = patches_[near.patch];
+    const double slant = slants_.at(near.patch, structure, near.at);
     for (std::uint32_t m = patch.first_map; m < patch.first_map + patch.map_count; ++m) {
-        if (structure_of_[m] == structure) return maps_[m]->value(near.at);
+        if (structure_of_[m] == structure) return {slant * maps_[m]->value(near.at), slant};
     }
-    return clamp_;
+    return {slant * clamp_, slant};
 }
 
 double GeneralField::blend(std::uint32_t structure, const Sight& sight) const {
@@ -327,9 +338,9 @@ double GeneralField::blend(std::uint32_t structure, const Sight& sight) const {
     double total = sight.outside / (soft + clamp_), sum = total * clamp_;
     double on_patch = std::numeric_limits<double>::infinity();
     for (const Seen& near : sight.patches()) {
-        const double d = distance(structure, near);
+        const auto [d, slant] = said(structure, near);
         if (std::isfinite(near.weight)) {
-            const double weight = near.weight / (soft + std::abs(d));
+            const double weight = near.weight * slant / (soft + std::abs(d));
             sum += weight * d;
             total += weight;
         } else if (std::abs(d) < std::abs(on_patch)) {
@@ -568,6 +579,27 @@ void GeneralField::build_grid(int threads) {
     }
 }
 
+void GeneralField::find_slants(int threads) {
+    PatchesSeen seen{radius_, clamp_, slant_cell * clamp_, {}, {}, {}, {}};
+    for (const FieldPatch& one : patches_) {
+        seen.planes.push_back(one.patch.plane);
+        seen.boxes.push_back(one.map_count > 0 ? one.patch.box.grown(margin_) : Box2{});
+    }
+    seen.near = [this](Vec3 p, std::vector<PatchNear>& near) {
+        Keys keys;
+        const std::uint32_t count = find_near(p, keys);
+        near.clear();
+        for (std::uint32_t n = 0; n < count; ++n) near.push_back({keys[n].patch, std::sqrt(keys[n].square)});
+    };
+    seen.distances = [this](std::uint32_t n, Vec2 q, std::vector<DistanceInPlane>& distances) {
+        const FieldPatch& patch = patches_[n];
+        distances.clear();
+        for (std::uint32_t m = patch.first_map; m < patch.first_map + patch.map_count; ++m)
+            distances.push_back({structure_of_[m], maps_[m]->value(q)});
+    };
+    slants_ = Slants::of(seen, threads);
+}
+
 Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patches,
                            const std::vector<bool>& left_out, RunContext& context) {
     for (PlanePatch& patch : patches) patches_.push_back({std::move(patch), 0, 0, false, false});
@@ -582,6 +614,7 @@ Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patche
     }
     find_open_sides();
     build_grid(context.threads);
+    find_slants(context.threads);
     return Nothing{};
 }
 
