@@ -64,7 +64,7 @@ constexpr std::array<double, 2> most_more_bad{0.003, 0.001};
 constexpr double most_missing_of_drawn = 0.0005;
 // Of a label map, slices far apart against its voxels lack more pieces, where structures meet.
 constexpr std::size_t last_few_of_labels = 40;
-// Of the contour pieces, beside their surface: where more are, they are not brought there.
+// Of the contour pieces, beside their surface: where more are about an axis, they are not brought there.
 constexpr double most_beside = 0.003;
 constexpr double most_dense = 3;  // as plane_density() has it: more are left as they come first
 // Between dense planes pieces of contours are so many and so near to each other that splitting all for each
@@ -532,8 +532,9 @@ class Builder {
             if (sides[n].inside != sides[n].outside)
                 beside.push_back({pieces[n].a, pieces[n].b, pieces[n].structure});
         }
-        // Where more are, contours crowd each other: each would cost much and bring little.
-        if (static_cast<double>(beside.size()) > most_beside * static_cast<double>(pieces.size()))
+        // About an axis, where more are, contours crowd each other: each would cost much and bring little.
+        if (sample_->has_pole &&
+            static_cast<double>(beside.size()) > most_beside * static_cast<double>(pieces.size()))
             beside.clear();
         const SlicesThatTell slices = slices_that_tell(contours_, field_->flat_ends());
         return improve_dihedrals(

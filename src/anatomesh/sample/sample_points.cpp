@@ -262,6 +262,7 @@ class SegmentSplitter {
             for (const std::uint32_t s : part.of) level = std::max(level, levels[s]);
             add_pieces(part.segment, level, thin);
         }
+        sample_.has_pole = has_pole();
         // On parallel slices contours of several structures may run side by side too, in their slices.
         const bool side_by_side = contours.structures.size() > 1 && is_parallel(contours);
         // Those of a label map have the vertices of their common lines in common.
@@ -281,7 +282,7 @@ class SegmentSplitter {
     // In sizes.
     double shortest_piece(bool conforming) const {
         if (!conforming) return shortest_beside_others;
-        return has_pole() ? shortest_about_axis : shortest_conforming;
+        return sample_.has_pole ? shortest_about_axis : shortest_conforming;
     }
 
     bool has_pole() const {
@@ -509,7 +510,7 @@ double default_size(const ContourSet& contours, const StructureField& field) {
 Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field, const SampleOptions& options,
                                   RunContext& context) {
     const double size = options.size_mm > 0 ? options.size_mm : default_size(contours, field);
-    PointSample sample{{}, {}, {}, SegmentGuard(size, 0), false, {}};
+    PointSample sample{{}, {}, {}, SegmentGuard(size, 0), false, false, {}};
     sample.stats.size_mm = size;
 
     // The lattice, two steps larger than the box of the field on every side.

@@ -39,6 +39,7 @@ struct PointSample {
     std::vector<SegmentPiece> pieces;             // what the contour segments were split into
     SegmentGuard guard;                           // of the contour points and the split segments
     bool graded = false;  // pieces were split as finely as others beside them in their slices ask
+    bool has_pole = false;  // a vertex where four planes or more through a line draw contours
     SampleStats stats;
 };
 
