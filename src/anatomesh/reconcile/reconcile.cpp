@@ -17,6 +17,7 @@
 #include "anatomesh/reconcile/drawn_places.h"
 #include "anatomesh/reconcile/flatten_folds.h"
 #include "anatomesh/reconcile/line_ends.h"
+#include "anatomesh/reconcile/line_votes.h"
 #include "anatomesh/reconcile/movement.h"
 #include "anatomesh/reconcile/settle_poles.h"
 #include "anatomesh/reconcile/shared_points.h"
@@ -326,13 +327,15 @@ class Reconciler {
                 node = {Hold::anchor, member.group, member.place, member.direction};
             }
         }
-        for (const LineComparison& comparison : comparisons_) any |= draw_back(comparison);
+        const LineVotes votes(comparisons_);
+        for (const LineComparison& comparison : comparisons_) any |= draw_back(comparison, votes);
         link_nodes(ends);
         return any;
     }
 
-    // Pins the arcs of intervals and gaps that only one of the slices has to the other side of the line.
-    bool draw_back(const LineComparison& comparison) {
+    // Pins the arcs of intervals and gaps that only one of the slices has to the other side of the line; not
+    // where it is the other slice that most of those through that line contradict.
+    bool draw_back(const LineComparison& comparison, const LineVotes& votes) {
         bool any = false;
         for (const bool of_a : {true, false}) {
             const auto& ends = of_a ? comparison.ends_a : comparison.ends_b;
@@ -342,7 +345,9 @@ class Reconciler {
                  of_a ? comparison.matching.only_first : comparison.matching.only_second) {
                 const Arc arc =
                     arc_between(set_, ends[i], ends[i + 1], set_.slices[own].plane, set_.slices[other].plane);
-                if (arc.points.empty() || arc.height_mm > options_.max_disagreement_mm) continue;
+                if (arc.points.empty() || arc.height_mm > options_.max_disagreement_mm ||
+                    votes.most_agree(comparison, own, 0.5 * (ends[i].t + ends[i + 1].t)))
+                    continue;
                 any = true;
                 // A contour that is hardly beyond the line is not taken far from where it was drawn.
                 const double clearance_mm = std::clamp(arc.height_mm, least_clearance_mm, clearance_mm_);
