@@ -23,10 +23,10 @@ namespace anatomesh {
 namespace {
 
 constexpr std::uint32_t most_near = 16;  // patches that a query takes into account: the nearest
-constexpr std::uint32_t no_structure = 0xffffffffu;
+constexpr std::uint32_t no_structure = 0xffffffffu, no_patch = no_structure;
 constexpr double most_widened = 3;        // times the usual, the radius within which patches count
 constexpr std::size_t few_listed = 6;     // patches, among which hidden ones cost nothing
-constexpr double slant_cell = 1.0 / 6;     // of the grids of slants, a share of the clamp
+constexpr double slant_cell = 1.0 / 6;    // of the grids of slants, a share of the clamp
 constexpr double least_share = 0.01;      // of a patch that others hide: less is nothing
 constexpr double fade_of_outside = 0.01;  // weight of outside at the radius
 constexpr double never = -std::numeric_limits<double>::infinity();
@@ -147,8 +147,8 @@ class GeneralField final : public FieldQueries<GeneralField> {
         return {std::clamp(q.x, patch.box.low.x - margin_, patch.box.high.x + margin_) - q.x,
                 std::clamp(q.y, patch.box.low.y - margin_, patch.box.high.y + margin_) - q.y};
     }
-    std::array<Hider, 2> hiders_at(Vec3 p, std::span<const Listed> listed) const;
-    std::uint32_t find_near(Vec3 p, Keys& keys) const;
+    std::array<Hider, 2> hiders_at(Vec3 p, std::span<const Listed> listed, std::uint32_t but) const;
+    std::uint32_t find_near(Vec3 p, Keys& keys, std::uint32_t but = no_patch) const;
     Seen see(Vec3 p, const Key& key) const;
     double share_of(const Seen& near, const Sight& sight) const;
     void end(Sight& sight) const;
@@ -162,7 +162,7 @@ class GeneralField final : public FieldQueries<GeneralField> {
     void drop_hidden(Vec3 center, double half, std::vector<std::uint32_t>& list,
                      std::vector<Beside>& scratch) const;
     void build_grid(int threads);
-    void find_slants(int threads);
+    void find_slants(RunContext& context);
 
     std::vector<FieldPatch> patches_;
     std::vector<std::optional<DistanceMap>> maps_;  // per patch in order of structure, the union last
@@ -181,11 +181,12 @@ class GeneralField final : public FieldQueries<GeneralField> {
     std::vector<Listed> cell_patches_;
 };
 
-// The nearest patch on either side of those before which p lies.
-std::array<Hider, 2> GeneralField::hiders_at(Vec3 p, std::span<const Listed> listed) const {
+// The nearest patch on either side of those before which p lies, but for one.
+std::array<Hider, 2> GeneralField::hiders_at(Vec3 p, std::span<const Listed> listed,
+                                             std::uint32_t but) const {
     std::array<Hider, 2> hiders;
     for (const Listed& one : listed) {
-        if (!one.before) continue;
+        if (!one.before || one.patch == but) continue;
         const Plane& plane = patches_[one.patch].patch.plane;
         const double height = plane.signed_distance(p);
         Hider& hider = hiders[(height > 0) != (one.against == 1)];
@@ -195,8 +196,9 @@ std::array<Hider, 2> GeneralField::hiders_at(Vec3 p, std::span<const Listed> lis
     return hiders;
 }
 
-// The nearest patches within the radius, sorted by distance, but for most of those that nearer ones hide.
-std::uint32_t GeneralField::find_near(Vec3 p, Keys& keys) const {
+// The nearest patches within the radius, sorted by distance, but for one and most of those that nearer ones
+// hide.
+std::uint32_t GeneralField::find_near(Vec3 p, Keys& keys, std::uint32_t but) const {
     if (!box_.contains(p)) return 0;
     const Vec3 at = inverse_cell_ * (p - box_.low);
     const auto index = [](double v, std::uint32_t n) {
@@ -208,10 +210,11 @@ std::uint32_t GeneralField::find_near(Vec3 p, Keys& keys) const {
     const std::span<const Listed> listed{cell_patches_.data() + cell_begin_[cell],
                                          cell_patches_.data() + cell_begin_[cell + 1]};
     const std::array<Hider, 2> hiders =
-        listed.size() > few_listed ? hiders_at(p, listed) : std::array<Hider, 2>{};
+        listed.size() > few_listed ? hiders_at(p, listed, but) : std::array<Hider, 2>{};
     std::uint32_t count = 0;
     double farthest = radius_ * radius_;
     for (const Listed& one : listed) {
+        if (one.patch == but) continue;
         const PlanePatch& patch = patches_[one.patch].patch;
         const double height = patch.plane.signed_distance(p);
         const double across = std::clamp(height, patch.low, patch.high) - height;
@@ -579,25 +582,28 @@ void GeneralField::build_grid(int threads) {
     }
 }
 
-void GeneralField::find_slants(int threads) {
+void GeneralField::find_slants(RunContext& context) {
     PatchesSeen seen{radius_, clamp_, slant_cell * clamp_, {}, {}, {}, {}};
     for (const FieldPatch& one : patches_) {
         seen.planes.push_back(one.patch.plane);
         seen.boxes.push_back(one.map_count > 0 ? one.patch.box.grown(margin_) : Box2{});
     }
-    seen.near = [this](Vec3 p, std::vector<PatchNear>& near) {
+    // A patch hides nothing from its own points.
+    seen.near = [this](std::uint32_t own, Vec3 p, std::vector<PatchNear>& near) {
         Keys keys;
-        const std::uint32_t count = find_near(p, keys);
+        const std::uint32_t count = find_near(p, keys, own);
         near.clear();
         for (std::uint32_t n = 0; n < count; ++n) near.push_back({keys[n].patch, std::sqrt(keys[n].square)});
     };
     seen.distances = [this](std::uint32_t n, Vec2 q, std::vector<DistanceInPlane>& distances) {
         const FieldPatch& patch = patches_[n];
         distances.clear();
-        for (std::uint32_t m = patch.first_map; m < patch.first_map + patch.map_count; ++m)
-            distances.push_back({structure_of_[m], maps_[m]->value(q)});
+        for (std::uint32_t m = patch.first_map; m < patch.first_map + patch.map_count; ++m) {
+            const double value = maps_[m]->value(q);
+            if (value < clamp_) distances.push_back({structure_of_[m], value});
+        }
     };
-    slants_ = Slants::of(seen, threads);
+    slants_ = Slants::of(seen, context);
 }
 
 Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patches,
@@ -614,7 +620,8 @@ Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patche
     }
     find_open_sides();
     build_grid(context.threads);
-    find_slants(context.threads);
+    find_slants(context);
+    if (context.cancelled()) return cancelled_error();
     return Nothing{};
 }
 

@@ -14,9 +14,12 @@ namespace {
 constexpr double most_nodes = 64;     // on the longer side of a grid
 constexpr float least_slant = 0.05F;  // the surface has to keep off the plane but on its contours
 constexpr float hardly = 0.99F;       // a slant: from there on it is none
-constexpr double nearest = 0.04;      // of the cell: nearer planes weigh no more
+// How much further the boundary may be from the point than from its foot on the other plane, a share of the
+// way there: where planes are few, as far apart as the structure is bent, feet near the boundary tell little.
+constexpr double change_on_the_way = 0.25;
+constexpr double nearest = 0.04;  // of the cell: nearer planes weigh no more
 
-// A patch near the node, with what it weighs and what is drawn there at the node's foot.
+// A patch near the node, with what it weighs and what is drawn near the node's foot there.
 struct Across {
     double distance, weight;
     std::vector<DistanceInPlane> drawn;
@@ -72,10 +75,9 @@ class PatchSlants {
 
     // The planes that cross the patch's near p.
     void find_across(Vec3 p) {
-        seen_.near(p, near_);
+        seen_.near(patch_, p, near_);
         count_ = 0;
         for (const auto& [patch, distance] : near_) {
-            if (patch == patch_) continue;
             const double along = dot(seen_.planes[patch].normal, seen_.planes[patch_].normal);
             const double r = std::max(distance, nearest * seen_.cell);
             const double weight = (1 - along * along) * (seen_.radius - r) / (seen_.radius * r);
@@ -96,6 +98,7 @@ class PatchSlants {
             const double other = distance_of(one.drawn, structure, seen_.clamp);
             double far = std::abs(other);
             if ((own < 0) != (other < 0)) far = std::min(far, one.distance);
+            far += change_on_the_way * one.distance;
             sum += one.weight * (std::abs(own) > far ? far / std::abs(own) : 1);
             total += one.weight;
         }
@@ -170,11 +173,11 @@ double SlantMap::at(Vec2 q) const {
     return (1 - up) * ((1 - along) * v[0] + along * v[1]) + up * ((1 - along) * v[nx_] + along * v[nx_ + 1]);
 }
 
-Slants Slants::of(const PatchesSeen& seen, int threads) {
+Slants Slants::of(const PatchesSeen& seen, RunContext& context) {
     Slants slants;
     slants.maps_.resize(seen.planes.size());
-    parallel_for(seen.planes.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t n = begin; n < end; ++n) {
+    parallel_for(seen.planes.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end && !context.cancelled(); ++n) {
             if (!seen.boxes[n].empty())
                 slants.maps_[n] = PatchSlants(seen, static_cast<std::uint32_t>(n)).run();
         }

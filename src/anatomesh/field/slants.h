@@ -1,11 +1,13 @@
 // Slants: how far a structure's boundary is in space where a plane runs along it, as the planes across tell.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <vector>
 
+#include "anatomesh/base/run_context.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/geom/plane.h"
 #include "anatomesh/geom/vec.h"
@@ -48,9 +50,9 @@ struct PatchesSeen {
     double cell = 0;    // of the grids, mm; as many times that as keep them at 64 nodes a side
     std::vector<Plane> planes;
     std::vector<Box2> boxes;  // where each says something; empty: it says nothing
-    // Of a point those within the radius.
-    std::function<void(Vec3, std::vector<PatchNear>&)> near;
-    // Signed distances in the plane from a point of it, of all structures that are drawn on the patch.
+    // Of a point of a patch the others near it, or the nearest of them.
+    std::function<void(std::uint32_t, Vec3, std::vector<PatchNear>&)> near;
+    // Signed distances in the plane from a point of it, of the structures for which they are below the clamp.
     std::function<void(std::uint32_t, Vec2, std::vector<DistanceInPlane>&)> distances;
 };
 
@@ -58,33 +60,34 @@ struct PatchesSeen {
 // nothing of how near the boundary is, and a mean of such distances pushes the surface away from the plane in
 // all places but beside the contours of planes across, which then lie in grooves. Those planes cut the
 // boundary at a right angle, and know. The slant of a structure at a point of a plane is the share of its
-// distance in the plane that the planes across leave of it: the mean of t / d, at most 1, with d the plane's
-// own distance and t another plane's at the foot of the point, or where the boundary lies between the two the
-// distance of the feet at most; weights sin^2 (the angle between the planes) (R - r) / (R r), with r the
-// other plane's distance and R the radius, and 1 / R for the plane itself, whose share is 1. It is about the
-// sine of the angle between the plane and the boundary; 1 for parallel planes alone.
+// distance in the plane that the planes across leave of it: the mean of (t + r / 4) / d, at most 1, with d
+// the plane's own distance, t another plane's at the foot of the point - where the boundary lies between the
+// two at most r -, and r its distance; weights sin^2 (the angle between the planes) (R - r) / (R r), with R
+// the radius, and 1 / R for the plane itself, whose share is 1. Beside planes across it is about the sine of
+// the angle between the plane and the boundary; not below 0.05, and 1 for parallel planes alone.
 class Slants {
   public:
     Slants() = default;
 
-    // Guarantees: the same at any number of threads. Complexity: O(nodes x patches near them), about 1 us
-    // each.
-    static Slants of(const PatchesSeen& seen, int threads);
+    // Guarantees: the same at any number of threads; unfinished where the context is cancelled. Complexity:
+    // O(nodes x patches near them), about 1 us each.
+    static Slants of(const PatchesSeen& seen, RunContext& context);
 
     // In (0, 1]; `q` in the patch's plane.
     double at(std::uint32_t patch, std::uint32_t structure, Vec2 q) const {
         if (maps_.empty()) return 1;
-        for (const SlantMap& map : maps_[patch]) {
-            if (map.structure() == structure) return map.at(q);
-        }
-        return 1;
+        const std::vector<SlantMap>& maps = maps_[patch];
+        const auto map =
+            std::lower_bound(maps.begin(), maps.end(), structure,
+                             [](const SlantMap& one, std::uint32_t s) { return one.structure() < s; });
+        return map == maps.end() || map->structure() != structure ? 1 : map->at(q);
     }
 
     // How many structures have a slant other than 1 on the patch.
     std::size_t count(std::uint32_t patch) const { return maps_.empty() ? 0 : maps_[patch].size(); }
 
   private:
-    std::vector<std::vector<SlantMap>> maps_;  // by patch
+    std::vector<std::vector<SlantMap>> maps_;  // by patch and structure
 };
 
 }  // namespace anatomesh

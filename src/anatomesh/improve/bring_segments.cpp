@@ -25,9 +25,10 @@ constexpr std::size_t most_chains =
 constexpr std::size_t most_pieces = 50;                         // of a chain
 constexpr std::size_t most_facets = 8;                          // of a sheet, beside one for each piece
 constexpr std::size_t most_looked_at = 4000, most_sheets = 16;  // sheets for a chain
-constexpr std::size_t most_improved = 12;  // sheets and thicknesses whose cells are worked on
+constexpr std::size_t most_improved = 12;          // sheets and thicknesses whose cells are worked on
 constexpr std::size_t most_improved_at_last = 36;  // where some of these may be above the first bound
 constexpr std::size_t most_improved_in_all = 100;
+constexpr std::size_t most_tried_in_all = 1000;  // sheets and thicknesses, sound or not
 constexpr double edge_price = 0.43;  // of its square: the facets that an edge off the surface still needs
 constexpr double wrong_side = 5;     // price of a facet where the field has the side of the chain
 constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
@@ -35,7 +36,7 @@ constexpr double middle = 0.5;                     // where an edge between two 
 constexpr double most_of_cuts = 3e-4;  // share of what is drawn by which cuts may get worse for a chain
 constexpr double on_line = 1e-9;       // of a piece: a vertex so near to it lies on it
 constexpr std::size_t no_limit = static_cast<std::size_t>(-1);
-constexpr int rounds = 4;              // over the chains: one may need that beside it
+constexpr int rounds = 4;  // over the chains: one may need that beside it
 
 // Pieces one after the other, with vertices in between that are off the structure's surface as well.
 struct Chain {
@@ -617,7 +618,7 @@ class Bringer {
         for (int round = 0; round < rounds && !chains.empty(); ++round) {
             const std::size_t before = chains.size();
             std::erase_if(chains, [&](const Chain& chain) {
-                return sides_.on_surface(chain) || (improved_ < most_improved_in_all && bring(chain));
+                return sides_.on_surface(chain) || (!is_enough() && bring(chain));
             });
             if (chains.size() == before) break;
         }
@@ -644,6 +645,8 @@ class Bringer {
         return least <= most_more_ && try_all(chain, sheets, own, least);
     }
 
+    bool is_enough() const { return improved_ >= most_improved_in_all || tried_ >= most_tried_in_all; }
+
     // `most_more`: cells above the first bound that may come of it where cells are parted.
     bool try_all(const Chain& chain, const std::vector<Sheet>& sheets, Region own, std::size_t most_more) {
         const std::size_t improved_before = improved_,
@@ -653,12 +656,13 @@ class Bringer {
                 for (const double thickness : thicknesses) {
                     const Outcome outcome = attempt(
                         chain, Thickening(bench_, owners_, chain, sheet, own, wide), thickness, most_more);
+                    ++tried_;
                     if (outcome == Outcome::done) return true;
                     if (outcome == Outcome::unsound) break;
                     improved_ += outcome == Outcome::bad_cells;
                 }
             }
-            if (improved_ - improved_before >= most_here || improved_ >= most_improved_in_all) break;
+            if (improved_ - improved_before >= most_here || is_enough()) break;
         }
         return false;
     }
@@ -748,7 +752,8 @@ class Bringer {
     const ContourOwners& owners_;
     SidesAt sides_;
     std::optional<SectionAreas> areas_;
-    std::size_t improved_ = 0;                // in vain
+    std::size_t improved_ = 0;  // in vain
+    std::size_t tried_ = 0;
     double most_more_share_;
     std::size_t most_more_ = 0;               // cells above the first bound that a chain may cost
     std::size_t least_more_ = no_limit;       // that it did
