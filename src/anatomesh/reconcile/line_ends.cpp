@@ -12,7 +12,6 @@ namespace anatomesh {
 namespace {
 
 constexpr std::uint32_t block_size = 16;
-constexpr double same_line_mm = 1e-6;
 
 // A ball round a run of a contour's segments: those that begin at points [first, first + count).
 struct Block {
@@ -214,12 +213,6 @@ class Comparer {
 };
 
 }  // namespace
-
-bool same_line(const Line& p, const Line& q) {
-    if (squared_length(cross(p.direction, q.direction)) > 1e-16) return false;
-    const Vec3 offset = q.origin - p.origin;
-    return length(offset - dot(offset, p.direction) * p.direction) <= same_line_mm;
-}
 
 Line common_line(const Plane& a, const Plane& b, Vec3 near) {
     const Vec3 direction = cross(a.normal, b.normal);

@@ -24,9 +24,6 @@ struct Line {
 // The common line of two planes that cross; the origin is its point nearest to `near`.
 Line common_line(const Plane& a, const Plane& b, Vec3 near);
 
-// Whether two lines run within a micrometre of each other, either way.
-bool same_line(const Line& p, const Line& q);
-
 // A place where a contour passes from one side of another plane to the other.
 struct LineEnd {
     std::uint32_t contour = 0;

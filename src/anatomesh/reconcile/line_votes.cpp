@@ -7,6 +7,14 @@ namespace anatomesh {
 
 namespace {
 
+// Planes about an axis as files give them, rounded, meet in lines this near to each other.
+constexpr double same_place_mm = 0.05, same_direction_sine = 1e-3;
+
+bool runs_by(const Line& line, const Line& other, Vec3 place) {
+    return length(cross(line.direction, other.direction)) <= same_direction_sine &&
+           length(line.at(line.along(place)) - place) <= same_place_mm;
+}
+
 bool is_inside(const std::vector<LineEnd>& ends, double t) {
     const auto beyond = std::upper_bound(ends.begin(), ends.end(), t,
                                          [](double at, const LineEnd& end) { return at < end.t; });
@@ -38,7 +46,7 @@ bool LineVotes::most_agree(const LineComparison& comparison, std::uint32_t own, 
     std::size_t with = 1, against = 0;
     for (std::uint32_t n = first_[own]; n < first_[own + 1]; ++n) {
         const LineComparison& one = comparisons_[of_slice_[n]];
-        if (one.structure != comparison.structure || !same_line(one.line, comparison.line)) continue;
+        if (one.structure != comparison.structure || !runs_by(one.line, comparison.line, place)) continue;
         const double there = one.line.along(place);
         // Beyond what the other one is compared on.
         if (is_inside(own == one.a ? one.ends_a : one.ends_b, there) != inside) continue;

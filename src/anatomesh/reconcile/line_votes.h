@@ -16,8 +16,9 @@ class LineVotes {
 
     // Whether the comparison's slice `own` says of the structure at `t` on its line (inside or outside) what
     // more of the slices through that line say than say the other; those that say nothing there do not count.
-    // Never so with two slices. Requires: `own` has ends on the line: two slices without have no comparison
-    // and do not count for each other. Complexity: O(comparisons of `own`).
+    // Never so with two slices. Slices whose lines run by within 0.05 mm there, as rounded planes' do, count.
+    // Requires: `own` has ends on the line: two slices without have no comparison and do not count for each
+    // other. Complexity: O(comparisons of `own`).
     bool most_agree(const LineComparison& comparison, std::uint32_t own, double t) const;
 
   private:

@@ -56,6 +56,12 @@ std::vector<Membership> memberships(const EndPlaces& ends, std::span<const LineC
     return members;
 }
 
+bool same_line(const Line& p, const Line& q) {
+    if (squared_length(cross(p.direction, q.direction)) > 1e-16) return false;
+    const Vec3 offset = q.origin - p.origin;
+    return length(offset - dot(offset, p.direction) * p.direction) <= same_point_mm;
+}
+
 // Those that are not in `distinct` yet.
 void add_lines(std::span<const Line> lines, std::vector<Line>& distinct) {
     for (const Line& line : lines) {
