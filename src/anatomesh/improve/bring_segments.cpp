@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <queue>
@@ -25,9 +26,9 @@ constexpr std::size_t most_chains =
 constexpr std::size_t most_pieces = 50;                         // of a chain
 constexpr std::size_t most_facets = 8;                          // of a sheet, beside one for each piece
 constexpr std::size_t most_looked_at = 4000, most_sheets = 16;  // sheets for a chain
-constexpr std::size_t most_improved = 12;          // sheets and thicknesses whose cells are worked on
-constexpr std::size_t most_improved_at_last = 36;  // where some of these may be above the first bound
-constexpr std::size_t most_improved_in_all = 100;
+constexpr std::size_t most_improved = 6;          // sheets and thicknesses whose cells are worked on
+constexpr std::size_t most_improved_at_last = 12;  // where some of these may be above the first bound
+constexpr std::size_t most_improved_in_all = 50;
 constexpr std::size_t most_tried_in_all = 1000;  // sheets and thicknesses, sound or not
 constexpr double edge_price = 0.43;  // of its square: the facets that an edge off the surface still needs
 constexpr double wrong_side = 5;     // price of a facet where the field has the side of the chain
@@ -42,6 +43,8 @@ constexpr int rounds = 4;  // over the chains: one may need that beside it
 struct Chain {
     std::vector<std::uint32_t> vertices;
     std::uint32_t structure;
+    std::vector<std::uint32_t> reach = {};  // of those with its sheets, when it was tried last; rising
+    std::size_t changed_before = 0;         // cells, then
 
     bool has(std::uint32_t v) const {
         return std::find(vertices.begin(), vertices.end(), v) != vertices.end();
@@ -227,12 +230,15 @@ class SheetSearch {
                 found.push_back(std::move(sheet));
                 continue;
             }
-            if (sheet.facets.size() == most_facets + chain_.vertices.size() || !bench_.ring.closed) continue;
+            if (sheet.facets.size() == most_facets + chain_.vertices.size()) continue;
+            const EdgeRing& edge = ring_of(sheet.path[open], sheet.path[open + 1]);
+            if (!edge.closed) continue;
             const auto push = [&](std::optional<Sheet> more) {
-                if (more && seen.insert(more->facets).second) waiting.push(std::move(*more));
+                if (!more || !seen.insert(more->facets).second) return;
+                more->to_come = to_come(*more);
+                waiting.push(std::move(*more));
             };
-            const std::vector<std::uint32_t> ring = bench_.ring.ring;
-            for (const std::uint32_t w : ring) push(grown(sheet, open, w));
+            for (const std::uint32_t w : edge.vertices) push(grown(sheet, open, w));
             // Elsewhere facets between two edges of the path alone: they may be all that the others wait for.
             for (std::size_t k = open + 1; k + 2 < sheet.path.size(); ++k) {
                 if (is_facet(sheet.path[k], sheet.path[k + 1], sheet.path[k + 2]))
@@ -243,12 +249,25 @@ class SheetSearch {
     }
 
   private:
-    // The first edge of the path that is off the surface; the bench then has its ring.
+    // What is round an edge: asked for again and again, of few edges.
+    struct EdgeRing {
+        bool closed = false, on_surface = false;
+        std::vector<std::uint32_t> vertices;
+    };
+    const EdgeRing& ring_of(std::uint32_t a, std::uint32_t b) {
+        const auto [place, is_new] = rings_.try_emplace(std::minmax(a, b));
+        EdgeRing& edge = place->second;
+        if (is_new && sides_.find_ring(a, b)) {
+            edge = {true, sides_.ring_is_mixed(chain_.structure), bench_.ring.ring};
+        }
+        return edge;
+    }
+    bool on_surface(std::uint32_t a, std::uint32_t b) { return ring_of(a, b).on_surface; }
+
+    // The first edge of the path that is off the surface.
     std::size_t first_off_surface(const Sheet& sheet) {
         std::size_t n = 0;
-        while (n + 1 < sheet.path.size() &&
-               sides_.on_surface(sheet.path[n], sheet.path[n + 1], chain_.structure))
-            ++n;
+        while (n + 1 < sheet.path.size() && on_surface(sheet.path[n], sheet.path[n + 1])) ++n;
         return n;
     }
 
@@ -274,30 +293,32 @@ class SheetSearch {
             more.path.insert(at + 1, w);
         }
         more.facets.insert(std::upper_bound(more.facets.begin(), more.facets.end(), facet), facet);
-        more.price += price(u, v, w);
-        more.to_come = to_come(more);
+        more.price += price(facet);
         return more;
     }
 
     bool is_facet(std::uint32_t u, std::uint32_t v, std::uint32_t w) {
-        return sides_.find_ring(u, v) &&
-               std::find(bench_.ring.ring.begin(), bench_.ring.ring.end(), w) != bench_.ring.ring.end();
+        const EdgeRing& edge = ring_of(u, v);
+        return std::find(edge.vertices.begin(), edge.vertices.end(), w) != edge.vertices.end();
     }
 
     bool may_be_within(std::uint32_t v) { return chain_.has(v) || !bench_.mesh.vertex_on_interface(v); }
 
-    double price(std::uint32_t u, std::uint32_t v, std::uint32_t w) {
-        const Vec3 a = bench_.mesh.point(u), b = bench_.mesh.point(v), c = bench_.mesh.point(w);
+    double price(const std::array<std::uint32_t, 3>& facet) {
+        const auto [place, is_new] = prices_.try_emplace(facet);
+        if (!is_new) return place->second;
+        const Vec3 a = bench_.mesh.point(facet[0]), b = bench_.mesh.point(facet[1]),
+                   c = bench_.mesh.point(facet[2]);
         const std::vector<std::uint32_t>& there = bench_.probe.members((1.0 / 3) * (a + b + c));
         const bool wrong = std::binary_search(there.begin(), there.end(), chain_.structure) == side_;
-        return 0.5 * length(cross(b - a, c - a)) * (wrong ? wrong_side : 1);
+        return place->second = 0.5 * length(cross(b - a, c - a)) * (wrong ? wrong_side : 1);
     }
 
     double to_come(const Sheet& sheet) {
         double sum = 0;
         for (std::size_t n = 1; n < sheet.path.size(); ++n) {
             const std::uint32_t a = sheet.path[n - 1], b = sheet.path[n];
-            if (!sides_.on_surface(a, b, chain_.structure))
+            if (!on_surface(a, b))
                 sum += edge_price * squared_length(bench_.mesh.point(b) - bench_.mesh.point(a));
         }
         return sum;
@@ -307,6 +328,8 @@ class SheetSearch {
     const Chain& chain_;
     bool side_;  // of the structure on which the chain lies
     SidesAt sides_;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, EdgeRing> rings_;
+    std::map<std::array<std::uint32_t, 3>, double> prices_;
 };
 
 // Thickens a sheet. What is done to the mesh is the caller's to take back where that fails.
@@ -345,7 +368,8 @@ class Thickening {
         for (const std::uint32_t c : given) bench_.mesh.set_region(c, *to);
         if (areas) wrong_of_cuts += areas->wrong(given);
         const SurfaceCount::Figures after = count.figures();
-        return after.excess == 0 && after.characteristics == before.characteristics &&
+        return after.excess == 0 &&
+               std::ranges::equal(count.of_structures(after), count.of_structures(before)) &&
                count.newly_lost() == 0 && sides_.on_surface(chain_);
     }
 
@@ -595,6 +619,7 @@ class Bringer {
             const ImproveCells& improve)
         : bench_(bench),
           owners_(*drawn.owners),
+          drawn_(drawn),
           sides_(bench),
           most_more_share_(most_more),
           least_sine_(least_sine),
@@ -617,8 +642,11 @@ class Bringer {
         above_bound_ = those_above_bound(std::move(all));
         for (int round = 0; round < rounds && !chains.empty(); ++round) {
             const std::size_t before = chains.size();
-            std::erase_if(chains, [&](const Chain& chain) {
-                return sides_.on_surface(chain) || (!is_enough() && bring(chain));
+            std::erase_if(chains, [&](Chain& chain) {
+                if (sides_.on_surface(chain)) return true;
+                if (is_enough() || (round > 0 && !has_changed(chain))) return false;
+                chain.changed_before = changed_.size();
+                return bring(chain);
             });
             if (chains.size() == before) break;
         }
@@ -630,7 +658,19 @@ class Bringer {
   private:
     enum class Outcome { done, unsound, bad_cut, bad_cells };
 
-    bool bring(const Chain& chain) {
+    // Whether cells at one of its sheets have, since it was tried.
+    bool has_changed(const Chain& chain) const {
+        return std::any_of(
+            changed_.begin() + static_cast<std::ptrdiff_t>(chain.changed_before), changed_.end(),
+            [&](std::uint32_t c) {
+                const Cell& cell = bench_.mesh.cell(c);
+                return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
+                    return std::binary_search(chain.reach.begin(), chain.reach.end(), v);
+                });
+            });
+    }
+
+    bool bring(Chain& chain) {
         for (std::size_t n = chain.vertices.size() - 1; n > 0; --n) {
             if (!sides_.beside_surface(chain.vertices[n - 1], chain.vertices[n], chain.structure))
                 return false;
@@ -639,6 +679,12 @@ class Bringer {
         const Region own = bench_.mesh.region(bench_.ring.cells.front());
         const std::vector<Sheet> sheets =
             SheetSearch(bench_, chain, bench_.table->contains(own, chain.structure)).run();
+        chain.reach = chain.vertices;
+        for (const Sheet& sheet : sheets) {
+            const std::vector<std::uint32_t> more = sheet.vertices();
+            chain.reach.insert(chain.reach.end(), more.begin(), more.end());
+        }
+        sort_distinct(chain.reach);
         least_more_ = no_limit;
         if (try_all(chain, sheets, own, 0)) return true;
         const std::size_t least = least_more_;
@@ -712,7 +758,7 @@ class Bringer {
         std::erase_if(cells, [&](std::uint32_t c) {
             if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return true;
             const Cell& v = bench_.mesh.cell(c);
-            return !(squared_radius_edge(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
+            return drawn_.are_crowded(v) || !(squared_radius_edge(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
                                          bench_.mesh.point(v[2]), bench_.mesh.point(v[3])) > most * most);
         });
         return cells;
@@ -721,10 +767,11 @@ class Bringer {
     bool is_good(std::uint32_t c) const {
         if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return true;
         const Cell& v = bench_.mesh.cell(c);
+        const bool crowded = drawn_.are_crowded(v);
         const CellMeasures m = measure_cell(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
                                             bench_.mesh.point(v[2]), bench_.mesh.point(v[3]));
-        const double most = bench_.options.last_radius_edge;
-        return m.least_sine() >= least_sine_ && m.squared_ratio <= most * most;
+        const double most = crowded ? most_crowded_ratio : bench_.options.last_radius_edge;
+        return m.least_sine() >= (crowded ? least_crowded_sine : least_sine_) && m.squared_ratio <= most * most;
     }
 
     // What of the cell lies on interfaces lies near the field's.
@@ -750,6 +797,7 @@ class Bringer {
 
     Workbench& bench_;
     const ContourOwners& owners_;
+    const DrawnSlices& drawn_;
     SidesAt sides_;
     std::optional<SectionAreas> areas_;
     std::size_t improved_ = 0;  // in vain

@@ -218,7 +218,7 @@ class Climber {
     // The shapes of these cells and of those that come of it, with the operations of the end; last their
     // ratios, for no angle that is listed. Returns what was made.
     std::vector<std::uint32_t> raise(std::vector<std::uint32_t> cells) {
-        thorough_ = bench_.moves_junctions = true;
+        thorough_ = bench_.moves_junctions = is_raising_ = true;
         bench_.slices = &drawn_;
         const double target = target_, most = bench_.options.max_radius_edge,
                      listed = std::sin(listed_degrees * radians_per_degree);
@@ -233,7 +233,7 @@ class Climber {
         bench_.options.max_radius_edge = most;
         lower_ratios_of(cells, most, changed);
         bench_.least_needed_sine = 0;
-        thorough_ = bench_.moves_junctions = false;
+        thorough_ = bench_.moves_junctions = is_raising_ = false;
         bench_.slices = nullptr;
         return changed;
     }
@@ -255,8 +255,11 @@ class Climber {
     // Of those of the cells above `most`, and of cells that come of it, which `changed` gets.
     void lower_ratios_of(std::vector<std::uint32_t> cells, double most, std::vector<std::uint32_t>& changed) {
         bench_.lowers_ratios = true;
+        sort_distinct(cells);
         for (std::size_t n = 0; n < cells.size(); ++n) {
-            if (!is_above(most, cells[n]) || !better(cells[n], nullptr)) continue;
+            if (!is_above(most, cells[n]) || drawn_.are_crowded(bench_.mesh.cell(cells[n])) ||
+                !better(cells[n], nullptr))
+                continue;
             changed.insert(changed.end(), bench_.changed.begin(), bench_.changed.end());
             cells.insert(cells.end(), bench_.changed.begin(), bench_.changed.end());
         }
@@ -317,6 +320,12 @@ class Climber {
         queue_ = std::priority_queue<BadCell>({}, bad_of(cells, threads));
     }
 
+    // What contours force to be ill-shaped is not worked on for a piece's sake alone.
+    double target_of(std::uint32_t c) const {
+        return is_raising_ && drawn_.are_crowded(bench_.mesh.cell(c)) ? std::min(target_, least_crowded_sine)
+                                                                      : target_;
+    }
+
     std::vector<BadCell> bad_of(const std::vector<std::uint32_t>& cells, int threads) const {
         return parallel_collect<BadCell>(cells.size(), 16384, threads,
                                          [&](std::size_t first, std::size_t last, std::vector<BadCell>& bad) {
@@ -326,7 +335,7 @@ class Climber {
                                                      bench_.mesh.prefetch_points(cells[n + cells_ahead]);
                                                  if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0)
                                                      continue;
-                                                 if (const double sine = bench_.sine(c); sine < target_)
+                                                 if (const double sine = bench_.sine(c); sine < target_of(c))
                                                      bad.push_back({sine, c});
                                              }
                                          });
@@ -415,7 +424,7 @@ class Climber {
             for (const std::uint32_t c : bench_.changed) {
                 touch(bench_.mesh.cell(c));
                 if (bench_.mesh.region(c) == 0) continue;
-                if (const double sine = bench_.sine(c); sine < target_) queue_.push({sine, c});
+                if (const double sine = bench_.sine(c); sine < target_of(c)) queue_.push({sine, c});
             }
         }
         return gained;
@@ -461,7 +470,8 @@ class Climber {
     Workbench& bench_;
     const DrawnSlices& drawn_;
     double target_;
-    bool thorough_ = false;  // the last climb
+    bool thorough_ = false;    // the last climb
+    bool is_raising_ = false;  // for a piece of a contour segment
     bool gives_cells_ = true;  // to the other side of an interface
     std::priority_queue<BadCell> queue_;
     std::vector<std::uint32_t> left_;

@@ -1,6 +1,7 @@
 // improve_dihedrals: raises the smallest dihedral angles of the cells inside, by local hill-climbing.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -32,6 +33,12 @@ struct DrawnSlices {
     // Pieces of contour segments, known to the owners, with cells on one side of their structure alone: two
     // vertices and the structure.
     std::span<const std::array<std::uint32_t, 3>> pieces_beside = {};
+    std::span<const std::uint8_t> crowded = {};  // by vertex: contours force the shapes of its cells; or empty
+
+    bool are_crowded(const Cell& cell) const {
+        return std::any_of(cell.begin(), cell.end(),
+                           [&](std::uint32_t v) { return v < crowded.size() && crowded[v] != 0; });
+    }
 };
 
 struct DihedralOptions {

@@ -29,6 +29,7 @@ SurfaceCount::SurfaceCount(Workbench& bench, const ContourOwners& owners,
     sort_distinct(structures);
     sort_distinct(vertices_);
     for (const Region region : regions) bodies_.push_back({true, region});
+    region_bodies_ = bodies_.size();
     for (const std::uint32_t structure : structures) bodies_.push_back({false, structure});
     std::sort(edges_.begin(), edges_.end(), [](const Edge& x, const Edge& y) {
         return std::array{x.a, x.b, x.cell} < std::array{y.a, y.b, y.cell};
@@ -57,6 +58,10 @@ SurfaceCount::Figures SurfaceCount::figures() {
     for (const std::uint32_t v : vertices_) figures.excess += excess_at(v);
     for (const Body& body : bodies_) figures.characteristics.push_back(characteristic(body));
     return figures;
+}
+
+std::span<const int> SurfaceCount::of_structures(const Figures& figures) const {
+    return std::span(figures.characteristics).subspan(region_bodies_);
 }
 
 std::size_t SurfaceCount::newly_lost() {

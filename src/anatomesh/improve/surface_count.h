@@ -24,6 +24,9 @@ class SurfaceCount {
     };
     Figures figures();
 
+    // Of these, those of whole structures: of regions walls are made, which may be in any number of parts.
+    std::span<const int> of_structures(const Figures& figures) const;
+
     // Contour vertices and pieces on their surface when the object was made, and not any more.
     std::size_t newly_lost();
 
@@ -47,7 +50,8 @@ class SurfaceCount {
 
     Workbench& bench_;
     std::vector<std::uint32_t> cells_;
-    std::vector<Body> bodies_;
+    std::vector<Body> bodies_;        // regions, then structures
+    std::size_t region_bodies_ = 0;  // of these
     std::vector<std::uint32_t> vertices_;
     std::vector<Edge> edges_;
     std::vector<Owned> owned_;

@@ -179,6 +179,11 @@ bool ForcedCells::forced(std::uint32_t cell) const {
     return (shortest.a != no_cell && shortest.b != no_cell) || sharp_vertex(cell) != no_cell;
 }
 
+bool ForcedCells::crowds(std::uint32_t vertex) const {
+    return crowded_.contains(vertex) ||
+           (point_at_[vertex] != no_cell && contour_angle(point_at_[vertex]) < small_angle_deg);
+}
+
 std::string ForcedCells::crowded_reason(std::uint32_t cell) const {
     for (const std::uint32_t v : mesh_.cells[cell]) {
         const auto crowded = crowded_.find(v);
@@ -304,6 +309,24 @@ std::string ForcedCells::reason(std::uint32_t cell) const {
     if (sharp == no_cell) return crowded_reason(cell);
     return "an angle of " + fixed_text(contour_angle(sharp), 1) + " degrees at contour vertex " +
            std::to_string(sharp) + " in slice " + slice_name(sharp);
+}
+
+std::vector<std::uint8_t> crowded_vertices(const TetMesh& mesh, const ContourSet& contours,
+                                           std::span<const std::uint32_t> vertex_of, double share) {
+    std::vector<std::uint32_t> inside;
+    double edges = 0;
+    for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
+        if (mesh.regions[c] == 0) continue;
+        inside.push_back(c);
+        const Cell& v = mesh.cells[c];
+        edges += 0.5 * (length(mesh.points[v[1]] - mesh.points[v[0]]) +
+                        length(mesh.points[v[3]] - mesh.points[v[2]]));
+    }
+    ForcedCells forced(mesh, contours, vertex_of);
+    if (!inside.empty()) forced.find_crowded(inside, share * edges / static_cast<double>(inside.size()));
+    std::vector<std::uint8_t> crowded(mesh.points.size(), 0);
+    for (std::uint32_t v = 0; v < crowded.size(); ++v) crowded[v] = forced.crowds(v);
+    return crowded;
 }
 
 }  // namespace anatomesh

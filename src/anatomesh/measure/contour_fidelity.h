@@ -47,6 +47,9 @@ class ForcedCells {
     // Whether one of the first two reasons holds.
     bool forced(std::uint32_t cell) const;
 
+    // Whether it forces every cell that it is a vertex of, by what find_crowded() found or a small angle.
+    bool crowds(std::uint32_t vertex) const;
+
     // Looks for the other reasons at the vertices of these cells: another contour vertex or segment nearer
     // than `distance_mm`, or another contour at a small angle. Complexity: O(segments + cells).
     void find_crowded(std::span<const std::uint32_t> cells, double distance_mm);
@@ -87,5 +90,10 @@ class ForcedCells {
     std::vector<std::uint32_t> contour_of_;  // by contour point
     std::map<std::uint32_t, Crowded> crowded_;  // by mesh vertex
 };
+
+// By vertex: whether ForcedCells::crowds() it, where contours are near to each other below `share` of the mean
+// edge of the cells inside. Complexity: O(segments + cells).
+std::vector<std::uint8_t> crowded_vertices(const TetMesh& mesh, const ContourSet& contours,
+                                           std::span<const std::uint32_t> vertex_of, double share);
 
 }  // namespace anatomesh

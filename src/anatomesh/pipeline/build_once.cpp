@@ -21,6 +21,7 @@
 #include "anatomesh/improve/improve.h"
 #include "anatomesh/improve/improve_dihedrals.h"
 #include "anatomesh/improve/smooth_vertices.h"
+#include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/mesh/drop_outside.h"
 #include "anatomesh/mesh/topology.h"
@@ -56,12 +57,12 @@ constexpr int relabel_rounds = 10;      // after the first, with points where a 
 constexpr double dense_growth = 2;  // of the edge length with the depth
 // Contour vertices nearer to each other than this may spoil cells, in sizes: more where planes are denser.
 constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
-// Of the cells inside, so many may come above the bound for contour pieces' sake at the first tries;
-// at further ones none.
-constexpr std::array<double, 2> most_more_bad{0.003, 0.001};
-// Of the contour pieces of parallel slices that were drawn: where more are missing, contours cross at small
-// angles or are full of fins, and the cells there would pay too much.
-constexpr double most_missing_of_drawn = 0.0005;
+// Of the cells inside, so many may come above the bound for contour pieces' sake at the first tries, and
+// cells of no worse shape (cavity.h) are made; at further ones none.
+struct RecoveryBounds {
+    double most_more_bad, least_shape;
+};
+constexpr std::array<RecoveryBounds, 3> recovery_bounds{{{0.003, 0.1}, {0.001, 0.2}, {0.001, 0.4}}};
 // Of a label map, slices far apart against its voxels lack more pieces, where structures meet.
 constexpr std::size_t last_few_of_labels = 40;
 // Of the contour pieces, beside their surface: where more are about an axis, they are not brought there.
@@ -322,7 +323,7 @@ class Builder {
                         }});
         RecoverStats recovered;
         // Some ms each.
-        if (!crammed_ && !is_too_dense_to_conform_ && tries_before_ < most_more_bad.size())
+        if (!crammed_ && !is_too_dense_to_conform_ && tries_before_ < recovery_bounds.size())
             recovered = recover_pieces(unsound, relabelled);
         const ContourOwners owners = contour_owners(piece_list_, mesh.points.size());
         ANATOMESH_TRY(const SplitStats split,
@@ -358,12 +359,11 @@ class Builder {
         const auto vertices = mesh_->first_vertices();
         for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
             held[vertices[n]] = 1;
-        const bool drawn = is_parallel(contours_) && !contours_.exclusive;
         RecoveredPieces recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
             {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
-             most_more_bad[tries_before_], drawn ? most_missing_of_drawn : 1});
+             recovery_bounds[tries_before_].most_more_bad, recovery_bounds[tries_before_].least_shape});
         recovered.run(unsound, relabelled, context_);
         piece_list_ = recovered.pieces();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
@@ -536,11 +536,16 @@ class Builder {
         if (sample_->has_pole &&
             static_cast<double>(beside.size()) > most_beside * static_cast<double>(pieces.size()))
             beside.clear();
+        const std::vector<std::uint8_t> crowded =
+            beside.empty() ? std::vector<std::uint8_t>{}
+                           : crowded_vertices(model_.mesh, contours_, vertices_of_contours(),
+                                              certificate_crowded_share);
         const SlicesThatTell slices = slices_that_tell(contours_, field_->flat_ends());
         return improve_dihedrals(
             model_.mesh, neighbors_, fixed, edges_along(model_.mesh, neighbors_, segments), *field_,
             structures_,
-            {&model_.regions, slice_of, &owners, slices.planes, slices.weights, slices.on_plane_mm, beside},
+            {&model_.regions, slice_of, &owners, slices.planes, slices.weights, slices.on_plane_mm, beside,
+             crowded},
             options, context_);
     }
 

@@ -12,6 +12,7 @@
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/mesh/cell_shape.h"
+#include "anatomesh/pipeline/segment_vertices.h"
 #include "anatomesh/recover/insert_beside.h"
 #include "anatomesh/refine/missing_segments.h"
 
@@ -19,7 +20,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::array<double, 6> least_shapes{0.99, 0.8, 0.6, 0.4, 0.2, 0.1};  // of cells, as in cavity.h
+// Of cells, as in cavity.h.
+constexpr std::array<double, 6> least_shapes{0.99, 0.8, 0.6, 0.4, 0.2, 0.1};
 constexpr double worth_splits = 0.2;          // from there on pieces are split that nothing else recovers,
 constexpr int most_splits = 5;                // each so often
 constexpr double worth_any_shape = 2e-4;      // of the pieces, if no more are missing: the last of the shapes
@@ -49,9 +51,6 @@ void RecoveredPieces::run(std::vector<std::uint32_t>& unsound, RelabelStats& rel
     stats_.missing_before =
         missing_pieces(mesh_.cells, mesh_.points.size(), drawn_.pieces, context.threads).size();
     stats_.missing_after = stats_.missing_before;
-    if (static_cast<double>(stats_.missing_before) >
-        options_.most_missing * static_cast<double>(drawn_.pieces.size()))
-        return;
     std::vector<std::uint32_t> look;
     if (stats_.missing_before > 0) recover(look, context);
     if (!look.empty()) relabel_at(look, unsound, relabelled, context);
@@ -68,9 +67,9 @@ void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& cont
     RecoverOptions options;
     options.threads = context.threads;
     for (std::size_t n = 0; n < least_shapes.size() && stats_.missing_after > 0; ++n) {
-        if (n + 1 == least_shapes.size() && static_cast<double>(stats_.missing_after) >
-                                                worth_any_shape * static_cast<double>(drawn_.pieces.size()))
-            return;
+        const bool few = static_cast<double>(stats_.missing_after) <=
+                         worth_any_shape * static_cast<double>(drawn_.pieces.size());
+        if (least_shapes[n] < options_.least_shape || (n + 1 == least_shapes.size() && !few)) return;
         options.least_shape = least_shapes[n];
         options.most_splits = least_shapes[n] <= worth_splits ? most_splits : 0;
         const auto before = std::make_tuple(mesh_, neighbors_, drawn_.pieces, sides_);
@@ -228,9 +227,12 @@ void RecoveredPieces::relabel_at(std::vector<std::uint32_t>& look, std::vector<s
     std::vector<std::array<std::uint32_t, 3>> pieces;
     for (const SegmentPiece& piece : drawn_.pieces) pieces.push_back({piece.a, piece.b, piece.structure});
     const VertexStars stars(mesh_.cells, mesh_.points.size(), context.threads);
+    const PlanesOfStack planes =
+        planes_of_stack(drawn_.contours, drawn_.vertex_of, drawn_.pieces, mesh_.points.size());
     relabelled.add(relabel(
         mesh_.points, mesh_.cells, neighbors, stars, {drawn_.owners, mesh_.points.size(), pieces}, sides_,
-        spike_share * options_.size_mm, mesh_.regions, registry_, unsound, look, context.threads));
+        spike_share * options_.size_mm, mesh_.regions, registry_, unsound, look, context.threads,
+        {planes.slice_of, planes.planes, &field_, structures_}));
 }
 
 }  // namespace anatomesh
