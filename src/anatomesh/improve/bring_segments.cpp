@@ -26,7 +26,7 @@ constexpr std::size_t most_chains =
 constexpr std::size_t most_pieces = 50;                         // of a chain
 constexpr std::size_t most_facets = 8;                          // of a sheet, beside one for each piece
 constexpr std::size_t most_looked_at = 4000, most_sheets = 16;  // sheets for a chain
-constexpr std::size_t most_improved = 6;          // sheets and thicknesses whose cells are worked on
+constexpr std::size_t most_improved = 6;           // sheets and thicknesses whose cells are worked on
 constexpr std::size_t most_improved_at_last = 12;  // where some of these may be above the first bound
 constexpr std::size_t most_improved_in_all = 50;
 constexpr std::size_t most_tried_in_all = 1000;  // sheets and thicknesses, sound or not
@@ -660,14 +660,13 @@ class Bringer {
 
     // Whether cells at one of its sheets have, since it was tried.
     bool has_changed(const Chain& chain) const {
-        return std::any_of(
-            changed_.begin() + static_cast<std::ptrdiff_t>(chain.changed_before), changed_.end(),
-            [&](std::uint32_t c) {
-                const Cell& cell = bench_.mesh.cell(c);
-                return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
-                    return std::binary_search(chain.reach.begin(), chain.reach.end(), v);
-                });
-            });
+        return std::any_of(changed_.begin() + static_cast<std::ptrdiff_t>(chain.changed_before),
+                           changed_.end(), [&](std::uint32_t c) {
+                               const Cell& cell = bench_.mesh.cell(c);
+                               return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
+                                   return std::binary_search(chain.reach.begin(), chain.reach.end(), v);
+                               });
+                           });
     }
 
     bool bring(Chain& chain) {
@@ -758,7 +757,8 @@ class Bringer {
         std::erase_if(cells, [&](std::uint32_t c) {
             if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return true;
             const Cell& v = bench_.mesh.cell(c);
-            return drawn_.are_crowded(v) || !(squared_radius_edge(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
+            return drawn_.are_crowded(v) ||
+                   !(squared_radius_edge(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
                                          bench_.mesh.point(v[2]), bench_.mesh.point(v[3])) > most * most);
         });
         return cells;
@@ -771,7 +771,8 @@ class Bringer {
         const CellMeasures m = measure_cell(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
                                             bench_.mesh.point(v[2]), bench_.mesh.point(v[3]));
         const double most = crowded ? most_crowded_ratio : bench_.options.last_radius_edge;
-        return m.least_sine() >= (crowded ? least_crowded_sine : least_sine_) && m.squared_ratio <= most * most;
+        return m.least_sine() >= (crowded ? least_crowded_sine : least_sine_) &&
+               m.squared_ratio <= most * most;
     }
 
     // What of the cell lies on interfaces lies near the field's.

@@ -27,11 +27,11 @@ namespace {
 constexpr double radians_per_degree = std::numbers::pi / 180;
 constexpr double margin_degrees = 3;  // how far above the target operations aim
 
-constexpr double listed_degrees = 10;  // an angle below it is a blemish: worth ratios above the bound
-constexpr int radius_edge_steps = 3;   // from the bound to the last one
+constexpr double listed_degrees = 10;      // an angle below it is a blemish: worth ratios above the bound
+constexpr int radius_edge_steps = 3;       // from the bound to the last one
 constexpr double most_for_segment = 1e-5;  // a share of the cells inside, to be above the bound for its sake
-constexpr std::size_t few_high = 2000;  // one cell in so many may be above it to be worked on
-constexpr std::size_t worth_a_pass = 20;  // another one: one cell in so many lowered
+constexpr std::size_t few_high = 2000;     // one cell in so many may be above it to be worked on
+constexpr std::size_t worth_a_pass = 20;   // another one: one cell in so many lowered
 
 // Tries on a bad cell that scouts make beforehand: its edges, facets and vertices.
 constexpr int edge_tries = 6, facet_tries = 10, scouted_tries = 14;
@@ -475,10 +475,10 @@ class Climber {
     bool gives_cells_ = true;  // to the other side of an interface
     std::priority_queue<BadCell> queue_;
     std::vector<std::uint32_t> left_;
-    std::vector<std::uint32_t> watched_;  // what may be bad in the end
-    std::vector<Scouted> scouted_;        // that wait beside the queue, the worst first
-    std::size_t next_scouted_ = 0;        // those before it do not wait any more
-    std::uint32_t scouting_ = 0;          // number of the last one
+    std::vector<std::uint32_t> watched_;     // what may be bad in the end
+    std::vector<Scouted> scouted_;           // that wait beside the queue, the worst first
+    std::size_t next_scouted_ = 0;           // those before it do not wait any more
+    std::uint32_t scouting_ = 0;             // number of the last one
     std::vector<std::uint32_t> changed_in_;  // by vertex: after which scouting a cell at it changed last
 };
 

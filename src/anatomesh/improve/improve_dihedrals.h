@@ -33,7 +33,8 @@ struct DrawnSlices {
     // Pieces of contour segments, known to the owners, with cells on one side of their structure alone: two
     // vertices and the structure.
     std::span<const std::array<std::uint32_t, 3>> pieces_beside = {};
-    std::span<const std::uint8_t> crowded = {};  // by vertex: contours force the shapes of its cells; or empty
+    std::span<const std::uint8_t> crowded =
+        {};  // by vertex: contours force the shapes of its cells; or empty
 
     bool are_crowded(const Cell& cell) const {
         return std::any_of(cell.begin(), cell.end(),
@@ -57,9 +58,9 @@ struct DihedralOptions {
     double last_radius_edge = 3.9;
     double flip_gain_degrees = 2;  // edges of surfaces are flipped where that makes the angles at their
                                    // facets fall by more. (0, 900]
-    double apex_mm = 1;  // a vertex of a surface further from the field's is lowered (lower_apexes.h). > 0
-    int passes = 4;                // over the cells that are still bad. [0, 100]
-    int ratio_passes = 4;          // over the cells above max_radius_edge, after those. [0, 100]
+    double apex_mm = 1;    // a vertex of a surface further from the field's is lowered (lower_apexes.h). > 0
+    int passes = 4;        // over the cells that are still bad. [0, 100]
+    int ratio_passes = 4;  // over the cells above max_radius_edge, after those. [0, 100]
     // Whether cells between the bound and last_radius_edge may go to another side for their ratio, as those
     // above may: to the outside, it may leave pits.
     bool gives_for_ratio = false;
@@ -73,7 +74,7 @@ struct DihedralStats {
                   surface_edges_flipped = 0, surface_edges_smoothed = 0, cells_given = 0, ears_dropped = 0,
                   edges_collapsed = 0, vertices_inserted = 0, facets_lifted = 0, apexes_lowered = 0,
                   tries = 0;
-    std::uint64_t cuts_found = 0, cuts_mended = 0;  // visits and changes (mend_cuts.h)
+    std::uint64_t cuts_found = 0, cuts_mended = 0;       // visits and changes (mend_cuts.h)
     std::uint64_t pieces_found = 0, pieces_brought = 0;  // of contour segments (bring_segments.h)
     std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (lift_facets.h)
 };

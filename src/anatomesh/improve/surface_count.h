@@ -50,7 +50,7 @@ class SurfaceCount {
 
     Workbench& bench_;
     std::vector<std::uint32_t> cells_;
-    std::vector<Body> bodies_;        // regions, then structures
+    std::vector<Body> bodies_;       // regions, then structures
     std::size_t region_bodies_ = 0;  // of these
     std::vector<std::uint32_t> vertices_;
     std::vector<Edge> edges_;

@@ -86,13 +86,13 @@ class ForcedCells {
 
     const TetMesh& mesh_;
     const ContourSet& contours_;
-    std::vector<std::uint32_t> point_at_;    // by mesh vertex: the first contour point there, or no_cell
-    std::vector<std::uint32_t> contour_of_;  // by contour point
+    std::vector<std::uint32_t> point_at_;       // by mesh vertex: the first contour point there, or no_cell
+    std::vector<std::uint32_t> contour_of_;     // by contour point
     std::map<std::uint32_t, Crowded> crowded_;  // by mesh vertex
 };
 
-// By vertex: whether ForcedCells::crowds() it, where contours are near to each other below `share` of the mean
-// edge of the cells inside. Complexity: O(segments + cells).
+// By vertex: whether ForcedCells::crowds() it, where contours are near to each other below `share` of the
+// mean edge of the cells inside. Complexity: O(segments + cells).
 std::vector<std::uint8_t> crowded_vertices(const TetMesh& mesh, const ContourSet& contours,
                                            std::span<const std::uint32_t> vertex_of, double share);
 

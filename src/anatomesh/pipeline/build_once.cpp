@@ -21,8 +21,8 @@
 #include "anatomesh/improve/improve.h"
 #include "anatomesh/improve/improve_dihedrals.h"
 #include "anatomesh/improve/smooth_vertices.h"
-#include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/mesh/drop_outside.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/contour_field.h"
@@ -537,16 +537,15 @@ class Builder {
             static_cast<double>(beside.size()) > most_beside * static_cast<double>(pieces.size()))
             beside.clear();
         const std::vector<std::uint8_t> crowded =
-            beside.empty() ? std::vector<std::uint8_t>{}
-                           : crowded_vertices(model_.mesh, contours_, vertices_of_contours(),
-                                              certificate_crowded_share);
+            beside.empty()
+                ? std::vector<std::uint8_t>{}
+                : crowded_vertices(model_.mesh, contours_, vertices_of_contours(), certificate_crowded_share);
         const SlicesThatTell slices = slices_that_tell(contours_, field_->flat_ends());
-        return improve_dihedrals(
-            model_.mesh, neighbors_, fixed, edges_along(model_.mesh, neighbors_, segments), *field_,
-            structures_,
-            {&model_.regions, slice_of, &owners, slices.planes, slices.weights, slices.on_plane_mm, beside,
-             crowded},
-            options, context_);
+        return improve_dihedrals(model_.mesh, neighbors_, fixed,
+                                 edges_along(model_.mesh, neighbors_, segments), *field_, structures_,
+                                 {&model_.regions, slice_of, &owners, slices.planes, slices.weights,
+                                  slices.on_plane_mm, beside, crowded},
+                                 options, context_);
     }
 
     void drop_outside_cells() {

@@ -125,8 +125,9 @@ TEST(CrossingOutlines, keep_nearly_all_of_their_segments) {
     EXPECT_LE(all.unforced, 2u);
 }
 
-// Half of them were missed while pieces were not recovered on parallel slices; most of what is left runs a few
-// hundredths of a millimetre beside the other outline, where recovery would leave worse cells than it may.
+// Half of them were missed while pieces were not recovered on parallel slices; most of what is left runs a
+// few hundredths of a millimetre beside the other outline, where recovery would leave worse cells than it
+// may.
 TEST(CrossingOutlines, of_a_wall_drawn_twice_with_few_vertices_keep_more_of_their_segments) {
     Missed all;
     for (const double phase : {0.0, 1.4}) {
@@ -142,8 +143,8 @@ TEST(CrossingOutlines, of_a_wall_drawn_twice_with_few_vertices_keep_more_of_thei
     EXPECT_LE(all.missed, all.segments * 45 / 100);
 }
 
-// Where no length can follow the distance of the other outline: 4 to 11 were missed at each angle while pieces
-// of one of the two alone were split.
+// Where no length can follow the distance of the other outline: 4 to 11 were missed at each angle while
+// pieces of one of the two alone were split.
 TEST(CrossingOutlines, at_angles_of_a_few_degrees_keep_nearly_all_of_their_segments) {
     for (const double degrees : {0.6, 1.0, 1.7, 2.3, 3.3}) {
         Missed all;

@@ -229,10 +229,10 @@ void RecoveredPieces::relabel_at(std::vector<std::uint32_t>& look, std::vector<s
     const VertexStars stars(mesh_.cells, mesh_.points.size(), context.threads);
     const PlanesOfStack planes =
         planes_of_stack(drawn_.contours, drawn_.vertex_of, drawn_.pieces, mesh_.points.size());
-    relabelled.add(relabel(
-        mesh_.points, mesh_.cells, neighbors, stars, {drawn_.owners, mesh_.points.size(), pieces}, sides_,
-        spike_share * options_.size_mm, mesh_.regions, registry_, unsound, look, context.threads,
-        {planes.slice_of, planes.planes, &field_, structures_}));
+    relabelled.add(relabel(mesh_.points, mesh_.cells, neighbors, stars,
+                           {drawn_.owners, mesh_.points.size(), pieces}, sides_,
+                           spike_share * options_.size_mm, mesh_.regions, registry_, unsound, look,
+                           context.threads, {planes.slice_of, planes.planes, &field_, structures_}));
 }
 
 }  // namespace anatomesh
