@@ -26,9 +26,9 @@ constexpr std::size_t most_chains =
 constexpr std::size_t most_pieces = 50;                         // of a chain
 constexpr std::size_t most_facets = 8;                          // of a sheet, beside one for each piece
 constexpr std::size_t most_looked_at = 4000, most_sheets = 16;  // sheets for a chain
-constexpr std::size_t most_improved = 6;           // sheets and thicknesses whose cells are worked on
-constexpr std::size_t most_improved_at_last = 12;  // where some of these may be above the first bound
-constexpr std::size_t most_improved_in_all = 50;
+constexpr std::size_t most_improved = 12;          // sheets and thicknesses whose cells are worked on
+constexpr std::size_t most_improved_at_last = 36;  // where some of these may be above the first bound
+constexpr std::size_t most_improved_in_all = 100;
 constexpr std::size_t most_tried_in_all = 1000;  // sheets and thicknesses, sound or not
 constexpr double edge_price = 0.43;  // of its square: the facets that an edge off the surface still needs
 constexpr double wrong_side = 5;     // price of a facet where the field has the side of the chain

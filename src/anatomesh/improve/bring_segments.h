@@ -40,7 +40,7 @@ using ImproveCells = std::function<std::vector<std::uint32_t>(std::vector<std::u
 // cheap ones before dear ones. Pieces that were brought are fixed and kept
 // no more (workbench.h); `improve` may put vertices on them.
 // Guarantees: all cells positive (checked exactly); no vertex moves but by `improve`. Same result every time.
-// Complexity: O(cells + pieces), and the shapes of the cells of fifty sheets
+// Complexity: O(cells + pieces), and the shapes of the cells of a hundred sheets
 // tried in vain at most: ms to seconds. Errors: none.
 BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine, double most_more,
                           const ImproveCells& improve);
