@@ -9,7 +9,7 @@
 
 namespace anatomesh {
 
-// Of cells at vertices that contours crowd: within half of what the certificate allows there.
+// Of cells at vertices that contours crowd: within what the certificate allows there (100, 0.05 degrees).
 inline constexpr double most_crowded_ratio = 50, least_crowded_sine = 0.01;
 
 struct BringStats {
