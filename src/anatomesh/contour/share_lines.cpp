@@ -119,19 +119,6 @@ class SliceLines : public LedContours {
     double width_;
 };
 
-double median_segment(const ContourSet& set) {
-    std::vector<double> lengths;
-    for (const Contour& contour : set.contours) {
-        const auto points = set.points_of(contour);
-        for (std::size_t n = 0; n < points.size(); ++n)
-            lengths.push_back(length(points[(n + 1) % points.size()] - points[n]));
-    }
-    if (lengths.empty()) return 0;
-    const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-    std::nth_element(lengths.begin(), middle, lengths.end());
-    return *middle;
-}
-
 }  // namespace
 
 ShareLinesStats share_lines(ContourSet& set, const ShareLinesOptions& options) {

@@ -14,6 +14,8 @@
 #include <tuple>
 
 #include "anatomesh/contour/clean.h"
+#include "anatomesh/contour/close_gaps.h"
+#include "anatomesh/contour/share_lines.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/independent_check_for_test.h"
 #include "anatomesh/pipeline/random_solids_for_test.h"
@@ -298,6 +300,8 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
     }
     EXPECT_EQ(cleaned.value().log.size(), drawn.drawn.contours.size());
     EXPECT_TRUE(left_out == 0 || !context.warnings.empty());
+    share_lines(cleaned.value().kept, {});
+    close_gaps(cleaned.value().kept, {});
     auto reconciled = reconcile_contours(std::move(cleaned).value().kept, {}, context);
     ASSERT_TRUE(reconciled.ok()) << to_line(reconciled.error());
     const ContourSet& kept = reconciled.value().kept;
