@@ -43,10 +43,10 @@ struct Bounds {
 constexpr Bounds coarse_bounds{0.3, 1, 0.8, 2.5, 0.7}, fine_bounds{0.3, 1, 0.3, 1, 0.2};
 // Of the contour segments of a structure, the share that may be no chain of edges: where planes cross close
 // to each other all over, and where contours of two structures run beside each other; and how many besides.
-constexpr double most_broken_where_planes_cross = 0.65, most_broken_beside_others = 0.18;
+constexpr double most_broken_where_planes_cross = 0.4, most_broken_beside_others = 0.08;
 constexpr std::size_t broken_besides_where_planes_cross = 10, broken_besides = 2;
 // Of all segments of a part of the cases of a set of planes.
-constexpr std::array<double, plane_sets> broken_in_all{0.04, 0.035, 0.045, 0.03, 0.08, 0.035, 0.05};
+constexpr std::array<double, plane_sets> broken_in_all{0.003, 0.003, 0.003, 0.004, 0.05, 0.012, 0.012};
 
 struct Segments {
     std::size_t all = 0, broken = 0;
