@@ -16,8 +16,11 @@ namespace {
 
 class SliceLines : public LedContours {
   public:
-    SliceLines(const ContourSet& set, const Slice& slice, double width)
-        : LedContours(set, slice), width_(width) {}
+    SliceLines(const ContourSet& set, const Slice& slice, double width, const std::vector<Vec3>& held)
+        : LedContours(set, slice), width_(width) {
+        for (const Vec3& p : points_)
+            held_.push_back(std::binary_search(held.begin(), held.end(), p, lexicographic_less));
+    }
 
     void share() {
         if (loops_.empty() || loops_.front().structure == loops_.back().structure) return;
@@ -41,7 +44,7 @@ class SliceLines : public LedContours {
         PointGrid grid(2 * width_, points_.size());
         for (std::uint32_t v = 0; v < points_.size(); ++v) {
             grid.for_each_within(points_[v], width_, [&](std::uint32_t u, double squared) {
-                if (squared < width_ * width_) pairs.emplace_back(squared, u, v);
+                if (squared < width_ * width_ && !held_[u] && !held_[v]) pairs.emplace_back(squared, u, v);
             });
             grid.add(points_[v]);
         }
@@ -87,8 +90,11 @@ class SliceLines : public LedContours {
             // The first end of the one beside the other.
             const std::uint32_t v = loops_[from[0]].vertices[from[1]];
             const LedContour& loop = loops_[to[0]];
-            if (std::binary_search(owners.begin(), owners.end(), Edge{loop.structure, v})) return;
+            if (held_[v] || std::binary_search(owners.begin(), owners.end(), Edge{loop.structure, v})) return;
             const Vec2 a = at_[loop.vertices[to[1]]], b = at_[loop.next_of(to[1])];
+            // Beside one that cannot move onto it, it would make an edge shorter than the width.
+            for (const std::uint32_t end : {loop.vertices[to[1]], loop.next_of(to[1])})
+                if (held_[end] && length(at_[v] - at_[end]) < width_) return;
             const double share = along(at_[v], a, b), apart = distance(at_[v], a, b);
             const Edge drawn = drawn_segment(loop, to[1]);
             if (!(share > 0 && share < 1) || !(apart < width_)) return;
@@ -117,6 +123,7 @@ class SliceLines : public LedContours {
     }
 
     double width_;
+    std::vector<bool> held_;  // per vertex
 };
 
 }  // namespace
@@ -131,7 +138,7 @@ ShareLinesStats share_lines(ContourSet& set, const ShareLinesOptions& options) {
     std::vector<Contour> contours;
     std::vector<Vec3> points;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        SliceLines lines(set, set.slices[s], stats.width_mm);
+        SliceLines lines(set, set.slices[s], stats.width_mm, options.held);
         lines.share();
         bool any = false;
         for (const LedContour& loop : lines.loops()) {

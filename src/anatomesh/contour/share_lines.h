@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "anatomesh/contour/contour_set.h"
 
@@ -15,6 +16,9 @@ struct ShareLinesOptions {
     // But at most this share of the median segment length: contours of something tiny are no copies of each
     // other because they are small. [0, 0.5]
     double share_of_segment = 0.05;
+    // Vertices that stay where they are, and that no other contour is led through: what other slices have too
+    // must stay the same in all. In lexicographic order.
+    std::vector<Vec3> held;
 };
 
 struct ShareLinesStats {

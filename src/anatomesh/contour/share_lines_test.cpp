@@ -15,6 +15,10 @@ namespace {
 
 using namespace fixtures;
 
+bool lexicographic_less_3(Vec3 p, Vec3 q) {
+    return lexicographic_less(p, q);
+}
+
 const Plane tilted = make_plane({3, -2, 40}, normalized(Vec3{0.3, -0.2, 0.9}));
 
 Polygon flat(const ContourSet& set, std::size_t contour) {
@@ -159,6 +163,27 @@ TEST(ShareLines, a_contour_that_crosses_another_beside_a_vertex_goes_through_it)
     EXPECT_EQ(set.contours[0].point_count, 5u);
 }
 
+TEST(ShareLines, held_vertices_stay_and_no_other_contour_is_led_through_them) {
+    // Beside a side of the square: one vertex at its corner, one at its middle.
+    const std::vector<Drawing> drawings{{0, {{0, 0}, {10, 0}, {10, 10}, {0, 10}}},
+                                        {1, {{10.01, 0.004}, {20, 0}, {20, 10}, {10.008, 5}}}};
+    const ContourSet before = slice_of(drawings, tilted);
+    const auto moved_and_taken = [&](const std::vector<Vec2>& held) {
+        ContourSet after = before;
+        ShareLinesOptions options;
+        for (const Vec2 p : held) options.held.push_back(tilted.to_space(p));
+        std::sort(options.held.begin(), options.held.end(), lexicographic_less_3);
+        const ShareLinesStats stats = share_lines(after, options);
+        for (const Vec3& p : options.held)
+            EXPECT_EQ(std::count(after.points.begin(), after.points.end(), p), 1);
+        return std::pair(stats.vertices_moved, stats.vertices_taken);
+    };
+    EXPECT_EQ(moved_and_taken({}), std::pair(std::uint64_t{1}, std::uint64_t{1}));
+    EXPECT_EQ(moved_and_taken({{10, 0}}), std::pair(std::uint64_t{0}, std::uint64_t{1}));
+    EXPECT_EQ(moved_and_taken({{10.008, 5}}), std::pair(std::uint64_t{1}, std::uint64_t{0}));
+    EXPECT_EQ(moved_and_taken({{10.01, 0.004}, {10.008, 5}}), std::pair(std::uint64_t{0}, std::uint64_t{0}));
+}
+
 TEST(ShareLines, contours_of_one_structure_never_come_to_touch) {
     // A slit of one structure, narrower than the width, with another structure's edge within it.
     const Polygon slit{{0, 0}, {10, 0}, {10, 5}, {2, 5}, {2, 5.012}, {10, 5.012}, {10, 10}, {0, 10}};
@@ -182,7 +207,7 @@ TEST(ShareLines, the_same_for_other_directions_of_the_plane_and_none_without_a_w
     const std::vector<Drawing> drawings{
         {0, ring_of(10, 40, 0)}, {1, ring_of(10, 33, 0.1)}, {2, ring_of(10, 40, 1e-4)}};
     ContourSet up = slice_of(drawings), none = up;
-    EXPECT_EQ(share_lines(none, {0, 0.05}).contours_changed, 0u);
+    EXPECT_EQ(share_lines(none, {0, 0.05, {}}).contours_changed, 0u);
     EXPECT_EQ(none.points, slice_of(drawings).points);
     ContourSet down = up;
     down.slices[0].plane = make_plane({}, {0, 0, -1});

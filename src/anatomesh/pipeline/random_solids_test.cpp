@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -334,6 +335,53 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
     }
     expect_near_truth(drawn, model.value(), number < coarse_cases ? coarse_bounds : fine_bounds, printed);
     if (printed) std::fflush(stdout);
+}
+
+// Vertices of a structure that lie nearer to another one's contour on their slice than copies of a line do,
+// but not on it.
+std::size_t slivers(const ContourSet& set) {
+    std::size_t count = 0;
+    for (const Contour& one : set.contours) {
+        for (const Contour& other : set.contours_of(set.slices[one.slice])) {
+            if (one.structure == other.structure) continue;
+            const auto vertices = set.points_of(one), line = set.points_of(other);
+            for (const Vec3& x : vertices) {
+                if (std::find(line.begin(), line.end(), x) != line.end()) continue;
+                double least = std::numeric_limits<double>::infinity();
+                for (std::size_t n = 0; n < line.size(); ++n) {
+                    const Vec3 a = line[n], way = line[(n + 1) % line.size()] - a;
+                    const double t = std::clamp(dot(x - a, way) / squared_length(way), 0.0, 1.0);
+                    least = std::min(least, length(a + t * way - x));
+                }
+                count += least < ShareLinesOptions{}.width_mm;
+            }
+        }
+    }
+    return count;
+}
+
+TEST(WallsOfRandomSolids, are_not_parted_where_slices_that_cross_are_made_to_agree) {
+    std::size_t before = 0, after = 0, sets = 0;
+    for (std::uint32_t number = 0; number < coarse_cases; ++number) {
+        const Case drawn = random_case(number);
+        if (drawn.structures.size() < 2 ||
+            (drawn.planes != Planes::rotational && drawn.planes != Planes::crossing_stacks))
+            continue;
+        RunContext context;
+        auto cleaned = clean_contours(drawn.drawn, {}, context);
+        if (!cleaned.ok()) continue;
+        ContourSet kept = std::move(cleaned).value().kept;
+        share_lines(kept, {});
+        close_gaps(kept, {});
+        before += slivers(kept);
+        const auto reconciled = reconcile_contours(std::move(kept), {}, context);
+        ASSERT_TRUE(reconciled.ok()) << drawn.name;
+        after += slivers(reconciled.value().kept);
+        ++sets;
+    }
+    EXPECT_GT(sets, 30u);
+    EXPECT_EQ(before, 0u);
+    EXPECT_LT(after, sets / 2);
 }
 
 class RandomSolids : public testing::TestWithParam<std::tuple<int, int>> {};

@@ -11,6 +11,7 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/message_text.h"
+#include "anatomesh/contour/share_lines.h"
 #include "anatomesh/reconcile/align_slices.h"
 #include "anatomesh/reconcile/contour_graph.h"
 #include "anatomesh/reconcile/disagreement.h"
@@ -234,7 +235,39 @@ class Reconciler {
             break;
         }
         settle();
+        unite_walls();
         return Nothing{};
+    }
+
+    // Contours of different structures that came to lie on each other but for what is left of the movement.
+    void unite_walls() {
+        if (stats_.max_movement_mm == 0) return;
+        const State before = state();
+        const double left = left_mm();
+        ShareLinesOptions options;
+        options.held = common_points();
+        if (share_lines(set_, options).contours_changed == 0) return;
+        drawn_ = carry_over(before.set, before.drawn, set_, joined_mm);
+        note_movements();
+        compare();
+        if (left_mm() > left) go_back_to(before);
+    }
+
+    // Of several slices, in lexicographic order.
+    std::vector<Vec3> common_points() const {
+        std::vector<std::pair<Vec3, std::uint32_t>> all;
+        for (const Contour& contour : set_.contours) {
+            for (const Vec3& p : set_.points_of(contour)) all.emplace_back(p, contour.slice);
+        }
+        std::sort(all.begin(), all.end(), [](const auto& p, const auto& q) {
+            return p.first != q.first ? lexicographic_less(p.first, q.first) : p.second < q.second;
+        });
+        std::vector<Vec3> common;
+        for (std::size_t n = 1; n < all.size(); ++n) {
+            const bool again = all[n].first == all[n - 1].first && all[n].second != all[n - 1].second;
+            if (again && (common.empty() || common.back() != all[n].first)) common.push_back(all[n].first);
+        }
+        return common;
     }
 
     // Where the drawings agree a sharp edge is one, and stays; so it does where slices would agree less.
