@@ -106,6 +106,8 @@ class Tries {
     Warning prepare(NextTry next, std::size_t slightly_finer_tries, BuiltOnce built) {
         const bool conformed = built.outcome.conformed;
         const double size_mm = next_size(next, slightly_finer_tries, built);
+        const bool ill_shaped =
+            !built.outcome.kept_contract || built.outcome.over_bound > certificate_share_over_bound;
         const std::string error = built.model.ok() ? "" : built.model.error().message;
         const Warning again = built_again(next, built.outcome, error, size_mm);
         if (built.model.ok() &&
@@ -115,7 +117,10 @@ class Tries {
         }
         if (conformed && next == NextTry::same_size) trial_.may_conform = false;
         trial_.options.size_mm = size_mm;
-        if (!conformed) ++trial_.before;
+        if (!conformed) {
+            ++trial_.before;
+            trial_.ill_shaped_before += ill_shaped;
+        }
         if (!warnings_before_) warnings_before_ = known_.warnings;
         context_.warnings.resize(*warnings_before_);
         return again;

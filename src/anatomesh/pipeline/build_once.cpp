@@ -58,7 +58,7 @@ constexpr double dense_growth = 2;  // of the edge length with the depth
 // Contour vertices nearer to each other than this may spoil cells, in sizes: more where planes are denser.
 constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
 // Of the cells inside, so many may come above the bound for contour pieces' sake at the first tries, and
-// cells of no worse shape (cavity.h) are made; at further ones none.
+// cells of no worse shape (cavity.h) are made; after more that were ill-shaped none.
 struct RecoveryBounds {
     double most_more_bad, least_shape;
 };
@@ -95,6 +95,7 @@ class Builder {
           size_given_(trial.size_given),
           may_conform_(trial.may_conform),
           tries_before_(trial.before),
+          ill_shaped_before_(trial.ill_shaped_before),
           even_mean_(trial.even_mean),
           context_(context),
           observer_(observer),
@@ -323,7 +324,7 @@ class Builder {
                         }});
         RecoverStats recovered;
         // Some ms each.
-        if (!crammed_ && !is_too_dense_to_conform_ && tries_before_ < recovery_bounds.size())
+        if (!crammed_ && !is_too_dense_to_conform_ && ill_shaped_before_ < recovery_bounds.size())
             recovered = recover_pieces(unsound, relabelled);
         const ContourOwners owners = contour_owners(piece_list_, mesh.points.size());
         ANATOMESH_TRY(const SplitStats split,
@@ -359,11 +360,12 @@ class Builder {
         const auto vertices = mesh_->first_vertices();
         for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
             held[vertices[n]] = 1;
+        const RecoveryBounds& bounds = recovery_bounds[ill_shaped_before_];
         RecoveredPieces recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
             {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
-             recovery_bounds[tries_before_].most_more_bad, recovery_bounds[tries_before_].least_shape});
+             bounds.most_more_bad, bounds.least_shape});
         recovered.run(unsound, relabelled, context_);
         piece_list_ = recovered.pieces();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
@@ -698,7 +700,8 @@ class Builder {
     const ModelOptions& options_;
     const bool size_given_;
     const bool may_conform_;
-    const std::size_t tries_before_;  // that did not conform
+    const std::size_t tries_before_;       // that did not conform
+    const std::size_t ill_shaped_before_;  // of these
     const double even_mean_;
     RunContext& context_;
     const StageObserver& observer_;

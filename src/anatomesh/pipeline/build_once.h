@@ -21,6 +21,7 @@ struct Trial {
     bool size_given = false;  // by the user; else it is the default, or one tried after it
     bool may_conform = true;  // contour segments may be split for each other's sake
     std::size_t before = 0;   // so many tries without that, made for other reasons than the mean ratio
+    std::size_t ill_shaped_before = 0;                 // of these, refused or of ill-shaped cells
     double even_mean = RefinementOptions{}.even_mean;  // as there
 };
 
