@@ -75,7 +75,7 @@ std::string advice(const CheckOptions& options, const ModelFile& model, const In
             return distances +
                    ": are they mirrored, scaled or shifted, or other contours than those that model "
                    "--contours "
-                   "writes?";
+                   "writes, or read with other --close-gaps or --same-line?";
     }
     if (broken(4) && !contours) {
         return "the certificate says which and where; with --contours what they force is known and excused";

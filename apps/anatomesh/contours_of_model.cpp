@@ -73,7 +73,9 @@ std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& descrip
         options.stage.max_disagreement_mm =
             number_of(description, "max_disagreement_mm").value_or(options.stage.max_disagreement_mm);
         options.stage.align = says("align", "yes");
-        if (!reconcile_step(done.kept, options, apart).ok()) return std::nullopt;
+        const double same_line_mm =
+            number_of(description, "same_line_mm").value_or(options.stage.same_line_mm);
+        if (!reconcile_step(done.kept, same_line_mm, options, apart).ok()) return std::nullopt;
         done.steps.emplace_back("slices that cross were made to agree (reconcile 1)");
     }
     if (const std::vector<std::string> names = options_of(description, "priority"); !names.empty()) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "anatomesh/contour/close_gaps.h"
 #include "option_values.h"
 
 namespace anatomesh {
@@ -54,9 +53,8 @@ void add_reading_options(CLI::App& verb, InputOptions& options) {
                "Which transform of a NIfTI image counts when its two disagree");
     add_text(verb, "--assume-orientation", options.assume_orientation, "AXES",
              "Where the axes of an image without orientation run to, as RAS");
-    add_optional_count(
-        verb, "--volume", options.volume, 0,
-        "Which volume of an image that holds several, from 0, or which time frame of guide points");
+    add_optional_count(verb, "--volume", options.volume, 0,
+                       "Which volume of an image that holds several, from 0, or which time frame of guide points");
     add_text(verb, "--series", options.series, "UID",
              "Which series of a folder of DICOM objects, by its UID or the name that info gives it");
     verb.add_flag("--allow-gaps", options.allow_gaps,
@@ -133,18 +131,10 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
             "Contours of different structures share their vertices where they lie less than MM apart, "
             "0 to 0.1 (default {}: copies of one line; 0: as drawn)",
             options.same_line_mm));
-    const auto read_gaps = [&options](const std::string& text) {
-        options.close_gaps_mm = strict_number("--close-gaps", text, 0, 10);
-        options.cleaning_given.emplace_back("--close-gaps");
-    };
-    const CloseGapsOptions gaps;
-    verb.add_option_function<std::string>(
-            "--close-gaps", read_gaps,
-            fmt::format("Give neighbouring structures drawn less than MM apart one wall through the vertices "
-                        "of both, "
-                        "0 to 10 (default {}, at most {} of the median segment; 0: as drawn)",
-                        gaps.width_mm, gaps.share_of_segment))
-        ->type_name("MM");
+    add("--close-gaps", options.close_gaps_mm, 0, 10, "MM",
+        "Give neighbouring structures drawn less than MM apart, about a pixel, one wall through the vertices "
+        "of both, "
+        "0 to 10 (default 0: as drawn)");
     add("--plane-repair", cleaning.plane_repair_mm, cleaning.plane_tolerance_mm, 10, "MM",
         fmt::format("Move drawn points up to MM off their plane onto it, {} to 10 (default {})",
                     cleaning.plane_tolerance_mm, cleaning.plane_repair_mm));

@@ -42,7 +42,7 @@ struct InputOptions {
     std::optional<std::uint32_t> every;
     std::uint32_t offset = 0;
     std::optional<double> epsilon_mm;  // 0: exact
-    std::optional<double> close_gaps_mm;  // none: as CloseGapsOptions has it
+    double close_gaps_mm = 0;
     double same_line_mm = ShareLinesOptions{}.width_mm;
     std::optional<double> min_area_mm2;
 

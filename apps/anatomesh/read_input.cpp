@@ -32,7 +32,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double parallel_tolerance_mm = 0.01;
-constexpr double any_segments = 1e9;  // share of their length: a width that was asked for counts alone
 
 Error usage_error(const char* code, std::string message, const std::string& file, std::string next_step) {
     return {ErrorKind::usage, code, std::move(message), {file, "", "", "", ""}, std::move(next_step)};
@@ -415,18 +414,19 @@ void share_copied_lines(InputContours& contours, const InputOptions& options, Ru
 void close_narrow_gaps(InputContours& contours, const InputOptions& options, RunContext& context) {
     ContourSet& kept = contours.kept;
     CloseGapsOptions closing;
-    if (options.close_gaps_mm) closing = {*options.close_gaps_mm, any_segments};
+    closing.width_mm = options.close_gaps_mm;
+    contours.options.emplace_back("close_gaps_mm", number_text(closing.width_mm));
     const CloseGapsStats stats = close_gaps(kept, closing);
-    contours.options.emplace_back("close_gaps_mm", number_text(stats.width_mm));
     if (stats.contours_changed > 0) {
         context.warn(
             {"W-CON-025",
-             fmt::format(
-                 "contours of neighbouring structures run less than {:.3g} mm apart; led through each "
-                 "other's vertices: {}",
-                 stats.width_mm, extent_of(stats)),
+             fmt::format("gaps and overlaps below {} mm between contours of neighbouring structures; led "
+                         "through each other's vertices: {}",
+                         number_text(closing.width_mm), extent_of(stats)),
              worst_place(kept, stats, "mm wide"),
-             "no vertex moves for it; --close-gaps 0 keeps the contours as drawn"});
+             "no vertex moves for it, but slices that cross may come to disagree there; without --close-gaps "
+             "the "
+             "contours stay as they are"});
     }
 }
 
@@ -469,7 +469,7 @@ Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& op
         result.kept = std::move(simplified.kept);
         result.epsilon_mm = *options.epsilon_mm;
     }
-    if (options.close_gaps_mm.value_or(0) > 0 && result.kept.structures.size() == 1) {
+    if (options.close_gaps_mm > 0 && result.kept.structures.size() == 1) {
         return does_not_apply("--close-gaps", options.input, "there is one structure alone");
     }
     share_copied_lines(result, options, context);

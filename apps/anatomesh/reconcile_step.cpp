@@ -25,8 +25,8 @@ void add_reconcile_options(CLI::App& verb, ReconcileStepOptions& options) {
     }
 }
 
-Result<CrossingReport> reconcile_step(ContourSet& kept, const ReconcileStepOptions& options,
-                                      RunContext& context) {
+Result<CrossingReport> reconcile_step(ContourSet& kept, double same_line_mm,
+                                      const ReconcileStepOptions& options, RunContext& context) {
     if (!options.given.empty() && all_parallel(kept, 0.01)) {
         const std::string& option = options.given.front();
         return Error{ErrorKind::usage,
@@ -37,6 +37,7 @@ Result<CrossingReport> reconcile_step(ContourSet& kept, const ReconcileStepOptio
     }
     ReconcileOptions stage = options.stage;
     stage.reconcile = options.reconcile == "1";
+    stage.same_line_mm = same_line_mm;
     ANATOMESH_TRY(ReconcileResult result, reconcile_contours(std::move(kept), stage, context));
     kept = std::move(result.kept);
     const ReconcileStats& stats = result.stats;

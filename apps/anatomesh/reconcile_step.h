@@ -21,7 +21,7 @@ void add_reconcile_options(CLI::App& verb, ReconcileStepOptions& options);
 
 // Reconciles `kept` in place. The report of its crossing slices; without any it is empty and `kept` as it
 // was. Error: usage E-CMD-008 an option was given and the slices are parallel, so that none cross.
-Result<CrossingReport> reconcile_step(ContourSet& kept, const ReconcileStepOptions& options,
-                                      RunContext& context);
+Result<CrossingReport> reconcile_step(ContourSet& kept, double same_line_mm,
+                                      const ReconcileStepOptions& options, RunContext& context);
 
 }  // namespace anatomesh

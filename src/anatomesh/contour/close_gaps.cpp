@@ -281,15 +281,12 @@ class SliceGaps : public LedContours {
 
 CloseGapsStats close_gaps(ContourSet& set, const CloseGapsOptions& options) {
     assert(options.width_mm >= 0 && options.width_mm <= 10);
-    assert(options.share_of_segment >= 0 && options.share_of_segment <= 1e9);
     CloseGapsStats stats;
-    if (options.width_mm == 0 || set.structures.size() < 2) return stats;
-    stats.width_mm = std::min(options.width_mm, options.share_of_segment * median_segment(set));
-    if (!(stats.width_mm > 0)) return stats;
+    if (options.width_mm == 0) return stats;
     std::vector<Contour> contours;
     std::vector<Vec3> points;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        SliceGaps gaps(set, set.slices[s], stats.width_mm);
+        SliceGaps gaps(set, set.slices[s], options.width_mm);
         gaps.close();
         const std::uint64_t changed_before = stats.contours_changed;
         double widest = 0;

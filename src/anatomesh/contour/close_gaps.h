@@ -8,16 +8,10 @@
 namespace anatomesh {
 
 struct CloseGapsOptions {
-    // Gaps and overlaps narrower than this are closed: walls that two structures share differ by so much when
-    // each was drawn on its own, and nobody draws so finely (a pixel is 0.3 to 1 mm). [0, 10]; 0: none
-    double width_mm = 0.4;
-    // But at most this share of the median segment length: in something tiny a gap is narrow because all is.
-    // [0, 1e9]
-    double share_of_segment = 0.2;
+    double width_mm = 0;  // gaps and overlaps narrower than this are closed; about a pixel. 0: none. [0, 10]
 };
 
 struct CloseGapsStats {
-    double width_mm = 0;               // that was used
     std::uint64_t vertices_taken = 0;  // by a contour from its neighbour's
     std::uint64_t contours_changed = 0;
     std::uint32_t slices = 0;       // where something was closed

@@ -14,8 +14,6 @@ namespace {
 using namespace fixtures;
 using Edge = std::pair<Vec3, Vec3>;
 
-constexpr double any_segments = 1e9;  // share of their length: the width alone counts
-
 // Edges of one structure that another has the other way round, and their length.
 double shared_length(const ContourSet& set, std::uint32_t structure) {
     double sum = 0;
@@ -84,7 +82,7 @@ TEST(CloseGaps, sides_that_run_within_the_width_become_one_and_no_vertex_moves) 
              {std::pair{40, 40}, {40, 37}, {37, 40}, {40, 20}, {20, 41}, {80, 20}}) {
             const ContourSet before = slice_of(slabs(gap, below, above));
             ContourSet after = before;
-            const CloseGapsStats stats = close_gaps(after, {0.7, any_segments});
+            const CloseGapsStats stats = close_gaps(after, {0.7});
             SCOPED_TRACE(testing::Message()
                          << "gap " << gap << ", " << below << " and " << above << " steps");
             EXPECT_TRUE(keeps_every_vertex(before, after));
@@ -99,7 +97,7 @@ TEST(CloseGaps, gaps_wider_than_the_width_stay) {
     for (const double gap : {0.5, -0.5, 2.0}) {
         const ContourSet before = slice_of({{0, box(0, 0, 10, 10)}, {1, box(10 + gap, 0, 20, 10)}});
         ContourSet after = before;
-        const CloseGapsStats stats = close_gaps(after, {0.5, any_segments});
+        const CloseGapsStats stats = close_gaps(after, {0.5});
         EXPECT_EQ(after.points, before.points);
         EXPECT_EQ(stats.contours_changed, 0u);
         EXPECT_EQ(stats.area_mm2, 0);
@@ -108,7 +106,7 @@ TEST(CloseGaps, gaps_wider_than_the_width_stay) {
 
 TEST(CloseGaps, the_area_that_changes_hands_is_that_of_the_gap) {
     ContourSet set = slice_of({{0, box(0, 0, 10, 10)}, {1, box(10.25, 0, 20, 10)}});
-    const CloseGapsStats stats = close_gaps(set, {0.3, any_segments});
+    const CloseGapsStats stats = close_gaps(set, {0.3});
     EXPECT_NEAR(stats.area_mm2, 2.5, 1e-12);
     EXPECT_NEAR(stats.widest_mm, 0.25, 1e-12);
     EXPECT_EQ(stats.slices, 1u);
@@ -121,17 +119,17 @@ TEST(CloseGaps, walls_between_nested_contours_stay) {
     std::reverse(hole.begin(), hole.end());
     const ContourSet nested = slice_of({{0, box(0, 0, 10, 10)}, {1, box(0.2, 0.2, 9.8, 9.8)}});
     ContourSet after = nested;
-    EXPECT_EQ(close_gaps(after, {0.5, any_segments}).contours_changed, 0u);
+    EXPECT_EQ(close_gaps(after, {0.5}).contours_changed, 0u);
     EXPECT_EQ(after.points, nested.points);
     ContourSet filled = slice_of({{0, box(0, 0, 10, 10)}, {0, hole}, {1, box(2.2, 2.2, 7.8, 7.8)}});
-    close_gaps(filled, {0.5, any_segments});
+    close_gaps(filled, {0.5});
     EXPECT_GE(shared_length(filled, 1), 4 * 5.6);  // all round
 }
 
 TEST(CloseGaps, a_lone_vertex_beside_a_contour_is_left_alone) {
     const ContourSet before = slice_of({{0, box(0, 0, 10, 10)}, {1, {{10.2, 5}, {15, 0}, {15, 10}}}});
     ContourSet after = before;
-    EXPECT_EQ(close_gaps(after, {0.5, any_segments}).contours_changed, 0u);
+    EXPECT_EQ(close_gaps(after, {0.5}).contours_changed, 0u);
     EXPECT_EQ(after.points, before.points);
 }
 
@@ -139,7 +137,7 @@ TEST(CloseGaps, three_structures_meet) {
     const ContourSet before =
         slice_of({{0, box(0, 0, 10, 10)}, {1, box(10.2, 0, 20, 4.9)}, {2, box(10.2, 5.1, 20, 10)}});
     ContourSet after = before;
-    close_gaps(after, {0.5, any_segments});
+    close_gaps(after, {0.5});
     EXPECT_TRUE(keeps_every_vertex(before, after));
     EXPECT_GT(shared_length(after, 0), 9.7);
     EXPECT_GT(shared_length(after, 1), 4.8 + 9.7);
@@ -152,7 +150,7 @@ TEST(CloseGaps, what_would_touch_itself_is_given_up) {
     const Polygon strip{{5.1, 3.1}, {5.2, 3.1}, {5.2, 10}, {5.1, 10}};
     const ContourSet before = slice_of({{0, notch}, {1, strip}});
     ContourSet after = before;
-    const CloseGapsStats stats = close_gaps(after, {0.35, any_segments});
+    const CloseGapsStats stats = close_gaps(after, {0.35});
     EXPECT_TRUE(keeps_every_vertex(before, after));
     for (const Contour& contour : after.contours) {
         const auto points = after.points_of(contour);
@@ -182,7 +180,7 @@ TEST(CloseGaps, what_lies_beyond_a_contour_is_no_neighbour) {
     for (const auto& layout : layouts) {
         const ContourSet before = slice_of(layout);
         ContourSet after = before;
-        close_gaps(after, {0.5, any_segments});
+        close_gaps(after, {0.5});
         EXPECT_EQ(after.points, before.points);
     }
     const std::vector<Polygon> row{box(0, 0, 10, 10), box(10.05, 0.1, 10.3, 9.9), box(10.35, 0, 20, 10)};
@@ -191,7 +189,7 @@ TEST(CloseGaps, what_lies_beyond_a_contour_is_no_neighbour) {
         std::vector<Drawing> drawings(3);
         for (std::uint32_t n = 0; n < 3; ++n) drawings[order[n]] = {order[n], row[n]};
         ContourSet after = slice_of(drawings);
-        close_gaps(after, {0.5, any_segments});
+        close_gaps(after, {0.5});
         // All three together cover what they did, and the strips.
         double sum = 0;
         for (const Contour& contour : after.contours) sum += signed_area(after, contour);
@@ -205,7 +203,7 @@ TEST(CloseGaps, no_contour_is_turned_inside_out_or_changes_its_place_among_other
     const ContourSet before =
         slice_of({{0, box(10.3, 0, 20, 10)}, {1, box(0, 0, 10, 10)}, {1, box(10.1, 4, 10.2, 5)}});
     ContourSet after = before;
-    close_gaps(after, {0.5, any_segments});
+    close_gaps(after, {0.5});
     const auto inside = [&](Vec3 p, const Contour& contour) {
         bool in = false;
         const auto q = after.points_of(contour);
@@ -228,7 +226,7 @@ TEST(CloseGaps, wider_widths_close_no_less) {
     for (const double width : {0.25, 0.5, 0.7, 1.0, 3.0}) {
         ContourSet set =
             slice_of({{0, box(0, 0, 10, 10)}, {1, box(10.2, 0, 10.6, 10)}, {2, box(10.8, 0, 20, 10)}});
-        close_gaps(set, {width, any_segments});
+        close_gaps(set, {width});
         EXPECT_GE(shared_length(set, 1), 20) << width;
     }
 }
@@ -237,7 +235,7 @@ TEST(CloseGaps, area_on_both_sides_of_a_wall_counts) {
     // Two walls that cross in the middle.
     ContourSet set = slice_of(
         {{0, {{0, 0}, {10, 1}, {10, 9}, {0, 10}}}, {1, {{10.2, 0.5}, {20, 0}, {20, 10}, {9.8, 9.5}}}});
-    const CloseGapsStats stats = close_gaps(set, {0.5, any_segments});
+    const CloseGapsStats stats = close_gaps(set, {0.5});
     EXPECT_GT(stats.contours_changed, 0u);
     EXPECT_GT(stats.area_mm2, 0.5);
     EXPECT_LT(stats.area_mm2, 2);
@@ -247,35 +245,18 @@ TEST(CloseGaps, twice_is_the_same_as_once_on_any_plane) {
     const Plane tilted = make_plane({3, -2, 40}, normalized(Vec3{0.3, -0.2, 0.9}));
     ContourSet once = slice_of(slabs(0.3, 40, 33), tilted);
     const ContourSet before = once;
-    close_gaps(once, {0.6, any_segments});
+    close_gaps(once, {0.6});
     EXPECT_GT(shared_length(once, 0), 18.5);
     EXPECT_TRUE(keeps_every_vertex(before, once));
     ContourSet twice = once;
-    close_gaps(twice, {0.6, any_segments});
+    close_gaps(twice, {0.6});
     EXPECT_EQ(twice.points, once.points);
-}
-
-TEST(CloseGaps, by_default_less_than_a_pixel_and_than_a_fifth_of_a_segment) {
-    // Sides of 20 mm in so many steps.
-    const auto closed = [](double gap, int steps) {
-        ContourSet set = slice_of(slabs(gap, steps, steps));
-        const CloseGapsStats stats = close_gaps(set, {});
-        EXPECT_EQ(stats.contours_changed > 0, shared_length(set, 0) > 0);
-        EXPECT_LE(stats.width_mm, 0.4);
-        return stats.contours_changed > 0;
-    };
-    EXPECT_TRUE(closed(0.3, 8));
-    EXPECT_FALSE(closed(0.5, 8));
-    // As traced: the steps are all there is.
-    EXPECT_TRUE(closed(0.05, 50));
-    EXPECT_FALSE(closed(0.1, 50));
-    EXPECT_FALSE(closed(0.3, 50));
 }
 
 TEST(CloseGaps, widths_of_nothing_change_nothing) {
     const ContourSet before = slice_of(slabs(0.01, 40, 33));
     ContourSet after = before;
-    close_gaps(after, {0, any_segments});
+    close_gaps(after, {0});
     EXPECT_EQ(after.points, before.points);
 }
 

@@ -47,17 +47,4 @@ double median_spacing(const ContourSet& set) {
     return *middle;
 }
 
-double median_segment(const ContourSet& set) {
-    std::vector<double> lengths;
-    for (const Contour& contour : set.contours) {
-        const auto points = set.points_of(contour);
-        for (std::size_t n = 0; n < points.size(); ++n)
-            lengths.push_back(length(points[(n + 1) % points.size()] - points[n]));
-    }
-    if (lengths.empty()) return 0;
-    const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-    std::nth_element(lengths.begin(), middle, lengths.end());
-    return *middle;
-}
-
 }  // namespace anatomesh

@@ -46,10 +46,10 @@ struct ContourSet {
     std::vector<Vec3> points;
 
     Frame frame = Frame::lps;
-    bool exclusive = false;  // true: regions of different structures never overlap (traced from a label map)
-    bool drawn = true;       // true: somebody drew them (keep every vertex); false: traced from voxels
-    double pixel_mm = 0;     // in-plane pixel size of the source image; 0 when unknown
-    std::string source;      // the file, as the user named it
+    bool exclusive = false;    // true: regions of different structures never overlap (traced from a label map)
+    bool drawn = true;         // true: somebody drew them (keep every vertex); false: traced from voxels
+    double pixel_mm = 0;       // in-plane pixel size of the source image; 0 when unknown
+    std::string source;        // the file, as the user named it
 
     std::span<const Vec3> points_of(const Contour& contour) const {
         return {points.data() + contour.first_point, contour.point_count};
@@ -68,11 +68,7 @@ struct ContourSet {
 // set by less than `tolerance_mm` (and 0.57 degrees: a small set is moved by less).
 bool all_parallel(const ContourSet& set, double tolerance_mm);
 
-// Distance between neighbouring slices of a parallel set: the median of the gaps; 0 with fewer than two
-// slices.
+// Distance between neighbouring slices of a parallel set: the median of the gaps; 0 with fewer than two slices.
 double median_spacing(const ContourSet& set);
-
-// Length of the contours' segments, the one in the middle; 0 without any.
-double median_segment(const ContourSet& set);
 
 }  // namespace anatomesh

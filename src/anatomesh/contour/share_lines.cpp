@@ -126,11 +126,26 @@ class SliceLines : public LedContours {
     std::vector<bool> held_;  // per vertex
 };
 
+double median_segment(const ContourSet& set) {
+    std::vector<double> lengths;
+    for (const Contour& contour : set.contours) {
+        const auto points = set.points_of(contour);
+        for (std::size_t n = 0; n < points.size(); ++n)
+            lengths.push_back(length(points[(n + 1) % points.size()] - points[n]));
+    }
+    if (lengths.empty()) return 0;
+    const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+    std::nth_element(lengths.begin(), middle, lengths.end());
+    return *middle;
+}
+
 }  // namespace
 
 ShareLinesStats share_lines(ContourSet& set, const ShareLinesOptions& options) {
     assert(options.width_mm >= 0 && options.width_mm <= 0.1);
     assert(options.share_of_segment >= 0 && options.share_of_segment <= 0.5);
+    assert(std::is_sorted(options.held.begin(), options.held.end(),
+                          [](Vec3 p, Vec3 q) { return lexicographic_less(p, q); }));
     ShareLinesStats stats;
     if (options.width_mm == 0 || set.structures.size() < 2) return stats;
     stats.width_mm = std::min(options.width_mm, options.share_of_segment * median_segment(set));

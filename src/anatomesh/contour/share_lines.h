@@ -17,7 +17,7 @@ struct ShareLinesOptions {
     // other because they are small. [0, 0.5]
     double share_of_segment = 0.05;
     // Vertices that stay where they are, and that no other contour is led through: what other slices have too
-    // must stay the same in all. In lexicographic order.
+    // must stay the same in all. In lexicographic order (required).
     std::vector<Vec3> held;
 };
 

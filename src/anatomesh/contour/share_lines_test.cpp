@@ -15,10 +15,6 @@ namespace {
 
 using namespace fixtures;
 
-bool lexicographic_less_3(Vec3 p, Vec3 q) {
-    return lexicographic_less(p, q);
-}
-
 const Plane tilted = make_plane({3, -2, 40}, normalized(Vec3{0.3, -0.2, 0.9}));
 
 Polygon flat(const ContourSet& set, std::size_t contour) {
@@ -172,7 +168,8 @@ TEST(ShareLines, held_vertices_stay_and_no_other_contour_is_led_through_them) {
         ContourSet after = before;
         ShareLinesOptions options;
         for (const Vec2 p : held) options.held.push_back(tilted.to_space(p));
-        std::sort(options.held.begin(), options.held.end(), lexicographic_less_3);
+        std::sort(options.held.begin(), options.held.end(),
+                  [](Vec3 p, Vec3 q) { return lexicographic_less(p, q); });
         const ShareLinesStats stats = share_lines(after, options);
         for (const Vec3& p : options.held)
             EXPECT_EQ(std::count(after.points.begin(), after.points.end(), p), 1);

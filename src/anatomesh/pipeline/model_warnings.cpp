@@ -10,8 +10,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double widest_cut = 0.01;  // more of a drawn region's area amiss on its slice is warned of
-constexpr double widest_distance = 0.5;  // of the edge length: a surface further from the field
+constexpr double widest_cut = 0.01;           // more of a drawn region's area amiss on its slice is warned of
+constexpr double widest_distance = 0.5;       // of the edge length: a surface further from the field
 constexpr double widest_volume_share = 0.05;  // of slice integration: a field that differs by more
 constexpr double widest_joint = 0.5;  // of the edge length: surfaces further apart that meet in the mesh
 
@@ -46,6 +46,32 @@ void warn_of_cuts(const ModelReport& report, const std::string& file, RunContext
                   "on " + counted(count, "slice") + " the model differs from the drawn region by more than " +
                       brief(100 * widest_cut) + " % of its area; the worst is named",
                   place, "kept; a smaller --size follows small or thin parts more closely"});
+}
+
+// Where a mesh misses them it is mostly for the slivers between contours of two structures.
+void warn_of_segments(const ModelReport& report, const std::string& file, RunContext& context) {
+    std::uint64_t missed = 0, all = 0;
+    const StructureReport* worst = nullptr;
+    const auto missed_of = [](const StructureReport& s) {
+        return s.contour_segments - s.contour_segments_on_surface;
+    };
+    for (const StructureReport& structure : report.structures) {
+        missed += missed_of(structure);
+        all += structure.contour_segments;
+        if (!worst || missed_of(structure) > missed_of(*worst)) worst = &structure;
+    }
+    if (missed == 0 || report.structures.size() < 2) return;
+    Place place;
+    place.file = file;
+    place.structure = worst->name.empty() ? std::to_string(worst->number) : worst->name;
+    place.value = counted(missed_of(*worst), "segment");
+    context.warn({"W-PIP-012",
+                  std::to_string(missed) + " of " + std::to_string(all) +
+                      " contour segments are not edges of the surface all along; the structure with most of "
+                      "them is named",
+                  place,
+                  "kept; where contours of neighbouring structures run closer to each other than a pixel, "
+                  "--close-gaps MM gives them one wall"});
 }
 
 void warn_of_shells(const StructureReport& structure, const std::string& file, RunContext& context) {
@@ -128,6 +154,7 @@ void warn_of_difference(const ModelReport& report, double size_mm, const std::st
 
 void warn_of_model(const ModelReport& report, double size_mm, const std::string& file, RunContext& context) {
     warn_of_cuts(report, file, context);
+    warn_of_segments(report, file, context);
     for (const StructureReport& structure : report.structures) warn_of_shells(structure, file, context);
     warn_of_distance(report, size_mm, file, context);
     warn_of_joints(report, size_mm, file, context);

@@ -245,12 +245,45 @@ class Reconciler {
         const State before = state();
         const double left = left_mm();
         ShareLinesOptions options;
+        options.width_mm = options_.same_line_mm;
         options.held = common_points();
         if (share_lines(set_, options).contours_changed == 0) return;
-        drawn_ = carry_over(before.set, before.drawn, set_, joined_mm);
+        const std::optional<ContourSet> same = in_order_of(set_, before.set);
+        if (!same) return go_back_to(before);
+        drawn_ = carry_over(*same, before.drawn, set_, joined_mm);
         note_movements();
         compare();
-        if (left_mm() > left) go_back_to(before);
+        if (left_mm() > left ||
+            stats_.max_movement_mm > std::max(before.stats.max_movement_mm, options_.max_disagreement_mm))
+            go_back_to(before);
+    }
+
+    // A set with its contours in the order of those of another one that have points of theirs; nothing where
+    // one has none.
+    static std::optional<ContourSet> in_order_of(const ContourSet& order, const ContourSet& set) {
+        ContourSet result = set;
+        for (std::size_t c = 0; c < order.contours.size(); ++c) {
+            const Contour& now = order.contours[c];
+            const std::vector<Vec3> points = sorted_points(order, now);
+            const std::span<const Contour> slice = set.contours_of(set.slices[now.slice]);
+            const auto was = std::find_if(slice.begin(), slice.end(), [&](const Contour& contour) {
+                if (contour.structure != now.structure) return false;
+                const auto all = set.points_of(contour);
+                return std::any_of(all.begin(), all.end(), [&](const Vec3& p) {
+                    return std::binary_search(points.begin(), points.end(), p, lexicographic_less_3);
+                });
+            });
+            if (was == slice.end()) return std::nullopt;
+            result.contours[c] = *was;
+        }
+        return result;
+    }
+
+    static std::vector<Vec3> sorted_points(const ContourSet& set, const Contour& contour) {
+        const auto points = set.points_of(contour);
+        std::vector<Vec3> sorted(points.begin(), points.end());
+        std::sort(sorted.begin(), sorted.end(), lexicographic_less_3);
+        return sorted;
     }
 
     // Of several slices, in lexicographic order.

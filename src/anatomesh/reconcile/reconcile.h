@@ -6,6 +6,7 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/share_lines.h"
 #include "anatomesh/reconcile/flatten_folds.h"
 #include "anatomesh/reconcile/settle_poles.h"
 
@@ -24,6 +25,9 @@ struct ReconcileOptions {
     // How far beyond its own contours a slice still says "outside". mm, [0, 1000]; 0: the spacing of the
     // planes
     double margin_mm = 0;
+    // Contours of different structures that come to lie nearer to each other than this share their vertices
+    // (share_lines.h). mm, [0, 0.1]
+    double same_line_mm = ShareLinesOptions{}.width_mm;
 };
 
 // Two slices on their common line, all structures together: distances along the line.
@@ -40,7 +44,7 @@ struct SliceMovement {
     // Of its drawn vertices, without the shift; where no pole is settled before they come to a common point
     // (within 0.05 mm).
     double mean_mm = 0, max_mm = 0;
-    Vec3 shift;                      // by align, in the slice's plane
+    Vec3 shift;  // by align, in the slice's plane
 };
 
 struct ReconcileStats {
@@ -68,9 +72,9 @@ struct ReconcileResult {
 // interval or gap that only one of two slices has is drawn back across the line when no point has to move
 // further than the bound. Then contours that agree get the end itself as a common vertex, and narrow folds
 // and spikes that the movement made are cut off (flatten_folds.h). Where slices still differ, all that is
-// repeated, as long as they differ by a fifth less, with vertices at just those ends. Where four planes or more
-// share a line, contours that rise and fall in turn beside it are turned (settle_poles.h). Of a structure that a
-// slice leaves undrawn where others show it the slice says nothing (silences.h).
+// repeated, as long as they differ by a fifth less, with vertices at just those ends. Where four planes or
+// more share a line, contours that rise and fall in turn beside it are turned (settle_poles.h). Of a
+// structure that a slice leaves undrawn where others show it the slice says nothing (silences.h).
 //
 // Requires: a kept contour set. Guarantees: a kept contour set again: contours stay simple, do not cross and
 // keep their nesting, by exact predicates; where that needs it a step is shortened. Slices that agree on

@@ -179,6 +179,73 @@ TEST(Reconcile, C25_two_slices_have_no_two_common_points_in_one_place) {
     EXPECT_GT(common, 5000u);
 }
 
+// A rectangle from low to high, in the two axes that the plane holds, with a vertex about every 2 mm.
+void add_rectangle(ContourSet& set, std::uint32_t structure, const std::array<Vec3, 4>& corners) {
+    const Plane& plane = set.slices.back().plane;
+    std::vector<Vec3> points;
+    for (std::size_t n = 0; n < 4; ++n) {
+        const Vec3 from = corners[n], way = corners[(n + 1) % 4] - from;
+        const auto steps = static_cast<int>(std::lround(length(way) / 2));
+        for (int k = 0; k < steps; ++k) points.push_back(from + (static_cast<double>(k) / steps) * way);
+    }
+    double area = 0;
+    for (std::size_t n = 0; n < points.size(); ++n)
+        area += cross(plane.to_plane(points[n]), plane.to_plane(points[(n + 1) % points.size()]));
+    if (area < 0) std::reverse(points.begin(), points.end());
+    std::rotate(points.begin(),
+                std::min_element(points.begin(), points.end(),
+                                 [](Vec3 p, Vec3 q) { return lexicographic_less(p, q); }),
+                points.end());
+    set.contours.push_back({structure, static_cast<std::uint32_t>(set.slices.size() - 1),
+                            static_cast<std::uint32_t>(set.points.size()),
+                            static_cast<std::uint32_t>(points.size())});
+    set.points.insert(set.points.end(), points.begin(), points.end());
+    ++set.slices.back().contour_count;
+}
+
+// Two islands of a structure, one of which moves past the other's leftmost vertex, and a second structure
+// that comes to lie on the first one's wall.
+TEST(Reconcile, C25_movements_are_told_of_islands_that_change_their_order_where_walls_are_united) {
+    ContourSet set;
+    set.structures = {{1, "one", {}}, {2, "other", {}}};
+    const auto begin = [&](Vec3 origin, Vec3 normal) {
+        set.slices.push_back({make_plane(origin, normal), static_cast<std::uint32_t>(set.contours.size()), 0,
+                              std::to_string(set.slices.size())});
+    };
+    const auto flat = [](double x0, double y0, double x1, double y1) {
+        return std::array<Vec3, 4>{{{x0, y0, 0}, {x1, y0, 0}, {x1, y1, 0}, {x0, y1, 0}}};
+    };
+    const auto upright = [](double y, double x0, double z0, double x1, double z1) {
+        return std::array<Vec3, 4>{{{x0, y, z0}, {x1, y, z0}, {x1, y, z1}, {x0, y, z1}}};
+    };
+    begin({}, {0, 0, 1});
+    add_rectangle(set, 0, flat(0, 0, 10, 10));
+    add_rectangle(set, 0, flat(0.1, 20, 10, 30));
+    add_rectangle(set, 1, flat(4, 2, 9.97, 8));
+    begin({0, 5, 0}, {0, 1, 0});
+    add_rectangle(set, 0, upright(5, 0.6, -10, 9.985, 10));
+    add_rectangle(set, 1, upright(5, 4, -6, 9.985, 6));
+    begin({0, 25, 0}, {0, 1, 0});
+    add_rectangle(set, 0, upright(25, 0.1, -10, 10, 10));
+    const ReconcileResult result = reconciled(set);
+    // How far the nearest kept vertex is at least.
+    for (std::uint32_t s = 0; s < 2; ++s) {
+        double most = 0;
+        for (const Contour& contour : set.contours_of(set.slices[s])) {
+            for (const Vec3& p : set.points_of(contour)) {
+                double least = 1;
+                for (const Contour& kept : result.kept.contours_of(result.kept.slices[s])) {
+                    if (kept.structure != contour.structure) continue;
+                    for (const Vec3& q : result.kept.points_of(kept)) least = std::min(least, length(q - p));
+                }
+                most = std::max(most, least);
+            }
+        }
+        EXPECT_GT(most, 0.2);
+        EXPECT_GE(result.stats.movements[s].max_mm, most - 1e-9);
+    }
+}
+
 TEST(Reconcile, C25_the_movement_is_shared_between_two_slices_that_cross) {
     std::mt19937 random(1);
     // Circles of radius 20 and 22 at right angles: each has to give way by a millimetre.
@@ -293,8 +360,8 @@ TEST(Reconcile, few_ends_count_in_full_at_95_percent) {
     EXPECT_EQ(stats.p95_mm, stats.max_mm);
 }
 
-// A circle of radius 20 and so many vertices in z = 0, and a smaller section in the plane of that x, which does not
-// reach down to it.
+// A circle of radius 20 and so many vertices in z = 0, and a smaller section in the plane of that x, which
+// does not reach down to it.
 ContourSet circle_with_section_across(int count, double x, std::mt19937& random) {
     ContourSet set = drawn_ball(20, {make_plane({}, {0, 0, 1})}, {0, 0, count}, random);
     const Plane upright = make_plane({x, 0, 0}, {1, 0, 0});
@@ -329,7 +396,8 @@ TEST(Reconcile, C26_what_is_drawn_back_keeps_off_the_line_by_a_share_of_the_vert
         for (const Vec3& p : result.kept.points) {
             if (std::abs(p.z) < 1e-9) beyond = std::max(beyond, p.x - 17);
         }
-        EXPECT_LT(beyond, -std::max(0.099, 0.09 * spacing)) << count << " vertices, " << spacing << " mm apart";
+        EXPECT_LT(beyond, -std::max(0.099, 0.09 * spacing))
+            << count << " vertices, " << spacing << " mm apart";
         expect_sound(result.kept);
     }
 }
