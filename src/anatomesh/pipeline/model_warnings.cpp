@@ -65,13 +65,14 @@ void warn_of_segments(const ModelReport& report, const std::string& file, RunCon
     place.file = file;
     place.structure = worst->name.empty() ? std::to_string(worst->number) : worst->name;
     place.value = counted(missed_of(*worst), "segment");
-    context.warn({"W-PIP-012",
-                  std::to_string(missed) + " of " + std::to_string(all) +
-                      " contour segments are not edges of the surface all along; the structure with most of "
-                      "them is named",
-                  place,
-                  "kept; where contours of neighbouring structures run closer to each other than a pixel, "
-                  "--close-gaps MM gives them one wall"});
+    context.warn(
+        {"W-PIP-012",
+         std::to_string(missed) + " of " + std::to_string(all) +
+             " contour segments are not edges of the surface all along; the structure with most of "
+             "them is named",
+         place,
+         "kept; where drawn contours of neighbouring structures run closer to each other than a pixel, "
+         "--close-gaps MM gives them one wall"});
 }
 
 void warn_of_shells(const StructureReport& structure, const std::string& file, RunContext& context) {

@@ -32,6 +32,30 @@ TEST(ModelWarnings, a_surface_far_from_the_field) {
     EXPECT_EQ(warnings_of_distance(3, true, 0), 0u);  // not measured
 }
 
+TEST(ModelWarnings, segments_of_several_structures_that_are_missed) {
+    const auto warned = [](const std::vector<std::uint64_t>& missed) {
+        ModelReport report;
+        for (const std::uint64_t count : missed) {
+            report.structures.emplace_back();
+            report.structures.back().number = static_cast<std::int32_t>(report.structures.size());
+            report.structures.back().contour_segments = 100;
+            report.structures.back().contour_segments_on_surface = 100 - count;
+        }
+        RunContext context;
+        warn_of_model(report, 2.0, "drawn.json", context);
+        return context.warnings;
+    };
+    EXPECT_TRUE(warned({0, 0}).empty());
+    EXPECT_TRUE(warned({3}).empty());  // nothing else is drawn beside it
+    const std::vector<Warning> warnings = warned({1, 4, 2});
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_EQ(warnings[0].code, "W-PIP-012");
+    EXPECT_EQ(warnings[0].place.structure, "2");
+    EXPECT_EQ(warnings[0].place.value, "4 segments");
+    EXPECT_NE(warnings[0].message.find("7 of 300"), std::string::npos) << warnings[0].message;
+    EXPECT_NE(warnings[0].what_was_done.find("--close-gaps"), std::string::npos);
+}
+
 TEST(ModelWarnings, surfaces_that_meet_and_should_not) {
     for (const auto& [joined_mm, expected] : {std::pair{1.1, 1}, {0.9, 0}}) {
         ModelReport report;
