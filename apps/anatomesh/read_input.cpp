@@ -425,8 +425,7 @@ void close_narrow_gaps(InputContours& contours, const InputOptions& options, Run
                          number_text(closing.width_mm), extent_of(stats)),
              worst_place(kept, stats, "mm wide"),
              "no vertex moves for it, but slices that cross may come to disagree there; without --close-gaps "
-             "the "
-             "contours stay as they are"});
+             "the contours stay as they are"});
     }
 }
 

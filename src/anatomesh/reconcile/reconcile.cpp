@@ -20,6 +20,7 @@
 #include "anatomesh/reconcile/line_ends.h"
 #include "anatomesh/reconcile/line_votes.h"
 #include "anatomesh/reconcile/movement.h"
+#include "anatomesh/reconcile/reconcile_warnings.h"
 #include "anatomesh/reconcile/settle_poles.h"
 #include "anatomesh/reconcile/shared_points.h"
 #include "anatomesh/reconcile/silences.h"
@@ -38,21 +39,16 @@ constexpr double least_split_mm = 0.1;  // of a segment that gets a vertex
 constexpr double least_gain = 0.2;      // of a repetition: the share by which slices differ less
 constexpr double joined_mm = 0.1;       // how far a vertex may have gone to a common point
 constexpr int most_align_rounds = 12;
-constexpr double align_precision_mm = 1e-3;
-constexpr double agreement_mm = 0.01;  // across the contours: then common points can be put in
 // Of a contour drawn back from another slice's plane, and of the mean distance between vertices: nearer to
 // the line two planes are so close to each other that no cells of any shape fit between.
 constexpr double least_clearance_mm = 0.1, clearance_share = 0.1;
-constexpr double flattening = 0.2;         // what is left of the height of an arc that is drawn back
-constexpr double normal_reach_mm = 1;      // contours' normals are taken over chords of this half length
-constexpr int most_shortenings = 16;       // of a step, by half each
-constexpr double shortening_reach_mm = 3;  // along the contour
-constexpr std::size_t most_named_pairs = 10;
+constexpr double flattening = 0.2;          // what is left of the height of an arc that is drawn back
+constexpr double normal_reach_mm = 1;       // contours' normals are taken over chords of this half length
+constexpr int most_shortenings = 16;        // of a step, by half each
+constexpr double shortening_reach_mm = 3;   // along the contour
 constexpr double least_moved_share = 0.05;  // of the radius about poles: else the slices agreed as drawn
 constexpr double pole_radius_share = 0.3;   // of the mean distance between vertices
 constexpr double sharp_pole_degrees = 70;
-constexpr double outlier_mm = 2,
-                 outlier_factor = 4;  // of a slice's median disagreement, and over that of all
 
 class Reconciler {
   public:
@@ -64,7 +60,7 @@ class Reconciler {
         measure_extents();
         if (context_.cancelled()) return cancelled_error();
         if (pairs_.empty()) {
-            warn_of_strays();
+            warn_of_reconciling(set_, options_, stats_, silences_, strays_, context_);
             return finish();
         }
         if (options_.align) {
@@ -80,7 +76,7 @@ class Reconciler {
         }
         if (context_.cancelled()) return cancelled_error();
         note_difference_after();
-        warn();
+        warn_of_reconciling(set_, options_, stats_, silences_, strays_, context_);
         return finish();
     }
 
@@ -134,13 +130,6 @@ class Reconciler {
         return folds;
     }
 
-    Place place_of_slice(std::uint32_t slice, double value_mm) const {
-        return {set_.source, set_.slices[slice].name, "", "", brief(value_mm) + " mm"};
-    }
-    std::string names(std::uint32_t a, std::uint32_t b) const {
-        return "slices " + set_.slices[a].name + " and " + set_.slices[b].name;
-    }
-
     void shift_slices(const std::vector<Vec2>& shifts) {
         for (const Contour& contour : set_.contours) {
             const Plane& plane = set_.slices[contour.slice].plane;
@@ -179,7 +168,7 @@ class Reconciler {
                     ErrorKind::geometry, "E-RCN-002",
                     "the slice agrees with those that it crosses only when it is shifted by more than " +
                         brief(options_.max_disagreement_mm) + " mm",
-                    place_of_slice(s, length(total[s])),
+                    place_of_slice(set_, s, length(total[s])),
                     "leave the slice out, or raise the bound with --max-disagreement"};
             }
         }
@@ -201,13 +190,13 @@ class Reconciler {
     }
 
     Error contradiction(const WorstPlace& worst, const std::string& where, const std::string& which) const {
-        Place place = place_of_slice(worst.a, worst.distance_mm);
+        Place place = place_of_slice(set_, worst.a, worst.distance_mm);
         const Structure& structure = set_.structures[worst.structure];
         place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
         return Error{ErrorKind::geometry, "E-RCN-001",
-                     names(worst.a, worst.b) + " contradict each other by " + brief(worst.distance_mm) +
-                         " mm" + where + brief(options_.max_disagreement_mm) + " mm; " +
-                         std::to_string(worst.places) + which + set_.slices[worst.culprit].name,
+                     names_of(set_, worst.a, worst.b) + " contradict each other by " +
+                         brief(worst.distance_mm) + " mm" + where + brief(options_.max_disagreement_mm) +
+                         " mm; " + std::to_string(worst.places) + which + set_.slices[worst.culprit].name,
                      std::move(place),
                      std::string("leave a slice out, ") +
                          (options_.align ? "" : "shift slices with --align, ") +
@@ -241,7 +230,7 @@ class Reconciler {
 
     // Contours of different structures that came to lie on each other but for what is left of the movement.
     void unite_walls() {
-        if (stats_.max_movement_mm == 0) return;
+        if (stats_.max_movement_mm == 0 || set_.structures.size() < 2) return;
         const State before = state();
         const double left = left_mm();
         ShareLinesOptions options;
@@ -576,192 +565,6 @@ class Reconciler {
     }
     static bool before(const PairDisagreement& p, const PairDisagreement& q) {
         return std::tie(p.slice_a, p.slice_b) < std::tie(q.slice_a, q.slice_b);
-    }
-
-    // The pairs with the largest figures above `least`, largest first.
-    template <class Figure>
-    std::vector<const PairDisagreement*> largest(Figure figure, double least) const {
-        std::vector<const PairDisagreement*> named;
-        for (const PairDisagreement& pair : stats_.pairs) {
-            if (figure(pair) > least) named.push_back(&pair);
-        }
-        std::stable_sort(
-            named.begin(), named.end(),
-            [&](const PairDisagreement* p, const PairDisagreement* q) { return figure(*p) > figure(*q); });
-        return named;
-    }
-
-    void warn() {
-        warn_of_shifts();
-        warn_of_disagreement();
-        warn_of_pairs();
-        warn_of_folds();
-        warn_of_poles();
-        warn_of_rest();
-        warn_of_outliers();
-        warn_of_silences();
-        warn_of_strays();
-    }
-
-    void warn_of_strays() {
-        std::vector<StraySlice> named = strays_;
-        std::stable_sort(named.begin(), named.end(),
-                         [](const StraySlice& p, const StraySlice& q) { return p.others > q.others; });
-        for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
-            const StraySlice& stray = named[n];
-            context_.warn({"W-RCN-008",
-                           "the slice has nothing in common with the " + std::to_string(stray.others) +
-                               (stray.others == 1 ? " slice" : " slices") +
-                               " that draw the same structure where their planes cross, but elsewhere; "
-                               "the nearest is slice " +
-                               set_.slices[stray.nearest].name + ": is it in its place?" +
-                               (named.size() > most_named_pairs && n == 0
-                                    ? "; " + std::to_string(named.size()) + " such slices"
-                                    : ""),
-                           place_of_slice(stray.slice, stray.gap_mm), "kept, as a part by itself"});
-        }
-    }
-
-    void warn_of_silences() {
-        std::vector<Silence> named = silences_;
-        std::stable_sort(named.begin(), named.end(),
-                         [](const Silence& p, const Silence& q) { return p.shown_mm > q.shown_mm; });
-        for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
-            const Structure& structure = set_.structures[named[n].structure];
-            Place place = place_of_slice(named[n].slice, named[n].shown_mm);
-            place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
-            context_.warn({"W-RCN-007",
-                           "the structure is not drawn on this slice, but slice " +
-                               set_.slices[named[n].shown_by].name + " has it where their planes cross" +
-                               (named.size() > most_named_pairs && n == 0
-                                    ? "; " + std::to_string(named.size()) + " such slices and structures"
-                                    : ""),
-                           std::move(place), "the slice says nothing of the structure"});
-        }
-    }
-
-    void warn_of_folds() {
-        const FoldStats& folds = stats_.folds;
-        if (folds.vertices == 0) return;
-        const auto counted = [](std::uint64_t count, const std::string& noun) {
-            return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-        };
-        context_.warn({"W-RCN-006",
-                       counted(folds.folds, "narrow fold") + " and " + counted(folds.spikes, "spike") +
-                           ", up to " + brief(folds.highest_mm) +
-                           " mm high, came about as contours were moved",
-                       {set_.source, "", "", "", ""},
-                       "cut off, with " + std::to_string(folds.vertices) + " drawn vertices"});
-    }
-
-    void warn_of_poles() {
-        const PoleStats& poles = stats_.poles;
-        if (poles.poles == 0) return;
-        context_.warn(
-            {"W-RCN-009",
-             "contours rise and fall from plane to plane beside a line in which four planes or more "
-             "meet, at " +
-                 std::to_string(poles.poles) + (poles.poles == 1 ? " place" : " places"),
-             {set_.source, "", "", "", brief(poles.highest_mm) + " mm"},
-             "turned there, by " + brief(poles.highest_mm) + " mm at most"});
-    }
-
-    void warn_of_shifts() {
-        std::uint32_t shifted = 0, worst = 0;
-        double sum = 0, others = 0;
-        for (std::uint32_t s = 0; s < stats_.movements.size(); ++s) {
-            const double shift = length(stats_.movements[s].shift);
-            if (shift < 10 * align_precision_mm) continue;
-            ++shifted;
-            sum += shift;
-            if (shift > length(stats_.movements[worst].shift)) worst = s;
-        }
-        if (shifted == 0) return;
-        for (std::uint32_t s = 0; s < stats_.movements.size(); ++s) {
-            if (s != worst) others = std::max(others, length(stats_.movements[s].shift));
-        }
-        context_.warn({"W-RCN-001",
-                       std::to_string(shifted) + " of " + std::to_string(stats_.movements.size()) +
-                           " slices agree better with those that they cross when they are " +
-                           "shifted in their planes, by " + brief(sum / shifted) +
-                           " mm in the mean and most in slice " + set_.slices[worst].name +
-                           "; the others by " + brief(others) + " mm at most",
-                       place_of_slice(worst, length(stats_.movements[worst].shift)), "shifted"});
-    }
-
-    // Slices that disagree with the others far more than these among themselves: a jump of a tracker, as a
-    // rule.
-    void warn_of_outliers() {
-        std::vector<std::vector<double>> of_slice(set_.slices.size());
-        for (const PairDisagreement& pair : stats_.pairs) {
-            const double figure = std::max(pair.median_mm, pair.unmatched > 0 ? 0.5 * pair.difference_mm : 0);
-            of_slice[pair.slice_a].push_back(figure);
-            of_slice[pair.slice_b].push_back(figure);
-        }
-        for (std::uint32_t s = 0; s < of_slice.size(); ++s) {
-            std::vector<double>& figures = of_slice[s];
-            if (figures.size() < 3) continue;
-            const auto middle = figures.begin() + static_cast<std::ptrdiff_t>(figures.size() / 2);
-            std::nth_element(figures.begin(), middle, figures.end());
-            if (*middle <= std::max(outlier_mm, outlier_factor * stats_.median_mm)) continue;
-            context_.warn({"W-RCN-005",
-                           "the slice disagrees with most of those that it crosses: is it in its place?",
-                           place_of_slice(s, *middle), "kept"});
-        }
-    }
-
-    void warn_of_disagreement() {
-        if (stats_.max_mm <= agreement_mm && stats_.unmatched == 0) return;
-        std::string done = "kept as drawn";
-        if (options_.reconcile) {
-            done = "contours moved in their planes by " + brief(stats_.mean_movement_mm) +
-                   " mm in the mean and " + brief(stats_.max_movement_mm) + " mm at most";
-        }
-        context_.warn({"W-RCN-002",
-                       "slices disagree where their planes cross: region ends differ by " +
-                           brief(stats_.median_mm) + " mm in the median, " + brief(stats_.p95_mm) +
-                           " mm at 95 % and " + brief(stats_.max_mm) + " mm at most; " +
-                           std::to_string(stats_.unmatched) + " intervals or gaps are in one slice only",
-                       {set_.source, "", "", "",
-                        brief(stats_.difference_mm) + " mm on " + std::to_string(stats_.pairs.size()) +
-                            " common lines"},
-                       std::move(done)});
-    }
-
-    void warn_of_pairs() {
-        const auto figure = [](const PairDisagreement& pair) {
-            return std::max(pair.max_mm, pair.difference_mm);
-        };
-        const auto named = largest(figure, std::max(1.0, 0.1 * options_.max_disagreement_mm));
-        for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
-            const PairDisagreement& pair = *named[n];
-            context_.warn({"W-RCN-003",
-                           names(pair.slice_a, pair.slice_b) +
-                               " disagree where their planes cross: " + std::to_string(pair.ends) +
-                               " region ends by up to " + brief(pair.max_mm) + " mm, " +
-                               std::to_string(pair.unmatched) + " intervals or gaps in one of them only",
-                           place_of_slice(pair.slice_a, pair.difference_mm),
-                           options_.reconcile ? "moved" : "kept as drawn"});
-        }
-    }
-
-    void warn_of_rest() {
-        if (!options_.reconcile) return;
-        const auto figure = [](const PairDisagreement& pair) { return pair.difference_after_mm; };
-        const auto left = largest(figure, 0);
-        if (left.empty()) return;
-        std::string worst;
-        for (std::size_t n = 0; n < std::min<std::size_t>(left.size(), 3); ++n) {
-            worst += (n > 0 ? "; " : "") + names(left[n]->slice_a, left[n]->slice_b) + " " +
-                     brief(left[n]->difference_after_mm) + " mm";
-        }
-        context_.warn({"W-RCN-004",
-                       std::to_string(left.size()) +
-                           " pairs of slices could not be made to agree everywhere on their common "
-                           "line: " +
-                           worst,
-                       {set_.source, "", "", "", brief(stats_.difference_after_mm) + " mm"},
-                       "left; where they cross, the contour nearest to a point counts"});
     }
 
     // Contours begin at their smallest point and stand in order, as in every kept set.
