@@ -75,7 +75,7 @@ std::string advice(const CheckOptions& options, const ModelFile& model, const In
             return distances +
                    ": are they mirrored, scaled or shifted, or other contours than those that model "
                    "--contours "
-                   "writes, or read with other --close-gaps or --same-line?";
+                   "writes, or read with other --close-slivers, --close-gaps or --same-line?";
     }
     if (broken(4) && !contours) {
         return "the certificate says which and where; with --contours what they force is known and excused";
@@ -136,6 +136,19 @@ void look_for_tears(const ModelFile& model, const ContourSet& contours, const Mo
     warn_of_tears(tears, contours, size_mm, context);
 }
 
+// Contours share walls as those of the model do, by the options in its file, but where the user says else.
+void share_walls_as(const ModelFile& model, InputOptions& options) {
+    const auto take = [&](const char* option, const char* note, double most, double& width) {
+        const std::vector<std::string>& given = options.cleaning_given;
+        const std::optional<double> told = number_of(model.description, note);
+        if (std::find(given.begin(), given.end(), option) != given.end() || !told) return;
+        if (*told >= 0 && *told <= most) width = *told;
+    };
+    take("--same-line", "same_line_mm", 0.1, options.same_line_mm);
+    take("--close-slivers", "close_slivers_mm", 10, options.close_slivers_mm);
+    take("--close-gaps", "close_gaps_mm", 10, options.close_gaps_mm);
+}
+
 Status run_check(CheckOptions options, Session& session) {
     options.contours.limits = session.limits;
     if (options.contours.input.empty() &&
@@ -155,6 +168,7 @@ Status run_check(CheckOptions options, Session& session) {
     std::optional<InputContours> contours;
     ModelReport report;
     if (!options.contours.input.empty()) {
+        share_walls_as(model, options.contours);
         ANATOMESH_TRY(OpenedInput opened, open_input(options.contours, session.context));
         ANATOMESH_TRY(contours, contours_of(std::move(opened), options.contours, session.context));
         ANATOMESH_TRY(contours->kept, contours_of_model(std::move(contours->kept), model,

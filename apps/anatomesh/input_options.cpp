@@ -53,8 +53,9 @@ void add_reading_options(CLI::App& verb, InputOptions& options) {
                "Which transform of a NIfTI image counts when its two disagree");
     add_text(verb, "--assume-orientation", options.assume_orientation, "AXES",
              "Where the axes of an image without orientation run to, as RAS");
-    add_optional_count(verb, "--volume", options.volume, 0,
-                       "Which volume of an image that holds several, from 0, or which time frame of guide points");
+    add_optional_count(
+        verb, "--volume", options.volume, 0,
+        "Which volume of an image that holds several, from 0, or which time frame of guide points");
     add_text(verb, "--series", options.series, "UID",
              "Which series of a folder of DICOM objects, by its UID or the name that info gives it");
     verb.add_flag("--allow-gaps", options.allow_gaps,
@@ -131,6 +132,11 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
             "Contours of different structures share their vertices where they lie less than MM apart, "
             "0 to 0.1 (default {}: copies of one line; 0: as drawn)",
             options.same_line_mm));
+    add("--close-slivers", options.close_slivers_mm, 0, 10, "MM",
+        fmt::format(
+            "Give structures whose contours cross again and again one wall where they are less than MM, and "
+            "{:.0f} % of a segment's length, apart between crossings, 0 to 10 (default {}; 0: as drawn)",
+            100 * CloseSliversOptions{}.share_of_segment, options.close_slivers_mm));
     add("--close-gaps", options.close_gaps_mm, 0, 10, "MM",
         "Give neighbouring structures drawn less than MM apart, about a pixel, one wall through the vertices "
         "of both, "

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "anatomesh/contour/clean.h"
+#include "anatomesh/contour/close_gaps.h"
 #include "anatomesh/contour/share_lines.h"
 #include "limits.h"
 
@@ -42,8 +43,9 @@ struct InputOptions {
     std::optional<std::uint32_t> every;
     std::uint32_t offset = 0;
     std::optional<double> epsilon_mm;  // 0: exact
-    double close_gaps_mm = 0;
     double same_line_mm = ShareLinesOptions{}.width_mm;
+    double close_slivers_mm = CloseSliversOptions{}.width_mm;
+    double close_gaps_mm = CloseGapsOptions{}.width_mm;
     std::optional<double> min_area_mm2;
 
     CleanOptions cleaning;
@@ -58,7 +60,7 @@ struct InputOptions {
 void add_reading_options(CLI::App& verb, InputOptions& options);
 
 // How drawn contours are read and repaired: --holes, --unite-repeated-planes, --closing-gap, --same-line,
-// --close-gaps, --plane-repair, --keyhole, --max-repair.
+// --close-slivers, --close-gaps, --plane-repair, --keyhole, --max-repair.
 void add_cleaning_options(CLI::App& verb, InputOptions& options);
 
 // Which part of it, and how closely: --structure, --threshold, --keep-largest, --every, --offset, --epsilon,

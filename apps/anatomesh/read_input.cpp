@@ -378,7 +378,7 @@ std::vector<ContourReport> contour_log(const RawContours& raw, const CleanResult
     return log;
 }
 
-// Of share_lines() and close_gaps(): how much was changed, and where most.
+// Of share_lines(), close_slivers() and close_gaps(): how much was changed, and where most.
 template <class Stats>
 std::string extent_of(const Stats& stats) {
     return fmt::format("{} on {}, {:.3g} mm2 changed hands", counted(stats.contours_changed, "contour"),
@@ -407,6 +407,26 @@ void share_copied_lines(InputContours& contours, const InputOptions& options, Ru
                  counted(stats.vertices_taken, "vertex", "vertices"), stats.width_mm, extent_of(stats)),
              worst_place(kept, stats, "mm"),
              "copies of one line share its vertices; --same-line 0 keeps them as drawn"});
+    }
+}
+
+// Walls that were drawn once for each of the structures that share them.
+void close_slivers_between(InputContours& contours, const InputOptions& options, RunContext& context) {
+    ContourSet& kept = contours.kept;
+    CloseSliversOptions closing;
+    closing.width_mm = options.close_slivers_mm;
+    contours.options.emplace_back("close_slivers_mm", number_text(closing.width_mm));
+    const CloseGapsStats stats = close_slivers(kept, closing);
+    if (stats.contours_changed > 0) {
+        context.warn(
+            {"W-CON-028",
+             fmt::format(
+                 "contours of neighbouring structures cross again and again, with slivers below {} mm "
+                 "and {:.0f} % of a segment's length between them; led through each other's "
+                 "vertices there: {}",
+                 number_text(closing.width_mm), 100 * closing.share_of_segment, extent_of(stats)),
+             worst_place(kept, stats, "mm wide"),
+             "no vertex moves for it; --close-slivers 0 keeps the contours as drawn"});
     }
 }
 
@@ -472,6 +492,7 @@ Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& op
         return does_not_apply("--close-gaps", options.input, "there is one structure alone");
     }
     share_copied_lines(result, options, context);
+    close_slivers_between(result, options, context);
     close_narrow_gaps(result, options, context);
     return result;
 }

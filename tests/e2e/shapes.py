@@ -122,6 +122,20 @@ def touching_balls(radius=12.0, spacing=2.0, two_structures=True):
     return shape
 
 
+def wall_drawn_twice(gap=0.0, below=14, above=11, spacing=2.0, length=20.0):
+    """Two slabs on each other, whose common wall was drawn for each with its own steps along one curve."""
+    shape = Shape({1: "below", 2: "above"}, spacing)
+
+    def side(steps, y):
+        x = np.linspace(0, length, steps + 1)
+        return np.c_[x, y + 0.8 * np.sin(0.7 * x)]
+
+    for k in range(8):
+        shape.add_slice(spacing * k, [(1, np.vstack([[(0, -6), (length, -6)], side(below, 0.0)[::-1]])),
+                                      (2, np.vstack([side(above, gap), [(length, 6), (0, 6)]]))])
+    return shape
+
+
 def two_discs(radius, half_gap, count=40):
     """Outline of the union of discs at (-half_gap, 0) and (half_gap, 0): one polygon or two."""
     if half_gap >= radius:

@@ -145,7 +145,7 @@ class WrongCommands(harness.TestCase):
         for words in (["--use", "qform"], ["--assume-orientation", "RAS"], ["--volume", "0"]):
             self.assert_refused(["info", "ball.json", *words], 2, "E-CMD-008", words[0])
         for words in (["--use", "sform"], ["--assume-orientation", "RAS"], ["--holes", "filled"], ["--max-repair", "1"],
-                      ["--closing-gap", "1"], ["--close-gaps", "1"], ["--same-line", "0.01"], ["--plane-repair", "1"], ["--keyhole", "1"], ["--unite-repeated-planes"]):
+                      ["--closing-gap", "1"], ["--close-gaps", "1"], ["--close-slivers", "1"], ["--same-line", "0.01"], ["--plane-repair", "1"], ["--keyhole", "1"], ["--unite-repeated-planes"]):
             self.assert_refused(["contours", "labels.nrrd", "-o", "a.json", *words], 2, "E-CMD-008", words[0])
         for words in (["--frame", "RAS"], ["--holes", "filled"]):
             self.assert_refused(["check", "ball.json", *words], 2, "E-CMD-008", words[0], "--contours")
@@ -154,7 +154,7 @@ class WrongCommands(harness.TestCase):
         self.assertNotIn("W-CMD", self.run_program("contours", "labels.nrrd", "-o", "a.csl").err)
 
     def test_values_of_options_are_validated(self):
-        for words in (["--holes", "none"], ["--max-repair", "1.5"], ["--closing-gap", "-1"], ["--close-gaps", "11"], ["--same-line", "1"], ["--plane-repair", "11"], ["--keyhole", "11"],
+        for words in (["--holes", "none"], ["--max-repair", "1.5"], ["--closing-gap", "-1"], ["--close-gaps", "11"], ["--close-slivers", "-1"], ["--same-line", "1"], ["--plane-repair", "11"], ["--keyhole", "11"],
                       ["--max-gap", "0.5"], ["--slice-thickness", "0"], ["--limit", "voxels"], ["--limit", "voxels=0"],
                       ["--limit", "pixels=5"], ["--limit", "voxels=+5"], ["--limit", "voxels=1e6"],
                       ["--limit", "points=99999999999"]):

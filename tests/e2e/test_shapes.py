@@ -180,6 +180,45 @@ class Options(harness.TestCase):
         self.assertEqual((result.out, result.err), ("", ""))
 
 
+class WallsDrawnTwice(harness.TestCase):
+    """Structures that share a wall, which was drawn once for each of them."""
+
+    def models(self, shape, *words):
+        self.write("walls.json", shape.document())
+        told = self.run_program("model", "walls.json", "-o", "walls.vtu", "--contours", "kept.json", *words).err
+        # Read as drawn or as kept, the contours are those of the model, whatever it was made with.
+        for contours in ("walls.json", "kept.json"):
+            self.run_program("check", "walls.vtu", "--contours", contours)
+        return told, judge.Model(self.folder / "walls.vtu")
+
+    def shared_area(self, model):
+        sides = [model.surface(model.structure == number) for number in (1, 2)]
+        common = set(map(tuple, np.sort(sides[0], axis=1))) & set(map(tuple, np.sort(sides[1], axis=1)))
+        triangles = np.array(sorted(common), dtype=int).reshape(-1, 3)
+        p = model.points[triangles]
+        return np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1).sum() / 2
+
+    def test_the_wall_is_shared_and_said_to_be(self):
+        told, model = self.models(shapes.wall_drawn_twice())
+        self.assertIn("W-CON-028", told)
+        self.assertNotIn("W-PIP-012", told)
+        self.assertGreater(self.shared_area(model), 0.9 * 20 * 16)
+
+    def test_as_drawn_where_asked(self):
+        told, model = self.models(shapes.wall_drawn_twice(), "--close-slivers", "0")
+        self.assertNotIn("W-CON-028", told)
+        drawn = self.run_program("check", "walls.vtu", "--contours", "walls.json", "--close-slivers", "0.4", expect=4)
+        self.assertIn("--close-slivers", drawn.err)
+
+    def test_a_gap_that_is_not_crossed_is_a_gap_but_where_asked(self):
+        told, model = self.models(shapes.wall_drawn_twice(gap=0.5, below=40, above=40))
+        self.assertNotIn("W-CON-02", told)
+        self.assertLess(self.shared_area(model), 0.01 * 20 * 16)
+        told, model = self.models(shapes.wall_drawn_twice(gap=0.5, below=40, above=40), "--close-gaps", "0.7")
+        self.assertIn("W-CON-025", told)
+        self.assertGreater(self.shared_area(model), 0.9 * 20 * 16)
+
+
 class CheckAndCompare(harness.TestCase):
     def setUp(self):
         super().setUp()

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "anatomesh/geom/box.h"
+#include "anatomesh/geom/polygon.h"
 #include "anatomesh/geom/predicates.h"
 
 namespace anatomesh {
@@ -14,13 +15,6 @@ namespace anatomesh {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
-    const Vec2 ab = b - a, ap = p - a;
-    const double square = squared_length(ab);
-    const double t = square > 0 ? std::clamp(dot(ap, ab) / square, 0.0, 1.0) : 0.0;
-    return length(ap - t * ab);
-}
 
 bool within_box(Vec2 p, Vec2 a, Vec2 b) {
     return std::min(a.x, b.x) <= p.x && p.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= p.y &&

@@ -8,6 +8,7 @@
 
 #include "anatomesh/contour/led_contours.h"
 #include "anatomesh/contour/segment_index.h"
+#include "anatomesh/contour/slivers.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {
@@ -17,6 +18,13 @@ class SliceGaps : public LedContours {
   public:
     SliceGaps(const ContourSet& set, const Slice& slice, double width)
         : LedContours(set, slice), width_(width) {}
+
+    // Only where contours cross each other again and again.
+    void close_slivers(double share_of_segment) {
+        slivers_only_ = true;
+        in_slivers_ = beside_in_slivers(loops_, at_, width_, share_of_segment);
+        if (!in_slivers_.empty()) close();
+    }
 
     void close() {
         if (loops_.empty() || loops_.front().structure == loops_.back().structure) return;
@@ -53,6 +61,12 @@ class SliceGaps : public LedContours {
         return all;
     }
 
+    // Whether the loop may be led through the vertex at all.
+    bool may_take(std::uint32_t loop, std::uint32_t vertex) const {
+        return !slivers_only_ ||
+               std::binary_search(in_slivers_.begin(), in_slivers_.end(), Edge{loop, vertex});
+    }
+
     // Puts vertices of earlier structures, or of later ones, that lie beside a segment into it.
     void take_vertices(bool to_later) {
         const Segments all = segments();
@@ -66,9 +80,11 @@ class SliceGaps : public LedContours {
             const std::uint32_t v = all.ends[i][0];
             if (std::binary_search(owners.begin(), owners.end(), Edge{to.structure, v})) return;
             const Vec2 a = at_[all.ends[j][0]], b = at_[all.ends[j][1]];
-            const double apart = distance(at_[v], a, b);
+            const double apart = distance_to_segment(at_[v], a, b);
             const Edge drawn = drawn_segment(to, all.number[j]);
-            if (!(apart < width_) || !(distance(at_[v], at_[drawn[0]], at_[drawn[1]]) < width_)) return;
+            if (!(apart < width_) || !(distance_to_segment(at_[v], at_[drawn[0]], at_[drawn[1]]) < width_))
+                return;
+            if (!may_take(all.loop[j], v)) return;
             const Vec2 course = at_[all.ends[i][1]] - at_[from.last_of(all.number[i])];
             if (dot(course, b - a) >= 0) return;
             found.push_back({v, all.loop[j], all.number[j], along(at_[v], a, b), apart});
@@ -193,8 +209,8 @@ class SliceGaps : public LedContours {
             const std::uint32_t last = way.vertices[(from + k - 1) % way.vertices.size()];
             if (dot(at_[v] - at_[last], back) < 0) return {};
             if (v == a) break;
-            const double apart = distance(at_[v], at_[drawn[0]], at_[drawn[1]]);
-            if (!(apart < width_) ||
+            const double apart = distance_to_segment(at_[v], at_[drawn[0]], at_[drawn[1]]);
+            if (!(apart < width_) || !may_take(l, v) ||
                 std::binary_search(owners.begin(), owners.end(), Edge{loops_[l].structure, v}) ||
                 k + 1 == way.vertices.size()) {
                 return {};
@@ -275,19 +291,19 @@ class SliceGaps : public LedContours {
     }
 
     double width_;
+    bool slivers_only_ = false;
+    std::vector<Edge> in_slivers_;  // (loop, vertex)
 };
 
-}  // namespace
-
-CloseGapsStats close_gaps(ContourSet& set, const CloseGapsOptions& options) {
-    assert(options.width_mm >= 0 && options.width_mm <= 10);
+// Closes what `close` does in each slice.
+template <class Close>
+CloseGapsStats close_in_slices(ContourSet& set, double width, Close&& close) {
     CloseGapsStats stats;
-    if (options.width_mm == 0) return stats;
     std::vector<Contour> contours;
     std::vector<Vec3> points;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        SliceGaps gaps(set, set.slices[s], options.width_mm);
-        gaps.close();
+        SliceGaps gaps(set, set.slices[s], width);
+        close(gaps);
         const std::uint64_t changed_before = stats.contours_changed;
         double widest = 0;
         for (const LedContour& loop : gaps.loops()) {
@@ -305,9 +321,26 @@ CloseGapsStats close_gaps(ContourSet& set, const CloseGapsOptions& options) {
             stats.worst_slice = s;
         }
     }
+    if (stats.contours_changed == 0) return stats;
     set.contours = std::move(contours);
     set.points = std::move(points);
     return stats;
+}
+
+}  // namespace
+
+CloseGapsStats close_gaps(ContourSet& set, const CloseGapsOptions& options) {
+    assert(options.width_mm >= 0 && options.width_mm <= 10);
+    if (options.width_mm == 0 || set.structures.size() < 2) return {};
+    return close_in_slices(set, options.width_mm, [](SliceGaps& gaps) { gaps.close(); });
+}
+
+CloseGapsStats close_slivers(ContourSet& set, const CloseSliversOptions& options) {
+    assert(options.width_mm >= 0 && options.width_mm <= 10);
+    assert(options.share_of_segment >= 0 && options.share_of_segment <= 0.5);
+    if (options.width_mm == 0 || options.share_of_segment == 0 || set.structures.size() < 2) return {};
+    return close_in_slices(set, options.width_mm,
+                           [&](SliceGaps& gaps) { gaps.close_slivers(options.share_of_segment); });
 }
 
 }  // namespace anatomesh

@@ -54,7 +54,7 @@ LedContours::Change LedContours::change_of(const LedContour& loop) const {
         for (k = (k + 1) % count; k != end; k = (k + 1) % count) {
             const Vec2 p = at_[loop.vertices[k]];
             ++change.taken;
-            change.widest_mm = std::max(change.widest_mm, distance(p, a, b));
+            change.widest_mm = std::max(change.widest_mm, distance_to_segment(p, a, b));
             step_to(p);
         }
         step_to(at_[loop.vertices[end]]);
@@ -85,11 +85,6 @@ LedContours::Edge LedContours::drawn_segment(const LedContour& loop, std::size_t
     while (loop.taken(a)) a = (a + count - 1) % count;
     while (loop.taken(b)) b = (b + 1) % count;
     return {loop.origin[a], loop.origin[b]};
-}
-
-double LedContours::distance(Vec2 p, Vec2 a, Vec2 b) {
-    const double t = std::clamp(along(p, a, b), 0.0, 1.0);
-    return length(p - (a + t * (b - a)));
 }
 
 std::vector<LedContours::Edge> LedContours::owned() const {
@@ -174,7 +169,8 @@ std::vector<LedContours::Place> LedContours::touching(std::size_t first, std::si
             for (const std::uint32_t k : {n, after}) {
                 if (!changed({l, k})) continue;
                 const Edge drawn = drawn_segment(loops_[l], k);
-                const double far = distance(at_[loops_[l].vertices[k]], at_[drawn[0]], at_[drawn[1]]);
+                const double far =
+                    distance_to_segment(at_[loops_[l].vertices[k]], at_[drawn[0]], at_[drawn[1]]);
                 if (far <= most) continue;
                 most = far;
                 worst = {l, k};

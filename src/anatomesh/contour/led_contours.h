@@ -63,7 +63,6 @@ class LedContours {
 
     // In lengths of the segment, 0 at a and 1 at b, beyond them too.
     static double along(Vec2 p, Vec2 a, Vec2 b) { return dot(p - a, b - a) / dot(b - a, b - a); }
-    static double distance(Vec2 p, Vec2 a, Vec2 b);
     static bool has(const Edge& e, std::uint32_t v) { return e[0] == v || e[1] == v; }
 
     // Which structure has which vertex: (structure, vertex), sorted.

@@ -10,6 +10,7 @@
 #include "anatomesh/contour/led_contours.h"
 #include "anatomesh/contour/segment_index.h"
 #include "anatomesh/geom/point_grid.h"
+#include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {
 namespace {
@@ -19,7 +20,8 @@ class SliceLines : public LedContours {
     SliceLines(const ContourSet& set, const Slice& slice, double width, const std::vector<Vec3>& held)
         : LedContours(set, slice), width_(width) {
         for (const Vec3& p : points_)
-            held_.push_back(std::binary_search(held.begin(), held.end(), p, lexicographic_less));
+            held_.push_back(std::binary_search(held.begin(), held.end(), p,
+                                               [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); }));
     }
 
     void share() {
@@ -95,10 +97,10 @@ class SliceLines : public LedContours {
             // Beside one that cannot move onto it, it would make an edge shorter than the width.
             for (const std::uint32_t end : {loop.vertices[to[1]], loop.next_of(to[1])})
                 if (held_[end] && length(at_[v] - at_[end]) < width_) return;
-            const double share = along(at_[v], a, b), apart = distance(at_[v], a, b);
+            const double share = along(at_[v], a, b), apart = distance_to_segment(at_[v], a, b);
             const Edge drawn = drawn_segment(loop, to[1]);
             if (!(share > 0 && share < 1) || !(apart < width_)) return;
-            if (!(distance(at_[v], at_[drawn[0]], at_[drawn[1]]) < width_)) return;
+            if (!(distance_to_segment(at_[v], at_[drawn[0]], at_[drawn[1]]) < width_)) return;
             found.push_back({v, to[0], to[1], share, apart});
         };
         SegmentIndex(std::move(boxes)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {

@@ -38,6 +38,12 @@ Side side_of_polygon(std::span<const Vec2> polygon, Vec2 point) {
     return inside ? Side::inside : Side::outside;
 }
 
+double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
+    const double square = squared_length(b - a);
+    const double t = square > 0 ? std::clamp(dot(p - a, b - a) / square, 0.0, 1.0) : 0.0;
+    return length(p - (a + t * (b - a)));
+}
+
 bool on_segment(Vec2 a, Vec2 b, Vec2 p) {
     if (p.x < std::min(a.x, b.x) || p.x > std::max(a.x, b.x)) return false;
     if (p.y < std::min(a.y, b.y) || p.y > std::max(a.y, b.y)) return false;

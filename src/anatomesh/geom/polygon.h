@@ -33,6 +33,9 @@ enum class SegmentContact : std::uint8_t {
 // Requires: a != b, c != d. Symmetric in the two segments and in the ends of each.
 SegmentContact segment_contact(Vec2 a, Vec2 b, Vec2 c, Vec2 d);
 
+// From p to the nearest point of the closed segment ab; rounded.
+double distance_to_segment(Vec2 p, Vec2 a, Vec2 b);
+
 // Whether p lies on the closed segment ab, exactly.
 bool on_segment(Vec2 a, Vec2 b, Vec2 p);
 
