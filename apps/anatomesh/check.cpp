@@ -136,17 +136,29 @@ void look_for_tears(const ModelFile& model, const ContourSet& contours, const Mo
     warn_of_tears(tears, contours, size_mm, context);
 }
 
-// Contours share walls as those of the model do, by the options in its file, but where the user says else.
-void share_walls_as(const ModelFile& model, InputOptions& options) {
-    const auto take = [&](const char* option, const char* note, double most, double& width) {
+// Walls as the model's file says that they were shared, but where the user says else.
+WallOptions walls_of(const ModelFile& model, const InputOptions& options) {
+    constexpr double most_mm = 1;  // a file alone does not make contours wider apart the same
+    WallOptions walls = options.walls;
+    const auto take = [&](const char* option, const char* note, double& width) {
         const std::vector<std::string>& given = options.cleaning_given;
         const std::optional<double> told = number_of(model.description, note);
         if (std::find(given.begin(), given.end(), option) != given.end() || !told) return;
-        if (*told >= 0 && *told <= most) width = *told;
+        if (*told >= 0 && *told <= most_mm) width = *told;
     };
-    take("--same-line", "same_line_mm", 0.1, options.same_line_mm);
-    take("--close-slivers", "close_slivers_mm", 10, options.close_slivers_mm);
-    take("--close-gaps", "close_gaps_mm", 10, options.close_gaps_mm);
+    take("--same-line", "same_line_mm", walls.same_line_mm);
+    take("--close-slivers", "close_slivers_mm", walls.close_slivers_mm);
+    take("--close-gaps", "close_gaps_mm", walls.close_gaps_mm);
+    walls.same_line_mm = std::min(walls.same_line_mm, 0.1);
+    return walls;
+}
+
+// Whether the user says how walls are shared.
+bool walls_are_given(const InputOptions& options) {
+    return std::any_of(
+        options.cleaning_given.begin(), options.cleaning_given.end(), [](const std::string& name) {
+            return name == "--same-line" || name == "--close-slivers" || name == "--close-gaps";
+        });
 }
 
 Status run_check(CheckOptions options, Session& session) {
@@ -168,10 +180,13 @@ Status run_check(CheckOptions options, Session& session) {
     std::optional<InputContours> contours;
     ModelReport report;
     if (!options.contours.input.empty()) {
-        share_walls_as(model, options.contours);
+        options.contours.as_drawn = true;
         ANATOMESH_TRY(OpenedInput opened, open_input(options.contours, session.context));
+        // Traced contours share their walls already.
+        const WallOptions walls = opened.contours ? walls_of(model, options.contours) : WallOptions{0, 0, 0};
+        const bool share_first = opened.contours && walls_are_given(options.contours);
         ANATOMESH_TRY(contours, contours_of(std::move(opened), options.contours, session.context));
-        ANATOMESH_TRY(contours->kept, contours_of_model(std::move(contours->kept), model,
+        ANATOMESH_TRY(contours->kept, contours_of_model(std::move(contours->kept), model, walls, share_first,
                                                         options.contours.input, session.context));
         report.inputs = contours->files;
     }

@@ -12,6 +12,7 @@
 #include "anatomesh/contour/choose_structures.h"
 #include "anatomesh/contour/priority.h"
 #include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/hausdorff.h"
 #include "anatomesh/mesh/topology.h"
 #include "field_of_model.h"
@@ -28,15 +29,6 @@ constexpr double parallel_tolerance_mm = 0.01;
 std::string named(const Structure& structure) {
     return structure.name.empty() ? fmt::format("{}", structure.number)
                                   : fmt::format("{} ({})", structure.name, structure.number);
-}
-
-// Of how many of the contours' vertices the model has one at the very same place.
-std::size_t shared_vertices(const ContourSet& contours, const std::vector<Vec3>& sorted) {
-    return static_cast<std::size_t>(
-        std::count_if(contours.points.begin(), contours.points.end(), [&](Vec3 p) {
-            return std::binary_search(sorted.begin(), sorted.end(), p,
-                                      [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); });
-        }));
 }
 
 // Those of the contours' structures that the model has.
@@ -91,6 +83,71 @@ std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& descrip
     return done;
 }
 
+// Of contours: how many vertices are not on the model's surfaces, and how many segments no chains of its
+// edges.
+using Missed = std::pair<std::uint64_t, std::uint64_t>;
+
+class Misses {
+  public:
+    explicit Misses(const ModelFile& model) : model_(model) {
+        for (std::uint32_t s = 0; s < model.description.structures.size(); ++s)
+            surfaces_.push_back(structure_surface(model.mesh, model.description.regions, s));
+    }
+
+    Missed of(const ContourSet& contours) const {
+        std::vector<std::vector<Triangle>> surfaces;
+        for (std::uint32_t s = 0; s < contours.structures.size(); ++s) {
+            const std::size_t match =
+                matching_structure(contours.structures, s, model_.description.structures);
+            surfaces.push_back(match < surfaces_.size() ? surfaces_[match] : std::vector<Triangle>{});
+        }
+        Missed sum{0, 0};
+        for (const StructureFidelity& each :
+             contour_fidelity(model_.mesh.points, surfaces, contours).structures) {
+            sum.first += each.vertices - each.vertices_on_surface;
+            sum.second += each.segments - each.segments_on_surface;
+        }
+        return sum;
+    }
+
+  private:
+    const ModelFile& model_;
+    std::vector<std::vector<Triangle>> surfaces_;
+};
+
+// Contours that a model may have been made of, and what there is to say of how they came about.
+struct Candidate {
+    ContourSet kept;
+    std::vector<std::string> steps;
+    std::vector<Warning> warnings;
+};
+
+// Those that follow from the contours given. Models of single structures are made of contours that all of
+// them have been prepared with, others of those of their structures alone.
+std::vector<Candidate> candidates(const ContourSet& given, const ModelFile& model, const WallOptions* walls,
+                                  RunContext& context) {
+    std::vector<Candidate> all;
+    const ContourSet own = without_others(given, model);
+    for (const bool all_together : {false, true}) {
+        if (all_together && own.structures.size() == given.structures.size()) break;
+        for (const bool shared : {false, true}) {
+            if (shared && walls == nullptr) break;
+            RunContext sharing, apart;  // the latter's warnings were said when the model was made
+            apart.threads = context.threads;
+            apart.cancel = context.cancel;
+            ContourSet drawn = all_together ? given : own;
+            if (shared) {
+                share_walls(drawn, *walls, sharing);
+                all.push_back({without_others(drawn, model), {}, sharing.warnings});
+            }
+            std::optional<Prepared> done = prepared(std::move(drawn), model.description, apart);
+            if (done)
+                all.push_back({without_others(done->kept, model), std::move(done->steps), sharing.warnings});
+        }
+    }
+    return all;
+}
+
 // Warns of what the two files say that cannot both be true.
 void compare_names(const ContourSet& contours, const ModelFile& model, const std::string& file,
                    RunContext& context) {
@@ -134,8 +191,9 @@ void compare_names(const ContourSet& contours, const ModelFile& model, const std
 
 }  // namespace
 
-Result<ContourSet> contours_of_model(ContourSet kept, const ModelFile& model, const std::string& file,
-                                     RunContext& context) {
+Result<ContourSet> contours_of_model(ContourSet kept, const ModelFile& model, const WallOptions& walls,
+                                     bool share_first, const std::string& file, RunContext& context) {
+    if (share_first) share_walls(kept, walls, context);
     std::vector<std::string> left_out;
     const std::vector<std::uint32_t> found = structures_of(kept, model);
     for (std::uint32_t s = 0; s < kept.structures.size(); ++s) {
@@ -144,36 +202,32 @@ Result<ContourSet> contours_of_model(ContourSet kept, const ModelFile& model, co
     }
     if (found.empty()) left_out.clear();
 
-    std::vector<Vec3> sorted = model.mesh.points;
-    std::sort(sorted.begin(), sorted.end(), [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); });
+    const Misses misses(model);
     ContourSet best = without_others(kept, model);
-    const auto missing = [&](const ContourSet& set) {
-        return set.points.size() - shared_vertices(set, sorted);
-    };
-    if (const std::size_t before = missing(best); before > 0) {
-        // Models of single structures are made of contours that all of them have been prepared with, others
-        // of those of their structures alone.
-        for (const bool all_together : {false, true}) {
-            if (all_together && left_out.empty()) break;
-            RunContext apart;  // its warnings were said when the model was made
-            apart.threads = context.threads;
-            apart.cancel = context.cancel;
-            std::optional<Prepared> done =
-                prepared(all_together ? kept : without_others(kept, model), model.description, apart);
-            if (context.cancelled()) return cancelled_error();
-            if (!done) continue;
-            done->kept = without_others(done->kept, model);
-            if (missing(done->kept) >= missing(best)) continue;
-            best = std::move(done->kept);
+    const Missed before = misses.of(best);
+    Missed least = before;
+    const Candidate* taken = nullptr;
+    std::vector<Candidate> others;
+    if (before > Missed{0, 0}) others = candidates(kept, model, share_first ? nullptr : &walls, context);
+    if (context.cancelled()) return cancelled_error();
+    for (const Candidate& other : others) {
+        const Missed here = misses.of(other.kept);
+        if (here >= least) continue;
+        least = here;
+        taken = &other;
+    }
+    if (taken != nullptr) {
+        best = taken->kept;
+        for (const Warning& warning : taken->warnings) context.warn(warning);
+        if (!taken->steps.empty()) {
             context.warn(
                 {"W-CMD-011",
                  "the contours are not those that the model was made of, and became so as its file says: " +
-                     fmt::format("{}", fmt::join(done->steps, ", then ")),
+                     fmt::format("{}", fmt::join(taken->steps, ", then ")),
                  {file, "", "", "",
-                  fmt::format("{} of {} vertices not the model's before, {} after", before,
-                              kept.points.size(), missing(best))},
+                  fmt::format("{} vertices and {} segments not the model's before, {} and {} after",
+                              before.first, before.second, least.first, least.second)},
                  "checked against the contours as moved; model --contours writes them"});
-            if (missing(best) == 0) break;
         }
     }
     compare_names(best, model, file, context);

@@ -127,17 +127,18 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
     add("--closing-gap", cleaning.closing_gap_mm, 0, 100, "MM",
         fmt::format("Close open contours over a gap up to MM, 0 to 100 (default {})",
                     cleaning.closing_gap_mm));
-    add("--same-line", options.same_line_mm, 0, 0.1, "MM",
+    add("--same-line", options.walls.same_line_mm, 0, 0.1, "MM",
         fmt::format(
             "Contours of different structures share their vertices where they lie less than MM apart, "
             "0 to 0.1 (default {}: copies of one line; 0: as drawn)",
-            options.same_line_mm));
-    add("--close-slivers", options.close_slivers_mm, 0, 10, "MM",
+            options.walls.same_line_mm));
+    add("--close-slivers", options.walls.close_slivers_mm, 0, 10, "MM",
         fmt::format(
-            "Give structures whose contours cross again and again one wall where they are less than MM, and "
-            "{:.0f} % of a segment's length, apart between crossings, 0 to 10 (default {}; 0: as drawn)",
-            100 * CloseSliversOptions{}.share_of_segment, options.close_slivers_mm));
-    add("--close-gaps", options.close_gaps_mm, 0, 10, "MM",
+            "Close slivers between contours of structures that cross and soon cross again: one wall where "
+            "they "
+            "are less than MM, and {:.0f} % of their segments, apart, 0 to 10 (default {}; 0: as drawn)",
+            100 * CloseSliversOptions{}.share_of_segment, options.walls.close_slivers_mm));
+    add("--close-gaps", options.walls.close_gaps_mm, 0, 10, "MM",
         "Give neighbouring structures drawn less than MM apart, about a pixel, one wall through the vertices "
         "of both, "
         "0 to 10 (default 0: as drawn)");

@@ -9,9 +9,8 @@
 #include <vector>
 
 #include "anatomesh/contour/clean.h"
-#include "anatomesh/contour/close_gaps.h"
-#include "anatomesh/contour/share_lines.h"
 #include "limits.h"
+#include "shared_walls.h"
 
 namespace anatomesh {
 
@@ -43,9 +42,8 @@ struct InputOptions {
     std::optional<std::uint32_t> every;
     std::uint32_t offset = 0;
     std::optional<double> epsilon_mm;  // 0: exact
-    double same_line_mm = ShareLinesOptions{}.width_mm;
-    double close_slivers_mm = CloseSliversOptions{}.width_mm;
-    double close_gaps_mm = CloseGapsOptions{}.width_mm;
+    WallOptions walls;
+    bool as_drawn = false;  // walls are not shared: that is done to the contours afterwards
     std::optional<double> min_area_mm2;
 
     CleanOptions cleaning;

@@ -9,8 +9,6 @@
 
 #include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/contour/clean.h"
-#include "anatomesh/contour/close_gaps.h"
-#include "anatomesh/contour/share_lines.h"
 #include "anatomesh/contour/simplify.h"
 #include "anatomesh/contour/trace.h"
 #include "anatomesh/image/components.h"
@@ -378,77 +376,6 @@ std::vector<ContourReport> contour_log(const RawContours& raw, const CleanResult
     return log;
 }
 
-// Of share_lines(), close_slivers() and close_gaps(): how much was changed, and where most.
-template <class Stats>
-std::string extent_of(const Stats& stats) {
-    return fmt::format("{} on {}, {:.3g} mm2 changed hands", counted(stats.contours_changed, "contour"),
-                       counted(stats.slices, "slice"), stats.area_mm2);
-}
-template <class Stats>
-Place worst_place(const ContourSet& kept, const Stats& stats, const char* measure) {
-    return {kept.source, kept.slices[stats.worst_slice].name, "", "",
-            fmt::format("at most {:.3g} {}", stats.widest_mm, measure)};
-}
-
-// Lines that structures share but for what a hand or a file rounded away.
-void share_copied_lines(InputContours& contours, const InputOptions& options, RunContext& context) {
-    ContourSet& kept = contours.kept;
-    ShareLinesOptions sharing;
-    sharing.width_mm = options.same_line_mm;
-    contours.options.emplace_back("same_line_mm", number_text(sharing.width_mm));
-    const ShareLinesStats stats = share_lines(kept, sharing);
-    if (stats.widest_mm > 0) {
-        context.warn(
-            {"W-CON-027",
-             fmt::format(
-                 "{} moved onto one of another structure and {} taken from others into segments, where "
-                 "contours of different structures lie less than {:.3g} mm apart: {}",
-                 counted(stats.vertices_moved, "vertex", "vertices"),
-                 counted(stats.vertices_taken, "vertex", "vertices"), stats.width_mm, extent_of(stats)),
-             worst_place(kept, stats, "mm"),
-             "copies of one line share its vertices; --same-line 0 keeps them as drawn"});
-    }
-}
-
-// Walls that were drawn once for each of the structures that share them.
-void close_slivers_between(InputContours& contours, const InputOptions& options, RunContext& context) {
-    ContourSet& kept = contours.kept;
-    CloseSliversOptions closing;
-    closing.width_mm = options.close_slivers_mm;
-    contours.options.emplace_back("close_slivers_mm", number_text(closing.width_mm));
-    const CloseGapsStats stats = close_slivers(kept, closing);
-    if (stats.contours_changed > 0) {
-        context.warn(
-            {"W-CON-028",
-             fmt::format(
-                 "contours of neighbouring structures cross again and again, with slivers below {} mm "
-                 "and {:.0f} % of a segment's length between them; led through each other's "
-                 "vertices there: {}",
-                 number_text(closing.width_mm), 100 * closing.share_of_segment, extent_of(stats)),
-             worst_place(kept, stats, "mm wide"),
-             "no vertex moves for it; --close-slivers 0 keeps the contours as drawn"});
-    }
-}
-
-// Walls that neighbouring structures share but for less than a pixel.
-void close_narrow_gaps(InputContours& contours, const InputOptions& options, RunContext& context) {
-    ContourSet& kept = contours.kept;
-    CloseGapsOptions closing;
-    closing.width_mm = options.close_gaps_mm;
-    contours.options.emplace_back("close_gaps_mm", number_text(closing.width_mm));
-    const CloseGapsStats stats = close_gaps(kept, closing);
-    if (stats.contours_changed > 0) {
-        context.warn(
-            {"W-CON-025",
-             fmt::format("gaps and overlaps below {} mm between contours of neighbouring structures; led "
-                         "through each other's vertices: {}",
-                         number_text(closing.width_mm), extent_of(stats)),
-             worst_place(kept, stats, "mm wide"),
-             "no vertex moves for it, but slices that cross may come to disagree there; without --close-gaps "
-             "the contours stay as they are"});
-    }
-}
-
 Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& options, RunContext& context) {
     const std::string why = "the input holds contours, not an image";
     if (options.threshold) return does_not_apply("--threshold", options.input, why);
@@ -488,12 +415,13 @@ Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& op
         result.kept = std::move(simplified.kept);
         result.epsilon_mm = *options.epsilon_mm;
     }
-    if (options.close_gaps_mm > 0 && result.kept.structures.size() == 1) {
+    if (options.as_drawn) return result;
+    if (options.walls.close_gaps_mm > 0 && result.kept.structures.size() == 1)
         return does_not_apply("--close-gaps", options.input, "there is one structure alone");
-    }
-    share_copied_lines(result, options, context);
-    close_slivers_between(result, options, context);
-    close_narrow_gaps(result, options, context);
+    share_walls(result.kept, options.walls, context);
+    result.options = {{"same_line_mm", number_text(options.walls.same_line_mm)},
+                      {"close_slivers_mm", number_text(options.walls.close_slivers_mm)},
+                      {"close_gaps_mm", number_text(options.walls.close_gaps_mm)}};
     return result;
 }
 

@@ -8,7 +8,6 @@
 
 #include "anatomesh/contour/led_contours.h"
 #include "anatomesh/contour/segment_index.h"
-#include "anatomesh/contour/slivers.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {
@@ -18,13 +17,6 @@ class SliceGaps : public LedContours {
   public:
     SliceGaps(const ContourSet& set, const Slice& slice, double width)
         : LedContours(set, slice), width_(width) {}
-
-    // Only where contours cross each other again and again.
-    void close_slivers(double share_of_segment) {
-        slivers_only_ = true;
-        in_slivers_ = beside_in_slivers(loops_, at_, width_, share_of_segment);
-        if (!in_slivers_.empty()) close();
-    }
 
     void close() {
         if (loops_.empty() || loops_.front().structure == loops_.back().structure) return;
@@ -61,12 +53,6 @@ class SliceGaps : public LedContours {
         return all;
     }
 
-    // Whether the loop may be led through the vertex at all.
-    bool may_take(std::uint32_t loop, std::uint32_t vertex) const {
-        return !slivers_only_ ||
-               std::binary_search(in_slivers_.begin(), in_slivers_.end(), Edge{loop, vertex});
-    }
-
     // Puts vertices of earlier structures, or of later ones, that lie beside a segment into it.
     void take_vertices(bool to_later) {
         const Segments all = segments();
@@ -84,7 +70,6 @@ class SliceGaps : public LedContours {
             const Edge drawn = drawn_segment(to, all.number[j]);
             if (!(apart < width_) || !(distance_to_segment(at_[v], at_[drawn[0]], at_[drawn[1]]) < width_))
                 return;
-            if (!may_take(all.loop[j], v)) return;
             const Vec2 course = at_[all.ends[i][1]] - at_[from.last_of(all.number[i])];
             if (dot(course, b - a) >= 0) return;
             found.push_back({v, all.loop[j], all.number[j], along(at_[v], a, b), apart});
@@ -111,43 +96,7 @@ class SliceGaps : public LedContours {
         put_in(std::move(found));
     }
 
-    // From a point to the nearest one of a segment.
-    struct Way {
-        Vec2 from;
-        Edge to;                // the ends of the segment
-        std::vector<Edge> own;  // segments that it may meet: what it starts from, and that
-        std::uint32_t vertex;   // those at this vertex too
-    };
-
-    // Whether each crosses one of these segments: what lies beyond another contour, or beyond the other side
-    // of its own, is no neighbour.
-    std::vector<std::uint8_t> hidden(const std::vector<Way>& ways, const std::vector<Edge>& segments) const {
-        std::vector<std::uint8_t> result(ways.size(), 0);
-        if (ways.empty()) return result;
-        std::vector<Segment2> lines;
-        for (const Edge& e : segments) lines.push_back({at_[e[0]], at_[e[1]]});
-        std::vector<std::uint32_t> end;  // the vertex that the way ends at, if it does at one
-        for (const Way& way : ways) {
-            const Vec2 a = at_[way.to[0]], b = at_[way.to[1]];
-            const double t = along(way.from, a, b);
-            end.push_back(t <= 0 ? way.to[0] : t >= 1 ? way.to[1] : no_vertex);
-            lines.push_back({way.from, a + std::clamp(t, 0.0, 1.0) * (b - a)});
-        }
-        const std::size_t first = segments.size();
-        const SegmentIndex index(std::move(lines));
-        index.for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
-            if (i >= first || j < first || result[j - first]) return true;
-            const Way& way = ways[j - first];
-            const Edge& e = segments[i];
-            if (has(e, way.vertex) || has(e, end[j - first])) return true;
-            if (std::find(way.own.begin(), way.own.end(), e) != way.own.end()) return true;
-            const auto& [a, b] = index.segments()[i];
-            const auto& [c, d] = index.segments()[j];
-            result[j - first] = c != d && segment_contact(a, b, c, d) != SegmentContact::none;
-            return true;
-        });
-        return result;
-    }
+    using LedContours::hidden;
     std::vector<std::uint8_t> hidden(const std::vector<Beside>& found, const Segments& all) const {
         std::vector<Way> ways;
         for (const Beside& x : found) {
@@ -210,7 +159,7 @@ class SliceGaps : public LedContours {
             if (dot(at_[v] - at_[last], back) < 0) return {};
             if (v == a) break;
             const double apart = distance_to_segment(at_[v], at_[drawn[0]], at_[drawn[1]]);
-            if (!(apart < width_) || !may_take(l, v) ||
+            if (!(apart < width_) ||
                 std::binary_search(owners.begin(), owners.end(), Edge{loops_[l].structure, v}) ||
                 k + 1 == way.vertices.size()) {
                 return {};
@@ -291,56 +240,43 @@ class SliceGaps : public LedContours {
     }
 
     double width_;
-    bool slivers_only_ = false;
-    std::vector<Edge> in_slivers_;  // (loop, vertex)
 };
 
-// Closes what `close` does in each slice.
-template <class Close>
-CloseGapsStats close_in_slices(ContourSet& set, double width, Close&& close) {
+}  // namespace
+
+void CloseGapsStats::add(const LedContours& led, std::uint32_t slice) {
+    bool any = false;
+    for (const LedContour& loop : led.loops()) {
+        if (loop.vertices.size() == loop.drawn.size()) continue;
+        const LedContours::Change change = led.change_of(loop);
+        any = true;
+        ++contours_changed;
+        vertices_taken += change.taken;
+        area_mm2 += change.area_mm2;
+        if (change.widest_mm > widest_mm) {
+            widest_mm = change.widest_mm;
+            worst_slice = slice;
+        }
+    }
+    slices += any;
+}
+
+CloseGapsStats close_gaps(ContourSet& set, const CloseGapsOptions& options) {
+    assert(options.width_mm >= 0 && options.width_mm <= 10);
     CloseGapsStats stats;
+    if (options.width_mm == 0 || set.structures.size() < 2) return stats;
     std::vector<Contour> contours;
     std::vector<Vec3> points;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        SliceGaps gaps(set, set.slices[s], width);
-        close(gaps);
-        const std::uint64_t changed_before = stats.contours_changed;
-        double widest = 0;
-        for (const LedContour& loop : gaps.loops()) {
-            if (loop.vertices.size() == loop.drawn.size()) continue;
-            const LedContours::Change change = gaps.change_of(loop);
-            ++stats.contours_changed;
-            stats.vertices_taken += change.taken;
-            stats.area_mm2 += change.area_mm2;
-            widest = std::max(widest, change.widest_mm);
-        }
+        SliceGaps gaps(set, set.slices[s], options.width_mm);
+        gaps.close();
+        stats.add(gaps, s);
         gaps.append_to(contours, points, s);
-        stats.slices += stats.contours_changed > changed_before;
-        if (widest > stats.widest_mm) {
-            stats.widest_mm = widest;
-            stats.worst_slice = s;
-        }
     }
     if (stats.contours_changed == 0) return stats;
     set.contours = std::move(contours);
     set.points = std::move(points);
     return stats;
-}
-
-}  // namespace
-
-CloseGapsStats close_gaps(ContourSet& set, const CloseGapsOptions& options) {
-    assert(options.width_mm >= 0 && options.width_mm <= 10);
-    if (options.width_mm == 0 || set.structures.size() < 2) return {};
-    return close_in_slices(set, options.width_mm, [](SliceGaps& gaps) { gaps.close(); });
-}
-
-CloseGapsStats close_slivers(ContourSet& set, const CloseSliversOptions& options) {
-    assert(options.width_mm >= 0 && options.width_mm <= 10);
-    assert(options.share_of_segment >= 0 && options.share_of_segment <= 0.5);
-    if (options.width_mm == 0 || options.share_of_segment == 0 || set.structures.size() < 2) return {};
-    return close_in_slices(set, options.width_mm,
-                           [&](SliceGaps& gaps) { gaps.close_slivers(options.share_of_segment); });
 }
 
 }  // namespace anatomesh

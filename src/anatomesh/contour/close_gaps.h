@@ -1,4 +1,4 @@
-// close_gaps, close_slivers: neighbouring structures whose contours run side by side get one wall in common.
+// close_gaps: neighbouring structures whose contours run side by side get one wall in common.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,7 @@ struct CloseGapsOptions {
     double width_mm = 0;  // gaps and overlaps narrower than this are closed; about a pixel. 0: none. [0, 10]
 };
 
-struct CloseSliversOptions {
-    double width_mm = 0.4;  // slivers narrower than this are closed; about a pixel. 0: none. [0, 10]
-    // But at most this share of the mean segment length in the sliver, of either contour: what is wider is
-    // drawn finely enough to be meant, and a mesh whose edges are as long as its segments can hold it.
-    // [0, 0.5]; 0: none
-    double share_of_segment = 0.1;
-};
+class LedContours;
 
 struct CloseGapsStats {
     std::uint64_t vertices_taken = 0;  // by a contour from its neighbour's
@@ -26,6 +20,9 @@ struct CloseGapsStats {
     std::uint32_t worst_slice = 0;  // the one with the widest of them
     double widest_mm = 0;           // of a vertex taken from the segment that was led through it
     double area_mm2 = 0;            // between contours as drawn and as led, over all slices and contours
+
+    // What was changed on a slice.
+    void add(const LedContours& led, std::uint32_t slice);
 };
 
 // Where contours of two structures run beside each other in opposite directions, with a gap or an overlap
@@ -38,13 +35,5 @@ struct CloseGapsStats {
 // n + pairs nearer than the width) a slice, times the rounds of taking back what does not serve (2 or 3 as a
 // rule).
 CloseGapsStats close_gaps(ContourSet& set, const CloseGapsOptions& options);
-
-// The same, but only for slivers (slivers.h): where two contours cross each other again and again, one wall
-// was drawn twice, and what lies between one crossing and the next was not meant. What is open on one side,
-// as the gap of a joint that the contours do not cross in, stays as drawn, and so does what lies beside the
-// last crossing. Requires, guarantees, complexity: as above. Source of the notion: the spurious polygons of
-// overlaid maps, M. F. Goodchild, "Statistical aspects of the polygon overlay problem", in: G. Dutton (ed.),
-// Harvard Papers on Geographic Information Systems 6, 1978.
-CloseGapsStats close_slivers(ContourSet& set, const CloseSliversOptions& options);
 
 }  // namespace anatomesh

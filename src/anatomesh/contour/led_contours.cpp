@@ -65,13 +65,21 @@ LedContours::Change LedContours::change_of(const LedContour& loop) const {
 
 void LedContours::append_to(std::vector<Contour>& contours, std::vector<Vec3>& points,
                             std::uint32_t slice) const {
+    const auto before = [&](std::uint32_t v, std::uint32_t w) {
+        return lexicographic_less(points_[v], points_[w]);
+    };
     std::vector<std::pair<std::uint32_t, std::vector<std::uint32_t>>> loops;
     for (const LedContour& loop : loops_) {
         std::vector<std::uint32_t> vertices = loop.vertices;
-        std::rotate(vertices.begin(), std::min_element(vertices.begin(), vertices.end()), vertices.end());
+        std::rotate(vertices.begin(), std::min_element(vertices.begin(), vertices.end(), before),
+                    vertices.end());
         loops.emplace_back(loop.structure, std::move(vertices));
     }
-    std::sort(loops.begin(), loops.end());
+    std::sort(loops.begin(), loops.end(), [&](const auto& p, const auto& q) {
+        if (p.first != q.first) return p.first < q.first;
+        return std::lexicographical_compare(p.second.begin(), p.second.end(), q.second.begin(),
+                                            q.second.end(), before);
+    });
     for (const auto& [structure, vertices] : loops) {
         contours.push_back({structure, slice, static_cast<std::uint32_t>(points.size()),
                             static_cast<std::uint32_t>(vertices.size())});
@@ -94,6 +102,35 @@ std::vector<LedContours::Edge> LedContours::owned() const {
     }
     std::sort(pairs.begin(), pairs.end());
     return pairs;
+}
+
+std::vector<std::uint8_t> LedContours::hidden(const std::vector<Way>& ways,
+                                              const std::vector<Edge>& segments) const {
+    std::vector<std::uint8_t> result(ways.size(), 0);
+    if (ways.empty()) return result;
+    std::vector<Segment2> lines;
+    for (const Edge& e : segments) lines.push_back({at_[e[0]], at_[e[1]]});
+    std::vector<std::uint32_t> end;  // the vertex that the way ends at, if it does at one
+    for (const Way& way : ways) {
+        const Vec2 a = at_[way.to[0]], b = at_[way.to[1]];
+        const double t = along(way.from, a, b);
+        end.push_back(t <= 0 ? way.to[0] : t >= 1 ? way.to[1] : no_vertex);
+        lines.push_back({way.from, a + std::clamp(t, 0.0, 1.0) * (b - a)});
+    }
+    const std::size_t first = segments.size();
+    const SegmentIndex index(std::move(lines));
+    index.for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
+        if (i >= first || j < first || result[j - first]) return true;
+        const Way& way = ways[j - first];
+        const Edge& e = segments[i];
+        if (has(e, way.vertex) || has(e, end[j - first])) return true;
+        if (std::find(way.own.begin(), way.own.end(), e) != way.own.end()) return true;
+        const auto& [a, b] = index.segments()[i];
+        const auto& [c, d] = index.segments()[j];
+        result[j - first] = c != d && segment_contact(a, b, c, d) != SegmentContact::none;
+        return true;
+    });
+    return result;
 }
 
 std::vector<LedContours::Beside> LedContours::nearest(std::vector<Beside> found) const {

@@ -68,6 +68,18 @@ class LedContours {
     // Which structure has which vertex: (structure, vertex), sorted.
     std::vector<Edge> owned() const;
 
+    // From a point to the nearest one of a segment.
+    struct Way {
+        Vec2 from;
+        Edge to;                // the ends of the segment
+        std::vector<Edge> own;  // segments that it may meet: what it starts from, and that
+        std::uint32_t vertex;   // those at this vertex too
+    };
+
+    // Whether each crosses one of these segments: what lies beyond another contour, or beyond the other side
+    // of its own, is no neighbour.
+    std::vector<std::uint8_t> hidden(const std::vector<Way>& ways, const std::vector<Edge>& segments) const;
+
     // For each vertex and structure the nearest segment; at a corner the one that the vertex is less beyond.
     std::vector<Beside> nearest(std::vector<Beside> found) const;
     void put_in(std::vector<Beside> found);
@@ -81,7 +93,7 @@ class LedContours {
     bool drop(std::vector<Place> places);
     std::size_t end_of_structure(std::size_t first) const;
 
-    std::vector<Vec3> points_;  // of the slice, distinct, in lexicographic order
+    std::vector<Vec3> points_;  // of the slice, distinct, in lexicographic order; then those that were made
     std::vector<Vec2> at_;
     std::vector<LedContour> loops_;
 

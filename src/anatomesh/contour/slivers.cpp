@@ -1,49 +1,82 @@
 #include "anatomesh/contour/slivers.h"
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <utility>
+#include <vector>
 
+#include "anatomesh/contour/led_contours.h"
 #include "anatomesh/contour/segment_index.h"
+#include "anatomesh/geom/box.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {
+
 namespace {
 
-using Pair = std::array<std::uint32_t, 2>;
+constexpr std::size_t most_vertices = 3;  // of either contour in a sliver: more are no chords of one line
+constexpr double on_plane_mm = 0.01;      // of another slice
+constexpr double least_area = 0.1;        // of slivers: so much may change beyond each of their two ends
+constexpr double beside_a_vertex = 0.1;   // of a segment: a crossing so near to its end gets no vertex
 
 // Where two loops meet: how far along either, the n-th vertex at n.
 struct Meeting {
-    Pair loops;
+    std::array<std::uint32_t, 2> loops{};
     double along_first = 0, along_second = 0;
+    std::uint32_t vertex = no_vertex;  // the common one; none where they cross
+
+    auto key() const { return std::tuple{loops, along_first, along_second}; }
 };
 
-class Slivers {
-  public:
-    Slivers(const std::vector<LedContour>& loops, const std::vector<Vec2>& at, double width,
-            double share_of_segment)
-        : loops_(loops), at_(at), width_(width), share_of_segment_(share_of_segment) {}
+// A part of a loop: segments from this number on, the first from a share of it on and the last to one, and
+// the vertices between them.
+struct Stretch {
+    std::uint32_t loop = 0;
+    std::size_t start = 0, segments = 0;
+    double from = 0, to = 1;  // of the first and of the last segment
+    std::size_t vertices() const { return segments - 1; }
+};
 
-    std::vector<Pair> found() {
-        std::vector<Meeting> all = meetings();
-        for (std::size_t first = 0; first < all.size();) {
-            std::size_t last = first;
+class SliceSlivers : public LedContours {
+  public:
+    // `patches`: of all slices.
+    SliceSlivers(const ContourSet& set, std::uint32_t slice, const std::vector<Box3>& patches,
+                 const CloseSliversOptions& options)
+        : LedContours(set, set.slices[slice]),
+          set_(set),
+          slice_(slice),
+          patches_(patches),
+          options_(options),
+          plane_(set.slices[slice].plane) {}
+
+    void close() {
+        if (loops_.empty() || loops_.front().structure == loops_.back().structure) return;
+        const std::vector<Meeting> all = meetings();
+        for (std::size_t first = 0, last = 0; first < all.size(); first = last) {
             while (last < all.size() && all[last].loops == all[first].loops) ++last;
-            between({all.begin() + static_cast<std::ptrdiff_t>(first),
-                     all.begin() + static_cast<std::ptrdiff_t>(last)});
-            first = last;
+            find_runs({all.begin() + static_cast<std::ptrdiff_t>(first),
+                       all.begin() + static_cast<std::ptrdiff_t>(last)});
         }
-        std::sort(beside_.begin(), beside_.end());
-        beside_.erase(std::unique(beside_.begin(), beside_.end()), beside_.end());
-        return std::move(beside_);
+        given_up_.assign(runs_.size(), 0);
+        give_up_hidden();
+        give_up_crossed();
+        do {
+            lead();
+        } while (give_up_what_does_not_serve());
     }
 
   private:
+    // Slivers that follow one another: what is put into which loop.
+    using Run = std::vector<Beside>;
+
     // Of loops of different structures, by loops and along the first, each once.
     std::vector<Meeting> meetings() const {
         std::vector<Segment2> segments;
-        std::vector<Pair> places;  // loop, number
+        std::vector<Place> places;
         for (std::uint32_t l = 0; l < loops_.size(); ++l) {
             for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n) {
                 segments.push_back({at_[loops_[l].vertices[n]], at_[loops_[l].next_of(n)]});
@@ -56,20 +89,19 @@ class Slivers {
                 meet(places[i], places[j], all);
             return true;
         });
-        const auto key = [](const Meeting& m) { return std::tuple{m.loops, m.along_first, m.along_second}; };
         std::sort(all.begin(), all.end(),
-                  [&](const Meeting& p, const Meeting& q) { return key(p) < key(q); });
+                  [](const Meeting& p, const Meeting& q) { return p.key() < q.key(); });
         all.erase(std::unique(all.begin(), all.end(),
-                              [&](const Meeting& p, const Meeting& q) { return key(p) == key(q); }),
+                              [](const Meeting& p, const Meeting& q) { return p.key() == q.key(); }),
                   all.end());
         return all;
     }
 
     // Places are in rising order, as their segments are in the index.
-    void meet(Pair p, Pair q, std::vector<Meeting>& all) const {
+    void meet(Place p, Place q, std::vector<Meeting>& all) const {
         const LedContour &first = loops_[p[0]], &second = loops_[q[0]];
-        const std::array<std::uint32_t, 2> own{first.vertices[p[1]], first.next_of(p[1])};
-        const std::array<std::uint32_t, 2> other{second.vertices[q[1]], second.next_of(q[1])};
+        const Edge own{first.vertices[p[1]], first.next_of(p[1])};
+        const Edge other{second.vertices[q[1]], second.next_of(q[1])};
         bool common = false;
         for (std::uint32_t k = 0; k < 2; ++k) {
             for (std::uint32_t m = 0; m < 2; ++m) {
@@ -77,7 +109,8 @@ class Slivers {
                 common = true;
                 all.push_back({{p[0], q[0]},
                                static_cast<double>((p[1] + k) % first.vertices.size()),
-                               static_cast<double>((q[1] + m) % second.vertices.size())});
+                               static_cast<double>((q[1] + m) % second.vertices.size()),
+                               own[k]});
             }
         }
         const Vec2 a = at_[own[0]], b = at_[own[1]], c = at_[other[0]], d = at_[other[1]];
@@ -86,12 +119,12 @@ class Slivers {
         const auto share = [&](double part) {
             return across == 0 ? 0.5 : std::clamp(part / across, 0.0, 1.0);
         };
-        all.push_back({{p[0], q[0]}, p[1] + share(cross(c - a, d - c)), q[1] + share(cross(c - a, b - a))});
+        all.push_back(
+            {{p[0], q[0]}, p[1] + share(cross(c - a, d - c)), q[1] + share(cross(c - a, b - a)), no_vertex});
     }
 
-    // What lies between meetings of two loops that follow one another along both. They come in their order
-    // along the first.
-    void between(const std::vector<Meeting>& all) {
+    // Meetings of two loops, in their order along the first.
+    void find_runs(const std::vector<Meeting>& all) {
         const std::size_t count = all.size();
         if (count < 2) return;
         std::vector<std::size_t> order(count), rank(count);
@@ -100,84 +133,336 @@ class Slivers {
             return std::tuple{all[p].along_second, p} < std::tuple{all[q].along_second, q};
         });
         for (std::size_t k = 0; k < count; ++k) rank[order[k]] = k;
+        // From each meeting to the next one along the first loop: whether a sliver lies there.
+        std::vector<std::uint8_t> closes(count, 0);
+        std::vector<Run> slivers(count);
+        std::vector<double> areas(count, 0);
         for (std::size_t k = 0; k < count; ++k) {
             const std::size_t next = (k + 1) % count;
             if ((rank[next] + 1) % count != rank[k]) continue;
-            const Stretch first = stretch(all[k].loops[0], all[k].along_first, all[next].along_first);
-            const Stretch second = stretch(all[k].loops[1], all[next].along_second, all[k].along_second);
-            const double width =
-                std::min(width_, share_of_segment_ * std::min(mean_segment(first), mean_segment(second)));
-            if (!is_near(first, second, width) || !is_near(second, first, width)) continue;
-            for (const auto& [from, to] : {std::pair{first, second}, std::pair{second, first}}) {
-                for (std::size_t n = 0; n < from.vertices; ++n) beside_.push_back({to.loop, vertex(from, n)});
+            const Stretch first = stretch(all[k].loops[0], all[k].along_first, all[next].along_first),
+                          second = stretch(all[k].loops[1], all[next].along_second, all[k].along_second);
+            closes[k] = close_between(first, second, slivers[k]);
+            areas[k] = area_between(first, second);
+        }
+        const auto open = std::find(closes.begin(), closes.end(), 0);
+        const auto begin = static_cast<std::size_t>(open - closes.begin()) % count;
+        for (std::size_t n = 0; n < count;) {
+            const std::size_t first = (begin + n) % count;
+            Run run;
+            std::size_t length = 0;
+            double area = 0;
+            for (; n < count && closes[(begin + n) % count]; ++n, ++length) {
+                const std::size_t k = (begin + n) % count;
+                run.insert(run.end(), slivers[k].begin(), slivers[k].end());
+                area += areas[k];
             }
+            if (!run.empty()) {
+                if (length < count) {
+                    end_at(all[first], true, area, run);
+                    end_at(all[(first + length) % count], false, area, run);
+                }
+                runs_.push_back(std::move(run));
+            }
+            if (length == 0) ++n;
         }
     }
-
-    // A part of a loop: segments from this number on, and the vertices between them.
-    struct Stretch {
-        std::uint32_t loop = 0;
-        std::size_t start = 0, vertices = 0;
-        std::size_t segments() const { return vertices + 1; }
-    };
 
     // Between two places on a loop, over its start where the second is before the first.
     Stretch stretch(std::uint32_t loop, double from, double to) const {
         const double end = to < from ? to + static_cast<double>(loops_[loop].vertices.size()) : to;
-        const auto start = static_cast<std::size_t>(from);
-        const auto behind = static_cast<std::size_t>(std::ceil(end));
-        return {loop, start, behind > start + 1 ? behind - start - 1 : 0};
+        const double start = std::floor(from), behind = std::max(std::ceil(end), start + 1);
+        return {loop, static_cast<std::size_t>(start), static_cast<std::size_t>(behind - start), from - start,
+                1 - (behind - end)};
     }
-    std::size_t number(const Stretch& part, std::size_t k) const {
-        return (part.start + k) % loops_[part.loop].vertices.size();
+    std::uint32_t number(const Stretch& part, std::size_t k) const {
+        return static_cast<std::uint32_t>((part.start + k) % loops_[part.loop].vertices.size());
     }
     std::uint32_t vertex(const Stretch& part, std::size_t k) const {
         return loops_[part.loop].vertices[number(part, k + 1)];
     }
     Segment2 segment(const Stretch& part, std::size_t k) const {
-        const std::size_t n = number(part, k);
+        const std::uint32_t n = number(part, k);
         return {at_[loops_[part.loop].vertices[n]], at_[loops_[part.loop].next_of(n)]};
     }
-
-    double mean_segment(const Stretch& part) const {
-        double sum = 0;
-        for (std::size_t k = 0; k < part.segments(); ++k)
-            sum += length(segment(part, k).b - segment(part, k).a);
-        return sum / static_cast<double>(part.segments());
+    double length_of(const Stretch& part, std::size_t k) const {
+        return length(segment(part, k).b - segment(part, k).a);
     }
 
-    // Whether each vertex of a stretch is nearer than the width to a segment of the other. Vertices that
-    // follow one another are near the same segment or the one before it, so the search goes on where it
-    // ended.
-    bool is_near(const Stretch& part, const Stretch& other, double width) const {
-        const std::size_t count = other.segments();
-        std::size_t last = count - 1;
-        for (std::size_t k = 0; k < part.vertices; ++k) {
-            const auto near = [&](std::size_t n) {
-                const auto [a, b] = segment(other, n);
-                return distance_to_segment(at_[vertex(part, k)], a, b) < width;
-            };
-            std::size_t tried = 0;
-            while (tried < count && !near((last + count - tried) % count)) ++tried;
-            if (tried == count) return false;
-            last = (last + count - tried) % count;
+    // Of the segments between its vertices; of those at its ends where there are no others.
+    double mean_segment(const Stretch& part) const {
+        const bool inner = part.segments > 2;
+        double sum = 0;
+        for (std::size_t k = inner; k + inner < part.segments; ++k) sum += length_of(part, k);
+        return sum / static_cast<double>(part.segments - 2 * inner);
+    }
+
+    // Whether what lies between two stretches that run against each other is a sliver; then what is to be put
+    // into either is appended.
+    bool close_between(const Stretch& first, const Stretch& second, Run& run) const {
+        if (first.vertices() > most_vertices || second.vertices() > most_vertices) return false;
+        const double width =
+            std::min(options_.width_mm,
+                     options_.share_of_segment * std::min(mean_segment(first), mean_segment(second)));
+        // The second's vertices from the first's start on, and where along the first they lie.
+        std::vector<double> along_first;
+        for (std::size_t k = second.vertices(); k-- > 0;) {
+            const PlaceOn place = nearest_place(first, at_[vertex(second, k)]);
+            const double here = static_cast<double>(place.segment) + place.share;
+            if (!(place.apart < width) || (!along_first.empty() && here < along_first.back())) return false;
+            along_first.push_back(here);
         }
+        for (std::size_t k = 0; k < first.vertices(); ++k)
+            if (!(nearest_place(second, at_[vertex(first, k)]).apart < width)) return false;
+        // Both in one order: how many of the other's vertices come before each.
+        std::vector<std::size_t> before_own(first.vertices(), 0), before_other(second.vertices(), 0);
+        for (std::size_t m = 0; m < along_first.size(); ++m) {
+            while (before_other[m] < first.vertices() &&
+                   static_cast<double>(before_other[m] + 1) < along_first[m])
+                ++before_other[m];
+            for (std::size_t k = before_other[m]; k < first.vertices(); ++k) ++before_own[k];
+        }
+        put_into(first, second, before_other, true, run);
+        put_into(second, first, before_own, false, run);
         return true;
     }
 
-    const std::vector<LedContour>& loops_;
-    const std::vector<Vec2>& at_;
-    double width_;
-    double share_of_segment_;
-    std::vector<Pair> beside_;
+    struct PlaceOn {
+        std::size_t segment = 0;
+        double share = 0, apart = std::numeric_limits<double>::infinity();
+    };
+    PlaceOn nearest_place(const Stretch& part, Vec2 p) const {
+        PlaceOn best;
+        for (std::size_t k = 0; k < part.segments; ++k) {
+            const auto [a, b] = segment(part, k);
+            const double low = k == 0 ? part.from : 0, high = k + 1 == part.segments ? part.to : 1;
+            const double share = std::clamp(along(p, a, b), low, high);
+            const double apart = length(p - (a + share * (b - a)));
+            if (apart < best.apart) best = {k, share, apart};
+        }
+        return best;
+    }
+
+    // The vertices of `other` into `part`. `before`: how many vertices of `part`, in its first order, come
+    // before each of them. Both are told in the order of the first stretch, which the second runs against.
+    void put_into(const Stretch& part, const Stretch& other, const std::vector<std::size_t>& before,
+                  bool is_first, Run& run) const {
+        const std::size_t count = before.size();
+        for (std::size_t m = 0; m < count; ++m) {
+            // In the order of `part` the m-th of `other`, which runs the other way.
+            const std::size_t told = is_first ? m : count - 1 - m;
+            const std::size_t k = is_first ? before[told] : part.vertices() - before[told];
+            std::size_t place = 1, together = 1;
+            const auto same = [&](std::size_t n) {
+                const std::size_t as_told = is_first ? n : count - 1 - n;
+                return before[as_told] == before[told];
+            };
+            for (std::size_t n = m; n > 0 && same(n - 1); --n) ++place, ++together;
+            for (std::size_t n = m + 1; n < count && same(n); ++n) ++together;
+            const double low = k == 0 ? part.from : 0, high = k + 1 == part.segments ? part.to : 1;
+            const double share =
+                low + (high - low) * static_cast<double>(place) / static_cast<double>(together + 1);
+            const std::uint32_t v = vertex(other, count - 1 - m);
+            const auto [a, b] = segment(part, k);
+            run.push_back({v, part.loop, number(part, k), share, distance_to_segment(at_[v], a, b)});
+        }
+    }
+
+    // A crossing at which slivers end becomes a vertex of both loops; or a vertex of theirs beside it does,
+    // where that changes little beyond them. `is_start`: along the first loop.
+    void end_at(const Meeting& meeting, bool is_start, double area_mm2, Run& run) {
+        if (meeting.vertex != no_vertex) return;
+        const std::array<Side, 2> sides{side_at(meeting.loops[0], meeting.along_first, is_start),
+                                        side_at(meeting.loops[1], meeting.along_second, !is_start)};
+        std::uint32_t vertex = no_vertex;
+        double nearest = std::numeric_limits<double>::infinity();
+        for (std::size_t n = 0; n < 2; ++n) {
+            for (const std::uint32_t v : sides[n].ends) {
+                const double apart = length(at_[v] - sides[n].crossing);
+                if (apart >= std::min(nearest, beside_a_vertex * sides[n].length_mm)) continue;
+                // The other loop is led to it, from its drawn vertex beyond the crossing.
+                const Side& other = sides[1 - n];
+                const double height =
+                    std::abs(cross(at_[v] - other.crossing, at_[other.ends[1]] - at_[other.ends[0]])) /
+                    other.length_mm;
+                if (height * length(at_[other.beyond] - other.crossing) > 2 * least_area * area_mm2) continue;
+                nearest = apart;
+                vertex = v;
+            }
+        }
+        if (vertex == no_vertex) vertex = made_at(sides[0].place, sides[0].share);
+        for (const Side& side : sides) {
+            const bool is_there =
+                has(side.ends, vertex) || std::any_of(run.begin(), run.end(), [&](const Beside& x) {
+                    return x.vertex == vertex && x.loop == side.place[0];
+                });
+            if (!is_there) run.push_back({vertex, side.place[0], side.place[1], side.share, 0});
+        }
+    }
+
+    // Of a crossing, one of the two loops.
+    struct Side {
+        Place place{};
+        double share = 0, length_mm = 0;  // of the segment there
+        Edge ends{};
+        std::uint32_t beyond = 0;  // the end that is not of the sliver
+        Vec2 crossing;
+    };
+    Side side_at(std::uint32_t l, double along_loop, bool begins) const {
+        const LedContour& loop = loops_[l];
+        const double whole = std::min(std::floor(along_loop), static_cast<double>(loop.vertices.size()) - 1);
+        const auto n = static_cast<std::uint32_t>(whole);
+        Side side{{l, n}, along_loop - whole, 0, {loop.vertices[n], loop.next_of(n)}, 0, {}};
+        const Vec2 a = at_[side.ends[0]], b = at_[side.ends[1]];
+        side.length_mm = length(b - a);
+        side.beyond = side.ends[begins ? 0 : 1];
+        side.crossing = a + side.share * (b - a);
+        return side;
+    }
+
+    // Between two stretches that run against each other.
+    double area_between(const Stretch& first, const Stretch& second) const {
+        std::vector<Vec2> ring;
+        for (const Stretch& part : {first, second}) {
+            const Segment2 here = segment(part, 0);
+            ring.push_back(here.a + part.from * (here.b - here.a));
+            for (std::size_t k = 0; k < part.vertices(); ++k) ring.push_back(at_[vertex(part, k)]);
+        }
+        return std::abs(signed_area(ring));
+    }
+
+    std::uint32_t made_at(Place place, double share) {
+        const LedContour& loop = loops_[place[0]];
+        const Vec3 a = points_[loop.vertices[place[1]]], b = points_[loop.next_of(place[1])];
+        points_.push_back(a + share * (b - a));
+        at_.push_back(plane_.to_plane(points_.back()));
+        return static_cast<std::uint32_t>(points_.size() - 1);
+    }
+
+    // Runs in which a contour lies between a vertex and where it is put.
+    void give_up_hidden() {
+        std::vector<Edge> segments;
+        for (const LedContour& loop : loops_) {
+            for (std::size_t n = 0; n < loop.vertices.size(); ++n)
+                segments.push_back({loop.vertices[n], loop.next_of(n)});
+        }
+        std::vector<Way> ways;
+        std::vector<std::size_t> run_of;
+        for (std::size_t r = 0; r < runs_.size(); ++r) {
+            for (const Beside& x : runs_[r]) {
+                if (x.distance == 0) continue;
+                const Edge to{loops_[x.loop].vertices[x.segment], loops_[x.loop].next_of(x.segment)};
+                ways.push_back({at_[x.vertex], to, {to}, x.vertex});
+                run_of.push_back(r);
+            }
+        }
+        const std::vector<std::uint8_t> unseen = hidden(ways, segments);
+        for (std::size_t n = 0; n < ways.size(); ++n) given_up_[run_of[n]] |= unseen[n];
+    }
+
+    // Runs that another slice passes through: the two agree as drawn, or are made to.
+    void give_up_crossed() {
+        for (std::size_t r = 0; r < runs_.size(); ++r) {
+            Box3 box;
+            for (const Beside& x : runs_[r]) box.extend(points_[x.vertex]);
+            for (std::uint32_t s = 0; s < set_.slices.size() && !given_up_[r]; ++s) {
+                if (s == slice_ || !meet(box, patches_[s])) continue;
+                const Plane& other = set_.slices[s].plane;
+                double low = std::numeric_limits<double>::infinity(), high = -low;
+                for (const Beside& x : runs_[r]) {
+                    low = std::min(low, other.signed_distance(points_[x.vertex]));
+                    high = std::max(high, other.signed_distance(points_[x.vertex]));
+                }
+                given_up_[r] = low <= on_plane_mm && high >= -on_plane_mm;
+            }
+        }
+    }
+    static bool meet(const Box3& p, const Box3& q) {
+        return p.low.x <= q.high.x && q.low.x <= p.high.x && p.low.y <= q.high.y && q.low.y <= p.high.y &&
+               p.low.z <= q.high.z && q.low.z <= p.high.z;
+    }
+
+    // From the drawn loops, with all runs that are not given up.
+    void lead() {
+        for (LedContour& loop : loops_) loop.vertices = loop.origin = loop.drawn;
+        std::vector<Beside> all;
+        for (std::size_t r = 0; r < runs_.size(); ++r) {
+            if (!given_up_[r]) all.insert(all.end(), runs_[r].begin(), runs_[r].end());
+        }
+        put_in(std::move(all));
+    }
+
+    // Runs that made contours of a structure touch or cross one another, turn inside out or lie otherwise in
+    // each other, go through a vertex twice, or change too much of an area. Says whether there were any.
+    bool give_up_what_does_not_serve() {
+        std::vector<std::array<std::uint32_t, 3>> takers;  // loop, vertex, run
+        for (std::uint32_t r = 0; r < runs_.size(); ++r) {
+            for (const Beside& x : runs_[r])
+                if (!given_up_[r]) takers.push_back({x.loop, x.vertex, r});
+        }
+        std::sort(takers.begin(), takers.end());
+        bool any = false;
+        const auto give_up = [&](std::uint32_t loop, std::uint32_t v) {
+            for (auto t = std::lower_bound(takers.begin(), takers.end(), std::array{loop, v, 0u});
+                 t != takers.end() && (*t)[0] == loop && (*t)[1] == v; ++t) {
+                any = any || !given_up_[(*t)[2]];
+                given_up_[(*t)[2]] = 1;
+            }
+        };
+        const auto give_up_all = [&](const std::vector<Place>& places) {
+            for (const auto& [l, n] : places) give_up(l, loops_[l].vertices[n]);
+        };
+        for (std::size_t first = 0; first < loops_.size();) {
+            const std::size_t last = end_of_structure(first);
+            give_up_all(touching(first, last));
+            if (!any) give_up_all(turned_or_nested(first, last));
+            first = last;
+        }
+        for (std::uint32_t l = 0; !any && l < loops_.size(); ++l) {
+            const LedContour& loop = loops_[l];
+            if (loop.vertices.size() == loop.drawn.size()) continue;
+            std::vector<Vec2> drawn;
+            for (const std::uint32_t v : loop.drawn) drawn.push_back(at_[v]);
+            if (change_of(loop).area_mm2 <= options_.most_of_area * std::abs(signed_area(drawn))) continue;
+            for (std::size_t n = 0; n < loop.vertices.size(); ++n)
+                if (loop.taken(n)) give_up(l, loop.vertices[n]);
+        }
+        return any;
+    }
+
+    const ContourSet& set_;
+    const std::uint32_t slice_;
+    const std::vector<Box3>& patches_;
+    const CloseSliversOptions& options_;
+    const Plane plane_;
+    std::vector<Run> runs_;
+    std::vector<std::uint8_t> given_up_;  // by run
 };
 
 }  // namespace
 
-std::vector<std::array<std::uint32_t, 2>> beside_in_slivers(const std::vector<LedContour>& loops,
-                                                            const std::vector<Vec2>& at, double width_mm,
-                                                            double share_of_segment) {
-    return Slivers(loops, at, width_mm, share_of_segment).found();
+CloseGapsStats close_slivers(ContourSet& set, const CloseSliversOptions& options) {
+    assert(options.width_mm >= 0 && options.width_mm <= 10);
+    assert(options.share_of_segment >= 0 && options.share_of_segment <= 0.5);
+    assert(options.most_of_area >= 0 && options.most_of_area <= 1);
+    CloseGapsStats stats;
+    if (options.width_mm == 0 || options.share_of_segment == 0 || set.structures.size() < 2) return stats;
+    std::vector<Contour> contours;
+    std::vector<Vec3> points;
+    std::vector<Box3> patches(set.slices.size());
+    for (const Contour& contour : set.contours) {
+        for (const Vec3& p : set.points_of(contour)) patches[contour.slice].extend(p);
+    }
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        SliceSlivers slivers(set, s, patches, options);
+        slivers.close();
+        stats.add(slivers, s);
+        slivers.append_to(contours, points, s);
+    }
+    if (stats.contours_changed == 0) return stats;
+    set.contours = std::move(contours);
+    set.points = std::move(points);
+    return stats;
 }
 
 }  // namespace anatomesh

@@ -120,12 +120,12 @@ class Builder {
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
     bool spared_shapes() const { return spared_ || recovered_ || (pieces_ && pieces_->are_short()); }
 
-    // Whether a structure was torn that a finer size may keep whole: one hardly thicker than the size, or one
-    // that goes on simply from end to end.
+    // Whether the mesh tore a structure that a finer size may keep whole: one hardly thicker than the size,
+    // or one that goes on simply from end to end.
     bool tore_a_structure() const {
         const std::vector<double> thickness = mean_thickness(contours_);
         return std::any_of(tears_.begin(), tears_.end(), [&](const SurfaceTear& tear) {
-            return tear.whole || thickness[tear.structure] < hardly_thicker * size_mm();
+            return tear.by_mesh && (tear.whole || thickness[tear.structure] < hardly_thicker * size_mm());
         });
     }
 

@@ -17,6 +17,7 @@
 #include "anatomesh/contour/clean.h"
 #include "anatomesh/contour/close_gaps.h"
 #include "anatomesh/contour/share_lines.h"
+#include "anatomesh/contour/slivers.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/independent_check_for_test.h"
 #include "anatomesh/pipeline/random_solids_for_test.h"

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -11,12 +12,10 @@
 
 #include "anatomesh/base/disjoint_sets.h"
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/contour/chosen_slices.h"
-#include "anatomesh/field/crossed_field.h"
-#include "anatomesh/field/sweep.h"
 #include "anatomesh/mesh/buckets.h"
 #include "anatomesh/mesh/tet_mesh.h"
 #include "anatomesh/pipeline/drawn_parts.h"
+#include "anatomesh/pipeline/stacks_of_slices.h"
 
 namespace anatomesh {
 
@@ -185,8 +184,9 @@ class LayeredSurface {
 // through a level cancels.
 class TearSearch {
   public:
+    // `turns`: by gap, where the surface may do more than go on; empty: nowhere.
     TearSearch(const ContourSet& contours, std::uint32_t structure, double tolerance,
-               const LayeredSurface& surface)
+               const LayeredSurface& surface, const std::vector<std::uint8_t>& turns)
         : contours_(contours),
           structure_(structure),
           surface_(surface),
@@ -202,7 +202,8 @@ class TearSearch {
             const bool drawn = std::any_of(all.begin(), all.end(),
                                            [&](const Contour& c) { return c.structure == structure; });
             if (k > 0)
-                joined_.push_back(drawn && drawn_.back() && level - levels_.back() <= widest_gap * median);
+                joined_.push_back(drawn && drawn_.back() && level - levels_.back() <= widest_gap * median &&
+                                  (turns.empty() || !turns[k - 1]));
             levels_.push_back(level);
             drawn_.push_back(drawn);
         }
@@ -461,18 +462,27 @@ class TearSearch {
 
 namespace {
 
-// Of slices side by side, in their order; `heights` of the points along the first one's normal.
-std::vector<SurfaceTear> tears_of_stack(const std::vector<double>& heights,
-                                        std::span<const std::vector<Triangle>> surfaces,
-                                        const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
-                                        std::span<const std::uint8_t> whole_only, int threads) {
-    std::vector<SurfaceTear> tears;
+// How far from its slice's plane a point of a contour may lie and is on it.
+double on_plane_mm(const ContourSet& contours) {
     double tolerance = on_plane_share * contours.box().diagonal();
     for (const Contour& contour : contours.contours) {
         const Plane& plane = contours.slices[contour.slice].plane;
         for (const Vec3& p : contours.points_of(contour))
             tolerance = std::max(tolerance, 1.001 * std::abs(plane.signed_distance(p)));
     }
+    return tolerance;
+}
+
+// Of slices side by side, in their order; `heights` of the points along the first one's normal; `turns` as
+// turns_in_gaps() gives them, or empty.
+std::vector<SurfaceTear> tears_of_stack(const std::vector<double>& heights,
+                                        std::span<const std::vector<Triangle>> surfaces,
+                                        const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
+                                        std::span<const std::uint8_t> whole_only,
+                                        const std::vector<std::vector<std::uint8_t>>& turns, int threads) {
+    std::vector<SurfaceTear> tears;
+    const double tolerance = on_plane_mm(contours);
+    const std::vector<std::uint8_t> no_turns;
     std::vector<std::uint32_t> contour_of(heights.size(), no_cell);
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         const auto mark = [&](bool on) {
@@ -488,36 +498,34 @@ std::vector<SurfaceTear> tears_of_stack(const std::vector<double>& heights,
         mark(true);
         const LayeredSurface surface(heights, surfaces[s], contour_of);
         const std::vector<SurfaceTear> found =
-            TearSearch(contours, s, tolerance, surface).find(whole_only[s] != 0, threads);
+            TearSearch(contours, s, tolerance, surface, turns.empty() ? no_turns : turns[s])
+                .find(whole_only[s] != 0, threads);
         tears.insert(tears.end(), found.begin(), found.end());
         mark(false);
     }
     return tears;
 }
 
-// The slices of a sweep, or of the stack of a set that has a few planes across it.
-struct Stacked {
-    Sweep sweep;
-    ContourSet straight;                // in the order of the sweep
-    std::vector<std::uint32_t> slices;  // of the set as given, in this order
-};
+// How much is amiss with one structure.
+std::int64_t sum_amiss(const std::vector<SurfaceTear>& tears, std::uint32_t structure) {
+    std::int64_t sum = 0;
+    for (const SurfaceTear& tear : tears)
+        sum += tear.structure == structure ? std::abs(tear.euler - tear.expected) : 0;
+    return sum;
+}
 
-std::optional<Stacked> stacked_slices(const ContourSet& contours) {
-    std::vector<std::uint32_t> chosen(contours.slices.size());
-    std::iota(chosen.begin(), chosen.end(), 0u);
-    std::optional<Sweep> sweep = Sweep::of(contours);
-    if (!sweep) {
-        std::optional<StackAndCrossing> parts = stack_and_crossing(contours);
-        if (!parts) return std::nullopt;
-        chosen = std::move(parts->stack);
-        sweep = Sweep::of(chosen_slices(contours, chosen));
-        if (!sweep) return std::nullopt;
+// Of several stacks that see the same surface, for every structure those of the one that sees most amiss.
+std::vector<SurfaceTear> most_amiss(const std::vector<std::vector<SurfaceTear>>& by_stack,
+                                    std::size_t structures) {
+    std::vector<SurfaceTear> tears;
+    for (std::uint32_t s = 0; s < structures; ++s) {
+        const auto less = [&](const auto& p, const auto& q) { return sum_amiss(p, s) < sum_amiss(q, s); };
+        const auto most = std::max_element(by_stack.begin(), by_stack.end(), less);
+        if (most == by_stack.end()) continue;
+        std::copy_if(most->begin(), most->end(), std::back_inserter(tears),
+                     [&](const SurfaceTear& tear) { return tear.structure == s; });
     }
-    const std::vector<std::uint32_t> order = sweep->order();
-    ContourSet straight = chosen_slices(sweep->straight(chosen_slices(contours, chosen)), order);
-    Stacked made{std::move(*sweep), std::move(straight), {}};
-    for (const std::uint32_t s : order) made.slices.push_back(chosen[s]);
-    return made;
+    return tears;
 }
 
 }  // namespace
@@ -534,25 +542,29 @@ std::vector<SurfaceTear> surface_tears(std::span<const Vec3> points,
     std::vector<double> heights;
     if (all_parallel(contours, parallel_mm)) {
         for (const Vec3& p : points) heights.push_back(dot(p, contours.slices.front().plane.normal));
-        return tears_of_stack(heights, surfaces, contours, vertex_of, whole_only, threads);
+        return tears_of_stack(heights, surfaces, contours, vertex_of, whole_only, {}, threads);
     }
-    const std::optional<Stacked> stacked = stacked_slices(contours);
-    if (!stacked) return {};
-    for (const Vec3& p : points) heights.push_back(stacked->sweep.straight(p).z);
-    std::vector<std::uint32_t> vertices;
-    for (const std::uint32_t s : stacked->slices) {
-        for (const Contour& contour : contours.contours_of(contours.slices[s])) {
-            const auto first = vertex_of.begin() + contour.first_point;
-            vertices.insert(vertices.end(), first, first + contour.point_count);
+    std::vector<std::vector<SurfaceTear>> by_stack;
+    for (const StackOfSlices& stack : stacks_of_slices(contours)) {
+        heights.clear();
+        for (const Vec3& p : points) heights.push_back(stack.sweep.straight(p).z);
+        std::vector<std::uint32_t> vertices;
+        for (const std::uint32_t s : stack.slices) {
+            for (const Contour& contour : contours.contours_of(contours.slices[s])) {
+                const auto first = vertex_of.begin() + contour.first_point;
+                vertices.insert(vertices.end(), first, first + contour.point_count);
+            }
+        }
+        const auto turns = turns_in_gaps(contours, stack, on_plane_mm(stack.straight));
+        by_stack.push_back(
+            tears_of_stack(heights, surfaces, stack.straight, vertices, whole_only, turns, threads));
+        for (SurfaceTear& tear : by_stack.back()) {
+            tear.low_slice = stack.slices[tear.low_slice];
+            tear.high_slice = stack.slices[tear.high_slice];
+            tear.by_mesh = stack.leads;
         }
     }
-    std::vector<SurfaceTear> tears =
-        tears_of_stack(heights, surfaces, stacked->straight, vertices, whole_only, threads);
-    for (SurfaceTear& tear : tears) {
-        tear.low_slice = stacked->slices[tear.low_slice];
-        tear.high_slice = stacked->slices[tear.high_slice];
-    }
-    return tears;
+    return most_amiss(by_stack, surfaces.size());
 }
 
 }  // namespace anatomesh

@@ -63,6 +63,11 @@ class CubeSolid {
         return found;
     }
 
+    // As it is alone: of slices in any position.
+    std::vector<SurfaceTear> tears_in_stacks(const Drawing& drawing) {
+        return tears(drawing, [](Vec3 p) { return p; });
+    }
+
   private:
     // Round an axis along y, 60 mm off: planes of equal z turn by a degree a mm.
     static Vec3 bend(Vec3 p) {
@@ -252,6 +257,71 @@ TEST(SurfaceTears, a_bridge_over_a_gap) {
         for (int n = 0; n < bridges; ++n) solid.add({5 + 6 * n, 2, 7}, {7 + 6 * n, 3, 9});
         EXPECT_EQ(handles(solid.tears(drawing)), bridges);
     }
+}
+
+// Contours in planes across the three axes, 4 mm apart: on each those that `on_plane` gives, in the frame of
+// the other two axes in their order round.
+template <class OnPlane>
+Drawing drawn_in_three_stacks(const OnPlane& on_plane) {
+    Drawing drawing;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (int level = 2; level < 20; level += 4) {
+            for (const Polygon& polygon : on_plane(axis, level)) {
+                drawing.add(0, level, polygon);
+                const RawContour& contour = drawing.raw.contours.back();
+                for (std::uint32_t n = 0; n < contour.point_count; ++n) {
+                    Vec3& p = drawing.raw.points[contour.first_point + n];
+                    const double xyz[3] = {p.x, p.y, p.z};
+                    double to[3];
+                    to[axis] = xyz[2], to[(axis + 1) % 3] = xyz[0], to[(axis + 2) % 3] = xyz[1];
+                    p = {to[0], to[1], to[2]};
+                }
+            }
+        }
+    }
+    return drawing;
+}
+
+// Two blocks of 20 x 8 x 20 mm, a mm apart along y, drawn in three stacks; `bridge` on the plane x = 10.
+Drawing two_blocks_in_three_stacks(bool bridge) {
+    return drawn_in_three_stacks([&](std::size_t axis, int level) -> Polygons {
+        if (axis == 1 && level > 17) return {};
+        if (axis == 1) return {rectangle({0, 0}, {20, 20})};  // z, x: one of the blocks
+        if (axis == 2) return {rectangle({0, 0}, {20, 8}), rectangle({0, 9}, {20, 17})};
+        if (!bridge || level != 10) return {rectangle({0, 0}, {8, 20}), rectangle({9, 0}, {17, 20})};
+        return {{{0, 0},
+                 {8, 0},
+                 {8, 7},
+                 {9, 7},
+                 {9, 0},
+                 {17, 0},
+                 {17, 20},
+                 {9, 20},
+                 {9, 9},
+                 {8, 9},
+                 {8, 20},
+                 {0, 20}}};
+    });
+}
+
+TEST(SurfaceTears, a_bridge_between_the_slices_of_three_stacks) {
+    for (const int bridges : {0, 1, 2}) {
+        CubeSolid solid;
+        solid.add({0, 0, 0}, {20, 8, 20});
+        solid.add({0, 9, 0}, {20, 17, 20});
+        for (int n = 0; n < bridges; ++n) solid.add({3 + 8 * n, 8, 7}, {5 + 8 * n, 9, 9});
+        const std::vector<SurfaceTear> tears = solid.tears_in_stacks(two_blocks_in_three_stacks(false));
+        EXPECT_EQ(handles(tears), bridges);
+        for (const SurfaceTear& tear : tears) EXPECT_FALSE(tear.by_mesh);
+    }
+}
+
+TEST(SurfaceTears, a_bridge_that_a_plane_across_shows_is_none) {
+    CubeSolid solid;
+    solid.add({0, 0, 0}, {20, 8, 20});
+    solid.add({0, 9, 0}, {20, 17, 20});
+    solid.add({9, 8, 7}, {11, 9, 9});
+    EXPECT_TRUE(solid.tears_in_stacks(two_blocks_in_three_stacks(true)).empty());
 }
 
 TEST(SurfaceTears, a_gap_that_is_filled_but_for_cavities) {

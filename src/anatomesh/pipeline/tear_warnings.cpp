@@ -69,13 +69,14 @@ void warn_of_tears(std::span<const SurfaceTear> tears, const ContourSet& contour
         const std::string where = worst.low_slice == worst.high_slice
                                       ? "at the end beyond this slice"
                                       : "between this slice and " + contours.slices[worst.high_slice].name;
-        context.warn({"W-PIP-004",
-                      "the surface is joined otherwise than the contours show, by holes in a thin wall or "
-                      "bridges over a narrow gap; most " +
-                          where,
-                      place,
-                      "kept; --size " + brief(finer * size_mm) +
-                          " may resolve it: look at the components and the genus"});
+        context.warn(
+            {"W-PIP-004",
+             "the surface is joined otherwise than the contours show, by holes in a thin wall or "
+             "bridges over a narrow gap; most " +
+                 where,
+             place,
+             std::string(worst.by_mesh ? "kept; --size " : "kept; a plane through the place, or --size ") +
+                 brief(finer * size_mm) + " may resolve it: look at the components and the genus"});
         tear = end;
     }
 }

@@ -1,0 +1,80 @@
+#include "shared_walls.h"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "anatomesh/contour/message_text.h"
+#include "plural.h"
+
+namespace anatomesh {
+
+namespace {
+
+// Of share_lines(), close_slivers() and close_gaps(): how much was changed, and where most.
+template <class Stats>
+std::string extent_of(const Stats& stats) {
+    return fmt::format("{} on {}, {:.3g} mm2 changed", counted(stats.contours_changed, "contour"),
+                       counted(stats.slices, "slice"), stats.area_mm2);
+}
+template <class Stats>
+Place worst_place(const ContourSet& kept, const Stats& stats, const char* measure) {
+    return {kept.source, kept.slices[stats.worst_slice].name, "", "",
+            fmt::format("at most {:.3g} {}", stats.widest_mm, measure)};
+}
+
+// Lines that structures share but for what a hand or a file rounded away.
+void share_copied_lines(ContourSet& kept, double width_mm, RunContext& context) {
+    ShareLinesOptions sharing;
+    sharing.width_mm = width_mm;
+    const ShareLinesStats stats = share_lines(kept, sharing);
+    if (!(stats.widest_mm > 0)) return;
+    context.warn(
+        {"W-CON-027",
+         fmt::format("{} moved onto one of another structure and {} taken from others into segments, where "
+                     "contours of different structures lie less than {:.3g} mm apart: {}",
+                     counted(stats.vertices_moved, "vertex", "vertices"),
+                     counted(stats.vertices_taken, "vertex", "vertices"), stats.width_mm, extent_of(stats)),
+         worst_place(kept, stats, "mm"),
+         "copies of one line share its vertices; --same-line 0 keeps them as drawn"});
+}
+
+// Walls that were drawn once for each of the structures that share them.
+void close_slivers_between(ContourSet& kept, double width_mm, RunContext& context) {
+    CloseSliversOptions closing;
+    closing.width_mm = width_mm;
+    const CloseGapsStats stats = close_slivers(kept, closing);
+    if (stats.contours_changed == 0) return;
+    context.warn(
+        {"W-CON-028",
+         fmt::format("slivers between contours of neighbouring structures that meet and soon meet again, "
+                     "narrower than {} mm and {:.0f} % of their segments; closed, both led through each "
+                     "other's vertices there: {}",
+                     width_mm, 100 * closing.share_of_segment, extent_of(stats)),
+         worst_place(kept, stats, "mm wide"),
+         "no vertex moves for it; --close-slivers 0 keeps the contours as drawn"});
+}
+
+// Walls that neighbouring structures share but for less than a pixel.
+void close_narrow_gaps(ContourSet& kept, double width_mm, RunContext& context) {
+    const CloseGapsStats stats = close_gaps(kept, {width_mm});
+    if (stats.contours_changed == 0) return;
+    context.warn(
+        {"W-CON-025",
+         fmt::format("gaps and overlaps below {} mm between contours of neighbouring structures; led "
+                     "through each other's vertices: {}",
+                     width_mm, extent_of(stats)),
+         worst_place(kept, stats, "mm wide"),
+         "no vertex moves for it, but slices that cross may come to disagree there; without "
+         "--close-gaps the contours stay as they are"});
+}
+
+}  // namespace
+
+void share_walls(ContourSet& kept, const WallOptions& options, RunContext& context) {
+    share_copied_lines(kept, options.same_line_mm, context);
+    close_slivers_between(kept, options.close_slivers_mm, context);
+    close_narrow_gaps(kept, options.close_gaps_mm, context);
+}
+
+}  // namespace anatomesh
