@@ -210,6 +210,21 @@ class WallsDrawnTwice(harness.TestCase):
         drawn = self.run_program("check", "walls.vtu", "--contours", "walls.json", "--close-slivers", "0.4", expect=4)
         self.assertIn("--close-slivers", drawn.err)
 
+    def test_a_model_of_one_of_them_knows_nothing_of_the_other(self):
+        self.write("walls.json", shapes.wall_drawn_twice().document())
+        self.run_program("model", "walls.json", "-o", "one.vtu", "--structure", "1", "--quiet")
+        self.run_program("check", "one.vtu", "--contours", "walls.json")
+        # Nor is an option that the model was made with taken for one that was given.
+        self.run_program("model", "walls.json", "-o", "both.vtu", "--close-gaps", "0.4", "--quiet")
+        told = self.run_program("check", "both.vtu", "--contours", "walls.json", "--structure", "2", expect=None)
+        self.assertNotIn("E-CMD", told.err)
+
+    def test_a_model_that_was_welded_wide_is_not_called_sound_by_its_own_word(self):
+        self.write("far.json", shapes.wall_drawn_twice(gap=3.0, below=20, above=20).document())
+        self.run_program("model", "far.json", "-o", "far.vtu", "--close-gaps", "4", "--quiet")
+        self.run_program("check", "far.vtu", "--contours", "far.json", expect=4)
+        self.run_program("check", "far.vtu", "--contours", "far.json", "--close-gaps", "4")
+
     def test_a_gap_that_is_not_crossed_is_a_gap_but_where_asked(self):
         told, model = self.models(shapes.wall_drawn_twice(gap=0.5, below=40, above=40))
         self.assertNotIn("W-CON-02", told)
