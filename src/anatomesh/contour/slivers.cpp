@@ -51,10 +51,21 @@ class SliceSlivers : public LedContours {
           slice_(slice),
           patches_(patches),
           options_(options),
-          plane_(set.slices[slice].plane) {}
+          plane_(set.slices[slice].plane),
+          drawn_points_(points_.size()) {}
 
     void close() {
         if (loops_.empty() || loops_.front().structure == loops_.back().structure) return;
+        for (const LedContour& loop : loops_) {
+            std::vector<Vec2> polygon;
+            Box2 box;
+            for (const std::uint32_t v : loop.drawn) {
+                polygon.push_back(at_[v]);
+                box.extend(at_[v]);
+            }
+            polygons_.push_back(std::move(polygon));
+            boxes_.push_back(box);
+        }
         const std::vector<Meeting> all = meetings();
         for (std::size_t first = 0, last = 0; first < all.size(); first = last) {
             while (last < all.size() && all[last].loops == all[first].loops) ++last;
@@ -63,7 +74,6 @@ class SliceSlivers : public LedContours {
         }
         given_up_.assign(runs_.size(), 0);
         give_up_hidden();
-        give_up_crossed();
         do {
             lead();
         } while (give_up_what_does_not_serve());
@@ -142,8 +152,10 @@ class SliceSlivers : public LedContours {
             if ((rank[next] + 1) % count != rank[k]) continue;
             const Stretch first = stretch(all[k].loops[0], all[k].along_first, all[next].along_first),
                           second = stretch(all[k].loops[1], all[next].along_second, all[k].along_second);
-            closes[k] = close_between(first, second, slivers[k]);
-            areas[k] = area_between(first, second);
+            if (!close_between(first, second, slivers[k])) continue;
+            const std::vector<Vec2> ring = ring_between(first, second);
+            closes[k] = !is_crossed(ring) && !lies_in_a_third(slivers[k], {first.loop, second.loop});
+            areas[k] = std::abs(signed_area(ring));
         }
         const auto open = std::find(closes.begin(), closes.end(), 0);
         const auto begin = static_cast<std::size_t>(open - closes.begin()) % count;
@@ -272,8 +284,8 @@ class SliceSlivers : public LedContours {
     // where that changes little beyond them. `is_start`: along the first loop.
     void end_at(const Meeting& meeting, bool is_start, double area_mm2, Run& run) {
         if (meeting.vertex != no_vertex) return;
-        const std::array<Side, 2> sides{side_at(meeting.loops[0], meeting.along_first, is_start),
-                                        side_at(meeting.loops[1], meeting.along_second, !is_start)};
+        const std::array<CrossingSide, 2> sides{side_at(meeting.loops[0], meeting.along_first, is_start),
+                                                side_at(meeting.loops[1], meeting.along_second, !is_start)};
         std::uint32_t vertex = no_vertex;
         double nearest = std::numeric_limits<double>::infinity();
         for (std::size_t n = 0; n < 2; ++n) {
@@ -281,17 +293,19 @@ class SliceSlivers : public LedContours {
                 const double apart = length(at_[v] - sides[n].crossing);
                 if (apart >= std::min(nearest, beside_a_vertex * sides[n].length_mm)) continue;
                 // The other loop is led to it, from its drawn vertex beyond the crossing.
-                const Side& other = sides[1 - n];
+                const CrossingSide& other = sides[1 - n];
                 const double height =
                     std::abs(cross(at_[v] - other.crossing, at_[other.ends[1]] - at_[other.ends[0]])) /
                     other.length_mm;
-                if (height * length(at_[other.beyond] - other.crossing) > 2 * least_area * area_mm2) continue;
+                if (height * length(at_[other.beyond] - other.crossing) > 2 * least_area * area_mm2 ||
+                    is_crossed({at_[other.beyond], other.crossing, at_[v]}))
+                    continue;
                 nearest = apart;
                 vertex = v;
             }
         }
         if (vertex == no_vertex) vertex = made_at(sides[0].place, sides[0].share);
-        for (const Side& side : sides) {
+        for (const CrossingSide& side : sides) {
             const bool is_there =
                 has(side.ends, vertex) || std::any_of(run.begin(), run.end(), [&](const Beside& x) {
                     return x.vertex == vertex && x.loop == side.place[0];
@@ -301,18 +315,18 @@ class SliceSlivers : public LedContours {
     }
 
     // Of a crossing, one of the two loops.
-    struct Side {
+    struct CrossingSide {
         Place place{};
         double share = 0, length_mm = 0;  // of the segment there
         Edge ends{};
         std::uint32_t beyond = 0;  // the end that is not of the sliver
         Vec2 crossing;
     };
-    Side side_at(std::uint32_t l, double along_loop, bool begins) const {
+    CrossingSide side_at(std::uint32_t l, double along_loop, bool begins) const {
         const LedContour& loop = loops_[l];
         const double whole = std::min(std::floor(along_loop), static_cast<double>(loop.vertices.size()) - 1);
         const auto n = static_cast<std::uint32_t>(whole);
-        Side side{{l, n}, along_loop - whole, 0, {loop.vertices[n], loop.next_of(n)}, 0, {}};
+        CrossingSide side{{l, n}, along_loop - whole, 0, {loop.vertices[n], loop.next_of(n)}, 0, {}};
         const Vec2 a = at_[side.ends[0]], b = at_[side.ends[1]];
         side.length_mm = length(b - a);
         side.beyond = side.ends[begins ? 0 : 1];
@@ -321,21 +335,78 @@ class SliceSlivers : public LedContours {
     }
 
     // Between two stretches that run against each other.
-    double area_between(const Stretch& first, const Stretch& second) const {
+    std::vector<Vec2> ring_between(const Stretch& first, const Stretch& second) const {
         std::vector<Vec2> ring;
         for (const Stretch& part : {first, second}) {
             const Segment2 here = segment(part, 0);
             ring.push_back(here.a + part.from * (here.b - here.a));
             for (std::size_t k = 0; k < part.vertices(); ++k) ring.push_back(at_[vertex(part, k)]);
         }
-        return std::abs(signed_area(ring));
+        return ring;
+    }
+
+    // Whether another slice passes through it: the two agree as drawn, or are made to.
+    bool is_crossed(const std::vector<Vec2>& ring) const {
+        std::vector<Vec3> corners;
+        Box3 box;
+        for (const Vec2 p : ring) {
+            corners.push_back(plane_.to_space(p));
+            box.extend(corners.back());
+        }
+        for (std::uint32_t s = 0; s < set_.slices.size(); ++s) {
+            if (s == slice_ || !meet(box, patches_[s])) continue;
+            double low = std::numeric_limits<double>::infinity(), high = -low;
+            for (const Vec3& p : corners) {
+                low = std::min(low, set_.slices[s].plane.signed_distance(p));
+                high = std::max(high, set_.slices[s].plane.signed_distance(p));
+            }
+            if (low <= on_plane_mm && high >= -on_plane_mm) return true;
+        }
+        return false;
+    }
+    static bool meet(const Box3& p, const Box3& q) {
+        return p.low.x <= q.high.x && q.low.x <= p.high.x && p.low.y <= q.high.y && q.low.y <= p.high.y &&
+               p.low.z <= q.high.z && q.low.z <= p.high.z;
+    }
+
+    // Whether a third structure is drawn in the sliver but not on both sides of it, or beside it alone: what
+    // is closed there would come to lie in it, or leave it.
+    bool lies_in_a_third(const Run& sliver, Edge of_loops) const {
+        for (const Beside& x : sliver) {
+            const Vec2 a = at_[loops_[x.loop].vertices[x.segment]],
+                       b = at_[loops_[x.loop].next_of(x.segment)];
+            const Vec2 v = at_[x.vertex];
+            const Vec2 way = a + std::clamp(along(v, a, b), 0.0, 1.0) * (b - a) - v;
+            for (std::size_t first = 0; first < loops_.size(); first = end_of_structure(first)) {
+                const std::uint32_t structure = loops_[first].structure;
+                if (structure == loops_[of_loops[0]].structure || structure == loops_[of_loops[1]].structure)
+                    continue;
+                const bool inside = is_inside(first, v + 0.5 * way);
+                if (inside != is_inside(first, v - 0.25 * way) || inside != is_inside(first, v + 1.25 * way))
+                    return true;
+            }
+        }
+        return false;
+    }
+    // Of the structure whose loops begin there.
+    bool is_inside(std::size_t first, Vec2 p) const {
+        bool inside = false;
+        for (std::size_t l = first; l < end_of_structure(first); ++l) {
+            if (!boxes_[l].contains(p)) continue;
+            inside ^= side_of_polygon(polygons_[l], p) == Side::inside;
+        }
+        return inside;
     }
 
     std::uint32_t made_at(Place place, double share) {
         const LedContour& loop = loops_[place[0]];
         const Vec3 a = points_[loop.vertices[place[1]]], b = points_[loop.next_of(place[1])];
-        points_.push_back(a + share * (b - a));
-        at_.push_back(plane_.to_plane(points_.back()));
+        const Vec3 p = a + share * (b - a);
+        const auto same =
+            std::find(points_.begin() + static_cast<std::ptrdiff_t>(drawn_points_), points_.end(), p);
+        if (same != points_.end()) return static_cast<std::uint32_t>(same - points_.begin());
+        points_.push_back(p);
+        at_.push_back(plane_.to_plane(p));
         return static_cast<std::uint32_t>(points_.size() - 1);
     }
 
@@ -358,28 +429,6 @@ class SliceSlivers : public LedContours {
         }
         const std::vector<std::uint8_t> unseen = hidden(ways, segments);
         for (std::size_t n = 0; n < ways.size(); ++n) given_up_[run_of[n]] |= unseen[n];
-    }
-
-    // Runs that another slice passes through: the two agree as drawn, or are made to.
-    void give_up_crossed() {
-        for (std::size_t r = 0; r < runs_.size(); ++r) {
-            Box3 box;
-            for (const Beside& x : runs_[r]) box.extend(points_[x.vertex]);
-            for (std::uint32_t s = 0; s < set_.slices.size() && !given_up_[r]; ++s) {
-                if (s == slice_ || !meet(box, patches_[s])) continue;
-                const Plane& other = set_.slices[s].plane;
-                double low = std::numeric_limits<double>::infinity(), high = -low;
-                for (const Beside& x : runs_[r]) {
-                    low = std::min(low, other.signed_distance(points_[x.vertex]));
-                    high = std::max(high, other.signed_distance(points_[x.vertex]));
-                }
-                given_up_[r] = low <= on_plane_mm && high >= -on_plane_mm;
-            }
-        }
-    }
-    static bool meet(const Box3& p, const Box3& q) {
-        return p.low.x <= q.high.x && q.low.x <= p.high.x && p.low.y <= q.high.y && q.low.y <= p.high.y &&
-               p.low.z <= q.high.z && q.low.z <= p.high.z;
     }
 
     // From the drawn loops, with all runs that are not given up.
@@ -418,14 +467,19 @@ class SliceSlivers : public LedContours {
             if (!any) give_up_all(turned_or_nested(first, last));
             first = last;
         }
-        for (std::uint32_t l = 0; !any && l < loops_.size(); ++l) {
-            const LedContour& loop = loops_[l];
-            if (loop.vertices.size() == loop.drawn.size()) continue;
-            std::vector<Vec2> drawn;
-            for (const std::uint32_t v : loop.drawn) drawn.push_back(at_[v]);
-            if (change_of(loop).area_mm2 <= options_.most_of_area * std::abs(signed_area(drawn))) continue;
-            for (std::size_t n = 0; n < loop.vertices.size(); ++n)
-                if (loop.taken(n)) give_up(l, loop.vertices[n]);
+        for (std::size_t first = 0, last = 0; !any && first < loops_.size(); first = last) {
+            last = end_of_structure(first);
+            double area = 0, changed = 0;
+            for (std::size_t l = first; l < last; ++l) {
+                area += signed_area(polygons_[l]);
+                if (loops_[l].vertices.size() > loops_[l].drawn.size())
+                    changed += change_of(loops_[l]).area_mm2;
+            }
+            if (changed <= options_.most_of_area * std::abs(area)) continue;
+            for (std::size_t l = first; l < last; ++l) {
+                for (std::size_t n = 0; n < loops_[l].vertices.size(); ++n)
+                    if (loops_[l].taken(n)) give_up(static_cast<std::uint32_t>(l), loops_[l].vertices[n]);
+            }
         }
         return any;
     }
@@ -435,6 +489,9 @@ class SliceSlivers : public LedContours {
     const std::vector<Box3>& patches_;
     const CloseSliversOptions& options_;
     const Plane plane_;
+    const std::size_t drawn_points_;
+    std::vector<std::vector<Vec2>> polygons_;  // the loops as drawn, and their boxes
+    std::vector<Box2> boxes_;
     std::vector<Run> runs_;
     std::vector<std::uint8_t> given_up_;  // by run
 };

@@ -185,5 +185,71 @@ TEST(CloseSlivers, widths_of_nothing_change_nothing) {
     }
 }
 
+// Where a structure's contour crosses the line of this x, between y = -2 and y = 2.
+double crossing_at(const ContourSet& set, std::uint32_t structure, double x) {
+    for (const Contour& contour : set.contours_of(set.slices[0])) {
+        if (contour.structure != structure) continue;
+        const auto p = set.points_of(contour);
+        for (std::size_t n = 0; n < p.size(); ++n) {
+            const Vec3 a = p[n], b = p[(n + 1) % p.size()];
+            if ((a.x <= x) == (b.x <= x)) continue;
+            const double y = a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x);
+            if (std::abs(y) < 2) return y;
+        }
+    }
+    return 0;
+}
+
+// A slice in the plane of this x, with a contour about the wall.
+ContourSet with_slice_across(ContourSet set, double x) {
+    const ContourSet across = slice_of({{0, box(-5, -5, 5, 5)}}, make_plane({x, 0, 0}, {1, 0, 0}));
+    Slice slice = across.slices[0];
+    slice.first_contour = static_cast<std::uint32_t>(set.contours.size());
+    Contour contour = across.contours[0];
+    contour.slice = 1;
+    contour.first_point = static_cast<std::uint32_t>(set.points.size());
+    set.slices.push_back(slice);
+    set.contours.push_back(contour);
+    set.points.insert(set.points.end(), across.points.begin(), across.points.end());
+    return set;
+}
+
+TEST(CloseSlivers, what_another_slice_passes_through_stays) {
+    const ContourSet before = slice_of(one_wall_drawn_twice(14, 11));
+    ContourSet alone = before;
+    close_slivers(alone, {});
+    int changed = 0;
+    for (double x = 0.5; x < 20; x += 0.37) {
+        ContourSet crossed = with_slice_across(before, x);
+        close_slivers(crossed, {});
+        for (const std::uint32_t structure : {0u, 1u}) {
+            const double drawn = crossing_at(before, structure, x);
+            changed += std::abs(crossing_at(alone, structure, x) - drawn) > 1e-3;
+            EXPECT_NEAR(crossing_at(crossed, structure, x), drawn, 1e-9) << x << ", structure " << structure;
+        }
+    }
+    EXPECT_GT(changed, 10);
+}
+
+TEST(CloseSlivers, what_a_third_structure_fills_stays_its_own) {
+    // A lens between two slabs, 0.2 mm wide, and what fills it.
+    const Polygon low{{0, -5}, {40, -5}, {40, 0}, {25, 0.1}, {20, -0.1}, {15, 0.1}, {0, 0}};
+    const Polygon high{{0, 0.05}, {15, 0}, {20, 0.1}, {25, 0}, {40, 0.05}, {40, 5}, {0, 5}};
+    const Polygon third{{17.6, 0}, {20, -0.095}, {22.4, 0}, {20, 0.095}};
+    const ContourSet before = slice_of({{0, low}, {1, high}, {2, third}});
+    ContourSet two = slice_of({{0, low}, {1, high}}), three = before;
+    close_slivers(two, {});
+    close_slivers(three, {});
+    double changed = 0;
+    for (const double x : {18.0, 19.0, 21.0, 22.0}) {
+        for (const std::uint32_t structure : {0u, 1u}) {
+            const double drawn = crossing_at(before, structure, x);
+            changed = std::max(changed, std::abs(crossing_at(two, structure, x) - drawn));
+            EXPECT_NEAR(crossing_at(three, structure, x), drawn, 1e-9);
+        }
+    }
+    EXPECT_GT(changed, 0.05);
+}
+
 }  // namespace
 }  // namespace anatomesh
