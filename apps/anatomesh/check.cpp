@@ -52,6 +52,17 @@ Box3 box_of(const std::vector<Vec3>& points) {
     return box;
 }
 
+// Of a model's file: it alone does not make contours wider apart the same.
+constexpr double widest_told_mm = 1;
+
+// Whether the user says how walls are shared.
+bool walls_are_given(const InputOptions& options) {
+    return std::any_of(
+        options.cleaning_given.begin(), options.cleaning_given.end(), [](const std::string& name) {
+            return name == "--same-line" || name == "--close-slivers" || name == "--close-gaps";
+        });
+}
+
 // What the user can do about broken clauses.
 std::string advice(const CheckOptions& options, const ModelFile& model, const InputContours* contours,
                    const ModelReport& report) {
@@ -76,6 +87,15 @@ std::string advice(const CheckOptions& options, const ModelFile& model, const In
                    ": are they mirrored, scaled or shifted, or other contours than those that model "
                    "--contours "
                    "writes, or read with other --close-slivers, --close-gaps or --same-line?";
+    }
+    const double closed_mm = number_of(model.description, "close_gaps_mm").value_or(0);
+    if ((broken(2) || broken(6)) && contours && closed_mm > widest_told_mm &&
+        !walls_are_given(options.contours)) {
+        return fmt::format(
+            "the model's file says that gaps up to {0} mm were closed, which is not believed: --close-gaps "
+            "{0} "
+            "does so too",
+            closed_mm);
     }
     if (broken(4) && !contours) {
         return "the certificate says which and where; with --contours what they force is known and excused";
@@ -138,27 +158,18 @@ void look_for_tears(const ModelFile& model, const ContourSet& contours, const Mo
 
 // Walls as the model's file says that they were shared, but where the user says else.
 WallOptions walls_of(const ModelFile& model, const InputOptions& options) {
-    constexpr double most_mm = 1;  // a file alone does not make contours wider apart the same
     WallOptions walls = options.walls;
     const auto take = [&](const char* option, const char* note, double& width) {
         const std::vector<std::string>& given = options.cleaning_given;
         const std::optional<double> told = number_of(model.description, note);
         if (std::find(given.begin(), given.end(), option) != given.end() || !told) return;
-        if (*told >= 0 && *told <= most_mm) width = *told;
+        if (*told >= 0 && *told <= widest_told_mm) width = *told;
     };
     take("--same-line", "same_line_mm", walls.same_line_mm);
     take("--close-slivers", "close_slivers_mm", walls.close_slivers_mm);
     take("--close-gaps", "close_gaps_mm", walls.close_gaps_mm);
     walls.same_line_mm = std::min(walls.same_line_mm, 0.1);
     return walls;
-}
-
-// Whether the user says how walls are shared.
-bool walls_are_given(const InputOptions& options) {
-    return std::any_of(
-        options.cleaning_given.begin(), options.cleaning_given.end(), [](const std::string& name) {
-            return name == "--same-line" || name == "--close-slivers" || name == "--close-gaps";
-        });
 }
 
 Status run_check(CheckOptions options, Session& session) {

@@ -222,7 +222,8 @@ class WallsDrawnTwice(harness.TestCase):
     def test_a_model_that_was_welded_wide_is_not_called_sound_by_its_own_word(self):
         self.write("far.json", shapes.wall_drawn_twice(gap=3.0, below=20, above=20).document())
         self.run_program("model", "far.json", "-o", "far.vtu", "--close-gaps", "4", "--quiet")
-        self.run_program("check", "far.vtu", "--contours", "far.json", expect=4)
+        told = self.run_program("check", "far.vtu", "--contours", "far.json", expect=4).err
+        self.assertIn("--close-gaps 4", told)
         self.run_program("check", "far.vtu", "--contours", "far.json", "--close-gaps", "4")
 
     def test_a_gap_that_is_not_crossed_is_a_gap_but_where_asked(self):
