@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "anatomesh/contour/led_contours.h"
@@ -244,38 +245,15 @@ class SliceGaps : public LedContours {
 
 }  // namespace
 
-void CloseGapsStats::add(const LedContours& led, std::uint32_t slice) {
-    bool any = false;
-    for (const LedContour& loop : led.loops()) {
-        if (loop.vertices.size() == loop.drawn.size()) continue;
-        const LedContours::Change change = led.change_of(loop);
-        any = true;
-        ++contours_changed;
-        vertices_taken += change.taken;
-        area_mm2 += change.area_mm2;
-        if (change.widest_mm > widest_mm) {
-            widest_mm = change.widest_mm;
-            worst_slice = slice;
-        }
-    }
-    slices += any;
-}
-
-CloseGapsStats close_gaps(ContourSet& set, const CloseGapsOptions& options) {
+LedStats close_gaps(ContourSet& set, const CloseGapsOptions& options) {
     assert(options.width_mm >= 0 && options.width_mm <= 10);
-    CloseGapsStats stats;
+    LedStats stats;
     if (options.width_mm == 0 || set.structures.size() < 2) return stats;
-    std::vector<Contour> contours;
-    std::vector<Vec3> points;
-    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+    lead_slices(set, stats, [&](std::uint32_t s) {
         SliceGaps gaps(set, set.slices[s], options.width_mm);
         gaps.close();
-        stats.add(gaps, s);
-        gaps.append_to(contours, points, s);
-    }
-    if (stats.contours_changed == 0) return stats;
-    set.contours = std::move(contours);
-    set.points = std::move(points);
+        return static_cast<LedContours>(std::move(gaps));
+    });
     return stats;
 }
 

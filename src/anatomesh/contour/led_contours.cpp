@@ -25,6 +25,24 @@ LedContours::LedContours(const ContourSet& set, const Slice& slice) {
     }
 }
 
+void LedStats::add(const LedContours& led, std::uint32_t slice) {
+    bool any = false;
+    for (const LedContour& loop : led.loops()) {
+        if (loop.vertices == loop.drawn) continue;
+        const LedContours::Change change = led.change_of(loop);
+        any = true;
+        ++contours_changed;
+        vertices_taken += change.taken;
+        vertices_moved += change.moved;
+        area_mm2 += change.area_mm2;
+        if (change.widest_mm > widest_mm) {
+            widest_mm = change.widest_mm;
+            worst_slice = slice;
+        }
+    }
+    slices += any;
+}
+
 LedContours::Change LedContours::change_of(const LedContour& loop) const {
     Change change;
     const std::size_t count = loop.vertices.size();

@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/led_stats.h"
 
 namespace anatomesh {
 
@@ -102,5 +104,20 @@ class LedContours {
     std::vector<Vec2> polygon(const std::vector<std::uint32_t>& loop) const;
     bool touch(Edge p, Edge q) const;
 };
+
+// The set with what `lead(slice number)` makes of the contours of each slice, if it changes any.
+template <class Lead>
+void lead_slices(ContourSet& set, LedStats& stats, Lead&& lead) {
+    std::vector<Contour> contours;
+    std::vector<Vec3> points;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        const LedContours led = lead(s);
+        stats.add(led, s);
+        led.append_to(contours, points, s);
+    }
+    if (stats.contours_changed == 0) return;
+    set.contours = std::move(contours);
+    set.points = std::move(points);
+}
 
 }  // namespace anatomesh

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "anatomesh/contour/led_contours.h"
@@ -152,31 +153,11 @@ ShareLinesStats share_lines(ContourSet& set, const ShareLinesOptions& options) {
     if (options.width_mm == 0 || set.structures.size() < 2) return stats;
     stats.width_mm = std::min(options.width_mm, options.share_of_segment * median_segment(set));
     if (!(stats.width_mm > 0)) return stats;
-    std::vector<Contour> contours;
-    std::vector<Vec3> points;
-    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+    lead_slices(set, stats, [&](std::uint32_t s) {
         SliceLines lines(set, set.slices[s], stats.width_mm, options.held);
         lines.share();
-        bool any = false;
-        for (const LedContour& loop : lines.loops()) {
-            if (loop.vertices == loop.drawn) continue;
-            const LedContours::Change change = lines.change_of(loop);
-            any = true;
-            ++stats.contours_changed;
-            stats.vertices_taken += change.taken;
-            stats.vertices_moved += change.moved;
-            stats.area_mm2 += change.area_mm2;
-            if (change.widest_mm > stats.widest_mm) {
-                stats.widest_mm = change.widest_mm;
-                stats.worst_slice = s;
-            }
-        }
-        stats.slices += any;
-        lines.append_to(contours, points, s);
-    }
-    if (stats.contours_changed == 0) return stats;
-    set.contours = std::move(contours);
-    set.points = std::move(points);
+        return static_cast<LedContours>(std::move(lines));
+    });
     return stats;
 }
 

@@ -1,10 +1,10 @@
 // share_lines: contours of different structures that were drawn on the same line get the same vertices there.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/led_stats.h"
 
 namespace anatomesh {
 
@@ -21,15 +21,8 @@ struct ShareLinesOptions {
     std::vector<Vec3> held;
 };
 
-struct ShareLinesStats {
-    double width_mm = 0;               // that was used
-    std::uint64_t vertices_taken = 0;  // by a contour from another structure's
-    std::uint64_t vertices_moved = 0;  // onto another structure's
-    std::uint64_t contours_changed = 0;
-    std::uint32_t slices = 0;       // where something was changed
-    std::uint32_t worst_slice = 0;  // the one with the widest change
-    double widest_mm = 0;           // from what was drawn to where a contour runs now
-    double area_mm2 = 0;            // between contours as drawn and as led, over all slices and contours
+struct ShareLinesStats : LedStats {
+    double width_mm = 0;  // that was used
 };
 
 // Outlines that share a line but not its vertices split each other into slivers: which facet ends where is

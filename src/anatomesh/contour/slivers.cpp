@@ -96,7 +96,7 @@ class SliceSlivers : public LedContours {
         std::vector<Meeting> all;
         SegmentIndex(std::move(segments)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
             if (loops_[places[i][0]].structure != loops_[places[j][0]].structure)
-                meet(places[i], places[j], all);
+                add_meetings(places[i], places[j], all);
             return true;
         });
         std::sort(all.begin(), all.end(),
@@ -108,7 +108,7 @@ class SliceSlivers : public LedContours {
     }
 
     // Places are in rising order, as their segments are in the index.
-    void meet(Place p, Place q, std::vector<Meeting>& all) const {
+    void add_meetings(Place p, Place q, std::vector<Meeting>& all) const {
         const LedContour &first = loops_[p[0]], &second = loops_[q[0]];
         const Edge own{first.vertices[p[1]], first.next_of(p[1])};
         const Edge other{second.vertices[q[1]], second.next_of(q[1])};
@@ -226,16 +226,18 @@ class SliceSlivers : public LedContours {
         }
         for (std::size_t k = 0; k < first.vertices(); ++k)
             if (!(nearest_place(second, at_[vertex(first, k)]).apart < width)) return false;
-        // Both in one order: how many of the other's vertices come before each.
-        std::vector<std::size_t> before_own(first.vertices(), 0), before_other(second.vertices(), 0);
+        // Both in one order, from the first's start on.
+        std::vector<Shared> order;
+        std::size_t own = 0;
         for (std::size_t m = 0; m < along_first.size(); ++m) {
-            while (before_other[m] < first.vertices() &&
-                   static_cast<double>(before_other[m] + 1) < along_first[m])
-                ++before_other[m];
-            for (std::size_t k = before_other[m]; k < first.vertices(); ++k) ++before_own[k];
+            for (; own < first.vertices() && static_cast<double>(own + 1) < along_first[m]; ++own)
+                order.push_back({vertex(first, own), true});
+            order.push_back({vertex(second, second.vertices() - 1 - m), false});
         }
-        put_into(first, second, before_other, true, run);
-        put_into(second, first, before_own, false, run);
+        for (; own < first.vertices(); ++own) order.push_back({vertex(first, own), true});
+        put_into(first, order, true, run);
+        std::reverse(order.begin(), order.end());
+        put_into(second, order, false, run);
         return true;
     }
 
@@ -255,28 +257,25 @@ class SliceSlivers : public LedContours {
         return best;
     }
 
-    // The vertices of `other` into `part`. `before`: how many vertices of `part`, in its first order, come
-    // before each of them. Both are told in the order of the first stretch, which the second runs against.
-    void put_into(const Stretch& part, const Stretch& other, const std::vector<std::size_t>& before,
-                  bool is_first, Run& run) const {
-        const std::size_t count = before.size();
-        for (std::size_t m = 0; m < count; ++m) {
-            // In the order of `part` the m-th of `other`, which runs the other way.
-            const std::size_t told = is_first ? m : count - 1 - m;
-            const std::size_t k = is_first ? before[told] : part.vertices() - before[told];
-            std::size_t place = 1, together = 1;
-            const auto same = [&](std::size_t n) {
-                const std::size_t as_told = is_first ? n : count - 1 - n;
-                return before[as_told] == before[told];
-            };
-            for (std::size_t n = m; n > 0 && same(n - 1); --n) ++place, ++together;
-            for (std::size_t n = m + 1; n < count && same(n); ++n) ++together;
+    // Of the vertices of two stretches in one order: whether it is the first one's.
+    struct Shared {
+        std::uint32_t vertex = 0;
+        bool of_first = false;
+    };
+
+    // Those of the other stretch into this one, evenly between its own.
+    void put_into(const Stretch& part, const std::vector<Shared>& order, bool is_first, Run& run) const {
+        std::size_t k = 0;  // the segment, by its own vertices so far
+        for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end + 1, ++k) {
+            for (end = begin; end < order.size() && order[end].of_first != is_first;) ++end;
             const double low = k == 0 ? part.from : 0, high = k + 1 == part.segments ? part.to : 1;
-            const double share =
-                low + (high - low) * static_cast<double>(place) / static_cast<double>(together + 1);
-            const std::uint32_t v = vertex(other, count - 1 - m);
             const auto [a, b] = segment(part, k);
-            run.push_back({v, part.loop, number(part, k), share, distance_to_segment(at_[v], a, b)});
+            for (std::size_t n = begin; n < end; ++n) {
+                const double share = low + (high - low) * static_cast<double>(n + 1 - begin) /
+                                               static_cast<double>(end + 1 - begin);
+                const std::uint32_t v = order[n].vertex;
+                run.push_back({v, part.loop, number(part, k), share, distance_to_segment(at_[v], a, b)});
+            }
         }
     }
 
@@ -364,11 +363,6 @@ class SliceSlivers : public LedContours {
         }
         return false;
     }
-    static bool meet(const Box3& p, const Box3& q) {
-        return p.low.x <= q.high.x && q.low.x <= p.high.x && p.low.y <= q.high.y && q.low.y <= p.high.y &&
-               p.low.z <= q.high.z && q.low.z <= p.high.z;
-    }
-
     // Whether a third structure is drawn in the sliver but not on both sides of it, or beside it alone: what
     // is closed there would come to lie in it, or leave it.
     bool lies_in_a_third(const Run& sliver, Edge of_loops) const {
@@ -498,27 +492,21 @@ class SliceSlivers : public LedContours {
 
 }  // namespace
 
-CloseGapsStats close_slivers(ContourSet& set, const CloseSliversOptions& options) {
+LedStats close_slivers(ContourSet& set, const CloseSliversOptions& options) {
     assert(options.width_mm >= 0 && options.width_mm <= 10);
     assert(options.share_of_segment >= 0 && options.share_of_segment <= 0.5);
     assert(options.most_of_area >= 0 && options.most_of_area <= 1);
-    CloseGapsStats stats;
+    LedStats stats;
     if (options.width_mm == 0 || options.share_of_segment == 0 || set.structures.size() < 2) return stats;
-    std::vector<Contour> contours;
-    std::vector<Vec3> points;
     std::vector<Box3> patches(set.slices.size());
     for (const Contour& contour : set.contours) {
         for (const Vec3& p : set.points_of(contour)) patches[contour.slice].extend(p);
     }
-    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+    lead_slices(set, stats, [&](std::uint32_t s) {
         SliceSlivers slivers(set, s, patches, options);
         slivers.close();
-        stats.add(slivers, s);
-        slivers.append_to(contours, points, s);
-    }
-    if (stats.contours_changed == 0) return stats;
-    set.contours = std::move(contours);
-    set.points = std::move(points);
+        return static_cast<LedContours>(std::move(slivers));
+    });
     return stats;
 }
 

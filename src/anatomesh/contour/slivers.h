@@ -1,8 +1,8 @@
 // close_slivers: a wall that was drawn once for each of two structures becomes one.
 #pragma once
 
-#include "anatomesh/contour/close_gaps.h"
 #include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/led_stats.h"
 
 namespace anatomesh {
 
@@ -32,6 +32,6 @@ struct CloseSliversOptions {
 // slivers times slices) a slice. Source of the notion: the spurious polygons of overlaid maps, M. F.
 // Goodchild, "Statistical aspects of the polygon overlay problem", in: G. Dutton (ed.), Harvard Papers on
 // Geographic Information Systems 6, 1978.
-CloseGapsStats close_slivers(ContourSet& set, const CloseSliversOptions& options);
+LedStats close_slivers(ContourSet& set, const CloseSliversOptions& options);
 
 }  // namespace anatomesh

@@ -35,12 +35,19 @@ struct Box3 {
         high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
     }
     bool contains(Vec3 p) const {
-        return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z && p.z <= high.z;
+        return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z &&
+               p.z <= high.z;
     }
     Box3 grown(double margin) const {
         return {low - Vec3{margin, margin, margin}, high + Vec3{margin, margin, margin}};
     }
     double diagonal() const { return empty() ? 0.0 : length(high - low); }
 };
+
+// Whether they have a point in common, of their faces too.
+inline bool meet(const Box3& p, const Box3& q) {
+    return p.low.x <= q.high.x && q.low.x <= p.high.x && p.low.y <= q.high.y && q.low.y <= p.high.y &&
+           p.low.z <= q.high.z && q.low.z <= p.high.z;
+}
 
 }  // namespace anatomesh

@@ -31,11 +31,6 @@ bool straddles(const std::array<Vec3, 4>& corners, const Plane& plane) {
     return below && above;
 }
 
-bool overlap(const Box3& a, const Box3& b) {
-    return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
-           a.low.z <= b.high.z && b.low.z <= a.high.z;
-}
-
 }  // namespace
 
 std::vector<PlanePatch> plane_patches(const ContourSet& set) {
@@ -143,7 +138,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> crossing_pairs(const std::v
         for (std::size_t n = m + 1; n < order.size() && along(boxes[order[n]].low) <= along(boxes[i].high);
              ++n) {
             const std::uint32_t j = order[n];
-            if (!overlap(boxes[i], boxes[j])) continue;
+            if (!meet(boxes[i], boxes[j])) continue;
             if (length(cross(patches[i].plane.normal, patches[j].plane.normal)) < least_sine) continue;
             if (!straddles(rims[i], patches[j].plane) || !straddles(rims[j], patches[i].plane)) continue;
             pairs.emplace_back(std::min(i, j), std::max(i, j));
