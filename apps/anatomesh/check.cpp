@@ -150,7 +150,7 @@ void look_for_tears(const ModelFile& model, const ContourSet& contours, const Mo
                                             static_cast<std::uint32_t>(structure_of[s]), context.threads);
     }
     const std::vector<std::uint32_t> vertex_of = contour_fidelity(mesh.points, surfaces, contours).vertex_of;
-    const std::vector<SurfaceTear> tears =
+    const ModelTears tears =
         find_tears({mesh, neighbors, regions, report.structures, contours, structure_of, vertex_of, size_mm},
                    context.threads);
     warn_of_tears(tears, contours, size_mm, context);

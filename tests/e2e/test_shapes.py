@@ -1,4 +1,5 @@
 """Models of analytic shapes: volumes and distances against formulas, topology, contract, by an independent judge."""
+import json
 import unittest
 
 import numpy as np
@@ -178,6 +179,52 @@ class Options(harness.TestCase):
         self.write("shape.json", shapes.sphere(15).document())
         result = self.run_program("model", "shape.json", "-o", "shape.vtu", "--quiet")
         self.assertEqual((result.out, result.err), ("", ""))
+
+
+class ThinWallsInStacks(harness.TestCase):
+    """Balls and shells cut by three stacks of planes, thinner than these are apart."""
+
+    def drawn(self, name, balls, offset=0.9, spacing=4.0):
+        """`balls`: (centre, outer radius, inner radius or 0)."""
+        document = {"format": "anatomesh-contours", "version": 1, "space": "LPS", "unit": "mm",
+                    "structures": [{"number": 1, "name": "wall"}], "slices": []}
+        for axis in range(3):
+            normal = np.roll([0.0, 0.0, 1.0], axis + 1)
+            for height in np.arange(-40 + offset * (1 - 0.3 * axis), 40, spacing):
+                contours = []
+                for centre, *radii in balls:
+                    across = height - centre[axis]
+                    for radius in radii:
+                        if radius <= abs(across):
+                            continue
+                        section = shapes.circle(np.sqrt(radius ** 2 - across ** 2), shapes.points_on(radius))
+                        points = np.roll(np.c_[section, np.full(len(section), across)], axis + 1, 1) + centre
+                        contours.append({"structure": 1, "points": points.tolist()})
+                if contours:
+                    document["slices"].append({"plane": {"origin": (height * normal).tolist(), "normal": normal.tolist()},
+                                               "contours": contours})
+        self.write(name + ".json", document)
+        self.run_program("model", name + ".json", "-o", name + ".vtu", "--quiet")
+        report = json.loads((self.folder / (name + ".report.json")).read_text())
+        told = [w for w in report["warnings"] if w["code"] == "W-PIP-004"]
+        again = self.run_program("check", name + ".vtu", "--contours", name + ".json", expect=None).err
+        self.assertEqual("W-PIP-004" in again, bool(told), name)
+        return report["structures"][0], told
+
+    def test_a_torn_shell_is_warned_of(self):
+        for offset in (0.9, 1.7):
+            wall, told = self.drawn("shell", [((0.0, 0.0, 0.0), 11, 9.6)], offset)
+            self.assertGreater(wall["genus"], 5, "it is not torn: nothing is shown")
+            self.assertEqual(len(told), 1)
+            count = int(told[0]["value"].split()[0])
+            self.assertLess(abs(count - wall["genus"]), 0.15 * wall["genus"] + 2, told)
+
+    def test_what_is_as_drawn_is_not(self):
+        for name, balls in {"thick": [((0.0, 0.0, 0.0), 14, 6)], "ball": [((1.0, 0.0, 2.0), 13, 0)],
+                            "apart": [((-9.0, 0.5, 0.0), 8, 0), ((9.0, 0.0, 1.0), 8, 0)]}.items():
+            wall, told = self.drawn(name, balls)
+            self.assertEqual(wall["genus"], 0, name)
+            self.assertEqual(told, [], name)
 
 
 class WallsDrawnTwice(harness.TestCase):

@@ -68,11 +68,14 @@ bool follow(const TetMesh& mesh, const InterfaceEdges& edges, std::uint32_t a, s
 }  // namespace
 
 std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                                    std::span<const VertexPair> segments) {
+                                    std::span<const VertexPair> segments,
+                                    std::vector<VertexPair>* missed) {
     const InterfaceEdges edges(mesh, neighbors);
     std::vector<VertexPair> found;
     for (const auto& [a, b] : segments) {
-        if (!follow(mesh, edges, a, b, found)) follow(mesh, edges, b, a, found);
+        if (follow(mesh, edges, a, b, found)) continue;
+        follow(mesh, edges, b, a, found);
+        if (missed) missed->push_back({a, b});
     }
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());

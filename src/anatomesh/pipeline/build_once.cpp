@@ -124,7 +124,7 @@ class Builder {
     // or one that goes on simply from end to end.
     bool tore_a_structure() const {
         const std::vector<double> thickness = mean_thickness(contours_);
-        return std::any_of(tears_.begin(), tears_.end(), [&](const SurfaceTear& tear) {
+        return std::any_of(tears_.of_slices.begin(), tears_.of_slices.end(), [&](const SurfaceTear& tear) {
             return tear.by_mesh && (tear.whole || thickness[tear.structure] < hardly_thicker * size_mm());
         });
     }
@@ -729,7 +729,7 @@ class Builder {
     std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on
     std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling, by the cut too
     Model model_;
-    std::vector<SurfaceTear> tears_;
+    ModelTears tears_;
     std::vector<std::pair<std::string, double>> figures_;  // of the stage under way
     Clock::time_point stage_start_ = Clock::now();
 };

@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/pipeline/cube_solid_for_test.h"
 #include "anatomesh/sample/drawing_for_test.h"
 
 namespace anatomesh {
@@ -18,18 +18,9 @@ namespace {
 using namespace fixtures;
 
 using Polygons = std::vector<Polygon>;
-using Cube = std::array<int, 3>;  // its low corner
-
-// The surface of a set of cubes, of which no two meet in an edge or corner alone.
-class CubeSolid {
+// What its surface and contours say of tears.
+class TornSolid : public CubeSolid {
   public:
-    void add(Cube low, Cube high) {
-        for_each(low, high, [&](const Cube& cube) { cubes_.insert(cube); });
-    }
-    void remove(Cube low, Cube high) {
-        for_each(low, high, [&](const Cube& cube) { cubes_.erase(cube); });
-    }
-
     // As it is; the same is to be found where it is bent, so that its slices lean against each other, and
     // where a plane that is no part of it runs across them.
     std::vector<SurfaceTear> tears(const Drawing& drawing) {
@@ -88,24 +79,15 @@ class CubeSolid {
     std::vector<SurfaceTear> tears(Drawing drawing, const Place& place) {
         drawing.move(place);
         const ContourSet set = kept(drawing.raw);
-        std::vector<Triangle> triangles;
-        for (const Cube& cube : cubes_) {
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                for (const int side : {0, 1}) {
-                    Cube beyond = cube;
-                    beyond[axis] += side ? 1 : -1;
-                    if (!cubes_.count(beyond)) add_face(cube, axis, side, triangles);
-                }
-            }
-        }
-        std::vector<Vec3> points;
+        const std::vector<Triangle> triangles = surface();
+        std::vector<Vec3> moved;
         std::map<std::array<long long, 3>, std::uint32_t> at;
         const auto key = [](Vec3 p) {
             return std::array{std::llround(1e6 * p.x), std::llround(1e6 * p.y), std::llround(1e6 * p.z)};
         };
-        for (const Vec3& p : points_) {
-            at[key(place(p))] = static_cast<std::uint32_t>(points.size());
-            points.push_back(place(p));
+        for (const Vec3& p : points()) {
+            at[key(place(p))] = static_cast<std::uint32_t>(moved.size());
+            moved.push_back(place(p));
         }
         std::vector<std::uint32_t> vertex_of;  // none of a contour across, nor where a hole is
         for (const Vec3& p : set.points) {
@@ -115,9 +97,9 @@ class CubeSolid {
         EXPECT_LT(2 * std::count(vertex_of.begin(), vertex_of.end(), no_cell), std::ssize(vertex_of));
         const std::vector<std::vector<Triangle>> surfaces{triangles};
         const std::uint8_t all[] = {0}, whole_only[] = {1};
-        std::vector<SurfaceTear> tears = surface_tears(points, surfaces, set, vertex_of, all);
-        expect_whole_ones(surface_tears(points, surfaces, set, vertex_of, whole_only), tears);
-        EXPECT_EQ(surface_tears(points, surfaces, set, vertex_of, all, 3), tears);
+        std::vector<SurfaceTear> tears = surface_tears(moved, surfaces, set, vertex_of, all);
+        expect_whole_ones(surface_tears(moved, surfaces, set, vertex_of, whole_only), tears);
+        EXPECT_EQ(surface_tears(moved, surfaces, set, vertex_of, all, 3), tears);
         return tears;
     }
 
@@ -132,41 +114,6 @@ class CubeSolid {
             EXPECT_EQ(found[n].expected, all[n].expected);
         }
     }
-
-    template <class Visit>
-    static void for_each(Cube low, Cube high, Visit&& visit) {
-        for (int k = low[2]; k < high[2]; ++k) {
-            for (int j = low[1]; j < high[1]; ++j) {
-                for (int i = low[0]; i < high[0]; ++i) visit(Cube{i, j, k});
-            }
-        }
-    }
-    std::uint32_t vertex(Cube at) {
-        const auto [place, fresh] = vertices_.try_emplace(at, static_cast<std::uint32_t>(points_.size()));
-        if (fresh)
-            points_.push_back(
-                {static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])});
-        return place->second;
-    }
-    void add_face(Cube cube, std::size_t axis, int side, std::vector<Triangle>& triangles) {
-        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
-        cube[axis] += side;
-        std::array<std::uint32_t, 4> corner{};
-        corner[0] = vertex(cube);
-        ++cube[u];
-        corner[1] = vertex(cube);
-        ++cube[v];
-        corner[2] = vertex(cube);
-        --cube[u];
-        corner[3] = vertex(cube);
-        if (side == 0) std::swap(corner[1], corner[3]);
-        triangles.push_back({corner[0], corner[1], corner[2]});
-        triangles.push_back({corner[0], corner[2], corner[3]});
-    }
-
-    std::set<Cube> cubes_;
-    std::map<Cube, std::uint32_t> vertices_;
-    std::vector<Vec3> points_;
 };
 
 // Contours on slices at 2, 6, 10 ... below `top`: those that `at_height` gives for each.
@@ -186,7 +133,7 @@ Drawing drawn_on_all(const Polygons& polygons) {
 
 // 20 x 2 mm, from z = 0 to 20.
 struct Plate {
-    CubeSolid solid;
+    TornSolid solid;
     Drawing drawing = drawn_on_all({rectangle({0, 0}, {20, 2})});
     Plate() { solid.add({0, 0, 0}, {20, 2, 20}); }
     std::vector<SurfaceTear> tears() { return solid.tears(drawing); }
@@ -239,7 +186,7 @@ TEST(SurfaceTears, dents_bumps_and_notches_are_no_tears) {
 
 TEST(SurfaceTears, the_wall_of_a_tube) {
     for (const bool torn : {false, true}) {
-        CubeSolid solid;
+        TornSolid solid;
         solid.add({0, 0, 0}, {9, 9, 20});
         solid.remove({2, 2, 0}, {7, 7, 20});
         if (torn) solid.remove({4, 0, 9}, {5, 2, 11});
@@ -250,7 +197,7 @@ TEST(SurfaceTears, the_wall_of_a_tube) {
 
 TEST(SurfaceTears, a_bridge_over_a_gap) {
     for (const int bridges : {0, 1, 2}) {
-        CubeSolid solid;
+        TornSolid solid;
         solid.add({0, 0, 0}, {20, 2, 20});
         solid.add({0, 3, 0}, {20, 5, 20});
         const Drawing drawing = drawn_on_all({rectangle({0, 0}, {20, 2}), rectangle({0, 3}, {20, 5})});
@@ -306,7 +253,7 @@ Drawing two_blocks_in_three_stacks(bool bridge) {
 
 TEST(SurfaceTears, a_bridge_between_the_slices_of_three_stacks) {
     for (const int bridges : {0, 1, 2}) {
-        CubeSolid solid;
+        TornSolid solid;
         solid.add({0, 0, 0}, {20, 8, 20});
         solid.add({0, 9, 0}, {20, 17, 20});
         for (int n = 0; n < bridges; ++n) solid.add({3 + 8 * n, 8, 7}, {5 + 8 * n, 9, 9});
@@ -317,7 +264,7 @@ TEST(SurfaceTears, a_bridge_between_the_slices_of_three_stacks) {
 }
 
 TEST(SurfaceTears, a_bridge_that_a_plane_across_shows_is_none) {
-    CubeSolid solid;
+    TornSolid solid;
     solid.add({0, 0, 0}, {20, 8, 20});
     solid.add({0, 9, 0}, {20, 17, 20});
     solid.add({9, 8, 7}, {11, 9, 9});
@@ -325,7 +272,7 @@ TEST(SurfaceTears, a_bridge_that_a_plane_across_shows_is_none) {
 }
 
 TEST(SurfaceTears, a_gap_that_is_filled_but_for_cavities) {
-    CubeSolid solid;
+    TornSolid solid;
     solid.add({0, 0, 0}, {20, 5, 20});
     const Drawing drawing = drawn_on_all({rectangle({0, 0}, {20, 2}), rectangle({0, 3}, {20, 5})});
     for (int z = 2; z < 20; z += 4) {
@@ -340,7 +287,7 @@ TEST(SurfaceTears, a_gap_that_is_filled_but_for_cavities) {
 TEST(SurfaceTears, the_wall_of_a_closed_shell) {
     for (const int voids : {1, 2}) {
         const auto box = [&] {
-            CubeSolid solid;
+            TornSolid solid;
             solid.add({0, 0, 0}, {10 * voids, 10, 22});
             for (int n = 0; n < voids; ++n) solid.remove({10 * n + 2, 2, 4}, {10 * n + 8, 8, 18});
             return solid;
@@ -353,14 +300,14 @@ TEST(SurfaceTears, the_wall_of_a_closed_shell) {
         });
         EXPECT_TRUE(box().tears(drawing).empty()) << voids;
         for (int z = 4; z < 17; ++z) {
-            CubeSolid torn = box();
+            TornSolid torn = box();
             torn.remove({4, 0, z}, {5, 2, z + 1});
             const auto tears = torn.tears(drawing);
             ASSERT_EQ(tears.size(), 1u) << voids << ' ' << z;
             EXPECT_EQ(handles(tears), 1) << voids << ' ' << z;
             EXPECT_TRUE(tears[0].whole);
         }
-        CubeSolid open = box();  // through the top, beyond the last slice but one
+        TornSolid open = box();  // through the top, beyond the last slice but one
         open.remove({4, 4, 18}, {5, 5, 22});
         EXPECT_EQ(handles(open.tears(drawing)), 1) << voids;
     }
@@ -369,7 +316,7 @@ TEST(SurfaceTears, the_wall_of_a_closed_shell) {
 // The hole of the second slice reaches beyond the outline of the first, and none of what is left is judged.
 TEST(SurfaceTears, a_void_that_may_open_to_the_outside_is_not_judged) {
     for (const bool opens : {false, true}) {
-        CubeSolid solid;
+        TornSolid solid;
         solid.add({0, 0, 0}, {10, 10, 4});
         solid.add({0, 0, 4}, {20, 10, 20});
         solid.remove({4, 2, opens ? 4 : 5}, {16, 8, 20});
@@ -384,7 +331,7 @@ TEST(SurfaceTears, a_void_that_may_open_to_the_outside_is_not_judged) {
 // The lower half of the plate goes on as two: its run ends there.
 TEST(SurfaceTears, a_hole_in_a_run_that_ends_where_the_part_branches) {
     for (const bool torn : {false, true}) {
-        CubeSolid solid;
+        TornSolid solid;
         solid.add({0, 0, 0}, {20, 2, 20});
         solid.remove({9, 0, 12}, {11, 2, 20});
         const Drawing drawing = drawn_below(20, [](int z) {
@@ -400,7 +347,7 @@ TEST(SurfaceTears, a_hole_in_a_run_that_ends_where_the_part_branches) {
 
 // One contour, two, and one again: a handle that is drawn.
 TEST(SurfaceTears, C16_branches_are_not_judged) {
-    CubeSolid solid;
+    TornSolid solid;
     solid.add({0, 0, 0}, {20, 4, 20});
     solid.remove({8, 0, 8}, {12, 4, 12});
     const Drawing drawing = drawn_below(20, [](int z) {

@@ -2,8 +2,13 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <string>
+#include <utility>
 
 #include "anatomesh/contour/message_text.h"
+#include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/sweep.h"
+#include "anatomesh/improve/improve_dihedrals.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/sample/sample_points.h"
 
@@ -24,9 +29,74 @@ std::vector<std::uint8_t> shown_in_several(const ContourSet& contours) {
     return several;
 }
 
+// The edges of all surfaces that lie along contours, and the segments where there are none.
+struct ContourEdges {
+    std::vector<VertexPair> found, missed;
+};
+ContourEdges edges_of_contours(const TornModel& model) {
+    std::vector<VertexPair> segments;
+    for (const Contour& contour : model.contours.contours) {
+        for (std::uint32_t n = 0; n < contour.point_count; ++n) {
+            const std::uint32_t a = model.vertex_of[contour.first_point + n],
+                                b = model.vertex_of[contour.first_point + (n + 1) % contour.point_count];
+            if (a != no_cell && b != no_cell) segments.push_back({a, b});
+        }
+    }
+    ContourEdges edges;
+    edges.found = edges_along(model.mesh, model.neighbors, segments, &edges.missed);
+    return edges;
+}
+
+// What is told of one structure.
+struct Told {
+    std::int64_t count = 0;
+    std::uint32_t slice = 0;
+    std::string where, hint;
+};
+
+Told told_of(std::span<const SurfaceTear> tears, const ContourSet& contours) {
+    const auto amiss = [](const SurfaceTear& t) { return std::abs(t.euler - t.expected); };
+    Told told;
+    for (const SurfaceTear& tear : tears) told.count += (amiss(tear) + 1) / 2;
+    if (tears.empty()) return told;
+    const SurfaceTear& worst =
+        *std::max_element(tears.begin(), tears.end(),
+                          [&](const SurfaceTear& x, const SurfaceTear& y) { return amiss(x) < amiss(y); });
+    told.slice = worst.low_slice;
+    told.where = worst.low_slice == worst.high_slice
+                     ? "most at the end beyond this slice"
+                     : "most between this slice and " + contours.slices[worst.high_slice].name;
+    told.hint = worst.by_mesh ? "" : "a plane through the place, or ";
+    return told;
+}
+
+Told told_of(std::span<const UntoldJoint> joints) {
+    Told told;
+    for (const UntoldJoint& joint : joints) told.count += joint.joints;
+    if (joints.empty()) return told;
+    const UntoldJoint& worst =
+        *std::max_element(joints.begin(), joints.end(),
+                          [](const UntoldJoint& x, const UntoldJoint& y) { return x.joints < y.joints; });
+    told.slice = worst.slice;
+    told.where = "one of them beside this slice near " + brief(worst.place.x) + " " + brief(worst.place.y) +
+                 " " + brief(worst.place.z) + " mm";
+    told.hint = "a plane through the place, or ";
+    return told;
+}
+
+// Those of one structure; all are in order of structure.
+template <class Tear>
+std::span<const Tear> of_structure(const std::vector<Tear>& all, std::uint32_t structure) {
+    const auto first =
+        std::find_if(all.begin(), all.end(), [&](const Tear& tear) { return tear.structure == structure; });
+    const auto last =
+        std::find_if(first, all.end(), [&](const Tear& tear) { return tear.structure != structure; });
+    return {first, last};
+}
+
 }  // namespace
 
-std::vector<SurfaceTear> find_tears(const TornModel& model, int threads) {
+ModelTears find_tears(const TornModel& model, int threads) {
     const ContourSet& contours = model.contours;
     std::vector<std::vector<Triangle>> surfaces(contours.structures.size());
     // Where walls do not tear only what goes on from end to end is sure to be amiss.
@@ -42,42 +112,40 @@ std::vector<SurfaceTear> find_tears(const TornModel& model, int threads) {
         surfaces[s] = structure_surface(model.mesh, model.neighbors, model.regions,
                                         static_cast<std::uint32_t>(model.structure_of[s]), threads);
     }
-    std::vector<SurfaceTear> tears =
-        surface_tears(model.mesh.points, surfaces, contours, model.vertex_of, thick, threads);
+    ModelTears tears;
+    tears.of_slices = surface_tears(model.mesh.points, surfaces, contours, model.vertex_of, thick, threads);
     // Where parts branch or vanish the field itself may join them, near the ends of the run.
-    std::erase_if(tears, [](const SurfaceTear& t) { return !t.whole && t.euler > t.expected; });
+    std::erase_if(tears.of_slices, [](const SurfaceTear& t) { return !t.whole && t.euler > t.expected; });
+    const bool asked =
+        std::any_of(surfaces.begin(), surfaces.end(), [](const auto& surface) { return !surface.empty(); });
+    if (asked && !is_parallel(contours) && !Sweep::of(contours)) {
+        const ContourEdges edges = edges_of_contours(model);
+        tears.between_planes =
+            untold_joints(model.mesh.points, surfaces, edges.found, edges.missed, contours, model.vertex_of);
+    }
     return tears;
 }
 
-void warn_of_tears(std::span<const SurfaceTear> tears, const ContourSet& contours, double size_mm,
-                   RunContext& context) {
-    for (auto tear = tears.begin(); tear != tears.end();) {
-        // All of one structure, the worst named.
-        const auto amiss = [](const SurfaceTear& t) { return std::abs(t.euler - t.expected); };
-        const auto worse = [&](const SurfaceTear& x, const SurfaceTear& y) { return amiss(x) < amiss(y); };
-        const auto end = std::find_if(tear, tears.end(),
-                                      [&](const SurfaceTear& t) { return t.structure != tear->structure; });
-        std::int64_t count = 0;
-        for (auto t = tear; t != end; ++t) count += (amiss(*t) + 1) / 2;
-        const SurfaceTear& worst = *std::max_element(tear, end, worse);
-        const Structure& structure = contours.structures[worst.structure];
+void warn_of_tears(const ModelTears& tears, const ContourSet& contours, double size_mm, RunContext& context) {
+    for (std::uint32_t s = 0; s < contours.structures.size(); ++s) {
+        // What sees more of them.
+        Told told = told_of(of_structure(tears.of_slices, s), contours);
+        if (Told other = told_of(of_structure(tears.between_planes, s)); other.count > told.count)
+            told = std::move(other);
+        if (told.count == 0) continue;
+        const Structure& structure = contours.structures[s];
         Place place;
         place.file = contours.source;
         place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
-        place.slice = contours.slices[worst.low_slice].name;
-        place.value = std::to_string(count) + (count == 1 ? " place" : " places");
-        const std::string where = worst.low_slice == worst.high_slice
-                                      ? "at the end beyond this slice"
-                                      : "between this slice and " + contours.slices[worst.high_slice].name;
-        context.warn(
-            {"W-PIP-004",
-             "the surface is joined otherwise than the contours show, by holes in a thin wall or "
-             "bridges over a narrow gap; most " +
-                 where,
-             place,
-             std::string(worst.by_mesh ? "kept; --size " : "kept; a plane through the place, or --size ") +
-                 brief(finer * size_mm) + " may resolve it: look at the components and the genus"});
-        tear = end;
+        place.slice = contours.slices[told.slice].name;
+        place.value = std::to_string(told.count) + (told.count == 1 ? " place" : " places");
+        context.warn({"W-PIP-004",
+                      "the surface is joined otherwise than the contours show, by holes in a thin wall or "
+                      "bridges over a narrow gap; " +
+                          told.where,
+                      place,
+                      "kept; " + told.hint + "--size " + brief(finer * size_mm) +
+                          " may resolve it: look at the components and the genus"});
     }
 }
 

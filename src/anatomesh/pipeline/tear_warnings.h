@@ -10,6 +10,7 @@
 #include "anatomesh/measure/report.h"
 #include "anatomesh/mesh/tet_mesh.h"
 #include "anatomesh/pipeline/surface_tears.h"
+#include "anatomesh/pipeline/untold_joints.h"
 
 namespace anatomesh {
 
@@ -24,13 +25,17 @@ struct TornModel {
     double size_mm = 0;                         // edge length
 };
 
+struct ModelTears {
+    std::vector<SurfaceTear> of_slices;
+    std::vector<UntoldJoint> between_planes;  // where planes cross
+};
+
 // The tears of surface_tears() that are sure to be none of the field's own: of structures twice as thick in
 // the mean as the edge length those alone that go on from end to end, and where parts branch or vanish no
-// joints. Requires: surfaces that are closed manifolds.
-std::vector<SurfaceTear> find_tears(const TornModel& model, int threads);
+// joints. Of planes that are no sweep also untold_joints(). Requires: surfaces that are closed manifolds.
+ModelTears find_tears(const TornModel& model, int threads);
 
 // W-PIP-004, once for each structure. `tears`: as find_tears() gives them.
-void warn_of_tears(std::span<const SurfaceTear> tears, const ContourSet& contours, double size_mm,
-                   RunContext& context);
+void warn_of_tears(const ModelTears& tears, const ContourSet& contours, double size_mm, RunContext& context);
 
 }  // namespace anatomesh
