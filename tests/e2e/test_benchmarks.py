@@ -1,5 +1,6 @@
 """The scripts of the benchmarks at tiny sizes, and what they judge meshers by on solids whose figures are known."""
 import json
+import os
 import shutil
 import subprocess
 import unittest
@@ -88,6 +89,34 @@ class Scripts(harness.TestCase):
         self.assertLess(abs(icosahedron / np.degrees(length / np.sqrt(3) / 24) - 1), 0.3)
         self.assertGreater(gmsh, icosahedron)
         self.assertLess(ours / gmsh, 1.2)
+
+
+class Accuracy(harness.TestCase):
+    """The tables of bench/accuracy.py, of a ball whose surface is known."""
+
+    def row(self, *words):
+        program = os.environ.get("ANATOMESH_ACCURACY", str(harness.SOURCE / "build/release/bench/anatomesh_accuracy"))
+        done = subprocess.run([program, *words, "--header"], cwd=self.folder, capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        head, rule, row = done.stdout.strip().splitlines()
+        self.assertEqual([line.count(" | ") for line in (row, head)], [rule.count("|") - 2] * 2)
+        return row.strip("| ").split(" | ")
+
+    def test_slices_left_out(self):
+        self.write("ball.json", shapes.sphere(10.0, 2.0).document())
+        figures = [float(word) for word in self.row("ball.json", "--every", "2")[4:]]
+        (nearest, far), (between, off), (ours, near) = zip(figures[::2], figures[1::2])
+        self.assertTrue(nearest < between < ours < 1, figures)
+        self.assertTrue(far > off > near > 0, figures)
+
+    def test_planes_in_any_position(self):
+        self.write("ball.json", shapes.sphere(10.0, 1.0).document())
+        for kind in ("axis", "stacks"):
+            row = self.row("ball.json", "--cut", kind, "--planes", "18", "--points", "1")
+            self.assertTrue(row[1].endswith(kind), row)
+            nearest, _, between, _, field, _, to_model, _, to_truth, _ = (float(word) for word in row[3:13])
+            self.assertTrue(nearest >= field > 0 and between >= field, row)
+            self.assertTrue(0 < to_model < 0.3 and 0 < to_truth < 0.3, row)
 
 
 class Judging(harness.TestCase):
