@@ -13,23 +13,26 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int defect_weight = 256;    // against one end of a lost piece of a contour segment: a manifold comes first
+constexpr int defect_weight =
+    256;  // against one end of a lost piece of a contour segment: a manifold comes first
 constexpr std::size_t stars_ahead = 2;  // are fetched into the cache so many before they are looked at
 constexpr int most_mends = 8;           // passes over the cells that are wrong in a slice's plane
-constexpr double flat_share = 1e-6;  // six volumes in cubes of the longest edge
+constexpr double flat_share = 1e-6;     // six volumes in cubes of the longest edge
 
 struct Move {
     std::vector<std::uint32_t> cells;
     Region region = 0;
-    int change = 0;     // of the sum of defects; negative is better
-    int misplaced = 0;  // change of the number of vertices, cell by cell, that the field has on another side
-    int spikes = 0;     // change of the number of vertices deep in a region that have a cell of another one
+    int change = 0;      // of the sum of defects; negative is better
+    int lost = 0;        // how many more ends of pieces of contour segments are lost, or 0
+    int misplaced = 0;   // change of the number of vertices, cell by cell, that the field has on another side
+    int spikes = 0;      // change of the number of vertices deep in a region that have a cell of another one
     double spoiled = 0;  // mm^2 of the slices' cuts that become other than drawn, less those that were
 };
 
 bool nearly_flat(const std::vector<Vec3>& points, const Cell& cell) {
     double longest = 0;
-    for (const auto& [i, j] : cell_edges) longest = std::max(longest, squared_length(points[cell[i]] - points[cell[j]]));
+    for (const auto& [i, j] : cell_edges)
+        longest = std::max(longest, squared_length(points[cell[i]] - points[cell[j]]));
     const double volume = signed_volume(points[cell[0]], points[cell[1]], points[cell[2]], points[cell[3]]);
     return 6 * volume < flat_share * longest * std::sqrt(longest);
 }
@@ -100,8 +103,10 @@ class Relabeler {
             const std::uint32_t n = neighbors_[cell][i];
             if (n == no_cell || regions_[n] == regions_[cell]) continue;
             int shared = 0;
-            for (const std::uint32_t m : neighbors_[cell]) shared += m != no_cell && regions_[m] == regions_[n];
-            if (shared < 2 || change_of({{cell}, regions_[n], 0, 0}) > 0) continue;
+            for (const std::uint32_t m : neighbors_[cell])
+                shared += m != no_cell && regions_[m] == regions_[n];
+            Move move{{cell}, regions_[n]};
+            if (shared < 2 || change_of(move) > 0) continue;
             regions_[cell] = regions_[n];
             return true;
         }
@@ -125,7 +130,7 @@ class Relabeler {
     // Gives a whole piece to the region with which it shares most facets of the star across its cut.
     void try_piece(const StarPiece& piece) {
         if (const std::optional<Region> region = region_beside(piece.cells, piece.body, piece.inside)) {
-            consider({piece.cells, *region, 0, 0});
+            consider({piece.cells, *region});
         }
     }
 
@@ -191,8 +196,7 @@ class Relabeler {
     void try_single_cells(const StarPiece& piece) {
         if (piece.cells.size() < 2) return;
         for (const std::uint32_t c : piece.cells) {
-            if (const auto region = region_beside({c}, piece.body, piece.inside))
-                consider({{c}, *region, 0, 0});
+            if (const auto region = region_beside({c}, piece.body, piece.inside)) consider({{c}, *region});
         }
     }
 
@@ -201,37 +205,39 @@ class Relabeler {
         const bool was_inside = registry_.table().contains(regions_[stars_.at(vertex)[0]], structure);
         for (const std::uint32_t c : stars_.at(vertex)) {
             const Region region = registry_.with_other_side(regions_[c], structure);
-            const int own = static_cast<int>(std::find(cells_[c].begin(), cells_[c].end(), vertex) - cells_[c].begin());
+            const int own =
+                static_cast<int>(std::find(cells_[c].begin(), cells_[c].end(), vertex) - cells_[c].begin());
             const std::uint32_t behind = neighbors_[c][own];
             if (behind == no_cell) continue;
             if (inside(behind, structure) != was_inside) {
-                consider({{c}, regions_[behind], 0, 0});
-                consider({{c}, region, 0, 0});
+                consider({{c}, regions_[behind]});
+                consider({{c}, region});
             } else {
                 for (const std::uint32_t next : neighbors_[behind]) {
                     if (next == no_cell || inside(next, structure) == was_inside) continue;
-                    consider({{c, behind}, regions_[next], 0, 0});
+                    consider({{c, behind}, regions_[next]});
                     break;
                 }
             }
         }
     }
 
-    // A cell at the edge, or it and one of those beside or behind it, changes sides, joined to cells of that side.
+    // A cell at the edge, or it and one of those beside or behind it, changes sides, joined to cells of that
+    // side.
     void try_regain_piece(std::uint32_t vertex, ContourOwners::Piece piece) {
         for (const std::uint32_t c : stars_.at(vertex)) {
             if (std::find(cells_[c].begin(), cells_[c].end(), piece.other) == cells_[c].end()) continue;
             const bool was_inside = inside(c, piece.structure);
-            consider({{c}, registry_.with_other_side(regions_[c], piece.structure), 0, 0});
+            consider({{c}, registry_.with_other_side(regions_[c], piece.structure)});
             for (const std::uint32_t next : neighbors_[c]) {
                 if (next == no_cell) continue;
                 if (inside(next, piece.structure) != was_inside) {
-                    consider({{c}, regions_[next], 0, 0});
+                    consider({{c}, regions_[next]});
                     continue;
                 }
                 for (const std::uint32_t far : neighbors_[next]) {
                     if (far == no_cell || inside(far, piece.structure) == was_inside) continue;
-                    consider({{c, next}, regions_[far], 0, 0});
+                    consider({{c, next}, regions_[far]});
                 }
             }
         }
@@ -246,33 +252,39 @@ class Relabeler {
         for (const std::uint32_t c : piece) {
             for (const std::uint32_t n : neighbors_[c]) {
                 if (n == no_cell || body.holds(registry_.table(), regions_[n]) == is_inside) continue;
-                auto place = std::find_if(contacts.begin(), contacts.end(), [&](auto& x) { return x.first == regions_[n]; });
+                auto place = std::find_if(contacts.begin(), contacts.end(),
+                                          [&](auto& x) { return x.first == regions_[n]; });
                 if (place == contacts.end()) place = contacts.insert(contacts.end(), {regions_[n], 0});
                 ++place->second;
             }
         }
         if (contacts.empty()) return std::nullopt;
-        return std::max_element(contacts.begin(), contacts.end(), [](auto& a, auto& b) {
-                   return a.second != b.second ? a.second < b.second : a.first > b.first;
-               })->first;
+        return std::max_element(contacts.begin(), contacts.end(),
+                                [](auto& a, auto& b) {
+                                    return a.second != b.second ? a.second < b.second : a.first > b.first;
+                                })
+            ->first;
     }
 
-    // How the sum of defects would change.
-    int change_of(const Move& move) {
-        int change = 0;
+    // How the sum of defects would change, which the move is told.
+    int change_of(Move& move) {
+        int defects = 0, lost = 0;
         around_.clear();
-        for (const std::uint32_t c : move.cells) around_.insert(around_.end(), cells_[c].begin(), cells_[c].end());
+        for (const std::uint32_t c : move.cells)
+            around_.insert(around_.end(), cells_[c].begin(), cells_[c].end());
         std::sort(around_.begin(), around_.end());
         around_.erase(std::unique(around_.begin(), around_.end()), around_.end());
-        for (const std::uint32_t v : around_) change -= total(v);
+        for (const std::uint32_t v : around_) defects -= defect(v), lost -= lost_pieces(v);
         before_.clear();
         for (const std::uint32_t c : move.cells) {
             before_.push_back(regions_[c]);
             regions_[c] = move.region;
         }
-        for (const std::uint32_t v : around_) change += total(v);
+        for (const std::uint32_t v : around_) defects += defect(v), lost += lost_pieces(v);
         for (std::size_t n = 0; n < move.cells.size(); ++n) regions_[move.cells[n]] = before_[n];
-        return change;
+        move.lost = std::max(lost, 0);
+        move.change = defect_weight * defects + lost;
+        return move.change;
     }
 
     int misplaced(std::uint32_t cell, Region region) const {
@@ -306,8 +318,7 @@ class Relabeler {
     }
 
     void consider(Move move) {
-        move.change = change_of(move);
-        if (move.change >= 0) return;
+        if (change_of(move) >= 0) return;
         for (const std::uint32_t c : move.cells)
             move.misplaced += misplaced(c, move.region) - misplaced(c, regions_[c]);
         if (move.misplaced > 0 && move.change > -defect_weight / 2) return;
@@ -316,7 +327,8 @@ class Relabeler {
         if (cuts_) move.spoiled = cuts_->change(move.cells, move.region);
         if (move.spoiled > 0 && !may_spoil_) return;
         const auto key = [](const Move& m) {
-            return std::make_tuple(m.change, m.spikes, m.spoiled > 0, m.misplaced, m.cells.size(), m.spoiled);
+            return std::make_tuple(m.lost, m.change, m.spikes, m.spoiled > 0, m.misplaced, m.cells.size(),
+                                   m.spoiled);
         };
         if (!best_ || key(move) < key(*best_)) best_ = std::move(move);
     }
@@ -347,15 +359,17 @@ struct Suspect {
 };
 
 // Those of `look`, or of all vertices where it is empty; in their order.
-std::vector<Suspect> find_suspects(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
-                                   const VertexStars& stars, const ContourOwners& owners,
-                                   const std::vector<Region>& regions, const RegionTable& table,
-                                   std::size_t point_count, const std::vector<std::uint32_t>& look, int threads) {
+std::vector<Suspect> find_suspects(const std::vector<Cell>& cells,
+                                   const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
+                                   const ContourOwners& owners, const std::vector<Region>& regions,
+                                   const RegionTable& table, std::size_t point_count,
+                                   const std::vector<std::uint32_t>& look, int threads) {
     const std::size_t count = look.empty() ? point_count : look.size();
     // Only vertices of an interface, or of a contour, can have one.
     const auto can_be = [&](std::uint32_t v) {
         const auto star = stars.at(v);
-        return std::any_of(star.begin(), star.end(), [&](std::uint32_t c) { return regions[c] != regions[star[0]]; }) ||
+        return std::any_of(star.begin(), star.end(),
+                           [&](std::uint32_t c) { return regions[c] != regions[star[0]]; }) ||
                !owners.at(v).empty() || !owners.pieces_at(v).empty();
     };
     // Few pieces: an analyzer has scratch space for all cells.
@@ -388,7 +402,8 @@ std::vector<Suspect> find_suspects(const std::vector<Cell>& cells, const std::ve
 std::vector<std::uint32_t> nearly_flat_cells(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                                              int threads) {
     return parallel_collect<std::uint32_t>(
-        cells.size(), 16384, threads, [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
+        cells.size(), 16384, threads,
+        [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
             for (std::size_t c = first; c < last; ++c) {
                 if (c + cells_ahead < last) prefetch_points(points, cells[c + cells_ahead]);
                 if (nearly_flat(points, cells[c])) found.push_back(static_cast<std::uint32_t>(c));

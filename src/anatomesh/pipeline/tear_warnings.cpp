@@ -1,6 +1,7 @@
 #include "anatomesh/pipeline/tear_warnings.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <string>
 #include <utility>
@@ -36,11 +37,16 @@ struct ContourEdges {
 ContourEdges edges_of_contours(const TornModel& model) {
     std::vector<VertexPair> segments;
     for (const Contour& contour : model.contours.contours) {
+        // Over vertices that are lost.
+        std::uint32_t first = no_cell, last = no_cell;
         for (std::uint32_t n = 0; n < contour.point_count; ++n) {
-            const std::uint32_t a = model.vertex_of[contour.first_point + n],
-                                b = model.vertex_of[contour.first_point + (n + 1) % contour.point_count];
-            if (a != no_cell && b != no_cell) segments.push_back({a, b});
+            const std::uint32_t v = model.vertex_of[contour.first_point + n];
+            if (v == no_cell) continue;
+            if (last != no_cell) segments.push_back({last, v});
+            if (first == no_cell) first = v;
+            last = v;
         }
+        if (last != first) segments.push_back({last, first});
     }
     ContourEdges edges;
     edges.found = edges_along(model.mesh, model.neighbors, segments, &edges.missed);
@@ -70,6 +76,12 @@ Told told_of(std::span<const SurfaceTear> tears, const ContourSet& contours) {
     return told;
 }
 
+// To a tenth of a mm.
+std::string text_of(Vec3 place) {
+    const auto text = [](double value) { return brief(0.1 * std::round(10 * value) + 0.0); };
+    return text(place.x) + " " + text(place.y) + " " + text(place.z);
+}
+
 Told told_of(std::span<const UntoldJoint> joints) {
     Told told;
     for (const UntoldJoint& joint : joints) told.count += joint.joints;
@@ -78,8 +90,7 @@ Told told_of(std::span<const UntoldJoint> joints) {
         *std::max_element(joints.begin(), joints.end(),
                           [](const UntoldJoint& x, const UntoldJoint& y) { return x.joints < y.joints; });
     told.slice = worst.slice;
-    told.where = "one of them beside this slice near " + brief(worst.place.x) + " " + brief(worst.place.y) +
-                 " " + brief(worst.place.z) + " mm";
+    told.where = "one of them beside this slice near " + text_of(worst.place) + " mm";
     told.hint = "a plane through the place, or ";
     return told;
 }

@@ -13,19 +13,23 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double least_flatness = 0.5;  // of a rim on a sheet: the length of the mean of its unit normals
-constexpr double facing_cosine = -0.5;
+constexpr double least_flatness = 0.3;  // of a rim on a sheet: the length of the mean of its unit normals
 
 // A side of a triangle, number 3 t + k of triangle t: from its corner k to the next.
 using Side = std::uint32_t;
 
 // A closed line of sides at which patches meet, of one of them.
 struct Rim {
-    std::uint32_t patch = 0;
     double length = 0;
     Vec3 normal;  // mean of the facets beyond, by length
     Vec3 middle;
-    std::uint32_t lowest_point = no_cell;  // of the contours
+    Vec3 area;                 // with the patch on its left
+    std::uint32_t points = 0;  // of contours
+    std::uint32_t lowest_point = no_cell, highest_point = 0;
+
+    bool is_on_sheet() const {
+        return squared_length(normal) >= least_flatness * least_flatness && dot(area, normal) > 0;
+    }
 };
 
 struct Patch {
@@ -43,7 +47,11 @@ class PatchedSurface {
                    std::span<const std::array<std::uint32_t, 2>> edges,
                    std::span<const std::array<std::uint32_t, 2>> missed,
                    const std::vector<std::uint32_t>& point_at)
-        : points_(points), triangles_(triangles), point_at_(point_at), patch_(triangles.size()) {
+        : points_(points),
+          triangles_(triangles),
+          point_at_(point_at),
+          origin_(points[triangles.front()[0]]),
+          patch_(triangles.size()) {
         find_twins();
         mark_rims(edges);
         find_patches();
@@ -137,7 +145,7 @@ class PatchedSurface {
             if (rim == no_cell) {
                 rim = static_cast<std::uint32_t>(rims_.size());
                 patches_[number_[s / 3]].rims.push_back(rim);
-                rims_.push_back({number_[s / 3], 0, {}, {}, no_cell});
+                rims_.emplace_back();
             }
             add(rims_[rim], s);
         }
@@ -173,14 +181,20 @@ class PatchedSurface {
         const Vec3 n =
             cross(points_[beyond[1]] - points_[beyond[0]], points_[beyond[2]] - points_[beyond[0]]);
         rim.length += size;
+        rim.area += 0.5 * cross(a - origin_, b - origin_);
         rim.middle += (0.5 * size) * (a + b);
         if (const double area = length(n); area > 0) rim.normal += (size / area) * n;
-        rim.lowest_point = std::min(rim.lowest_point, point_at_[start(s)]);
+        if (const std::uint32_t point = point_at_[start(s)]; point != no_cell) {
+            ++rim.points;
+            rim.lowest_point = std::min(rim.lowest_point, point);
+            rim.highest_point = std::max(rim.highest_point, point);
+        }
     }
 
     std::span<const Vec3> points_;
     const std::vector<Triangle>& triangles_;
     const std::vector<std::uint32_t>& point_at_;
+    const Vec3 origin_;  // areas are taken about it
     DisjointSets patch_;
     std::vector<Side> twin_;
     std::vector<std::uint8_t> is_rim_;   // by side
@@ -189,25 +203,6 @@ class PatchedSurface {
     std::vector<Patch> patches_;
     std::vector<Rim> rims_;
 };
-
-// Of the rims on sheets, how many lie on sheets that face another one: the fewer of either.
-std::uint32_t facing(const Patch& patch, const std::vector<Rim>& rims) {
-    std::uint32_t most = 0;
-    for (const std::uint32_t r : patch.rims) {
-        const double size = length(rims[r].normal);
-        if (size < least_flatness) continue;
-        std::uint32_t along = 0, against = 0;
-        for (const std::uint32_t q : patch.rims) {
-            const double other = length(rims[q].normal);
-            if (other < least_flatness) continue;
-            const double cosine = dot(rims[r].normal, rims[q].normal) / (size * other);
-            along += cosine > -facing_cosine;
-            against += cosine < facing_cosine;
-        }
-        most = std::max(most, std::min(along, against));
-    }
-    return most;
-}
 
 }  // namespace
 
@@ -232,20 +227,31 @@ std::vector<UntoldJoint> untold_joints(std::span<const Vec3> points,
             }
         }
         const PatchedSurface surface(points, surfaces[s], edges, missed, point_at);
+        // All points of a whole contour, and no others.
+        const auto is_contour = [&](const Rim& rim) {
+            return rim.lowest_point != no_cell &&
+                   contour_of[rim.lowest_point] == contour_of[rim.highest_point] &&
+                   rim.points >= contours.contours[contour_of[rim.lowest_point]].point_count;
+        };
         for (const Patch& patch : surface.patches()) {
             if (patch.rims.empty() || !patch.is_whole) continue;
             const auto rims = static_cast<std::int64_t>(patch.rims.size());
             const std::int64_t handles = patch.has_points ? 0 : (2 - rims - patch.euler) / 2;
-            const std::uint32_t through = facing(patch, surface.rims());
-            if (handles == 0 && through == 0) continue;
-            UntoldJoint joint{s, 0, static_cast<std::uint32_t>(handles) + through, {}};
-            const auto shorter = [&](std::uint32_t r, std::uint32_t q) {
-                return surface.rims()[r].length < surface.rims()[q].length;
-            };
-            const Rim& rim = surface.rims()[*std::min_element(patch.rims.begin(), patch.rims.end(), shorter)];
-            joint.place = rim.middle;
-            if (rim.lowest_point != no_cell)
-                joint.slice = contours.contours[contour_of[rim.lowest_point]].slice;
+            std::vector<const Rim*> sheets, all;
+            for (const std::uint32_t r : patch.rims) {
+                const Rim& rim = surface.rims()[r];
+                all.push_back(&rim);
+                if (rim.is_on_sheet() && !is_contour(rim)) sheets.push_back(&rim);
+            }
+            if (handles == 0 && sheets.size() < 2) continue;
+            UntoldJoint joint{s, 0, static_cast<std::uint32_t>(handles), {}};
+            if (sheets.size() > 1) joint.joints += static_cast<std::uint32_t>(sheets.size()) - 1;
+            const auto shorter = [](const Rim* one, const Rim* other) { return one->length < other->length; };
+            const std::vector<const Rim*>& choice = sheets.empty() ? all : sheets;
+            joint.place = (*std::min_element(choice.begin(), choice.end(), shorter))->middle;
+            std::uint32_t point = no_cell;
+            for (const Rim* rim : all) point = std::min(point, rim->lowest_point);
+            if (point != no_cell) joint.slice = contours.contours[contour_of[point]].slice;
             joints.push_back(joint);
         }
     }
