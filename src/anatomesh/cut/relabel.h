@@ -1,4 +1,5 @@
-// relabel: gives cells to other regions until the surface of every structure is a manifold through its contours.
+// relabel: gives cells to other regions until the surface of every structure is a manifold through its
+// contours.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +18,11 @@ inline constexpr double spike_share = 0.3;  // of a size: a vertex so far from i
 struct RelabelStats {
     std::uint64_t unsound_before = 0, unsound_after = 0;  // vertices
     std::uint64_t lost_before = 0, lost_after = 0;        // contour vertices off their structure's surface
-    std::uint64_t lost_pieces_before = 0, lost_pieces_after = 0;  // of contour segments, off their structure's surface
+    std::uint64_t lost_pieces_before = 0,
+                  lost_pieces_after = 0;  // of contour segments, off their structure's surface
     std::uint64_t cells_moved = 0;
-    std::uint64_t cells_mended = 0;  // given to what is drawn where a slice's plane cuts them
-    std::uint64_t flat_cells_peeled = 0;                  // nearly flat cells given to the region beside them
+    std::uint64_t cells_mended = 0;       // given to what is drawn where a slice's plane cuts them
+    std::uint64_t flat_cells_peeled = 0;  // nearly flat cells given to the region beside them
 
     // A call after this one: what is left is what that left.
     void add(const RelabelStats& later) {
@@ -36,23 +38,24 @@ struct RelabelStats {
 // Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect, and the pieces of contour
 // segments off their surface): at an unsound vertex a piece too many is given to the region beside it, or,
 // where a contour vertex is off its surface, one or two cells at it change sides, or, where a piece of a
-// contour segment is, one or two cells at that edge, whenever the sum falls. Vertices are taken in rising
-// order, round by round, until nothing falls. Among moves of one effect that with the fewest vertices left on
-// a side where the field does not have them (`sides`, by find_sides() of cull/cull.h; empty: not looked at).
-// A piece of a contour segment is not brought back at the price of such a vertex: that would be a spike. With
-// several structures, moves that bring a vertex deeper than `deep_mm` onto a surface are made only when no
-// others are left. Guarantees: the sum never rises; same result every time, at any number of threads. Does
-// not always reach 0: what is left is for split_unsound(). `unsound` receives the vertices left, in rising
-// order. Last, nearly flat cells at an interface (six volumes below a millionth of the cube of the longest
-// edge: four vertices of two contours one above the other) go to the other side where no defect rises: that
-// moves the surface by less than a millionth of an edge. `look`: the vertices that may have a defect, those
-// of cells new since the last call among them; empty: all. The figures before are of these alone.
-// With `slices`, of parallel planes: moves that make cuts less like what is drawn (drawn_cuts.h) wait until
-// no others are left, as do, meanwhile, those that bring a deep vertex onto a surface; then one that does
-// neither is taken sooner. Two pieces of a side are joined, besides, by cells of the star that lie all above
-// the slice's plane, or all below it: where what is drawn touches itself in a point of the slice, that is the
-// only way to a manifold with the drawn cut. At the end cells that are wrong where a plane cuts them are given
-// to what is drawn there if no defect rises.
+// contour segment is, one or two cells at that edge, whenever the sum falls. Of several moves one that loses
+// the fewest pieces is made, then one by which the sum falls most: what else is amiss beside it is mended by
+// moves of its own. Vertices are taken in rising order, round by round, until nothing falls. Among moves of
+// one effect that with the fewest vertices left on a side where the field does not have them (`sides`, by
+// find_sides() of cull/cull.h; empty: not looked at). A piece of a contour segment is not brought back at the
+// price of such a vertex: that would be a spike. With several structures, moves that bring a vertex deeper
+// than `deep_mm` onto a surface are made only when no others are left. Guarantees: the sum never rises; same
+// result every time, at any number of threads. Does not always reach 0: what is left is for split_unsound().
+// `unsound` receives the vertices left, in rising order. Last, nearly flat cells at an interface (six volumes
+// below a millionth of the cube of the longest edge: four vertices of two contours one above the other) go to
+// the other side where no defect rises: that moves the surface by less than a millionth of an edge. `look`:
+// the vertices that may have a defect, those of cells new since the last call among them; empty: all. The
+// figures before are of these alone. With `slices`, of parallel planes: moves that make cuts less like what
+// is drawn (drawn_cuts.h) wait until no others are left, as do, meanwhile, those that bring a deep vertex
+// onto a surface; then one that does neither is taken sooner. Two pieces of a side are joined, besides, by
+// cells of the star that lie all above the slice's plane, or all below it: where what is drawn touches itself
+// in a point of the slice, that is the only way to a manifold with the drawn cut. At the end cells that are
+// wrong where a plane cuts them are given to what is drawn there if no defect rises.
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
                      const ContourOwners& owners, const std::vector<VertexSide>& sides, double deep_mm,
