@@ -256,6 +256,11 @@ Work declare_check(CLI::App& verb) {
         "Structure of the contours to compare with, by name or number; may be repeated (default: all that "
         "the model has)");
     add_cleaning_options(verb, options->contours);
+    for (const char* name : {"--same-line", "--close-slivers", "--close-gaps"}) {
+        CLI::Option* const option = verb.get_option(name);
+        option->description(option->get_description() +
+                            "; where contours as given are not the model's, what its file says comes first");
+    }
     return [options](Session& session) { return run_check(*options, session); };
 }
 

@@ -24,9 +24,7 @@ namespace {
 constexpr std::array<double, 6> least_shapes{0.99, 0.8, 0.6, 0.4, 0.2, 0.1};
 constexpr double worth_splits = 0.2;          // from there on pieces are split that nothing else recovers,
 constexpr int most_splits = 5;                // each so often
-// If no more are missing, the last of the shapes: a share of the pieces, or so many.
-constexpr double worth_any_shape = 2e-4;
-constexpr std::size_t few_missing = 10;
+constexpr double worth_any_shape = 2e-4;      // of the pieces, if no more are missing: the last of the shapes
 constexpr double most_more_forced = 0.03;     // a share of the cells inside
 constexpr double most_more_far_above = 2e-5;  // a share of the cells inside
 constexpr int most_attempts = 3;              // at a shape, without the pieces that cost too much
@@ -69,7 +67,7 @@ void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& cont
     RecoverOptions options;
     options.threads = context.threads;
     for (std::size_t n = 0; n < least_shapes.size() && stats_.missing_after > 0; ++n) {
-        const bool few = stats_.missing_after <= few_missing ||
+        const bool few = stats_.missing_after <= options_.few_missing ||
                          static_cast<double>(stats_.missing_after) <=
                              worth_any_shape * static_cast<double>(drawn_.pieces.size());
         if (least_shapes[n] < options_.least_shape || (n + 1 == least_shapes.size() && !few)) return;
