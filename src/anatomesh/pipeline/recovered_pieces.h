@@ -32,7 +32,7 @@ struct RecoveryOptions {
     double max_radius_edge = 2;  // as in RefineOptions
     double most_more_bad =
         0.003;  // cells above it that nothing forces may become more by so many of those inside. [0, 1]
-    double least_shape = 0;  // of cells, as in cavity.h: pieces that ask for worse ones are left. [0, 1]
+    double least_shape = 0;       // of cells, as in cavity.h: pieces that ask for worse ones are left. [0, 1]
     std::size_t few_missing = 0;  // so many may have the worst shapes, whatever part of the pieces they are
 };
 
