@@ -221,7 +221,8 @@ class ThinWallsInStacks(harness.TestCase):
 
     def test_what_is_as_drawn_is_not(self):
         for name, balls in {"thick": [((0.0, 0.0, 0.0), 14, 6)], "ball": [((1.0, 0.0, 2.0), 13, 0)],
-                            "apart": [((-9.0, 0.5, 0.0), 8, 0), ((9.0, 0.0, 1.0), 8, 0)]}.items():
+                            "apart": [((-9.0, 0.5, 0.0), 8, 0), ((9.0, 0.0, 1.0), 8, 0)],
+                            "grazed at its poles": [((2.9, 2.63, 2.36), 2.3, 0), ((15.0, 2.0, 2.0), 5, 0)]}.items():
             wall, told = self.drawn(name, balls)
             self.assertEqual(wall["genus"], 0, name)
             self.assertEqual(told, [], name)
