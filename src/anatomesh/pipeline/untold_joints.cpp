@@ -204,6 +204,37 @@ class PatchedSurface {
     std::vector<Rim> rims_;
 };
 
+// Of one structure; `contour_of` every point of the contours.
+void find_joints(std::uint32_t structure, const PatchedSurface& surface, const ContourSet& contours,
+                 const std::vector<std::uint32_t>& contour_of, std::vector<UntoldJoint>& joints) {
+    // All points of a whole contour, and no others.
+    const auto is_contour = [&](const Rim& rim) {
+        return rim.lowest_point != no_cell && contour_of[rim.lowest_point] == contour_of[rim.highest_point] &&
+               rim.points >= contours.contours[contour_of[rim.lowest_point]].point_count;
+    };
+    const auto shorter = [](const Rim* one, const Rim* other) { return one->length < other->length; };
+    for (const Patch& patch : surface.patches()) {
+        if (patch.rims.empty() || !patch.is_whole) continue;
+        const auto rims = static_cast<std::int64_t>(patch.rims.size());
+        const std::int64_t handles = patch.has_points ? 0 : (2 - rims - patch.euler) / 2;
+        std::vector<const Rim*> sheets, all;
+        for (const std::uint32_t r : patch.rims) {
+            const Rim& rim = surface.rims()[r];
+            all.push_back(&rim);
+            if (rim.is_on_sheet() && !is_contour(rim)) sheets.push_back(&rim);
+        }
+        if (handles == 0 && sheets.size() < 2) continue;
+        UntoldJoint joint{structure, 0, static_cast<std::uint32_t>(handles), {}};
+        if (sheets.size() > 1) joint.joints += static_cast<std::uint32_t>(sheets.size()) - 1;
+        const std::vector<const Rim*>& choice = sheets.empty() ? all : sheets;
+        joint.place = (*std::min_element(choice.begin(), choice.end(), shorter))->middle;
+        std::uint32_t point = no_cell;
+        for (const Rim* rim : all) point = std::min(point, rim->lowest_point);
+        if (point != no_cell) joint.slice = contours.contours[contour_of[point]].slice;
+        joints.push_back(joint);
+    }
+}
+
 }  // namespace
 
 std::vector<UntoldJoint> untold_joints(std::span<const Vec3> points,
@@ -227,33 +258,7 @@ std::vector<UntoldJoint> untold_joints(std::span<const Vec3> points,
             }
         }
         const PatchedSurface surface(points, surfaces[s], edges, missed, point_at);
-        // All points of a whole contour, and no others.
-        const auto is_contour = [&](const Rim& rim) {
-            return rim.lowest_point != no_cell &&
-                   contour_of[rim.lowest_point] == contour_of[rim.highest_point] &&
-                   rim.points >= contours.contours[contour_of[rim.lowest_point]].point_count;
-        };
-        for (const Patch& patch : surface.patches()) {
-            if (patch.rims.empty() || !patch.is_whole) continue;
-            const auto rims = static_cast<std::int64_t>(patch.rims.size());
-            const std::int64_t handles = patch.has_points ? 0 : (2 - rims - patch.euler) / 2;
-            std::vector<const Rim*> sheets, all;
-            for (const std::uint32_t r : patch.rims) {
-                const Rim& rim = surface.rims()[r];
-                all.push_back(&rim);
-                if (rim.is_on_sheet() && !is_contour(rim)) sheets.push_back(&rim);
-            }
-            if (handles == 0 && sheets.size() < 2) continue;
-            UntoldJoint joint{s, 0, static_cast<std::uint32_t>(handles), {}};
-            if (sheets.size() > 1) joint.joints += static_cast<std::uint32_t>(sheets.size()) - 1;
-            const auto shorter = [](const Rim* one, const Rim* other) { return one->length < other->length; };
-            const std::vector<const Rim*>& choice = sheets.empty() ? all : sheets;
-            joint.place = (*std::min_element(choice.begin(), choice.end(), shorter))->middle;
-            std::uint32_t point = no_cell;
-            for (const Rim* rim : all) point = std::min(point, rim->lowest_point);
-            if (point != no_cell) joint.slice = contours.contours[contour_of[point]].slice;
-            joints.push_back(joint);
-        }
+        find_joints(s, surface, contours, contour_of, joints);
     }
     return joints;
 }
