@@ -32,6 +32,16 @@ elseif(ANATOMESH_TSAN)
   add_link_options(-fsanitize=thread)
 endif()
 
+# Headers of the standard library and of others that most files of a target need, compiled once: a quarter of the time
+# that all files take. Off in the debug presets, where a file has to include what it uses.
+option(ANATOMESH_PRECOMPILED_HEADERS "Precompile the headers that most files need" ON)
+function(anatomesh_precompile_headers target)
+  if(ANATOMESH_PRECOMPILED_HEADERS)
+    target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <cstdint> <optional> <span> <string> <utility>
+                              <vector> ${ARGN})
+  endif()
+endfunction()
+
 # anatomesh_room_tests(NAME DIRECTORY LIBRARIES...): the *_test.cpp files of a room as one program; every TEST in
 # it is a test of its own for ctest, so that a skipped one counts as skipped.
 function(anatomesh_room_tests name directory)
@@ -42,6 +52,10 @@ function(anatomesh_room_tests name directory)
   add_executable(${name}_test ${tests})
   target_link_libraries(${name}_test PRIVATE ${ARGN} anatomesh_options GTest::gtest_main)
   target_compile_definitions(${name}_test PRIVATE ANATOMESH_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  list(LENGTH tests number)
+  if(number GREATER 1)
+    anatomesh_precompile_headers(${name}_test <gtest/gtest.h> <map> <numbers> <random> <set>)
+  endif()
   gtest_discover_tests(${name}_test TEST_PREFIX "unit_${name}." DISCOVERY_TIMEOUT 120
                        PROPERTIES TIMEOUT 300 LABELS unit)
 endfunction()
