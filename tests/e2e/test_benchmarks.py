@@ -91,6 +91,17 @@ class Scripts(harness.TestCase):
         self.assertLess(ours / gmsh, 1.2)
 
 
+    def test_about_axis(self):
+        page = self.page("about an axis")
+        self.script("about_axis.py", "--program", harness.PROGRAM, "--sets", 1, "--update", page)
+        rows = [line.split(" | ") for line in page.read_text().splitlines() if line.startswith("| 18 | ")]
+        self.assertEqual(len(rows), 1)
+        segments, missed = int(rows[0][3].replace(",", "")), int(rows[0][4].split(" ")[0])
+        # Two sets of eighteen curves about as long as a circle of the mean radius, points 1 mm apart.
+        self.assertLess(abs(segments / (2 * 18 * 2 * np.pi * 9.7) - 1), 0.1)
+        self.assertLessEqual(missed, 0.001 * segments)
+
+
 class Accuracy(harness.TestCase):
     """The tables of bench/accuracy.py, of a ball whose surface is known."""
 

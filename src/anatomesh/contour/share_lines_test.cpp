@@ -76,6 +76,9 @@ Polygon box_along(const Polygon& line, double left, double right, double top) {
     return polygon;
 }
 
+// Noise up to 0.009 mm on either makes copies of one line up to 0.018 mm apart.
+const ShareLinesOptions copies{.width_mm = 0.02, .share_of_segment = 0.05, .held = {}};
+
 class CopiedLines : public testing::TestWithParam<int> {};
 
 TEST_P(CopiedLines, have_the_same_edges_and_nothing_runs_farther_off_than_the_width) {
@@ -87,20 +90,21 @@ TEST_P(CopiedLines, have_the_same_edges_and_nothing_runs_farther_off_than_the_wi
                 {{0, box_along(one, -1, 21, 9)}, {1, box_along(other, 0.03, 19.97, nested ? 6 : -6)}},
                 tilted);
             ContourSet after = before;
-            const ShareLinesStats stats = share_lines(after, {});
+            const ShareLinesStats stats = share_lines(after, copies);
             SCOPED_TRACE(testing::Message() << "noise " << noise << (nested ? ", nested" : ", side by side"));
-            EXPECT_LT(stats.widest_mm, 0.02);
+            EXPECT_LT(stats.widest_mm, copies.width_mm);
             EXPECT_GT(stats.vertices_taken, one.size());
             // All between the outermost vertices on the line.
             EXPECT_GT(common_length(after, 0, 1), 19.5 - 3);
             for (const std::size_t c : {0u, 1u}) {
                 const Polygon drawn = flat(before, c), led = flat(after, c);
                 EXPECT_TRUE(is_simple(led));
-                EXPECT_LE(std::abs(signed_area(led) - signed_area(drawn)), 0.02 * perimeter(drawn));
+                EXPECT_LE(std::abs(signed_area(led) - signed_area(drawn)),
+                          copies.width_mm * perimeter(drawn));
                 EXPECT_GT(signed_area(led) * signed_area(drawn), 0);
             }
             ContourSet twice = after;
-            EXPECT_EQ(share_lines(twice, {}).widest_mm, 0);
+            EXPECT_EQ(share_lines(twice, copies).widest_mm, 0);
             EXPECT_EQ(twice.points, after.points);
         }
     }
@@ -108,14 +112,14 @@ TEST_P(CopiedLines, have_the_same_edges_and_nothing_runs_farther_off_than_the_wi
 
 TEST_P(CopiedLines, farther_apart_than_the_width_stay_as_drawn) {
     std::mt19937_64 random(static_cast<std::uint64_t>(GetParam()));
-    for (const double apart : {0.0201, 0.05, 0.3}) {
+    for (const double apart : {1.005 * copies.width_mm, 0.05, 0.3}) {
         for (const bool nested : {true, false}) {
             const Polygon one = noisy_line(random, 0, 0),
                           other = noisy_line(random, nested ? apart : -apart, 0);
             const ContourSet before =
                 slice_of({{0, box_along(one, -1, 21, 9)}, {1, box_along(other, 0.5, 19.5, nested ? 6 : -6)}});
             ContourSet after = before;
-            EXPECT_EQ(share_lines(after, {}).contours_changed, 0u);
+            EXPECT_EQ(share_lines(after, copies).contours_changed, 0u);
             EXPECT_EQ(after.points, before.points);
         }
     }

@@ -87,7 +87,7 @@ void cut_and_check(Case& random, std::uint32_t structures, const ContourOwners& 
     if (relabel_first) {
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());
         const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars,
-                                           owners, {}, 0, random.mesh.regions, random.registry, unsound);
+                                           owners, {}, {}, random.mesh.regions, random.registry, unsound);
         EXPECT_LT(stats.unsound_after, stats.unsound_before);
     } else {
         for (std::uint32_t v = 0; v + 8 < random.mesh.points.size(); ++v) unsound.push_back(v);
@@ -180,7 +180,7 @@ TEST(Cut, pieces_of_contour_segments_are_brought_onto_the_surface) {
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());
         std::vector<std::uint32_t> unsound;
         const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars,
-                                           owners, {}, 0, random.mesh.regions, random.registry, unsound);
+                                           owners, {}, {}, random.mesh.regions, random.registry, unsound);
         before += stats.lost_pieces_before;
         after += stats.lost_pieces_after;
         // Counted anew from the regions.
@@ -206,7 +206,8 @@ TEST(Cut, pieces_of_contour_segments_are_brought_onto_the_surface) {
 // A plane surface through the ball, every edge of it a piece, and single cells on the wrong side: these are
 // given back, and not, where that mends more vertices at once, the cells between whose loss takes pieces along.
 TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_pieces) {
-    std::uint64_t pieces_of_all = 0, lost = 0;
+    std::uint64_t pieces_of_all = 0, lost = 0, lost_with_sides = 0, lost_at_once = 0;
+    int wrong = 0, wrong_with_sides = 0;
     for (std::uint32_t seed = 1; seed <= 20; ++seed) {
         Case random = random_case(seed, 300, {{}, {0}});
         const TetMesh& mesh = random.mesh;
@@ -218,7 +219,7 @@ TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_pieces) {
         }
         std::vector<std::uint32_t> unsound;
         const VertexStars stars(mesh.cells, mesh.points.size());
-        relabel(mesh.points, mesh.cells, random.neighbors, stars, {}, {}, 0, random.mesh.regions, random.registry, unsound);
+        relabel(mesh.points, mesh.cells, random.neighbors, stars, {}, {}, {}, random.mesh.regions, random.registry, unsound);
         std::vector<std::array<std::uint32_t, 3>> pieces;
         for (const Triangle& t : structure_surface(mesh, random.registry.table(), 0)) {
             for (std::size_t k = 0; k < 3; ++k) {
@@ -228,19 +229,47 @@ TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_pieces) {
         }
         std::sort(pieces.begin(), pieces.end());
         pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
+        // Vertices of the surface may be on either side, the others on that of their cells.
+        std::vector<VertexSide> sides(mesh.points.size(), {1, 0, 1});
+        for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+            for (const std::uint32_t v : mesh.cells[c]) {
+                sides[v].in = std::min(sides[v].in, mesh.regions[c]);
+                sides[v].may = std::max(sides[v].may, mesh.regions[c]);
+            }
+        }
+        const auto count_wrong = [&] {
+            int sum = 0;
+            for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+                for (const std::uint32_t v : mesh.cells[c])
+                    sum += !allows(random.registry.table(), sides[v], mesh.regions[c]);
+            }
+            return sum;
+        };
         std::mt19937 chance(seed);
         for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
             const Cell& v = mesh.cells[c];
             if (std::all_of(v.begin(), v.end(), [&](std::uint32_t n) { return n < 300 && length(mesh.points[n]) < 0.8; }) && chance() % 8 == 0)
                 random.mesh.regions[c] = 1 - random.mesh.regions[c];
         }
-        const RelabelStats stats = relabel(mesh.points, mesh.cells, random.neighbors, stars, {{}, mesh.points.size(), pieces}, {}, 0,
-                                           random.mesh.regions, random.registry, unsound);
+        const std::vector<Region> noisy = mesh.regions;
+        const auto lost_by = [&](const std::vector<VertexSide>& known, const RelabelOptions& options) {
+            random.mesh.regions = noisy;
+            return relabel(mesh.points, mesh.cells, random.neighbors, stars, {{}, mesh.points.size(), pieces}, known,
+                           options, random.mesh.regions, random.registry, unsound)
+                .lost_pieces_after;
+        };
         pieces_of_all += pieces.size();
-        lost += stats.lost_pieces_after;
+        lost_at_once += lost_by({}, {0, false});
+        lost += lost_by({}, {});
+        wrong += count_wrong();
+        lost_with_sides += lost_by(sides, {0.1, true});
+        wrong_with_sides += count_wrong();
     }
     EXPECT_GT(pieces_of_all, 1000u);
-    EXPECT_LT(200 * lost, pieces_of_all);
+    EXPECT_EQ(lost, 0u);  // 7 without moves of variable depth
+    EXPECT_EQ(lost_at_once, 0u);
+    EXPECT_EQ(lost_with_sides, 0u);
+    EXPECT_LT(wrong_with_sides, wrong);
 }
 
 // Facet-connected pieces of one region: their volumes, and whether a vertex of theirs is marked.

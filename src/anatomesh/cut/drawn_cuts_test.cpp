@@ -180,7 +180,7 @@ TEST(DrawnCuts, relabelling_keeps_the_cuts) {
             const VertexStars stars(random.mesh.cells, random.mesh.points.size());
             std::vector<std::uint32_t> unsound;
             const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars,
-                                               {}, {}, 0, random.mesh.regions, random.registry, unsound, {},
+                                               {}, {}, {}, random.mesh.regions, random.registry, unsound, {},
                                                1, look ? random.slices() : SlicePlanes{});
             EXPECT_LT(stats.unsound_after, stats.unsound_before);
             (look ? with : without) += random.wrong_area();

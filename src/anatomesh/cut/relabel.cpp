@@ -17,13 +17,16 @@ constexpr int defect_weight =
     256;  // against one end of a lost piece of a contour segment: a manifold comes first
 constexpr std::size_t stars_ahead = 2;  // are fetched into the cache so many before they are looked at
 constexpr int most_mends = 8;           // passes over the cells that are wrong in a slice's plane
+// Moves of variable depth: how many of those that bring a piece back are followed, and how far.
+constexpr std::size_t most_openings = 12;
+constexpr int most_rounds_in_depth = 6, most_passes_in_depth = 4;
 constexpr double flat_share = 1e-6;     // six volumes in cubes of the longest edge
 
 struct Move {
     std::vector<std::uint32_t> cells;
     Region region = 0;
     int change = 0;      // of the sum of defects; negative is better
-    int lost = 0;        // how many more ends of pieces of contour segments are lost, or 0
+    int lost = 0;        // change of the number of ends of pieces of contour segments that are lost
     int misplaced = 0;   // change of the number of vertices, cell by cell, that the field has on another side
     int spikes = 0;      // change of the number of vertices deep in a region that have a cell of another one
     double spoiled = 0;  // mm^2 of the slices' cuts that become other than drawn, less those that were
@@ -61,6 +64,9 @@ class Relabeler {
     // Whether moves that make the slices' cuts less like what is drawn are made.
     void allow_spoiling(bool allowed) { may_spoil_ = allowed; }
 
+    // Whether moves by which pieces of contour segments are lost are made.
+    void allow_losses(bool allowed) { may_lose_ = allowed; }
+
     int defect(std::uint32_t vertex) { return analyzer_.defect(vertex); }
     int lost_pieces(std::uint32_t vertex) { return analyzer_.lost_piece_count(vertex); }
     int total(std::uint32_t vertex) { return defect_weight * defect(vertex) + lost_pieces(vertex); }
@@ -72,29 +78,31 @@ class Relabeler {
 
     // The best move at the vertex that makes the sum fall; its cells are moved. Returns how many.
     std::size_t improve(std::uint32_t vertex, std::vector<std::uint32_t>& touched) {
-        best_.reset();
-        analyzer_.excess_pieces(vertex, pieces_);
-        for (const StarPiece& piece : pieces_) {
-            if (!piece.largest || pieces_.size() == 2) try_piece(piece);
-        }
-        if (may_bridge(vertex)) {
-            for (const StarPiece& piece : pieces_) try_bridges(vertex, piece);
-        }
-        if (!best_) {
-            for (const StarPiece& piece : pieces_) try_single_cells(piece);
-        }
-        analyzer_.lost_structures(vertex, lost_);
-        const std::vector<std::uint32_t> lost = lost_;
-        for (const std::uint32_t structure : lost) try_regain(vertex, structure);
-        analyzer_.lost_pieces(vertex, lost_pieces_);
-        const std::vector<ContourOwners::Piece> lost_edges = lost_pieces_;
-        for (const ContourOwners::Piece& piece : lost_edges) try_regain_piece(vertex, piece);
+        find_best(vertex);
         if (!best_) return 0;
         for (const std::uint32_t c : best_->cells) {
             regions_[c] = best_->region;
             touched.insert(touched.end(), cells_[c].begin(), cells_[c].end());
         }
         return best_->cells.size();
+    }
+
+    // A piece that is lost at the vertex comes back by a move that does not make the sum fall, if moves after
+    // it at the vertices concerned, which leave its cells alone, make it fall in all, with fewer pieces lost,
+    // and no more vertices where the field does not have them. Returns how many cells moved. Follows:
+    // Kernighan and Lin, Bell Syst. Tech. J. 49, 1970 (moves of variable depth).
+    std::size_t improve_in_depth(std::uint32_t vertex, std::vector<std::uint32_t>& touched) {
+        for (const Move& opening : openings_at(vertex)) {
+            made_.clear();
+            if (follow(opening)) {
+                for (const auto& [c, before] : made_)
+                    touched.insert(touched.end(), cells_[c].begin(), cells_[c].end());
+                return made_.size();
+            }
+            for (auto made = made_.rbegin(); made != made_.rend(); ++made)
+                regions_[made->first] = made->second;
+        }
+        return 0;
     }
 
     // Gives a cell to a region beside it with which it shares two facets or more, if no defect rises.
@@ -127,6 +135,91 @@ class Relabeler {
     }
 
   private:
+    // The best move at the vertex that makes the sum fall, if any.
+    void find_best(std::uint32_t vertex) {
+        best_.reset();
+        analyzer_.excess_pieces(vertex, pieces_);
+        for (const StarPiece& piece : pieces_) {
+            if (!piece.largest || pieces_.size() == 2) try_piece(piece);
+        }
+        if (may_bridge(vertex)) {
+            for (const StarPiece& piece : pieces_) try_bridges(vertex, piece);
+        }
+        if (!best_) {
+            for (const StarPiece& piece : pieces_) try_single_cells(piece);
+        }
+        analyzer_.lost_structures(vertex, lost_);
+        const std::vector<std::uint32_t> lost = lost_;
+        for (const std::uint32_t structure : lost) try_regain(vertex, structure);
+        analyzer_.lost_pieces(vertex, lost_pieces_);
+        const std::vector<ContourOwners::Piece> lost_edges = lost_pieces_;
+        for (const ContourOwners::Piece& piece : lost_edges) try_regain_piece(vertex, piece);
+    }
+
+    // Moves by which pieces that are lost at the vertex come back and the sum does not fall, the cheapest
+    // first, each once.
+    std::vector<Move> openings_at(std::uint32_t vertex) {
+        openings_.emplace();
+        analyzer_.lost_pieces(vertex, lost_pieces_);
+        const std::vector<ContourOwners::Piece> lost_edges = lost_pieces_;
+        for (const ContourOwners::Piece& piece : lost_edges) try_regain_piece(vertex, piece);
+        std::vector<Move> openings = std::move(*openings_);
+        openings_.reset();
+        const auto key = [](const Move& m) { return std::tie(m.change, m.cells, m.region); };
+        for (Move& opening : openings) std::sort(opening.cells.begin(), opening.cells.end());
+        std::sort(openings.begin(), openings.end(),
+                  [&](const Move& x, const Move& y) { return key(x) < key(y); });
+        openings.erase(std::unique(openings.begin(), openings.end(),
+                                   [&](const Move& x, const Move& y) { return key(x) == key(y); }),
+                       openings.end());
+        if (openings.size() > most_openings) openings.resize(most_openings);
+        return openings;
+    }
+
+    // Makes this move and those after it, and says whether they serve. `made_`: the cells, and their regions
+    // before.
+    bool follow(const Move& opening) {
+        held_ = opening.cells;
+        std::vector<std::uint32_t> queue;
+        make(opening, queue);
+        Move all = opening;
+        const auto serves = [&] {
+            return all.change < 0 && all.lost < 0 && all.misplaced <= 0 && all.spikes <= 0;
+        };
+        for (int round = 0; round < most_rounds_in_depth && !serves(); ++round) {
+            std::sort(queue.begin(), queue.end());
+            queue.erase(std::unique(queue.begin(), queue.end()), queue.end());
+            std::vector<std::uint32_t> next = queue;
+            const std::size_t before = made_.size();
+            for (const std::uint32_t v : queue) {
+                if (total(v) == 0) continue;
+                find_best(v);
+                if (!best_) continue;
+                all.change += best_->change;
+                all.lost += best_->lost;
+                all.misplaced += best_->misplaced;
+                all.spikes += best_->spikes;
+                make(*best_, next);
+            }
+            if (made_.size() == before) break;
+            queue = std::move(next);
+        }
+        held_.clear();
+        return serves();
+    }
+
+    void make(const Move& move, std::vector<std::uint32_t>& touched) {
+        for (const std::uint32_t c : move.cells) {
+            made_.emplace_back(c, regions_[c]);
+            regions_[c] = move.region;
+            touched.insert(touched.end(), cells_[c].begin(), cells_[c].end());
+        }
+    }
+
+    bool is_held(std::uint32_t cell) const {
+        return std::find(held_.begin(), held_.end(), cell) != held_.end();
+    }
+
     // Gives a whole piece to the region with which it shares most facets of the star across its cut.
     void try_piece(const StarPiece& piece) {
         if (const std::optional<Region> region = region_beside(piece.cells, piece.body, piece.inside)) {
@@ -282,7 +375,7 @@ class Relabeler {
         }
         for (const std::uint32_t v : around_) defects += defect(v), lost += lost_pieces(v);
         for (std::size_t n = 0; n < move.cells.size(); ++n) regions_[move.cells[n]] = before_[n];
-        move.lost = std::max(lost, 0);
+        move.lost = lost;
         move.change = defect_weight * defects + lost;
         return move.change;
     }
@@ -318,16 +411,23 @@ class Relabeler {
     }
 
     void consider(Move move) {
-        if (change_of(move) >= 0) return;
+        if (std::any_of(move.cells.begin(), move.cells.end(), [&](std::uint32_t c) { return is_held(c); }))
+            return;
+        const bool falls = change_of(move) < 0;
+        if (falls == openings_.has_value() || (move.lost > 0 && !may_lose_)) return;
         for (const std::uint32_t c : move.cells)
             move.misplaced += misplaced(c, move.region) - misplaced(c, regions_[c]);
         if (move.misplaced > 0 && move.change > -defect_weight / 2) return;
         move.spikes = spikes(move);
+        if (openings_) {
+            if (move.spikes <= 0) openings_->push_back(std::move(move));
+            return;
+        }
         if (move.spikes > 0 && !may_spike_) return;
         if (cuts_) move.spoiled = cuts_->change(move.cells, move.region);
         if (move.spoiled > 0 && !may_spoil_) return;
         const auto key = [](const Move& m) {
-            return std::make_tuple(m.lost, m.change, m.spikes, m.spoiled > 0, m.misplaced, m.cells.size(),
+            return std::make_tuple(std::max(m.lost, 0), m.change, m.spikes, m.spoiled > 0, m.misplaced, m.cells.size(),
                                    m.spoiled);
         };
         if (!best_ || key(move) < key(*best_)) best_ = std::move(move);
@@ -339,12 +439,15 @@ class Relabeler {
     const std::vector<VertexSide>& sides_;
     const double deep_mm_;
     std::optional<DrawnCuts> cuts_;
-    bool may_spike_ = false, may_spoil_ = false;
+    bool may_spike_ = false, may_spoil_ = false, may_lose_ = false;
     std::vector<Region>& regions_;
     RegionRegistry& registry_;
     const ContourOwners& owners_;
     StarAnalyzer analyzer_;
     std::optional<Move> best_;
+    std::optional<std::vector<Move>> openings_;  // while they are sought
+    std::vector<std::uint32_t> held_;            // cells that no move takes
+    std::vector<std::pair<std::uint32_t, Region>> made_;
     std::vector<StarPiece> pieces_;
     std::vector<std::uint32_t> lost_, around_, from_, queue_;
     std::vector<ContourOwners::Piece> lost_pieces_;
@@ -449,8 +552,8 @@ std::vector<std::uint32_t> wrong_cells(const std::vector<Vec3>& points, const st
 
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-                     const ContourOwners& owners, const std::vector<VertexSide>& sides, double deep_mm,
-                     std::vector<Region>& regions, RegionRegistry& registry,
+                     const ContourOwners& owners, const std::vector<VertexSide>& sides,
+                     const RelabelOptions& options, std::vector<Region>& regions, RegionRegistry& registry,
                      std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look, int threads,
                      const SlicePlanes& slices) {
     RelabelStats stats;
@@ -464,13 +567,16 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
     }
     stats.lost_pieces_before /= 2;
 
-    Relabeler relabeler(cells, neighbors, stars, owners, sides, deep_mm, regions, registry, points, slices);
+    Relabeler relabeler(cells, neighbors, stars, owners, sides, options.deep_mm, regions, registry,
+                        points, slices);
     // Of one structure the pieces of contour segments that waiting would cost are worth more than a spike;
     // but a spike is no way round a cut that is spoiled.
     const bool one_structure = registry.table().members.size() <= 2;
-    bool spoiling = slices.slice_of.empty(), spikes = one_structure && spoiling;
+    bool spoiling = slices.slice_of.empty(), spikes = one_structure && spoiling,
+         losses = !options.losses_wait;
     relabeler.allow_spikes(spikes);
     relabeler.allow_spoiling(spoiling);
+    relabeler.allow_losses(losses);
     const auto work_through = [&] {
         while (!queue.empty()) {
             std::vector<std::uint32_t> next;
@@ -483,7 +589,10 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
                 next.push_back(v);
             }
             queue = with_defects(relabeler, std::move(next));
-            if (!moved) {
+            if (!moved && !losses) {
+                losses = true;
+                relabeler.allow_losses(true);
+            } else if (!moved) {
                 if (spikes && spoiling) break;
                 spikes = spikes || spoiling || one_structure;
                 spoiling = true;
@@ -492,8 +601,24 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
             }
         }
     };
+    const auto work_in_depth = [&] {
+        for (int pass = 0; pass < most_passes_in_depth && !queue.empty(); ++pass) {
+            std::vector<std::uint32_t> next;
+            for (const std::uint32_t v : queue) {
+                if (relabeler.lost_pieces(v) > 0) stats.cells_moved += relabeler.improve_in_depth(v, next);
+            }
+            if (next.empty()) break;
+            next.insert(next.end(), queue.begin(), queue.end());
+            queue = with_defects(relabeler, std::move(next));
+            work_through();
+        }
+    };
+    const auto work = [&] {
+        work_through();
+        if (slices.slice_of.empty()) work_in_depth();
+    };
     std::vector<std::uint32_t> flat;
-    parallel_tasks(threads, {work_through, [&] { flat = nearly_flat_cells(points, cells, threads); }});
+    parallel_tasks(threads, {work, [&] { flat = nearly_flat_cells(points, cells, threads); }});
     for (const std::uint32_t c : flat) stats.flat_cells_peeled += relabeler.peel(c);
     if (!slices.slice_of.empty()) {
         const std::vector<std::uint32_t> wrong =

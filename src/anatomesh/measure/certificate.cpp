@@ -154,6 +154,7 @@ void list_cuts(const ContourSet& contours, const std::vector<SliceCut>& cuts,
 // Counts of contour vertices and segments on the surfaces; the vertex of every contour point.
 struct ContourFindings {
     StructureFidelity all;
+    std::uint64_t contradicted = 0;  // of the segments missed
     std::vector<std::uint32_t> vertex_of;
 };
 
@@ -186,6 +187,11 @@ ContourFindings measure_contours(const CertificateInput& input, const Surfaces& 
         structure.contour_segments += part.segments;
         structure.contour_segments_on_surface += part.segments_on_surface;
         if (!volumes.empty()) structure.volume_slices_mm3 += volumes[s];
+    }
+    for (const SegmentOfContour& segment : contradicted_segments(contours, fidelity.missed)) {
+        const std::size_t s = match[contours.contours[segment.contour].structure];
+        ++findings.contradicted;
+        if (s < report.structures.size()) ++report.structures[s].contour_segments_contradicted;
     }
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         look_for_contours(input.mesh.points, surfaces[s], shells[s], contours, match, s, fidelity.vertex_of,
@@ -370,17 +376,22 @@ std::string cuts_text(const ModelReport& report, std::size_t& above) {
     return text;
 }
 
-std::string segments_text(const StructureFidelity& all, const ModelReport& report) {
+std::string segments_text(const ContourFindings& findings, const ModelReport& report) {
+    const StructureFidelity& all = findings.all;
     std::string text =
         count_of(all.segments_on_surface, all.segments) + " contour segments (" +
         percent_text(static_cast<double>(all.segments_on_surface), static_cast<double>(all.segments), 2) +
         ") are chains of surface edges";
     if (all.segments_on_surface == all.segments) return text;
     const auto missed = [](const SliceCutReport& cut) { return cut.segments_missed; };
-    return text + " (missed most in " +
-           worst_places(report, missed, missed,
-                        [&](const SliceCutReport& cut) { return std::to_string(missed(cut)); }) +
-           ")";
+    text += " (missed most in " +
+            worst_places(report, missed, missed,
+                         [&](const SliceCutReport& cut) { return std::to_string(missed(cut)); }) +
+            ")";
+    if (findings.contradicted > 0)
+        text += ", " + std::to_string(findings.contradicted) +
+                " of the others pass another slice where that draws otherwise";
+    return text;
 }
 
 // The structure whose cuts by all slices together are farthest from what is drawn, where that is gross.
@@ -409,7 +420,7 @@ std::string gross_cuts_text(const ModelReport& report) {
     return text;
 }
 
-Clause clause_segments(const CertificateInput& input, const StructureFidelity& all,
+Clause clause_segments(const CertificateInput& input, const ContourFindings& findings,
                        const ModelReport& report) {
     Clause clause{
         2, ClauseState::not_promised_yet,
@@ -418,8 +429,8 @@ Clause clause_segments(const CertificateInput& input, const StructureFidelity& a
         "not checked: no contours were given"};
     if (!input.contours) return clause;
     std::size_t above = 0;
-    clause.evidence = segments_text(all, report) + "; " + cuts_text(report, above);
-    if (all.segments_on_surface == all.segments && above == 0) {
+    clause.evidence = segments_text(findings, report) + "; " + cuts_text(report, above);
+    if (findings.all.segments_on_surface == findings.all.segments && above == 0) {
         clause.state = ClauseState::kept;
         return clause;
     }
@@ -623,7 +634,7 @@ void measure_model(const CertificateInput& input, const RunContext& context, Mod
     const ShapeFindings shape = list_cells(input, shapes, findings, context.threads, report);
 
     report.certificate = {clause_vertices(input, findings.all, context),
-                          clause_segments(input, findings.all, report),
+                          clause_segments(input, findings, report),
                           clause_validity(check, report),
                           clause_shape(input, shape, report),
                           clause_determinism(input),

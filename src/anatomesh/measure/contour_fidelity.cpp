@@ -118,6 +118,7 @@ ContourFidelity contour_fidelity(std::span<const Vec3> points,
                 const bool found = a != no_cell && b != no_cell && graph.chain(a, b);
                 count.segments_on_surface += found;
                 fidelity.segments_missed[order[i]] += !found;
+                if (!found) fidelity.missed.push_back({order[i], p});
             }
         }
     }

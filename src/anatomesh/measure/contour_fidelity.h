@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "anatomesh/contour/contour_set.h"
+#include "anatomesh/measure/contradicted_segments.h"
 #include "anatomesh/mesh/surface_mesh.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
@@ -24,6 +25,7 @@ struct ContourFidelity {
     // none.
     std::vector<std::uint32_t> vertex_of;
     std::vector<std::uint32_t> segments_missed;  // by contour
+    std::vector<SegmentOfContour> missed;        // by structure, contour and index
 };
 
 // `surfaces[s]` is the surface of the contour set's structure s as triangles of `points`.

@@ -80,6 +80,7 @@ struct StructureReport {
     std::uint64_t open_edges = 0, nonmanifold_edges = 0, nonmanifold_vertices = 0;
     std::uint64_t contour_vertices = 0, contour_vertices_on_surface = 0;
     std::uint64_t contour_segments = 0, contour_segments_on_surface = 0;  // chains of surface edges
+    std::uint64_t contour_segments_contradicted = 0;  // of the others, those of contradicted_segments.h
 };
 
 // The cut of the model by a slice's plane beside what is drawn there, for one structure.

@@ -63,7 +63,8 @@ struct RecoveryBounds {
     double most_more_bad, least_shape;
 };
 constexpr std::array<RecoveryBounds, 3> recovery_bounds{{{0.003, 0.1}, {0.001, 0.2}, {0.001, 0.4}}};
-constexpr std::size_t few_at_poles = 10;  // pieces that the recovery leaves no shape untried for
+// Pieces that the recovery leaves no shape untried for: about an axis, and at the first try.
+constexpr std::size_t few_pieces = 10;
 // Of a label map, slices far apart against its voxels lack more pieces, where structures meet.
 constexpr std::size_t last_few_of_labels = 40;
 // Of the contour pieces, beside their surface: where more are about an axis, they are not brought there.
@@ -290,7 +291,7 @@ class Builder {
                                                      vertex_count);
                         }});
         return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, *stars, owners,
-                       mesh_->sides(), spike_share * sample_->stats.size_mm, mesh_->regions(),
+                       mesh_->sides(), {spike_share * sample_->stats.size_mm, !sample_->has_pole}, mesh_->regions(),
                        mesh_->registry(), unsound, look, context_.threads,
                        {planes.slice_of, planes.planes, field_.get(), structures_});
     }
@@ -366,7 +367,8 @@ class Builder {
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
             {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
-             bounds.most_more_bad, bounds.least_shape, sample_->has_pole ? few_at_poles : 0});
+             bounds.most_more_bad, bounds.least_shape,
+             sample_->has_pole || tries_before_ == 0 ? few_pieces : 0, !sample_->has_pole});
         recovered.run(unsound, relabelled, context_);
         piece_list_ = recovered.pieces();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),

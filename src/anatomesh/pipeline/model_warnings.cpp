@@ -48,9 +48,10 @@ void warn_of_cuts(const ModelReport& report, const std::string& file, RunContext
                   place, "kept; a smaller --size follows small or thin parts more closely"});
 }
 
-// Where a mesh misses them it is mostly for the slivers between contours of two structures.
+// Where a mesh misses them it is mostly for the slivers between contours of two structures, or for slices
+// that contradict each other.
 void warn_of_segments(const ModelReport& report, const std::string& file, RunContext& context) {
-    std::uint64_t missed = 0, all = 0;
+    std::uint64_t missed = 0, all = 0, contradicted = 0;
     const StructureReport* worst = nullptr;
     const auto missed_of = [](const StructureReport& s) {
         return s.contour_segments - s.contour_segments_on_surface;
@@ -58,9 +59,10 @@ void warn_of_segments(const ModelReport& report, const std::string& file, RunCon
     for (const StructureReport& structure : report.structures) {
         missed += missed_of(structure);
         all += structure.contour_segments;
+        contradicted += structure.contour_segments_contradicted;
         if (!worst || missed_of(structure) > missed_of(*worst)) worst = &structure;
     }
-    if (missed == 0 || report.structures.size() < 2) return;
+    if (missed == 0) return;
     Place place;
     place.file = file;
     place.structure = worst->name.empty() ? std::to_string(worst->number) : worst->name;
@@ -68,11 +70,17 @@ void warn_of_segments(const ModelReport& report, const std::string& file, RunCon
     context.warn(
         {"W-PIP-012",
          std::to_string(missed) + " of " + std::to_string(all) +
-             " contour segments are not edges of the surface all along; the structure with most of "
-             "them is named",
+             " contour segments are not edges of the surface all along" +
+             (contradicted > 0 ? ", " + std::to_string(contradicted) +
+                                     " of them pass another slice where that draws otherwise"
+                               : std::string()) +
+             "; the structure that lacks most is named",
          place,
-         "kept; where drawn contours of neighbouring structures run closer to each other than a pixel, "
-         "--close-gaps MM gives them one wall"});
+         contradicted == missed ? "kept; look where these slices cross: a surface has one or the other"
+         : report.structures.size() > 1
+             ? "kept; where drawn contours of neighbouring structures run closer to each other than a pixel, "
+               "--close-gaps MM gives them one wall"
+             : "kept; how far cuts by the slices are from what is drawn is in the report"});
 }
 
 void warn_of_shells(const StructureReport& structure, const std::string& file, RunContext& context) {

@@ -13,7 +13,7 @@
 namespace anatomesh {
 
 // Of a report filled by measure_model(). Warnings: W-PIP-003 a cut that differs from what is drawn by more
-// than 1 % of its area; W-PIP-012 contour segments of several structures that are not edges all along; per
+// than 1 % of its area; W-PIP-012 contour segments that are not edges all along; per
 // structure W-PIP-006 shells without a contour vertex, and W-PIP-007 contours whose vertices lie on several
 // shells; W-PIP-008 a surface further from the field than half of `size_mm`, the model's edge length, or than
 // the field tells distances; W-PIP-009 two surfaces in one that the field has more than half of it apart;

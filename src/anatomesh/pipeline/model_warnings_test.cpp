@@ -32,21 +32,28 @@ TEST(ModelWarnings, a_surface_far_from_the_field) {
     EXPECT_EQ(warnings_of_distance(3, true, 0), 0u);  // not measured
 }
 
-TEST(ModelWarnings, segments_of_several_structures_that_are_missed) {
-    const auto warned = [](const std::vector<std::uint64_t>& missed) {
+TEST(ModelWarnings, segments_that_are_missed) {
+    const auto warned = [](const std::vector<std::uint64_t>& missed, std::uint64_t contradicted = 0) {
         ModelReport report;
         for (const std::uint64_t count : missed) {
             report.structures.emplace_back();
             report.structures.back().number = static_cast<std::int32_t>(report.structures.size());
             report.structures.back().contour_segments = 100;
             report.structures.back().contour_segments_on_surface = 100 - count;
+            report.structures.back().contour_segments_contradicted = contradicted;
         }
         RunContext context;
         warn_of_model(report, 2.0, "drawn.json", context);
         return context.warnings;
     };
     EXPECT_TRUE(warned({0, 0}).empty());
-    EXPECT_TRUE(warned({3}).empty());  // nothing else is drawn beside it
+    const std::vector<Warning> alone = warned({3});
+    ASSERT_EQ(alone.size(), 1u);
+    EXPECT_EQ(alone[0].what_was_done.find("--close-gaps"), std::string::npos);  // nothing is drawn beside it
+    EXPECT_EQ(alone[0].message.find("draws otherwise"), std::string::npos) << alone[0].message;
+    EXPECT_NE(warned({3}, 2)[0].message.find("2 of them pass another slice where that draws otherwise"),
+              std::string::npos)
+        << warned({3}, 2)[0].message;
     const std::vector<Warning> warnings = warned({1, 4, 2});
     ASSERT_EQ(warnings.size(), 1u);
     EXPECT_EQ(warnings[0].code, "W-PIP-012");

@@ -34,6 +34,7 @@ struct RecoveryOptions {
         0.003;  // cells above it that nothing forces may become more by so many of those inside. [0, 1]
     double least_shape = 0;       // of cells, as in cavity.h: pieces that ask for worse ones are left. [0, 1]
     std::size_t few_missing = 0;  // so many may have the worst shapes, whatever part of the pieces they are
+    bool losses_wait = true;      // as in RelabelOptions
 };
 
 // After the first relabelling. Pieces that are no edges become edges (recover_pieces()), those that leave the

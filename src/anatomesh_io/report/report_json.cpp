@@ -83,7 +83,8 @@ Json structures_json(const ModelReport& report) {
                         {"contour_vertices", s.contour_vertices},
                         {"contour_vertices_on_surface", s.contour_vertices_on_surface},
                         {"contour_segments", s.contour_segments},
-                        {"contour_segments_on_surface", s.contour_segments_on_surface}});
+                        {"contour_segments_on_surface", s.contour_segments_on_surface},
+                        {"contour_segments_contradicted", s.contour_segments_contradicted}});
     }
     return list;
 }
