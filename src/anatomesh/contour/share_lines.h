@@ -11,9 +11,8 @@ namespace anatomesh {
 struct ShareLinesOptions {
     // What lies nearer to another structure's contour than this lies on it. An outline that was copied into
     // another structure comes back beside itself by what a text of two decimals rounds away (up to 0.014 mm),
-    // others cross or end that near by chance; cells there would be as thin, and nobody draws that finely: a
-    // pixel is 0.3 to 1 mm. [0, 0.1]; 0: contours stay as drawn
-    double width_mm = 0.05;
+    // and nobody draws that finely: a pixel is 0.3 to 1 mm. [0, 0.1]; 0: contours stay as drawn
+    double width_mm = 0.02;
     // But at most this share of the median segment length: contours of something tiny are no copies of each
     // other because they are small. [0, 0.5]
     double share_of_segment = 0.05;
