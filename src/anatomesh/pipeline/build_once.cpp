@@ -63,7 +63,8 @@ struct RecoveryBounds {
     double most_more_bad, least_shape;
 };
 constexpr std::array<RecoveryBounds, 3> recovery_bounds{{{0.003, 0.1}, {0.001, 0.2}, {0.001, 0.4}}};
-// Pieces that the recovery leaves no shape untried for: about an axis, and at the first try.
+// Pieces that the recovery leaves no shape untried for: about an axis, and where planes are not parallel at
+// the first try.
 constexpr std::size_t few_pieces = 10;
 // Of a label map, slices far apart against its voxels lack more pieces, where structures meet.
 constexpr std::size_t last_few_of_labels = 40;
@@ -363,12 +364,13 @@ class Builder {
         for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
             held[vertices[n]] = 1;
         const RecoveryBounds& bounds = recovery_bounds[ill_shaped_before_];
+        const bool parallel = is_parallel(contours_);
         RecoveredPieces recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
             {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
              bounds.most_more_bad, bounds.least_shape,
-             sample_->has_pole || tries_before_ == 0 ? few_pieces : 0, !sample_->has_pole});
+             sample_->has_pole || (tries_before_ == 0 && !parallel) ? few_pieces : 0, !sample_->has_pole});
         recovered.run(unsound, relabelled, context_);
         piece_list_ = recovered.pieces();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
