@@ -32,8 +32,8 @@ elseif(ANATOMESH_TSAN)
   add_link_options(-fsanitize=thread)
 endif()
 
-# Headers of the standard library and of others that most files of a target need, compiled once: a quarter of the time
-# that all files take. Off in the debug presets, where a file has to include what it uses.
+# Headers of the standard library and of others that most files of a target need, compiled once: a fifth of the time
+# that the core and its tests take. Off in the debug presets, where a file has to include what it uses.
 option(ANATOMESH_PRECOMPILED_HEADERS "Precompile the headers that most files need" ON)
 function(anatomesh_precompile_headers target)
   if(ANATOMESH_PRECOMPILED_HEADERS)

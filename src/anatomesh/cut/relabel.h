@@ -56,8 +56,8 @@ struct RelabelOptions {
 // then, four times, a piece is brought back also by one of up to twelve moves that do not make the sum fall,
 // if up to six rounds of moves at the vertices concerned make it fall below what it was, with fewer pieces
 // lost and no more vertices on a side where the field does not have them (Kernighan and Lin, Bell Syst. Tech.
-// J. 49, 1970). Guarantees: the sum never rises; same result every time, at any number of threads. Does not always reach 0: what is left is for
-// split_unsound(). `unsound` receives the vertices left, in rising order. Last, nearly flat cells at an
+// J. 49, 1970). Guarantees: the sum never rises; same result every time, at any number of threads. Does not
+// always reach 0: what is left is for split_unsound(). `unsound` receives the vertices left, in rising order. Last, nearly flat cells at an
 // interface (six volumes below a millionth of the cube of the longest edge: four vertices of two contours one
 // above the other) go to the other side where no defect rises: that moves the surface by less than a
 // millionth of an edge. `look`: the vertices that may have a defect, those of cells new since the last call

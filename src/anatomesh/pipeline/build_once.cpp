@@ -292,8 +292,8 @@ class Builder {
                                                      vertex_count);
                         }});
         return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, *stars, owners,
-                       mesh_->sides(), {spike_share * sample_->stats.size_mm, !sample_->has_pole}, mesh_->regions(),
-                       mesh_->registry(), unsound, look, context_.threads,
+                       mesh_->sides(), {spike_share * sample_->stats.size_mm, !sample_->has_pole},
+                       mesh_->regions(), mesh_->registry(), unsound, look, context_.threads,
                        {planes.slice_of, planes.planes, field_.get(), structures_});
     }
 
@@ -364,13 +364,14 @@ class Builder {
         for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
             held[vertices[n]] = 1;
         const RecoveryBounds& bounds = recovery_bounds[ill_shaped_before_];
-        const bool parallel = is_parallel(contours_);
+        const bool may_cost_shape =
+            sample_->has_pole || (tries_before_ == 0 && !is_parallel(contours_));
         RecoveredPieces recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
             {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
              bounds.most_more_bad, bounds.least_shape,
-             sample_->has_pole || (tries_before_ == 0 && !parallel) ? few_pieces : 0, !sample_->has_pole});
+             may_cost_shape ? few_pieces : 0, !sample_->has_pole});
         recovered.run(unsound, relabelled, context_);
         piece_list_ = recovered.pieces();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),

@@ -232,8 +232,8 @@ void RecoveredPieces::relabel_at(std::vector<std::uint32_t>& look, std::vector<s
         planes_of_stack(drawn_.contours, drawn_.vertex_of, drawn_.pieces, mesh_.points.size());
     relabelled.add(relabel(mesh_.points, mesh_.cells, neighbors, stars,
                            {drawn_.owners, mesh_.points.size(), pieces}, sides_,
-                           {spike_share * options_.size_mm, options_.losses_wait}, mesh_.regions, registry_, unsound, look,
-                           context.threads, {planes.slice_of, planes.planes, &field_, structures_}));
+                           {spike_share * options_.size_mm, options_.losses_wait}, mesh_.regions, registry_,
+                           unsound, look, context.threads, {planes.slice_of, planes.planes, &field_, structures_}));
 }
 
 }  // namespace anatomesh
