@@ -12,7 +12,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double least_slope = 0.02;  // of a segment against a plane that it passes
-constexpr double parallel_mm = 1e-3;  // as all_parallel() has it
+constexpr double parallel_mm = 0.01;  // planes that move no point by more cross nowhere near what they draw
 
 bool passes_within(Vec3 a, Vec3 b, Vec3 p, double distance) {
     const Vec3 way = b - a;
