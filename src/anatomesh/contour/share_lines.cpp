@@ -110,7 +110,36 @@ class SliceLines : public LedContours {
             consider(at[j], at[i]);
             return true;
         });
-        put_in(nearest(std::move(found)));
+        put_in(by_all(nearest(std::move(found))));
+    }
+
+    // Without those that not all contours with the segment take: they would leave each other.
+    std::vector<Beside> by_all(std::vector<Beside> taken) const {
+        const auto ends = [&](std::uint32_t l, std::uint32_t n) {
+            const std::uint32_t a = loops_[l].vertices[n], b = loops_[l].next_of(n);
+            return Edge{std::min(a, b), std::max(a, b)};
+        };
+        using Taking = std::array<std::uint32_t, 3>;  // a segment's ends, and what it takes
+        std::vector<Edge> edges;
+        std::vector<Taking> all;
+        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
+            for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n) edges.push_back(ends(l, n));
+        }
+        const auto taking = [&](const Beside& b) {
+            const Edge edge = ends(b.loop, b.segment);
+            return Taking{edge[0], edge[1], b.vertex};
+        };
+        for (const Beside& b : taken) all.push_back(taking(b));
+        std::sort(edges.begin(), edges.end());
+        std::sort(all.begin(), all.end());
+        const auto count = [](const auto& sorted, const auto& value) {
+            const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), value);
+            return last - first;
+        };
+        std::erase_if(taken, [&](const Beside& b) {
+            return count(all, taking(b)) < count(edges, ends(b.loop, b.segment));
+        });
+        return taken;
     }
 
     // Takes out again, and moves back, what made contours of a structure touch or cross one another.

@@ -11,8 +11,9 @@ namespace anatomesh {
 struct ShareLinesOptions {
     // What lies nearer to another structure's contour than this lies on it. An outline that was copied into
     // another structure comes back beside itself by what a text of two decimals rounds away (up to 0.014 mm),
-    // and nobody draws that finely: a pixel is 0.3 to 1 mm. [0, 0.1]; 0: contours stay as drawn
-    double width_mm = 0.02;
+    // others cross or end that near by chance; cells there would be as thin, and nobody draws that finely: a
+    // pixel is 0.3 to 1 mm. [0, 0.1]; 0: contours stay as drawn
+    double width_mm = 0.05;
     // But at most this share of the median segment length: contours of something tiny are no copies of each
     // other because they are small. [0, 0.5]
     double share_of_segment = 0.05;
@@ -28,7 +29,8 @@ struct ShareLinesStats : LedStats {
 // Outlines that share a line but not its vertices split each other into slivers: which facet ends where is
 // decided by the last digits of a file. So a vertex within the width of a vertex of another structure becomes
 // that one (the nearest pairs first, the later structure's moves), and a segment within the width of another
-// structure's vertex is led through it, whichever way the contours run, nested, side by side or crossing.
+// structure's vertex is led through it, whichever way the contours run, nested, side by side or crossing;
+// what several contours share they are led through together, or not at all.
 // Requires: a kept contour set. Guarantees: a kept contour set in which every point of a contour lies within
 // the width of where it was drawn; what is farther apart stays exactly as it was; no vertex is lost, and none
 // moves but onto another one. Where contours of a structure would come to touch or cross one another, to turn

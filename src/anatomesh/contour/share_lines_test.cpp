@@ -57,6 +57,15 @@ double common_length(const ContourSet& set, std::size_t one, std::size_t other) 
     return sum;
 }
 
+bool has_edge(const ContourSet& set, std::size_t contour, Vec3 a, Vec3 b) {
+    const auto p = set.points_of(set.contours[contour]);
+    for (std::size_t n = 0; n < p.size(); ++n) {
+        const Vec3 c = p[n], d = p[(n + 1) % p.size()];
+        if ((a == c && b == d) || (a == d && b == c)) return true;
+    }
+    return false;
+}
+
 // The line from x = 0 to 20 at a height, in steps as random as the noise about it.
 Polygon noisy_line(std::mt19937_64& random, double height, double noise) {
     std::uniform_real_distribution<double> step(0.3, 1.5), off(-noise, noise);
@@ -161,6 +170,25 @@ TEST(ShareLines, a_contour_that_crosses_another_beside_a_vertex_goes_through_it)
     EXPECT_NEAR(stats.widest_mm, 0.01, 1e-12);
     EXPECT_NEAR(stats.area_mm2, 0.5 * 10 * 0.01, 1e-9);
     EXPECT_EQ(set.contours[0].point_count, 5u);
+}
+
+// A third contour's vertex may lie within the width of one of two copies of a segment and not of the other.
+TEST(ShareLines, what_two_share_is_led_through_a_vertex_of_a_third_by_both_or_by_none) {
+    for (const double off : {0.003, 0.009, 0.018, 0.025, 0.032, 0.045}) {
+        const double copy = 0.015;  // height of the second's line; the third's vertex lies so far below it
+        ContourSet set = slice_of({{0, {{0, 0}, {10, 0}, {10, 10}, {0, 10}}},
+                                   {1, {{0, copy}, {10, copy}, {10, 6}, {0, 6}}},
+                                   {2, {{5, copy - off}, {8, -3}, {2, -3}}}},
+                                  tilted);
+        share_lines(set, {.width_mm = 0.02, .share_of_segment = 0.05, .held = {}});
+        const Vec3 p = tilted.to_space({0, 0}), q = tilted.to_space({10, 0}),
+                   v = tilted.to_space({5, copy - off});
+        const bool both = off < 0.02;
+        for (const std::size_t c : {0u, 1u}) {
+            EXPECT_EQ(has_edge(set, c, p, v) && has_edge(set, c, v, q), both) << off;
+            EXPECT_EQ(has_edge(set, c, p, q), !both) << off;
+        }
+    }
 }
 
 TEST(ShareLines, held_vertices_stay_and_no_other_contour_is_led_through_them) {

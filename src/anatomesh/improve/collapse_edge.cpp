@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "anatomesh/improve/operations.h"
+#include "anatomesh/mesh/cell_shape.h"
 
 namespace anatomesh {
 
@@ -26,7 +27,7 @@ bool is_surface_facet(Workbench& bench, std::uint32_t a, std::uint32_t b, std::u
 // A vertex of a surface between two regions may go along an edge of it, if the only neighbours on the surface
 // that both ends share are the two across the edge (link condition, Dey, Edelsbrunner, Guha and Nekhayev,
 // Publ. Inst. Math. 66, 1999), and if the surface stays near the field's interface.
-bool may_leave_surface(Workbench& bench, std::uint32_t from, std::uint32_t to) {
+bool may_leave_surface(Workbench& bench, std::uint32_t from, std::uint32_t to, double most_distance) {
     std::vector<std::array<std::uint32_t, 2>> rim;  // of the disc round `from`
     if (!surface_facets_at(bench, from, rim)) return false;
     const Region side = bench.mesh.region(bench.star[0]);
@@ -54,7 +55,9 @@ bool may_leave_surface(Workbench& bench, std::uint32_t from, std::uint32_t to) {
         const Vec3 pu = bench.mesh.point(u), pw = bench.mesh.point(w);
         const Vec3 old_normal = cross(pu - p, pw - p), new_normal = cross(pu - q, pw - q);
         if (!(dot(old_normal, new_normal) > 0.5 * length(old_normal) * length(new_normal))) return false;
-        if (bench.spoils_cut(to, u, w, side, other) || !bench.near_interface(to, u, w, before)) return false;
+        if (bench.spoils_cut(to, u, w, side, other) ||
+            !(bench.facet_distance(q, pu, pw) <= std::max(before, most_distance)))
+            return false;
     }
     // No edge from `to` to the rest of the rim may lie on an interface yet.
     std::vector<std::uint32_t> across, rest;
@@ -78,16 +81,16 @@ bool may_leave_surface(Workbench& bench, std::uint32_t from, std::uint32_t to) {
     return true;
 }
 
-}  // namespace
-
-bool collapse_edge(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second) {
+// `may_be`: what a new cell in a region must be, when it takes the place of those of bench.star.
+template <class MayBe>
+bool collapse(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second, double most_distance,
+              const MayBe& may_be) {
     const std::uint32_t a = bench.mesh.cell(cell)[cell_edges[e][0]],
                         b = bench.mesh.cell(cell)[cell_edges[e][1]];
     const std::uint32_t from = first_onto_second ? a : b, to = first_onto_second ? b : a;
     if (bench.fixed(from)) return false;
     bench.mesh.star(from, bench.star);
     const Bar bar = bench.bar_of(bench.star);
-    const double needed = bench.needed_sine(bar);
     bench.cells.clear();
     bench.regions.clear();
     bool surface = false;
@@ -96,14 +99,35 @@ bool collapse_edge(Workbench& bench, std::uint32_t cell, int e, bool first_onto_
         Cell moved = bench.mesh.cell(c);
         if (std::find(moved.begin(), moved.end(), to) != moved.end()) continue;
         std::replace(moved.begin(), moved.end(), from, to);
-        if (bench.value(moved, bench.mesh.region(c), bar) < needed) return false;
+        if (!may_be(moved, bench.mesh.region(c), bar)) return false;
         bench.cells.push_back(moved);
         bench.regions.push_back(bench.mesh.region(c));
     }
-    if (surface && !may_leave_surface(bench, from, to)) return false;
-    if (!bench.commit(bench.star, bench.cells, bench.regions)) return false;
+    if (surface && !may_leave_surface(bench, from, to, most_distance)) return false;
+    return bench.commit(bench.star, bench.cells, bench.regions);
+}
+
+}  // namespace
+
+bool collapse_edge(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second) {
+    const auto better = [&](const Cell& moved, Region region, const Bar& bar) {
+        return bench.value(moved, region, bar) >= bench.needed_sine(bar);
+    };
+    if (!collapse(bench, cell, e, first_onto_second, bench.options.max_deviation_mm, better)) return false;
     ++bench.stats.edges_collapsed;
     return true;
+}
+
+bool collapse_edge_within(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second,
+                          double least_sine_inside, double most_ratio) {
+    const auto good_enough = [&](const Cell& moved, Region region, const Bar& bar) {
+        if (region == 0) return bench.sine(moved) >= bench.needed_outside_sine(bar);
+        const CellMeasures m = measure_cell(bench.mesh.point(moved[0]), bench.mesh.point(moved[1]),
+                                            bench.mesh.point(moved[2]), bench.mesh.point(moved[3]));
+        return m.least_sine() >= std::min(bar.sine, least_sine_inside) &&
+               m.squared_ratio <= std::max(bar.squared_ratio, most_ratio * most_ratio);
+    };
+    return collapse(bench, cell, e, first_onto_second, bench.options.apex_mm, good_enough);
 }
 
 }  // namespace anatomesh

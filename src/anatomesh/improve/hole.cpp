@@ -61,8 +61,9 @@ double Hole::begin_round(Vec3 p, const Bar& bar) {
     for (const Facet& f : facets_) {
         const Vec3 a = bench_.mesh.point(f.v[0]), b = bench_.mesh.point(f.v[1]),
                    c = bench_.mesh.point(f.v[2]);
-        bench_.local.add(a, b, c, f.region != 0);
-        if (f.region != 0) least = std::min(least, least_sine(p, a, b, c));
+        const bool counts = bench_.counts(f.region, f.v);
+        bench_.local.add(a, b, c, counts);
+        if (counts) least = std::min(least, least_sine(p, a, b, c));
     }
     return least;
 }

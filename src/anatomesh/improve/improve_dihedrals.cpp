@@ -103,6 +103,7 @@ class Climber {
         const double least = worst_degrees();
         queue_ = {};
         bring_pieces(std::max(least, listed_degrees), most_for_segment);
+        mend_blemishes(context);
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
@@ -202,6 +203,62 @@ class Climber {
         return lowered;
     }
 
+    // Whether it is a cell that clause 4 allows only where contours force it, and none that they crowd.
+    bool is_blemish(std::uint32_t c) const {
+        if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return false;
+        const Cell& v = bench_.mesh.cell(c);
+        const CellMeasures m = measure_cell(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
+                                            bench_.mesh.point(v[2]), bench_.mesh.point(v[3]));
+        const double last = bench_.options.last_radius_edge;
+        return (m.squared_ratio > last * last ||
+                m.least_sine() < std::sin(listed_degrees * radians_per_degree)) &&
+               !drawn_.are_crowded(v);
+    }
+
+    // Single cells that are left ill-shaped beside those that contours force to be, at the price of these: as
+    // long as they keep within the bounds of those forced.
+    void mend_blemishes(RunContext& context) {
+        if (drawn_.crowded.empty()) return;
+        std::vector<std::uint32_t> cells = parallel_collect<std::uint32_t>(
+            bench_.mesh.cell_count(), 16384, context.threads,
+            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
+                for (std::size_t c = first; c < last; ++c) {
+                    if (c + cells_ahead < last)
+                        bench_.mesh.prefetch_points(static_cast<std::uint32_t>(c + cells_ahead));
+                    if (is_blemish(static_cast<std::uint32_t>(c)))
+                        found.push_back(static_cast<std::uint32_t>(c));
+                }
+            });
+        const double most = std::exchange(bench_.options.max_radius_edge, bench_.options.last_radius_edge);
+        bench_.least_needed_sine = std::sin(listed_degrees * radians_per_degree);
+        bench_.spared = &drawn_;
+        const std::size_t limit = 4 * cells.size();
+        for (std::size_t n = 0; n < cells.size() && n < limit && !context.cancelled(); ++n) {
+            if (!is_blemish(cells[n])) continue;
+            bench_.lowers_ratios = is_above(bench_.options.last_radius_edge, cells[n]);
+            bench_.mesh.begin_attempt();
+            const bool done = better(cells[n], nullptr) && keep_crowded_bounds(bench_.changed);
+            bench_.mesh.end_attempt(done);
+            if (!done) continue;
+            watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());
+            std::copy_if(bench_.changed.begin(), bench_.changed.end(), std::back_inserter(cells),
+                         [&](std::uint32_t c) { return is_blemish(c); });
+        }
+        bench_.lowers_ratios = false;
+        bench_.least_needed_sine = 0;
+        bench_.spared = nullptr;
+        bench_.options.max_radius_edge = most;
+    }
+
+    // Whether those of the cells that contours crowd are within the bounds of forced ones.
+    bool keep_crowded_bounds(const std::vector<std::uint32_t>& cells) const {
+        return std::all_of(cells.begin(), cells.end(), [&](std::uint32_t c) {
+            if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return true;
+            if (!drawn_.are_crowded(bench_.mesh.cell(c))) return true;
+            return bench_.sine(c) >= least_crowded_sine && !is_above(most_crowded_ratio, c);
+        });
+    }
+
     // Pieces of contour segments that lie beside their structure's surface; those found at first are kept, so
     // that those which could not be brought may be when the cells are better.
     void bring_pieces(double least_degrees, double most_more_above_bound) {
@@ -270,8 +327,8 @@ class Climber {
         MendStats mended =
             mend_cuts(bench_, drawn_, std::sin(listed_degrees * radians_per_degree), threads, look);
         bench_.stats.cuts_found += mended.places_found;
-        bench_.stats.cuts_mended +=
-            mended.vertices_moved + mended.cells_given + mended.edges_flipped + mended.vertices_inserted;
+        bench_.stats.cuts_mended += mended.vertices_moved + mended.cells_given + mended.edges_flipped +
+                                    mended.edges_collapsed + mended.vertices_inserted;
         return mended;
     }
 

@@ -24,8 +24,8 @@ std::vector<std::uint32_t> neighbors_of(const TetMesh& mesh) {
     return cell_neighbors(mesh.cells, mesh.points.size());
 }
 
-Improved improved(const LabelledCase& c, std::span<const VertexPair> edges = {},
-                  DihedralOptions options = {}, int threads = 1) {
+Improved improved(const LabelledCase& c, std::span<const VertexPair> edges = {}, DihedralOptions options = {},
+                  int threads = 1) {
     Improved result{c.mesh, c.fixed, {}};
     RunContext context;
     context.threads = threads;
@@ -205,8 +205,9 @@ TEST(ImproveDihedrals, lowers_ratios_above_the_bound_at_no_angle_below_the_targe
 // Flips of a surface's edges make it smoother; no angle inside falls below the target for it, and edges that
 // are fixed stay.
 TEST(ImproveDihedrals, flips_edges_of_surfaces_for_smaller_angles_between_facets) {
-    for (const LabelledCase& c : {sampled_case("torus", AnalyticField({torus(6, 2.5)}, 9), 1, 1'000'000),
-                                  sampled_case("torus of fixed vertices", AnalyticField({torus(6, 2.5)}, 9), 1, 1)}) {
+    for (const LabelledCase& c :
+         {sampled_case("torus", AnalyticField({torus(6, 2.5)}, 9), 1, 1'000'000),
+          sampled_case("torus of fixed vertices", AnalyticField({torus(6, 2.5)}, 9), 1, 1)}) {
         SCOPED_TRACE(c.name);
         DihedralOptions never;
         never.flip_gain_degrees = 900;
@@ -368,6 +369,46 @@ TEST(ImproveDihedrals, keeps_contour_pieces_beside_their_surface) {
             edges.insert({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
     }
     for (const auto& [a, b, structure] : pieces) EXPECT_TRUE(edges.contains({a, b})) << a << " " << b;
+}
+
+// Beside pairs of vertices that force ill-shaped cells others come out better when those may be the worse for
+// it, within bounds.
+TEST(ImproveDihedrals, cells_that_contours_crowd_give_way_to_ill_shaped_ones_beside_them) {
+    std::vector<Vec3> pairs;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> at(-4, 4), off(-0.02, 0.02);
+    while (pairs.size() < 40) {
+        pairs.push_back({at(random), at(random), at(random)});
+        pairs.push_back(pairs.back() + Vec3{off(random), off(random), off(random)});
+    }
+    const LabelledCase c = random_case("random", AnalyticField({ball({}, 7)}, 9), 1, 1, pairs);
+    std::vector<std::uint8_t> fixed = c.fixed, crowded(pairs.size(), 1);
+    std::fill(fixed.begin(), fixed.begin() + static_cast<std::ptrdiff_t>(pairs.size()), 1);
+    const auto ill_shaped_beside = [&](bool spares) {
+        TetMesh mesh = c.mesh;
+        std::vector<std::uint8_t> held = fixed;
+        std::vector<std::uint32_t> neighbors = neighbors_of(mesh);
+        DrawnSlices drawn;
+        drawn.table = &c.regions;
+        if (spares) drawn.crowded = crowded;
+        RunContext context;
+        improve_dihedrals(mesh, neighbors, held, {}, c.field, 1, drawn, {}, context);
+        expect_sound_mesh(mesh, c.mesh);
+        EXPECT_GE(worst_sine(mesh), std::min(worst_sine(c.mesh), 0.01));
+        drawn.crowded = crowded;
+        std::size_t count = 0;
+        for (std::size_t n = 0; n < mesh.cells.size(); ++n) {
+            const Cell& v = mesh.cells[n];
+            if (mesh.regions[n] == 0 || drawn.are_crowded(v)) continue;
+            count += sine_of(mesh, v) < std::sin(10 * std::numbers::pi / 180) ||
+                     radius_edge_ratio(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]],
+                                       mesh.points[v[3]]) > DihedralOptions{}.last_radius_edge;
+        }
+        return count;
+    };
+    const std::size_t without = ill_shaped_beside(false);
+    EXPECT_GT(without, 10u);
+    EXPECT_LT(ill_shaped_beside(true), without / 5);
 }
 
 TEST(EdgesAlong, finds_the_chain_of_a_segment_and_nothing_for_one_that_is_missing) {

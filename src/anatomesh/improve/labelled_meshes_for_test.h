@@ -64,12 +64,11 @@ inline LabelledCase sampled_case(std::string name, AnalyticField field, std::uin
     return made;
 }
 
-// Random points, nothing near any interface: cells take the region of their centroid.
+// Random points, and these before them, nothing near any interface: cells take the region of their centroid.
 inline LabelledCase random_case(std::string name, AnalyticField field, std::uint32_t structures,
-                                std::uint32_t seed) {
+                                std::uint32_t seed, std::vector<Vec3> points = {}) {
     std::mt19937 random(seed);
     const auto coordinate = [&] { return 20.0 * random() / 4294967296.0 - 10; };
-    std::vector<Vec3> points;
     for (int n = 0; n < 2500; ++n) {
         const double x = coordinate(), y = coordinate(), z = coordinate();
         points.push_back({x, y, z});

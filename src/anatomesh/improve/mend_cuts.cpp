@@ -23,6 +23,8 @@ constexpr std::array heights{0.05, -0.05, 0.1,  -0.1,
                              0.2,  -0.2,  0.35, -0.35};  // of a moved vertex over the plane, in edges at it
 constexpr std::array lifts{0.1, 0.2, 0.3, 0.45, 0.06, 0.03};  // of a new vertex, in heights of the cell
 constexpr double radians_per_degree = std::numbers::pi / 180;
+constexpr double before_moving = 0.5;  // of the least sine that an edge may be collapsed for
+constexpr int moves_after_collapse = 3;
 constexpr double most_turned = 0.5;  // cosine of a facet's turning
 
 class Mender {
@@ -139,7 +141,7 @@ class Mender {
             return std::any_of(vertices.begin(), vertices.end(),
                                [&](std::uint32_t v) { return move(v, bounds); }) ||
                    give(c, there, bounds) || give(other, here, bounds) || flip(c, i, bounds) ||
-                   fill(c, i, bounds);
+                   collapse(c, i, bounds) || fill(c, i, bounds);
         });
     }
 
@@ -284,23 +286,70 @@ class Mender {
             if (!SectionAreas::meets(std::array{la, lb}) || la == lb) continue;
             bench_.mesh.ring(c, e, bench_.ring);
             const std::vector<std::uint32_t> round = bench_.ring.cells;
-            const double before = areas_.wrong(round);
-            std::vector<Cell> cells;
-            std::vector<Region> regions;
-            for (const std::uint32_t r : round) {
-                cells.push_back(bench_.mesh.cell(r));
-                regions.push_back(bench_.mesh.region(r));
-            }
-            if (!flip_edge(bench_, c, e, bounds.sine)) continue;
-            if (areas_.wrong(bench_.changed) <= enough_less * before) {
-                ++stats_.edges_flipped;
-                return true;
-            }
-            const std::vector<std::uint32_t> made = bench_.changed;
-            bench_.mesh.replace(made, cells, regions, bench_.changed);
-            return false;
+            if (!try_exchange(round, [&] { return flip_edge(bench_, c, e, bounds.sine); })) continue;
+            ++stats_.edges_flipped;
+            return true;
         }
         return false;
+    }
+
+    // A free vertex of the facet goes along an edge that passes through a plane.
+    bool collapse(std::uint32_t c, int i, const Bounds& bounds) {
+        for (int e = 0; e < 6; ++e) {
+            const auto [a, b] = cell_edges[static_cast<std::size_t>(e)];
+            if (a == i || b == i) continue;
+            const Cell cell = bench_.mesh.cell(c);
+            const std::uint32_t la = areas_.level(cell[a]), lb = areas_.level(cell[b]);
+            if (!SectionAreas::meets(std::array{la, lb}) || la == lb) continue;
+            for (const bool first_onto_second : {true, false}) {
+                const std::uint32_t from = first_onto_second ? cell[a] : cell[b],
+                                    to = first_onto_second ? cell[b] : cell[a];
+                if (bench_.fixed(from)) continue;
+                if (!try_exchange(stars(from, to),
+                                  [&] { return collapse_onto(c, e, first_onto_second, to, bounds); }))
+                    continue;
+                ++stats_.edges_collapsed;
+                return true;
+            }
+        }
+        return false;
+    }
+
+    // The cells at either of two vertices.
+    std::vector<std::uint32_t> stars(std::uint32_t a, std::uint32_t b) {
+        std::vector<std::uint32_t> cells, more;
+        bench_.mesh.star(a, cells);
+        bench_.mesh.star(b, more);
+        for (const std::uint32_t c : more) {
+            if (std::find(cells.begin(), cells.end(), c) == cells.end()) cells.push_back(c);
+        }
+        return cells;
+    }
+
+    // The vertex that stays may move where cells at it are too flat then.
+    bool collapse_onto(std::uint32_t c, int e, bool first_onto_second, std::uint32_t to,
+                       const Bounds& bounds) {
+        bench_.mesh.star(to, bench_.others);
+        const double sine = std::min(bounds.sine, bench_.bar_of(bench_.others).sine);
+        if (!collapse_edge_within(bench_, c, e, first_onto_second, before_moving * bounds.sine, bounds.ratio))
+            return false;
+        for (int n = 0; n < moves_after_collapse; ++n) {
+            bench_.mesh.star(to, bench_.changed);
+            if (bench_.bar_of(bench_.changed).sine >= sine) return true;
+            if (!move_vertex(bench_, to)) return false;
+        }
+        bench_.mesh.star(to, bench_.changed);
+        return bench_.bar_of(bench_.changed).sine >= sine;
+    }
+
+    // An operation that exchanges these cells; taken back unless the cuts gain enough.
+    template <class Operation>
+    bool try_exchange(const std::vector<std::uint32_t>& round, const Operation& operation) {
+        const double before = areas_.wrong(round);
+        bench_.mesh.begin_attempt();
+        const bool done = operation() && areas_.wrong(bench_.changed) <= enough_less * before;
+        bench_.mesh.end_attempt(done);
+        return done;
     }
 
     // A facet in a plane goes, and the cells on both sides with it.

@@ -136,7 +136,7 @@ bool move_vertex(Workbench& bench, std::uint32_t v) {
         // (p, facet) is positive when the facet runs counter-clockwise seen from outside.
         const auto& f = facet_vertices[i];
         bench.local.add(bench.mesh.point(cell[f[0]]), bench.mesh.point(cell[f[1]]),
-                        bench.mesh.point(cell[f[2]]), bench.mesh.region(c) != 0);
+                        bench.mesh.point(cell[f[2]]), bench.counts(bench.mesh.region(c), cell));
     }
     SurfaceFan fan;
     const bool junction = surface && !surface_fan(bench, v, fan);

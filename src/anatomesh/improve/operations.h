@@ -56,6 +56,12 @@ bool is_ear(const Workbench& bench, std::uint32_t cell);
 // Moves vertex `from` onto `to`, the other end of edge `e` of a cell, and drops the cells at the edge.
 bool collapse_edge(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second);
 
+// The same for another purpose than shape: where cells that come inside have at least this sine and no higher
+// ratio, or than there was, and where no facet of a surface comes further than `apex_mm`, or than it was,
+// from the field's interface.
+bool collapse_edge_within(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second,
+                          double least_sine_inside, double most_ratio);
+
 // Takes out the cells round edge `e` of a cell, and more where it helps, and joins a new vertex to the hole's
 // facets.
 bool insert_vertex(Workbench& bench, std::uint32_t cell, int e);

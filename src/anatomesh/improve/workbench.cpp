@@ -89,7 +89,7 @@ Bar Workbench::bar_of(std::span<const std::uint32_t> cells_in) const {
     Bar bar;
     for (const std::uint32_t n : cells_in) {
         const Cell& c = mesh.cell(n);
-        if (mesh.region(n) == 0) {
+        if (!counts(mesh.region(n), c)) {
             bar.outside_sine = std::min(bar.outside_sine, sine(c));
             continue;
         }
@@ -102,7 +102,7 @@ Bar Workbench::bar_of(std::span<const std::uint32_t> cells_in) const {
 }
 
 double Workbench::value(const Cell& c, Region region, const Bar& bar) const {
-    if (region == 0) {
+    if (!counts(region, c)) {
         const double outside = sine(c);
         return outside > 0 && outside >= needed_outside_sine(bar) ? 1 : -1;
     }

@@ -51,7 +51,9 @@ class Workbench {
     bool nearsighted = false;
     Proposal proposal;             // of scouts: the last change that would have been made
     bool moves_junctions = false;  // vertices where three or more regions meet may move
-    bool lowers_ratios = false;    // operations are judged by the largest ratio, not by the least sine
+    // If any: the shapes of cells at its crowded vertices count as little as those of cells outside.
+    const DrawnSlices* spared = nullptr;
+    bool lowers_ratios = false;  // operations are judged by the largest ratio, not by the least sine
     // The least sine of new cells; of those judged by ratio also the least there was, if that is not below
     // least_lowered_sine, and no ratio above most_lowered_ratio.
     double least_needed_sine = 0, least_lowered_sine = 0, most_lowered_ratio = HUGE_VAL;
@@ -81,6 +83,11 @@ class Workbench {
 
     double sine(const Cell& c) const;
     double sine(std::uint32_t c) const { return sine(mesh.cell(c)); }
+
+    // Whether a cell of this region, and with these vertices among its own, is to be well shaped.
+    bool counts(Region region, std::span<const std::uint32_t> vertices) const {
+        return region != 0 && !(spared && spared->are_crowded(vertices));
+    }
 
     Bar bar_of(std::span<const std::uint32_t> cells) const;
     // What a new cell must reach.

@@ -215,6 +215,10 @@ void ForcedCells::find_crowded(std::span<const std::uint32_t> cells, double dist
         vertices.insert(vertices.end(), mesh_.cells[cell].begin(), mesh_.cells[cell].end());
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    find_crowded_at(vertices, distance_mm);
+}
+
+void ForcedCells::find_crowded_at(const std::vector<std::uint32_t>& vertices, double distance_mm) {
     if (vertices.empty() || !(distance_mm > 0)) return;
     const double piece_mm = 4 * distance_mm;
     PointGrid grid(piece_mm, vertices.size());
@@ -313,20 +317,21 @@ std::string ForcedCells::reason(std::uint32_t cell) const {
 }
 
 std::vector<std::uint8_t> crowded_vertices(const TetMesh& mesh, const ContourSet& contours,
-                                           std::span<const std::uint32_t> vertex_of, double share) {
-    std::vector<std::uint32_t> inside;
+                                           std::span<const std::uint32_t> vertex_of,
+                                           const std::vector<std::uint32_t>& vertices, double share) {
+    std::size_t inside = 0;
     double edges = 0;
     for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
         if (mesh.regions[c] == 0) continue;
-        inside.push_back(c);
+        ++inside;
         const Cell& v = mesh.cells[c];
         edges += 0.5 * (length(mesh.points[v[1]] - mesh.points[v[0]]) +
                         length(mesh.points[v[3]] - mesh.points[v[2]]));
     }
     ForcedCells forced(mesh, contours, vertex_of);
-    if (!inside.empty()) forced.find_crowded(inside, share * edges / static_cast<double>(inside.size()));
+    if (inside > 0) forced.find_crowded_at(vertices, share * edges / static_cast<double>(inside));
     std::vector<std::uint8_t> crowded(mesh.points.size(), 0);
-    for (std::uint32_t v = 0; v < crowded.size(); ++v) crowded[v] = forced.crowds(v);
+    for (const std::uint32_t v : vertices) crowded[v] = forced.crowds(v);
     return crowded;
 }
 

@@ -55,6 +55,8 @@ class ForcedCells {
     // Looks for the other reasons at the vertices of these cells: another contour vertex or segment nearer
     // than `distance_mm`, or another contour at a small angle. Complexity: O(segments + cells).
     void find_crowded(std::span<const std::uint32_t> cells, double distance_mm);
+    // At these vertices, rising, instead.
+    void find_crowded_at(const std::vector<std::uint32_t>& vertices, double distance_mm);
 
   private:
     // The contour points at the ends of the cell's shortest edge, or no_cell.
@@ -93,9 +95,10 @@ class ForcedCells {
     std::map<std::uint32_t, Crowded> crowded_;  // by mesh vertex
 };
 
-// By vertex: whether ForcedCells::crowds() it, where contours are near to each other below `share` of the
-// mean edge of the cells inside. Complexity: O(segments + cells).
+// By vertex: whether it is one of `vertices` (rising) and ForcedCells::crowds() it, where contours are near
+// to each other below `share` of the mean edge of the cells inside. Complexity: O(segments + cells).
 std::vector<std::uint8_t> crowded_vertices(const TetMesh& mesh, const ContourSet& contours,
-                                           std::span<const std::uint32_t> vertex_of, double share);
+                                           std::span<const std::uint32_t> vertex_of,
+                                           const std::vector<std::uint32_t>& vertices, double share);
 
 }  // namespace anatomesh

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <optional>
 
@@ -23,6 +24,7 @@
 #include "anatomesh/improve/smooth_vertices.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
+#include "anatomesh/mesh/cell_shape.h"
 #include "anatomesh/mesh/drop_outside.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/contour_field.h"
@@ -364,14 +366,12 @@ class Builder {
         for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
             held[vertices[n]] = 1;
         const RecoveryBounds& bounds = recovery_bounds[ill_shaped_before_];
-        const bool may_cost_shape =
-            sample_->has_pole || (tries_before_ == 0 && !is_parallel(contours_));
+        const bool may_cost_shape = sample_->has_pole || (tries_before_ == 0 && !is_parallel(contours_));
         RecoveredPieces recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
             {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
-             bounds.most_more_bad, bounds.least_shape,
-             may_cost_shape ? few_pieces : 0, !sample_->has_pole});
+             bounds.most_more_bad, bounds.least_shape, may_cost_shape ? few_pieces : 0, !sample_->has_pole});
         recovered.run(unsound, relabelled, context_);
         piece_list_ = recovered.pieces();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
@@ -426,6 +426,7 @@ class Builder {
                        {[&] { dihedrals = improve_angles(fixed); }, [&] { volumes = find_volumes(); }});
         ANATOMESH_CHECK_STATUS(volumes);
         stars = find_stars();
+        fix_ill_shaped(fixed);
         const SmoothStats again = smooth_all(*stars, fixed, smooth_mean);
         smoothed.vertices_moved += again.vertices_moved;
         smoothed.surface_vertices_moved += again.surface_vertices_moved;
@@ -478,6 +479,28 @@ class Builder {
                     {"volume_difference_before", balanced.worst_before},
                     {"volume_difference_after", balanced.worst_after}};
         return end_stage("improve", 0.85);
+    }
+
+    // The vertices of cells that clause 4 allows only where contours force them: the rest at such a vertex is
+    // as it is for their sake, and the worst of all would be what it may come to.
+    void fix_ill_shaped(std::vector<std::uint8_t>& fixed) const {
+        const TetMesh& mesh = model_.mesh;
+        const std::vector<std::uint32_t> cells = parallel_collect<std::uint32_t>(
+            mesh.cells.size(), 16384, context_.threads,
+            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
+                for (std::size_t c = first; c < last; ++c) {
+                    if (mesh.regions[c] == 0) continue;
+                    const Cell& v = mesh.cells[c];
+                    const CellMeasures m = measure_cell(mesh.points[v[0]], mesh.points[v[1]],
+                                                        mesh.points[v[2]], mesh.points[v[3]]);
+                    if (m.squared_ratio > certificate_bad_radius_edge * certificate_bad_radius_edge ||
+                        m.least_sine() < std::sin(certificate_bad_dihedral_deg * std::numbers::pi / 180))
+                        found.push_back(static_cast<std::uint32_t>(c));
+                }
+            });
+        for (const std::uint32_t c : cells) {
+            for (const std::uint32_t v : mesh.cells[c]) fixed[v] = 1;
+        }
     }
 
     Status find_volumes() {
@@ -544,16 +567,24 @@ class Builder {
         if (sample_->has_pole &&
             static_cast<double>(beside.size()) > most_beside * static_cast<double>(pieces.size()))
             beside.clear();
-        const std::vector<std::uint8_t> crowded =
-            beside.empty()
-                ? std::vector<std::uint8_t>{}
-                : crowded_vertices(model_.mesh, contours_, vertices_of_contours(), certificate_crowded_share);
+        std::vector<std::uint8_t> crowded;
+        if (!spared_ || !beside.empty()) crowded = crowded_by_contours(slice_of);
         const SlicesThatTell slices = slices_that_tell(contours_, field_->flat_ends());
         return improve_dihedrals(model_.mesh, neighbors_, fixed,
                                  edges_along(model_.mesh, neighbors_, segments), *field_, structures_,
                                  {&model_.regions, slice_of, &owners, slices.planes, slices.weights,
                                   slices.on_plane_mm, beside, crowded},
                                  options, context_);
+    }
+
+    // By vertex; those that are in a slice as drawn are looked at.
+    std::vector<std::uint8_t> crowded_by_contours(const std::vector<std::uint32_t>& slice_of) const {
+        std::vector<std::uint32_t> vertices;
+        for (std::uint32_t v = 0; v < slice_of.size(); ++v) {
+            if (slice_of[v] != no_slice) vertices.push_back(v);
+        }
+        return crowded_vertices(model_.mesh, contours_, vertices_of_contours(), vertices,
+                                certificate_crowded_share);
     }
 
     void drop_outside_cells() {
