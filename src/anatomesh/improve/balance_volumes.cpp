@@ -141,8 +141,6 @@ class Balancer {
         return static_cast<std::uint32_t>(near - heights.begin());
     }
 
-    std::uint32_t slice_level(Vec3 p) const { return options_.slices.level(p, options_.on_slice_mm); }
-
     // The facets that lie in an end, and their vertices.
     void find_ends() {
         end_of_.assign(mesh_.points.size(), no_end);
@@ -333,7 +331,7 @@ class Balancer {
             const double offset = length(total);
             if (offset > options_.max_offset_mm) total = (options_.max_offset_mm / offset) * total;
             const Vec3 from = mesh_.points[v], to = onto_end(v, from + (total - moved_[v]));
-            if (to == from || slice_level(from) != slice_level(to) || !mover_.try_move(v, to)) return;
+            if (to == from || !options_.slices.keeps(from, to) || !mover_.try_move(v, to)) return;
             moved_[v] = moved_[v] + (to - from);
             moves.fetch_add(1, std::memory_order_relaxed);
         });

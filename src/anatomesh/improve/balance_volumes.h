@@ -7,6 +7,7 @@
 
 #include "anatomesh/cut/star.h"
 #include "anatomesh/field/structure_field.h"
+#include "anatomesh/geom/plane_sides.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
 namespace anatomesh {
@@ -17,10 +18,8 @@ struct BalanceOptions {
     int rounds = 12;             // [0, 100]
     double min_dihedral_degrees =
         15;                        // angles inside may fall to this; below it they do not get worse. [0, 40]
-    ParallelPlanes slices;   // planes through which no vertex passes, and none that lies in one leaves it;
-                             // planes that lean against each other count at their height in the middle
-    double on_slice_mm = 0;  // a vertex this near to one of them lies in it. [0, 1]
-    ParallelPlanes ends;     // planes in which the surface is flat
+    PlaneSides slices;             // through which no vertex passes, and none that lies in one leaves it
+    ParallelPlanes ends;           // planes in which the surface is flat
     double end_tolerance_mm = 0;   // a facet whose vertices are this near to one of them lies in it. [0, 1]
     double max_difference = 1e-3;  // above it, with the ends held, they may move too. [1e-9, 1]
 };

@@ -26,7 +26,9 @@ struct DrawnSlices {
     std::span<const std::uint32_t> slice_of;  // for every point of the mesh the slice in whose plane it lies
                                               // as a part of a contour, or no_slice; empty: no slices
     const ContourOwners* owners = nullptr;    // of the vertices
-    std::span<const Plane> planes = {};       // by slice, where they are parallel; else empty
+    std::span<const Plane> planes = {};       // by slice, or empty: cuts are not looked at
+    std::span<const Box2> extents = {};       // by slice, in its plane: beyond them it says nothing; empty:
+                                              // planes are parallel, and each says all
     std::span<const double> weights = {};     // at structure * planes + slice: 1 / mm^2 drawn; 0 where the
                                               // slice does not tell where the structure is
     double on_plane_mm = 0;                   // a vertex this near to a plane lies in it. >= 0

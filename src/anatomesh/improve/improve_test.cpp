@@ -143,7 +143,8 @@ TEST(VertexMover, moves_at_one_time_only_vertices_that_share_no_cell) {
         });
         for (const std::atomic<int>& n : count) EXPECT_EQ(n, 1);
         std::vector<std::uint32_t> stars;
-        for (const std::uint32_t v : all) stars.insert(stars.end(), mover.star(v).begin(), mover.star(v).end());
+        for (const std::uint32_t v : all)
+            stars.insert(stars.end(), mover.star(v).begin(), mover.star(v).end());
         if (threads > 1) {
             EXPECT_EQ(stars, last);
         }
@@ -219,9 +220,10 @@ TEST(BalanceVolumes, no_vertex_passes_through_a_slice) {
         const CulledMesh culled = culled_mesh(solid.field, structures, 1);
         // Planes so close that a good part of the vertices would have to pass through one.
         BalanceOptions options;
-        options.on_slice_mm = 1e-9;
-        options.slices.frame = make_plane({}, {0.3, -0.2, 1});
-        for (double height = -50; height < 50; height += 0.05) options.slices.heights.push_back(height);
+        options.slices.on_plane_mm = 1e-9;
+        ParallelPlanes& stack = options.slices.stack;
+        stack.frame = make_plane({}, {0.3, -0.2, 1});
+        for (double height = -50; height < 50; height += 0.05) stack.heights.push_back(height);
         std::array<std::size_t, 2> passed{};
         for (const bool held : {false, true}) {
             TetMesh mesh = culled.mesh();
@@ -230,7 +232,7 @@ TEST(BalanceVolumes, no_vertex_passes_through_a_slice) {
                 balance_volumes(mesh, neighbors_of(mesh), stars_of(mesh), culled.registry.table(),
                                 some_fixed(mesh), solid.volumes, 2, slices);
             for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-                const auto level = [&](Vec3 p) { return options.slices.level(p, options.on_slice_mm); };
+                const auto level = [&](Vec3 p) { return stack.level(p, options.slices.on_plane_mm); };
                 passed[held] += level(mesh.points[v]) != level(culled.points()[v]);
             }
             EXPECT_GT(stats.moves, 0u);

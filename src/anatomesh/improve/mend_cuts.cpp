@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/hole.h"
 #include "anatomesh/improve/operations.h"
 #include "anatomesh/improve/section_areas.h"
@@ -33,7 +34,6 @@ class Mender {
         : bench_(bench),
           areas_(bench, drawn),
           owners_(*drawn.owners),
-          axis_(drawn.planes.front().normal),
           bounds_{
               {{std::sin(bench.options.target_degrees * radians_per_degree), bench.options.max_radius_edge},
                {least_sine, bench.options.max_radius_edge},
@@ -83,14 +83,11 @@ class Mender {
         }
         if (std::find(between.begin(), between.end(), true) == between.end()) return 4;
         const Cell& cell = bench_.mesh.cell(c);
-        std::array<std::uint32_t, 4> levels{};
-        for (std::size_t n = 0; n < 4; ++n) levels[n] = areas_.level(cell[n]);
         for (int i = from; i < 4; ++i) {
             if (bench_.mesh.neighbor(c, i) == no_cell) continue;
             const auto& f = facet_vertices[i];
-            const std::array level{levels[f[0]], levels[f[1]], levels[f[2]]};
-            const bool in_plane = level[0] % 2 == 1 && level[1] == level[0] && level[2] == level[0];
-            if (between[i] ? SectionAreas::meets(level) : in_plane) return i;
+            const std::array facet{cell[f[0]], cell[f[1]], cell[f[2]]};
+            if ((between[i] && areas_.passes_between(facet)) || areas_.plane_of(facet) != no_slice) return i;
         }
         return 4;
     }
@@ -158,20 +155,19 @@ class Mender {
         bench_.mesh.star(v, bench_.star);
         const double before = areas_.wrong_round(v, bench_.star);
         if (!(before > 0)) return false;
-        std::vector<std::uint32_t> planes;
         double edges = 0;
         std::size_t count = 0;
         const Vec3 from = bench_.mesh.point(v);
-        std::uint32_t low = areas_.level(v), high = low;
+        std::vector<std::uint32_t> round;
         for (const std::uint32_t c : bench_.star) {
             for (const std::uint32_t u : bench_.mesh.cell(c)) {
+                round.push_back(u);
                 if (u == v) continue;
                 edges += length(bench_.mesh.point(u) - from);
                 ++count;
-                low = std::min(low, areas_.level(u));
-                high = std::max(high, areas_.level(u));
             }
         }
+        sort_distinct(round);
         const double edge = edges / static_cast<double>(count);
         const Bar bar = bench_.bar_of(bench_.star);
         const std::vector<Facet> facets = facets_at(v);
@@ -184,11 +180,13 @@ class Mender {
                              bench_.mesh.point(cell[f[2]]), bench_.mesh.region(c) != 0);
         }
         const auto near = [&](Vec3& q) { return keeps_near(q, from, facets); };
-        for (std::uint32_t plane = low | 1; plane <= high; plane += 2) {
+        return areas_.any_plane_at(round, [&](std::uint32_t k) {
+            const Plane& plane = areas_.plane(k);
             for (const double share : heights) {
-                Vec3 p = from + (share * edge - areas_.height(plane, from)) * axis_;
+                Vec3 p = from + (share * edge - plane.signed_distance(from)) * plane.normal;
                 if (!near(p)) continue;
-                if (bench_.local.ascend(p, bench_.local.worst(p, -2), bench_.goal, axis_, near) < bounds.sine)
+                if (bench_.local.ascend(p, bench_.local.worst(p, -2), bench_.goal, plane.normal, near) <
+                    bounds.sine)
                     continue;
                 bench_.mesh.move_point(v, p);
                 if (bench_.positive(star) && areas_.wrong_round(v, star) <= enough_less * before) {
@@ -199,8 +197,8 @@ class Mender {
                 }
                 bench_.mesh.move_point(v, from);
             }
-        }
-        return false;
+            return false;
+        });
     }
 
     // Those between regions at the vertex whose star the bench has.
@@ -282,8 +280,7 @@ class Mender {
             if (a == i || b == i) continue;
             const Cell cell = bench_.mesh.cell(c);
             if (bench_.fixed_edge(cell[a], cell[b])) continue;
-            const std::uint32_t la = areas_.level(cell[a]), lb = areas_.level(cell[b]);
-            if (!SectionAreas::meets(std::array{la, lb}) || la == lb) continue;
+            if (!areas_.passes_between(std::array{cell[a], cell[b]})) continue;
             bench_.mesh.ring(c, e, bench_.ring);
             const std::vector<std::uint32_t> round = bench_.ring.cells;
             if (!try_exchange(round, [&] { return flip_edge(bench_, c, e, bounds.sine); })) continue;
@@ -299,8 +296,7 @@ class Mender {
             const auto [a, b] = cell_edges[static_cast<std::size_t>(e)];
             if (a == i || b == i) continue;
             const Cell cell = bench_.mesh.cell(c);
-            const std::uint32_t la = areas_.level(cell[a]), lb = areas_.level(cell[b]);
-            if (!SectionAreas::meets(std::array{la, lb}) || la == lb) continue;
+            if (!areas_.passes_between(std::array{cell[a], cell[b]})) continue;
             for (const bool first_onto_second : {true, false}) {
                 const std::uint32_t from = first_onto_second ? cell[a] : cell[b],
                                     to = first_onto_second ? cell[b] : cell[a];
@@ -357,9 +353,8 @@ class Mender {
         const std::uint32_t other = bench_.mesh.neighbor(c, i);
         const Cell cell = bench_.mesh.cell(c);
         const auto& f = facet_vertices[i];
-        const std::uint32_t level = areas_.level(cell[f[0]]);
-        if (level % 2 == 0 || areas_.level(cell[f[1]]) != level || areas_.level(cell[f[2]]) != level)
-            return false;
+        const std::uint32_t k = areas_.plane_of(std::array{cell[f[0]], cell[f[1]], cell[f[2]]});
+        if (k == no_slice) return false;
         const Vec3 a = bench_.mesh.point(cell[f[0]]), b = bench_.mesh.point(cell[f[1]]),
                    d = bench_.mesh.point(cell[f[2]]);
         const Vec3 foot = (1.0 / 3) * (a + b + d);
@@ -369,11 +364,11 @@ class Mender {
             const Vec3 top = bench_.mesh.point(apex_of(side, cell, i));
             // Then the plane has there what is on the other side.
             const std::uint32_t under = side == c ? other : c;
-            if (areas_.wrong_facet(a, b, d, level, bench_.mesh.region(under), bench_.mesh.region(under)) >
+            if (areas_.wrong_facet(a, b, d, k, bench_.mesh.region(under), bench_.mesh.region(under)) >
                 enough_less * before)
                 continue;
             const auto above = [&](Vec3& q) {
-                return areas_.height(level, q) * areas_.height(level, top) > 0;
+                return areas_.plane(k).signed_distance(q) * areas_.plane(k).signed_distance(top) > 0;
             };
             for (const double share : lifts) {
                 const auto v = static_cast<std::uint32_t>(bench_.mesh.point_count());
@@ -399,7 +394,6 @@ class Mender {
     Workbench& bench_;
     SectionAreas areas_;
     const ContourOwners& owners_;
-    Vec3 axis_;
     std::array<Bounds, 3> bounds_;
     MendStats stats_;
 };

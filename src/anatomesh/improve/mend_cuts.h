@@ -19,8 +19,8 @@ struct MendStats {
 
 // Where the contours are edges of the surface, a facet of it that passes through a slice's plane, or lies in
 // it beside the drawn region, or one within a region that lies in it between contours, is all that can make
-// the model's cut another one than what is drawn. At each such facet, of those of parallel planes, the first
-// of these is done that makes what is wrong in the cuts of the cells concerned (slice_cuts.h) half as much or
+// the model's cut another one than what is drawn. At each such facet the first of these is
+// done that makes what is wrong in the cuts of the cells concerned (slice_cuts.h) half as much or
 // less: a free vertex is moved off the plane or across it; a cell is given to the region across the facet;
 // the edge of the surface across the plane is flipped; a free vertex goes along such an edge onto its other
 // end, which may move for the shape of the cells there; the two cells at a facet in the plane are filled from
@@ -31,9 +31,9 @@ struct MendStats {
 // angle whose sine is below `least_sine` and no ratio above the last bound, or than there was; no vertex
 // moved, no edge collapsed and no cell given brings a surface further from the field's than the workbench's
 // `apex_mm`, or than it was, and a new vertex stays within the cells at its facet; the surfaces of all
-// structures keep their topology and their contours. Same result every time. Complexity: O(cells). Errors:
-// none. `look`: the cells whose facets are looked at, in any order, repeats and such that are gone allowed;
-// null: all.
+// structures keep their topology and their contours. Same result every time. Complexity: O(cells),
+// times the planes where these are not parallel. Errors: none. `look`: the cells whose facets are looked at,
+// in any order, repeats and such that are gone allowed; null: all.
 MendStats mend_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine, int threads,
                     const std::vector<std::uint32_t>* look = nullptr);
 

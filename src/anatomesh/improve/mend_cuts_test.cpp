@@ -26,6 +26,7 @@ struct Wall {
     std::vector<std::uint32_t> neighbors, slice_of;
     std::vector<std::uint8_t> fixed;
     std::vector<Plane> planes;
+    std::vector<Box2> extents;  // empty: the planes are known to be parallel
     std::vector<double> weights;
     ContourOwners owners;
     fixtures::AnalyticField field{{[](Vec3 p) { return p.x - 4; }, [](Vec3 p) { return 4 - p.x; }}, 10};
@@ -50,7 +51,9 @@ struct Wall {
         for (const std::uint32_t v : mesh.cells[c]) sum += 0.25 * mesh.points[v];
         return sum;
     }
-    DrawnSlices drawn() const { return {&table, slice_of, &owners, planes, weights, 1e-9}; }
+    DrawnSlices drawn() const { return {&table, slice_of, &owners, planes, extents, weights, 1e-9}; }
+    // As if they lay in any position, with so much of each that says something.
+    void give_extents(Box2 extent) { extents.assign(planes.size(), extent); }
 
     // Of the contours: vertices in a slice on the wall are fixed, and must be on both surfaces.
     void draw(double y) {
@@ -224,23 +227,31 @@ TEST(MendCuts, what_was_put_beside_a_plane_may_cross_it_once_more) {
     }
 }
 
+constexpr Box2 everywhere{{-99, -99}, {99, 99}};
+
+// Vertices near the wall, but those drawn, to random places.
+void scatter(Wall& wall, std::mt19937& random) {
+    std::uniform_real_distribution<double> off(-0.6, 0.6);
+    for (std::uint32_t v = 0; v < wall.mesh.points.size(); ++v) {
+        const Vec3 from = wall.mesh.points[v];
+        // Neighbours of those on the hull stay: beyond it there is no region.
+        if (from.y < 2 || from.y > 6 || from.z < 2 || from.z > 4) wall.fixed[v] = 1;
+        if (from.x < 3 || from.x > 5 || wall.fixed[v]) continue;
+        wall.mesh.points[v] = from + Vec3{off(random), off(random), off(random)};
+        if (!wall.is_positive()) wall.mesh.points[v] = from;
+    }
+}
+
 // Vertices of the wall that stray from it, over and under the slices, where cells round them may leave no
 // straight way back.
 TEST(MendCuts, a_vertex_that_cannot_cross_a_slice_goes_along_an_edge_that_does) {
     std::mt19937 random(11);
-    std::uniform_real_distribution<double> off(-0.6, 0.6);
     double all_before = 0, all_after = 0;
     std::uint64_t collapsed = 0;
     for (int n = 0; n < 40; ++n) {
         Wall wall;
         wall.draw(0);
-        for (std::uint32_t v = 0; v < wall.mesh.points.size(); ++v) {
-            const Vec3 from = wall.mesh.points[v];
-            // No neighbours of those on the hull, beyond which there is no region.
-            if (from.x < 3 || from.x > 5 || from.y < 2 || from.y > 6 || from.z < 2 || from.z > 4) continue;
-            wall.mesh.points[v] = from + Vec3{off(random), off(random), off(random)};
-            if (!wall.is_positive()) wall.mesh.points[v] = from;
-        }
+        scatter(wall, random);
         MendStats stats;
         const auto [before, after] = wall.mend(stats);
         EXPECT_LE(after, before);
@@ -251,6 +262,49 @@ TEST(MendCuts, a_vertex_that_cannot_cross_a_slice_goes_along_an_edge_that_does) 
     }
     EXPECT_GT(collapsed, 10u);
     EXPECT_LT(all_after, 0.2 * all_before);
+}
+
+TEST(MendCuts, parallel_planes_are_planes_like_others) {
+    std::mt19937 random(12);
+    for (int n = 0; n < 5; ++n) {
+        Wall stack;
+        stack.draw(0);
+        scatter(stack, random);
+        Wall any = stack;
+        any.give_extents(everywhere);
+        MendStats of_stack, of_any;
+        EXPECT_GT(stack.mend(of_stack)[0], 0);
+        any.mend(of_any);
+        EXPECT_GT(of_stack.vertices_moved, 0u);
+        EXPECT_EQ(of_any.places_found, of_stack.places_found);
+        EXPECT_EQ(any.mesh.cells, stack.mesh.cells);
+        EXPECT_EQ(any.mesh.regions, stack.mesh.regions);
+    }
+}
+
+TEST(MendCuts, planes_that_cross_are_looked_at_where_they_say_something) {
+    std::mt19937 random(13);
+    double all_before = 0, all_after = 0;
+    for (int n = 0; n < 20; ++n) {
+        Wall wall;
+        wall.draw(0);
+        for (const double y : {3.0, 4.0, 5.0}) wall.planes.push_back(make_plane({0, y, 0}, {0, 1, 0}));
+        wall.weights.assign(2 * wall.planes.size(), 1.0 / (4 * width));
+        scatter(wall, random);
+        Wall silent = wall;
+        silent.give_extents({{-99, -99}, {-98, -98}});
+        MendStats stats;
+        EXPECT_EQ(silent.mend(stats), (std::array{0.0, 0.0}));
+        EXPECT_EQ(stats.places_found, 0u);
+        wall.give_extents(everywhere);
+        const auto [before, after] = wall.mend(stats);
+        EXPECT_LE(after, before);
+        all_before += before;
+        all_after += after;
+        wall.expect_sound();
+    }
+    EXPECT_GT(all_before, 0);
+    EXPECT_LT(all_after, 0.3 * all_before);
 }
 
 // The middles of its facets are a third of the way.
@@ -310,7 +364,7 @@ TEST(MendCuts, cells_that_rest_in_a_slice_on_leaning_ones_are_lifted) {
         bench.table = &table;
         bench.goal = 0.3;
         const MendStats stats =
-            mend_cuts(bench, {&table, slice_of, &owners, planes, weights, 1e-9}, listed_sine, 1);
+            mend_cuts(bench, {&table, slice_of, &owners, planes, {}, weights, 1e-9}, listed_sine, 1);
         EXPECT_EQ(stats.vertices_inserted, 1u);
         const TetMesh mended = std::move(edited).take(neighbors);
         for (std::size_t c = 0; c < mended.cells.size(); ++c) {

@@ -16,18 +16,17 @@ double triangle_area(Vec3 a, Vec3 b, Vec3 c) {
 }  // namespace
 
 SectionAreas::SectionAreas(Workbench& bench, const DrawnSlices& drawn)
-    : bench_(bench),
-      drawn_(drawn),
-      order_(drawn.planes.size()),
-      rank_(drawn.planes.size()),
-      of_cuts_(drawn.weights.size(), 0) {
+    : bench_(bench), drawn_(drawn), of_cuts_(drawn.weights.size(), 0) {
+    if (!drawn.extents.empty()) return;
     const Vec3 axis = drawn.planes.front().normal;
-    stack_.frame.normal = axis;
+    stack_.emplace().frame.normal = axis;
+    order_.resize(drawn.planes.size());
+    rank_.resize(drawn.planes.size());
     std::iota(order_.begin(), order_.end(), 0u);
     const auto at = [&](std::uint32_t k) { return dot(drawn.planes[k].origin, axis); };
     std::sort(order_.begin(), order_.end(), [&](std::uint32_t j, std::uint32_t k) { return at(j) < at(k); });
     for (std::uint32_t n = 0; n < order_.size(); ++n) {
-        stack_.heights.push_back(at(order_[n]));
+        stack_->heights.push_back(at(order_[n]));
         rank_[order_[n]] = n;
     }
 }
@@ -35,21 +34,54 @@ SectionAreas::SectionAreas(Workbench& bench, const DrawnSlices& drawn)
 std::uint32_t SectionAreas::level(std::uint32_t v) const {
     if (v < drawn_.slice_of.size() && drawn_.slice_of[v] != no_slice)
         return 2 * rank_[drawn_.slice_of[v]] + 1;
-    return stack_.level(bench_.mesh.point(v), drawn_.on_plane_mm);
+    return stack_->level(bench_.mesh.point(v), drawn_.on_plane_mm);
+}
+
+int SectionAreas::side(std::uint32_t v, std::uint32_t k) const {
+    if (stack_) {
+        const std::uint32_t at = level(v), plane = 2 * rank_[k] + 1;
+        return (at > plane) - (at < plane);
+    }
+    if (v < drawn_.slice_of.size() && drawn_.slice_of[v] == k) return 0;
+    const double height = plane(k).signed_distance(bench_.mesh.point(v));
+    return std::abs(height) <= drawn_.on_plane_mm ? 0 : height > 0 ? 1 : -1;
+}
+
+bool SectionAreas::passes_between(std::span<const std::uint32_t> vertices) const {
+    return any_plane_at(vertices, [&](std::uint32_t k) {
+        bool under = false, over = false;
+        for (const std::uint32_t v : vertices) {
+            const int at = side(v, k);
+            under = under || at < 0;
+            over = over || at > 0;
+        }
+        return under && over;
+    });
+}
+
+std::uint32_t SectionAreas::plane_of(std::span<const std::uint32_t> vertices) const {
+    std::uint32_t found = no_slice;
+    any_plane_at(vertices, [&](std::uint32_t k) {
+        if (!std::all_of(vertices.begin(), vertices.end(), [&](auto v) { return side(v, k) == 0; }))
+            return false;
+        found = k;
+        return true;
+    });
+    return found;
 }
 
 // Structures that are in the regions and not drawn in the plane at p, or drawn there and in neither.
-double SectionAreas::wrong_part(double area, Region here, Region there, std::uint32_t level, Vec3 p) {
+double SectionAreas::wrong_part(double area, Region here, Region there, std::uint32_t k, Vec3 p) {
+    if (!drawn_.extents.empty() && !drawn_.extents[k].contains(plane(k).to_plane(p))) return 0;
     const std::vector<std::uint32_t>&one = drawn_.table->members[here], &other = drawn_.table->members[there],
           &seen = bench_.probe.members(p);
     both_.clear();
     std::set_union(one.begin(), one.end(), other.begin(), other.end(), std::back_inserter(both_));
-    const std::uint32_t slice = order_[level / 2];
     double sum = 0;
     const auto add = [&](const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
         for (const std::uint32_t s : a) {
             if (std::binary_search(b.begin(), b.end(), s)) continue;
-            const std::size_t cut = s * drawn_.planes.size() + slice;
+            const std::size_t cut = s * drawn_.planes.size() + k;
             sum += area * drawn_.weights[cut];
             if (counts_) of_cuts_[cut] += share_ * area * drawn_.weights[cut];
             if (drawn_.weights[cut] > 0) largest_ = std::max(largest_, of_cuts_[cut]);
@@ -61,54 +93,60 @@ double SectionAreas::wrong_part(double area, Region here, Region there, std::uin
 }
 
 double SectionAreas::wrong_sections(std::uint32_t c) {
-    const Cell& cell = bench_.mesh.cell(c);
-    std::array<std::uint32_t, 4> levels{};
-    for (std::size_t i = 0; i < 4; ++i) levels[i] = level(cell[i]);
-    const auto [low, high] = std::minmax_element(levels.begin(), levels.end());
     double sum = 0;
-    for (std::uint32_t plane = (*low + 1) | 1; plane < *high; plane += 2) {
-        // Corners in the plane, then those on edges: from each vertex below to those above, there and back.
-        std::array<Vec3, 4> corners;
-        std::size_t count = 0;
-        for (std::size_t i = 0; i < 4; ++i) {
-            if (levels[i] == plane) corners[count++] = bench_.mesh.point(cell[i]);
-        }
-        bool back = false;
-        for (std::size_t i = 0; i < 4; ++i) {
-            if (levels[i] >= plane) continue;
-            for (std::size_t n = 0; n < 4; ++n) {
-                const std::size_t j = back ? 3 - n : n;
-                if (levels[j] <= plane) continue;
-                const Vec3 p = bench_.mesh.point(cell[i]), q = bench_.mesh.point(cell[j]);
-                const double at_p = height(plane, p), at_q = height(plane, q);
-                corners[count++] = p + at_p / (at_p - at_q) * (q - p);
-            }
-            back = !back;
-        }
-        Vec3 middle{};
-        for (std::size_t n = 0; n < count; ++n)
-            middle = middle + (1 / static_cast<double>(count)) * corners[n];
-        double area = triangle_area(corners[0], corners[1], corners[2]);
-        if (count == 4) area += triangle_area(corners[0], corners[2], corners[3]);
-        const Region region = bench_.mesh.region(c);
-        sum += wrong_part(area, region, region, plane, middle);
-    }
+    any_plane_at(bench_.mesh.cell(c), [&](std::uint32_t k) {
+        sum += wrong_section(c, k);
+        return false;
+    });
     return sum;
 }
 
-double SectionAreas::wrong_facet(Vec3 a, Vec3 b, Vec3 c, std::uint32_t level, Region here, Region there) {
-    return wrong_part(triangle_area(a, b, c), here, there, level, (1.0 / 3) * (a + b + c));
+double SectionAreas::wrong_section(std::uint32_t c, std::uint32_t k) {
+    const Cell& cell = bench_.mesh.cell(c);
+    std::array<int, 4> sides{};
+    for (std::size_t i = 0; i < 4; ++i) sides[i] = side(cell[i], k);
+    const auto [low, high] = std::minmax_element(sides.begin(), sides.end());
+    if (*low >= 0 || *high <= 0) return 0;
+    // Corners in the plane, then those on edges: from each vertex below to those above, there and back.
+    std::array<Vec3, 4> corners;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+        if (sides[i] == 0) corners[count++] = bench_.mesh.point(cell[i]);
+    }
+    bool back = false;
+    for (std::size_t i = 0; i < 4; ++i) {
+        if (sides[i] >= 0) continue;
+        for (std::size_t n = 0; n < 4; ++n) {
+            const std::size_t j = back ? 3 - n : n;
+            if (sides[j] <= 0) continue;
+            const Vec3 p = bench_.mesh.point(cell[i]), q = bench_.mesh.point(cell[j]);
+            const double at_p = plane(k).signed_distance(p), at_q = plane(k).signed_distance(q);
+            corners[count++] = p + at_p / (at_p - at_q) * (q - p);
+        }
+        back = !back;
+    }
+    Vec3 middle{};
+    for (std::size_t n = 0; n < count; ++n) middle = middle + (1 / static_cast<double>(count)) * corners[n];
+    double area = triangle_area(corners[0], corners[1], corners[2]);
+    if (count == 4) area += triangle_area(corners[0], corners[2], corners[3]);
+    const Region region = bench_.mesh.region(c);
+    return wrong_part(area, region, region, k, middle);
+}
+
+double SectionAreas::wrong_facet(Vec3 a, Vec3 b, Vec3 c, std::uint32_t k, Region here, Region there) {
+    return wrong_part(triangle_area(a, b, c), here, there, k, (1.0 / 3) * (a + b + c));
 }
 
 double SectionAreas::wrong_in_plane(std::uint32_t c, int i) {
     const Cell& cell = bench_.mesh.cell(c);
     const auto& f = facet_vertices[i];
-    const std::uint32_t first = level(cell[f[0]]), other = bench_.mesh.neighbor(c, i);
-    if (first % 2 == 0 || other == no_cell || level(cell[f[1]]) != first || level(cell[f[2]]) != first)
-        return 0;
-    return wrong_facet(bench_.mesh.point(cell[f[0]]), bench_.mesh.point(cell[f[1]]),
-                       bench_.mesh.point(cell[f[2]]), first, bench_.mesh.region(c),
-                       bench_.mesh.region(other));
+    const std::uint32_t other = bench_.mesh.neighbor(c, i);
+    if (other == no_cell) return 0;
+    const std::array facet{cell[f[0]], cell[f[1]], cell[f[2]]};
+    const std::uint32_t k = plane_of(facet);
+    if (k == no_slice) return 0;
+    return wrong_facet(bench_.mesh.point(facet[0]), bench_.mesh.point(facet[1]), bench_.mesh.point(facet[2]),
+                       k, bench_.mesh.region(c), bench_.mesh.region(other));
 }
 
 double SectionAreas::wrong(std::span<const std::uint32_t> cells) {

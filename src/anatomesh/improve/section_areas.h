@@ -1,9 +1,10 @@
-// SectionAreas: by how much the cuts of cells by the planes of a stack are not what is drawn there.
+// SectionAreas: by how much the cuts of cells by the planes of slices are not what is drawn there.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,27 +13,45 @@
 
 namespace anatomesh {
 
-// The level of a vertex is that of ParallelPlanes; one that is in a slice as drawn lies in its plane.
+// Planes have the numbers of their slices. A vertex that is in a slice as drawn lies in its plane.
 class SectionAreas {
   public:
     // Requires: both outlive this; `drawn.planes` not empty.
     SectionAreas(Workbench& bench, const DrawnSlices& drawn);
 
-    std::uint32_t level(std::uint32_t v) const;
+    const Plane& plane(std::uint32_t k) const { return drawn_.planes[k]; }
+    // Of a vertex: 0 in the plane, 1 over it, -1 under it.
+    int side(std::uint32_t v, std::uint32_t k) const;
 
-    // Of a point over the plane of an odd level; mm.
-    double height(std::uint32_t level, Vec3 p) const { return plane(level).signed_distance(p); }
-
-    // Whether a facet or an edge of these levels passes through a plane or lies in it.
-    template <std::size_t n>
-    static bool meets(const std::array<std::uint32_t, n>& levels) {
-        std::uint32_t low = levels[0], high = levels[0];
-        for (const std::uint32_t level : levels) {
-            low = std::min(low, level);
-            high = std::max(high, level);
+    // The planes that some of these vertices lie in, or that not all lie on the same side of: `visit` of the
+    // number, until that says true. Whether one did. O(log planes) where they are parallel, else O(planes).
+    template <class Visit>
+    bool any_plane_at(std::span<const std::uint32_t> vertices, const Visit& visit) const {
+        if (!stack_) {
+            for (std::uint32_t k = 0; k < drawn_.planes.size(); ++k) {
+                const int first = side(vertices[0], k);
+                const bool passes = first == 0 || std::any_of(vertices.begin() + 1, vertices.end(),
+                                                              [&](auto v) { return side(v, k) != first; });
+                if (passes && visit(k)) return true;
+            }
+            return false;
         }
-        return low == high ? low % 2 == 1 : (low + 1) / 2 < high / 2;
+        std::uint32_t low = level(vertices[0]), high = low;
+        for (const std::uint32_t v : vertices.subspan(1)) {
+            const std::uint32_t other = level(v);
+            low = std::min(low, other);
+            high = std::max(high, other);
+        }
+        for (std::uint32_t n = low / 2; 2 * n + 1 <= high; ++n) {
+            if (visit(order_[n])) return true;
+        }
+        return false;
     }
+
+    // Whether one passes between these vertices, some on either side.
+    bool passes_between(std::span<const std::uint32_t> vertices) const;
+    // The plane that they all lie in, or no_slice.
+    std::uint32_t plane_of(std::span<const std::uint32_t> vertices) const;
 
     // Areas of what is in a cut and not drawn, or drawn and not in it, as shares of what is drawn, summed
     // over structures and planes: of the cells' sections, and of their facets in planes, which belong to both
@@ -44,7 +63,7 @@ class SectionAreas {
     double wrong_at(std::uint32_t cell, int facet);
     // Of the facet alone, 0 where it lies in no plane.
     double wrong_in_plane(std::uint32_t cell, int facet);
-    double wrong_facet(Vec3 a, Vec3 b, Vec3 c, std::uint32_t level, Region here, Region there);
+    double wrong_facet(Vec3 a, Vec3 b, Vec3 c, std::uint32_t plane, Region here, Region there);
 
     // Sums what is wrong by cuts, of structures by planes. Requires: of each facet in a plane that is wrong
     // both cells.
@@ -53,18 +72,20 @@ class SectionAreas {
     double largest_cut_at(std::uint32_t cell, int facet);
 
   private:
-    const Plane& plane(std::uint32_t level) const { return drawn_.planes[order_[level / 2]]; }
+    // As ParallelPlanes has it.
+    std::uint32_t level(std::uint32_t v) const;
     double wrong_sections(std::uint32_t cell);
-    double wrong_part(double area, Region here, Region there, std::uint32_t level, Vec3 p);
+    double wrong_section(std::uint32_t cell, std::uint32_t plane);
+    double wrong_part(double area, Region here, Region there, std::uint32_t plane, Vec3 p);
 
     Workbench& bench_;
     const DrawnSlices& drawn_;
-    std::vector<std::uint32_t> order_;  // of the planes, rising
-    ParallelPlanes stack_;              // in that order, over (0, 0, 0)
-    std::vector<std::uint32_t> rank_;   // of each plane
-    std::vector<double> of_cuts_;       // by structure and slice
-    bool counts_ = false;               // into these
-    double share_ = 1, largest_ = 0;    // of a part that counts; of the cuts seen
+    std::optional<ParallelPlanes> stack_;  // where planes are parallel, over (0, 0, 0)
+    std::vector<std::uint32_t> order_;     // of its planes, rising
+    std::vector<std::uint32_t> rank_;      // of each plane in it
+    std::vector<double> of_cuts_;          // by structure and slice
+    bool counts_ = false;                  // into these
+    double share_ = 1, largest_ = 0;       // of a part that counts; of the cuts seen
     std::vector<std::uint32_t> both_;
 };
 

@@ -31,9 +31,9 @@ constexpr double step_share = 0.1;    // is tried first
 constexpr double longest_move = 0.3;  // of a descent
 constexpr int descents = 4;           // a vertex, in a pass
 // Of the sum of ratios.
-constexpr double least_slope = 0.0005;  // in a step, for which a descent is tried
-constexpr double little_gain = 0.001;   // after which no other one is
-constexpr double gain_units = 1e6;      // of gains that are summed, in 1
+constexpr double least_slope = 0.0005;    // in a step, for which a descent is tried
+constexpr double little_gain = 0.001;     // after which no other one is
+constexpr double gain_units = 1e6;        // of gains that are summed, in 1
 constexpr double most_gain = 1e6;         // the sum is infinite where a cell is next to flat
 constexpr std::size_t usual_facets = 12;  // at a vertex, at most
 constexpr double smooth_cosine = 0.9;  // of the facets' normals with their mean, at a vertex that may slide
@@ -270,7 +270,7 @@ class Smoother {
                 (1.0 / 3.0) * (mesh_.points[v] + mesh_.points[facet[0]] + mesh_.points[facet[1]]);
             return probe.distance(middle);
         };
-        if (!try_move(v, ratios, move, p)) return false;
+        if (!options_.slices.keeps(from, p) || !try_move(v, ratios, move, p)) return false;
         bool accepted = within(v, facets, direction, turned_cosine);
         for (std::size_t n = 0; accepted && n < facets.size(); ++n) {
             const double now = deviation(facets[n]);

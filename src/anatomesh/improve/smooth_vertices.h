@@ -9,6 +9,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/cut/star.h"
 #include "anatomesh/field/structure_field.h"
+#include "anatomesh/geom/plane_sides.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
 namespace anatomesh {
@@ -20,8 +21,9 @@ struct SmoothOptions {
     double tolerance_mm =
         0.05;  // vertices of an interface are put onto the field's to within a tenth of this. > 0
     double max_deviation_mm =
-        0.1;         // of the middle of an interface facet from the field's, or as near as before. > 0
-    int passes = 1;  // each over the vertices beside which one moved in the last. [0, 100]
+        0.1;            // of the middle of an interface facet from the field's, or as near as before. > 0
+    PlaneSides slices;  // through which no vertex of an interface passes
+    int passes = 1;     // each over the vertices beside which one moved in the last. [0, 100]
     double max_mean =
         HUGE_VAL;  // further passes, for smaller gains, while the mean ratio inside is above it. > 0
     int further_passes = 3;  // at most. [0, 100]

@@ -1,5 +1,6 @@
 #include "anatomesh/improve/smooth_vertices.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -32,12 +33,14 @@ std::vector<std::uint8_t> on_interfaces(const TetMesh& mesh) {
     return on;
 }
 
-SmoothStats smoothed(LabelledCase& made, int passes, int threads = 1, double max_mean = HUGE_VAL) {
+SmoothStats smoothed(LabelledCase& made, int passes, int threads = 1, double max_mean = HUGE_VAL,
+                     const PlaneSides& slices = {}) {
     RunContext context;
     context.threads = threads;
     SmoothOptions options;
     options.passes = passes;
     options.max_mean = max_mean;
+    options.slices = slices;
     return smooth_vertices(made.mesh, cell_neighbors(made.mesh.cells, made.mesh.points.size()),
                            VertexStars(made.mesh.cells, made.mesh.points.size(), threads), made.fixed,
                            made.field, made.structures, made.regions, options, context);
@@ -82,6 +85,26 @@ TEST(SmoothVertices, slides_vertices_along_the_interface_only) {
             }
         }
     }
+}
+
+TEST(SmoothVertices, no_vertex_of_an_interface_passes_through_a_slice) {
+    PlaneSides slices;
+    slices.on_plane_mm = 1e-9;
+    for (double at = -9; at < 9; at += 0.2) {
+        slices.planes.push_back(make_plane({0, 0, at}, normalized(Vec3{0.3, at / 20, 1})));
+        slices.extents.push_back({{-99, -99}, {99, 99}});
+    }
+    std::array<std::size_t, 2> passed{};
+    for (const bool held : {false, true}) {
+        LabelledCase made = labelled_cases()[0];
+        const TetMesh before = made.mesh;
+        const std::vector<std::uint8_t> on = on_interfaces(made.mesh);
+        EXPECT_GT(smoothed(made, 2, 1, HUGE_VAL, held ? slices : PlaneSides{}).surface_vertices_moved, 0u);
+        for (std::size_t v = 0; v < on.size(); ++v)
+            passed[held] += on[v] && !slices.keeps(before.points[v], made.mesh.points[v]);
+    }
+    EXPECT_GT(passed[false], 0u);
+    EXPECT_EQ(passed[true], 0u);
 }
 
 TEST(SmoothVertices, does_the_same_with_two_threads_and_nothing_in_no_pass) {

@@ -417,7 +417,7 @@ class Builder {
         const ImproveStats improved =
             improve(model_.mesh, *stars, fixed, *field_, structures_, model_.regions, options, context_);
         // Before, so that fewer angles are bad; after, since flips leave room.
-        SmoothStats smoothed = smooth_all(*stars, fixed);
+        SmoothStats smoothed = smooth_all(*stars, fixed, {});
         stars.reset();
         // Much of that is serial: the field's volumes are found beside it.
         DihedralStats dihedrals;
@@ -427,14 +427,13 @@ class Builder {
         ANATOMESH_CHECK_STATUS(volumes);
         stars = find_stars();
         fix_ill_shaped(fixed);
-        const SmoothStats again = smooth_all(*stars, fixed, smooth_mean);
+        const SlicesThatTell slices = slices_to_keep();
+        const SmoothStats again = smooth_all(*stars, fixed, slices.sides, smooth_mean);
         smoothed.vertices_moved += again.vertices_moved;
         smoothed.surface_vertices_moved += again.surface_vertices_moved;
         BalanceOptions balance;
         balance.ends = field_->flat_ends();
-        const SlicesThatTell slices = slices_that_tell(contours_, balance.ends);
-        balance.slices = slices.stack;
-        balance.on_slice_mm = slices.on_plane_mm;
+        balance.slices = slices.sides;
         balance.end_tolerance_mm = interface_tolerance * stats.size_mm;
         const auto balanced_within = [&](double reach) {
             balance.max_offset_mm = reach * stats.size_mm;
@@ -515,9 +514,17 @@ class Builder {
         return VertexStars(model_.mesh.cells, model_.mesh.points.size(), context_.threads);
     }
 
+    // Where planes that cross lie so close that shapes are spared, cuts are too.
+    SlicesThatTell slices_to_keep() const {
+        if (spared_ && !is_parallel(contours_)) return {};
+        return slices_that_tell(contours_, field_->flat_ends());
+    }
+
+    // No vertex of an interface passes through `slices`.
     SmoothStats smooth_all(const VertexStars& stars, const std::vector<std::uint8_t>& fixed,
-                           double max_mean = HUGE_VAL) {
+                           const PlaneSides& slices, double max_mean = HUGE_VAL) {
         SmoothOptions options;
+        options.slices = slices;
         options.max_mean = max_mean;
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
@@ -569,11 +576,11 @@ class Builder {
             beside.clear();
         std::vector<std::uint8_t> crowded;
         if (!spared_ || !beside.empty()) crowded = crowded_by_contours(slice_of);
-        const SlicesThatTell slices = slices_that_tell(contours_, field_->flat_ends());
+        const SlicesThatTell slices = slices_to_keep();
         return improve_dihedrals(model_.mesh, neighbors_, fixed,
                                  edges_along(model_.mesh, neighbors_, segments), *field_, structures_,
-                                 {&model_.regions, slice_of, &owners, slices.planes, slices.weights,
-                                  slices.on_plane_mm, beside, crowded},
+                                 {&model_.regions, slice_of, &owners, slices.planes, slices.extents,
+                                  slices.weights, slices.on_plane_mm, beside, crowded},
                                  options, context_);
     }
 

@@ -6,6 +6,7 @@
 
 #include "anatomesh/field/levels.h"
 #include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/unsaid.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/improve/improve_dihedrals.h"
 #include "anatomesh/measure/slice_cuts.h"
@@ -60,25 +61,50 @@ PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::u
     return stack;
 }
 
-SlicesThatTell slices_that_tell(const ContourSet& contours, const ParallelPlanes& ends) {
-    SlicesThatTell slices;
-    if (!is_parallel(contours)) return slices;
-    // Given planes may lean a little against each other: their heights are those where something is drawn.
+namespace {
+
+// Those of a stack may lean a little against each other: their heights are those where something is drawn.
+void place_planes(const ContourSet& contours, bool parallel, SlicesThatTell& slices) {
     const Box3 box = contours.box();
     const Vec3 middle = 0.5 * (box.low + box.high);
+    slices.on_plane_mm = on_plane_mm(contours);
     for (const Slice& slice : contours.slices) {
         slices.planes.push_back(slice.plane);
-        slices.planes.back().origin = middle - slice.plane.signed_distance(middle) * slice.plane.normal;
+        if (parallel) {
+            slices.planes.back().origin = middle - slice.plane.signed_distance(middle) * slice.plane.normal;
+            continue;
+        }
+        Box2 extent;
+        for (const Contour& contour : contours.contours_of(slice)) {
+            for (const Vec3& p : contours.points_of(contour)) extent.extend(slice.plane.to_plane(p));
+        }
+        slices.extents.push_back(extent);
     }
-    slices.on_plane_mm = on_plane_mm(contours);
-    const std::size_t count = slices.planes.size(), structures = contours.structures.size();
-    std::vector<double> areas(structures * count, 0);
+}
+
+// Areas drawn, at structure * slices + slice; mm^2.
+std::vector<double> drawn_areas(const ContourSet& contours) {
+    const std::size_t count = contours.slices.size();
+    std::vector<double> areas(contours.structures.size() * count, 0);
     for (const Contour& contour : contours.contours) {
         std::vector<Vec2> ring;
         for (const Vec3& p : contours.points_of(contour))
-            ring.push_back(slices.planes[contour.slice].to_plane(p));
+            ring.push_back(contours.slices[contour.slice].plane.to_plane(p));
         areas[contour.structure * count + contour.slice] += signed_area(ring);
     }
+    return areas;
+}
+
+}  // namespace
+
+SlicesThatTell slices_that_tell(const ContourSet& contours, const ParallelPlanes& ends) {
+    SlicesThatTell slices;
+    const bool parallel = is_parallel(contours);
+    place_planes(contours, parallel, slices);
+    const std::vector<double> areas = drawn_areas(contours);
+    const std::size_t count = slices.planes.size(), structures = contours.structures.size();
+    RunContext context;
+    const Unsaid unsaid = Unsaid::of(contours, context);
     slices.weights.assign(structures * count, 0);
     for (std::uint32_t s = 0; s < structures; ++s) {
         const auto first = areas.begin() + static_cast<std::ptrdiff_t>(s * count);
@@ -88,19 +114,30 @@ SlicesThatTell slices_that_tell(const ContourSet& contours, const ParallelPlanes
         const double mean = std::accumulate(first, first + static_cast<std::ptrdiff_t>(count), 0.0) /
                             static_cast<double>(drawn);
         const bool all_tell = every_slice_tells(contours, s);
-        for (std::size_t k = s * count; k < (s + 1) * count; ++k)
-            slices.weights[k] = areas[k] > 0 ? 1 / areas[k] : all_tell ? 1 / mean : 0;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const bool tells =
+                all_tell && (parallel || contours.slices[k].contour_count > 0) && !unsaid.contains(k, s);
+            const double area = areas[s * count + k];
+            slices.weights[s * count + k] = area > 0 ? 1 / area : tells ? 1 / mean : 0;
+        }
+    }
+    slices.sides.on_plane_mm = slices.on_plane_mm;
+    if (!parallel) {
+        slices.sides.planes = slices.planes;
+        slices.sides.extents = slices.extents;
+        return slices;
     }
     for (const SliceInterval& slice : parallel_intervals(contours, ends.frame)) {
         const bool flat = std::any_of(ends.heights.begin(), ends.heights.end(), [&](double end) {
             return end >= slice.low - slices.on_plane_mm && end <= slice.high + slices.on_plane_mm;
         });
         if (!flat)
-            slices.stack.heights.push_back(ends.frame.signed_distance(slices.planes[slice.slice].origin));
+            slices.sides.stack.heights.push_back(
+                ends.frame.signed_distance(slices.planes[slice.slice].origin));
         for (std::size_t s = 0; flat && s < structures; ++s) slices.weights[s * count + slice.slice] = 0;
     }
-    slices.stack.frame = ends.frame;
-    std::sort(slices.stack.heights.begin(), slices.stack.heights.end());
+    slices.sides.stack.frame = ends.frame;
+    std::sort(slices.sides.stack.heights.begin(), slices.sides.stack.heights.end());
     return slices;
 }
 

@@ -7,6 +7,7 @@
 
 #include "anatomesh/contour/contour_set.h"
 #include "anatomesh/field/structure_field.h"
+#include "anatomesh/geom/plane_sides.h"
 #include "anatomesh/sample/contour_segments.h"
 
 namespace anatomesh {
@@ -30,13 +31,15 @@ PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::u
 
 // What slices say of structures, for the facets of surfaces that meet their planes.
 struct SlicesThatTell {
-    std::vector<Plane> planes;    // by slice; none where planes are not parallel
+    std::vector<Plane> planes;    // by slice
+    std::vector<Box2> extents;    // of their contours, in the planes; empty where these are parallel
     std::vector<double> weights;  // at structure * planes + slice: 1 / area drawn, or, if none is, in the
                                   // mean of the structure's slices; 1 / mm^2. 0 where the slice does not say
                                   // where the structure is, or any ends flat in its plane
-    ParallelPlanes stack;         // of them, those in which none ends flat
-    double on_plane_mm = 0;  // vertices this near to a plane lie in it
+    PlaneSides sides;             // of them; of a stack, those in which none ends flat
+    double on_plane_mm = 0;       // vertices this near to a plane lie in it
 };
+// Complexity: O(points + structures x slices).
 SlicesThatTell slices_that_tell(const ContourSet& contours, const ParallelPlanes& ends);
 
 }  // namespace anatomesh

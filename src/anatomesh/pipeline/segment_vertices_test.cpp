@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <random>
 
 #include "anatomesh/field/field_fixtures.h"
@@ -52,6 +54,32 @@ TEST(SlicesThatTell, planes_that_lean_a_little_keep_their_order_and_their_flat_e
                 EXPECT_NEAR(set.slices[k].plane.signed_distance(slices.planes[k].origin), 0, 1e-9);
             }
         }
+    }
+}
+
+// Discs in planes about an axis: each says something within its contours' box, and is in the list as it is.
+TEST(SlicesThatTell, planes_that_cross_have_extents_and_no_stack) {
+    SetBuilder discs;
+    constexpr int count = 5;
+    for (int k = 0; k < count; ++k) {
+        const double angle = std::numbers::pi * k / count;
+        const Plane plane = make_plane({1, 2, 3}, {std::cos(angle), std::sin(angle), 0});
+        discs.slice(plane);
+        discs.ring(0, circle({0.5, 0}, 5 + k, 24));
+    }
+    const ContourSet set = std::move(discs.set);
+    const SlicesThatTell slices = slices_that_tell(set, {});
+    ASSERT_EQ(slices.planes.size(), set.slices.size());
+    ASSERT_EQ(slices.extents.size(), set.slices.size());
+    EXPECT_TRUE(slices.sides.stack.heights.empty());
+    EXPECT_EQ(slices.sides.planes.size(), set.slices.size());
+    for (std::size_t k = 0; k < set.slices.size(); ++k) {
+        EXPECT_EQ(slices.planes[k].origin, set.slices[k].plane.origin);
+        EXPECT_GT(slices.weights[k], 0);
+        for (const Vec3& p : set.points_of(set.contours[k]))
+            EXPECT_TRUE(slices.extents[k].contains(slices.planes[k].to_plane(p)));
+        const Vec2 size = slices.extents[k].high - slices.extents[k].low;
+        EXPECT_NEAR(size.x, 2.0 * (5 + static_cast<double>(k)), 0.1);
     }
 }
 
