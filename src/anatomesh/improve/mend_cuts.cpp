@@ -19,6 +19,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double enough_less = 0.5;     // of the wrong share
+constexpr double least_wrong = 1e-6;    // a share of what is drawn: less is nothing to be mended
 constexpr double worth_a_price = 7e-4;  // the share of what is drawn that is wrong
 constexpr std::array heights{0.05, -0.05, 0.1,  -0.1,
                              0.2,  -0.2,  0.35, -0.35};  // of a moved vertex over the plane, in edges at it
@@ -102,11 +103,12 @@ class Mender {
         for (std::size_t n = 0; n < waiting.size(); ++n) {
             const std::uint32_t c = waiting[n];
             for (int i = suspect_facet(c, 0); i < 4; i = suspect_facet(c, i + 1)) {
-                if (!(wrong_at(c, i) > 0)) continue;
+                if (!(wrong_at(c, i) > least_wrong)) continue;
                 ++stats_.places_found;
                 if ((count > 1 && areas_.largest_cut_at(c, i) < worth_a_price) || !mend(c, i, count))
                     continue;
                 stats_.changed.insert(stats_.changed.end(), bench_.changed.begin(), bench_.changed.end());
+                note_change();
                 for (const std::uint32_t changed : bench_.changed) {
                     if (suspect_facet(changed, 0) < 4) waiting.push_back(changed);
                 }
@@ -136,10 +138,30 @@ class Mender {
         const auto last = bounds_.begin() + static_cast<std::ptrdiff_t>(count);
         return std::any_of(bounds_.begin(), last, [&](const Bounds& bounds) {
             return std::any_of(vertices.begin(), vertices.end(),
-                               [&](std::uint32_t v) { return move(v, bounds); }) ||
+                               [&](std::uint32_t v) { return move_unless_tried(v, bounds); }) ||
                    give(c, there, bounds) || give(other, here, bounds) || flip(c, i, bounds) ||
                    collapse(c, i, bounds) || fill(c, i, bounds);
         });
+    }
+
+    // What was in vain is not tried again before a cell at the vertex has changed.
+    bool move_unless_tried(std::uint32_t v, const Bounds& bounds) {
+        tried_in_.resize(bench_.mesh.point_count());
+        changed_in_.resize(bench_.mesh.point_count(), 0);
+        std::uint32_t& tried = tried_in_[v][static_cast<std::size_t>(&bounds - bounds_.data())];
+        if (tried > changed_in_[v]) return false;
+        if (move(v, bounds)) return true;
+        tried = changes_ + 1;
+        return false;
+    }
+
+    void note_change() {
+        ++changes_;
+        changed_in_.resize(bench_.mesh.point_count(), 0);
+        for (const std::uint32_t c : bench_.changed) {
+            if (c == no_cell || !bench_.mesh.alive(c)) continue;
+            for (const std::uint32_t v : bench_.mesh.cell(c)) changed_in_[v] = changes_;
+        }
     }
 
     struct Facet {
@@ -154,7 +176,7 @@ class Mender {
         if (bench_.fixed(v) && !again) return false;
         bench_.mesh.star(v, bench_.star);
         const double before = areas_.wrong_round(v, bench_.star);
-        if (!(before > 0)) return false;
+        if (!(before > least_wrong)) return false;
         double edges = 0;
         std::size_t count = 0;
         const Vec3 from = bench_.mesh.point(v);
@@ -181,6 +203,7 @@ class Mender {
         }
         const auto near = [&](Vec3& q) { return keeps_near(q, from, facets); };
         return areas_.any_plane_at(round, [&](std::uint32_t k) {
+            if (!(areas_.wrong_round(v, star, k) > least_wrong)) return false;
             const Plane& plane = areas_.plane(k);
             for (const double share : heights) {
                 Vec3 p = from + (share * edge - plane.signed_distance(from)) * plane.normal;
@@ -396,6 +419,10 @@ class Mender {
     const ContourOwners& owners_;
     std::array<Bounds, 3> bounds_;
     MendStats stats_;
+    std::uint32_t changes_ = 0;
+    std::vector<std::uint32_t> changed_in_;  // by vertex: the last change of a cell there
+    std::vector<std::array<std::uint32_t, 3>>
+        tried_in_;  // and by bounds: a change after which it was in vain
 };
 
 }  // namespace

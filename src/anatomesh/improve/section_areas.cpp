@@ -72,6 +72,7 @@ std::uint32_t SectionAreas::plane_of(std::span<const std::uint32_t> vertices) co
 
 // Structures that are in the regions and not drawn in the plane at p, or drawn there and in neither.
 double SectionAreas::wrong_part(double area, Region here, Region there, std::uint32_t k, Vec3 p) {
+    if (only_ != no_slice && k != only_) return 0;
     if (!drawn_.extents.empty() && !drawn_.extents[k].contains(plane(k).to_plane(p))) return 0;
     const std::vector<std::uint32_t>&one = drawn_.table->members[here], &other = drawn_.table->members[there],
           &seen = bench_.probe.members(p);
@@ -94,6 +95,7 @@ double SectionAreas::wrong_part(double area, Region here, Region there, std::uin
 
 double SectionAreas::wrong_sections(std::uint32_t c) {
     double sum = 0;
+    if (only_ != no_slice) return wrong_section(c, only_);
     any_plane_at(bench_.mesh.cell(c), [&](std::uint32_t k) {
         sum += wrong_section(c, k);
         return false;
@@ -170,6 +172,13 @@ double SectionAreas::wrong_round(std::uint32_t v, std::span<const std::uint32_t>
             if (bench_.mesh.cell(c)[i] != v) sum += 0.5 * wrong_in_plane(c, i);
         }
     }
+    return sum;
+}
+
+double SectionAreas::wrong_round(std::uint32_t v, std::span<const std::uint32_t> star, std::uint32_t k) {
+    only_ = k;
+    const double sum = wrong_round(v, star);
+    only_ = no_slice;
     return sum;
 }
 

@@ -57,8 +57,9 @@ class SectionAreas {
     // over structures and planes: of the cells' sections, and of their facets in planes, which belong to both
     // sides.
     double wrong(std::span<const std::uint32_t> cells);
-    // The same of a vertex's star, without the facets that do not have it.
+    // The same of a vertex's star, without the facets that do not have it; of all planes, or of one.
     double wrong_round(std::uint32_t v, std::span<const std::uint32_t> star);
+    double wrong_round(std::uint32_t v, std::span<const std::uint32_t> star, std::uint32_t plane);
     // Of the sections of the two cells at a facet, and of the facet.
     double wrong_at(std::uint32_t cell, int facet);
     // Of the facet alone, 0 where it lies in no plane.
@@ -84,6 +85,7 @@ class SectionAreas {
     std::vector<std::uint32_t> order_;     // of its planes, rising
     std::vector<std::uint32_t> rank_;      // of each plane in it
     std::vector<double> of_cuts_;          // by structure and slice
+    std::uint32_t only_ = no_slice;        // if any: the plane that is looked at
     bool counts_ = false;                  // into these
     double share_ = 1, largest_ = 0;       // of a part that counts; of the cuts seen
     std::vector<std::uint32_t> both_;
