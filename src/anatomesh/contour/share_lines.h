@@ -30,7 +30,8 @@ struct ShareLinesStats : LedStats {
 // decided by the last digits of a file. So a vertex within the width of a vertex of another structure becomes
 // that one (the nearest pairs first, the later structure's moves), and a segment within the width of another
 // structure's vertex is led through it, whichever way the contours run, nested, side by side or crossing;
-// what several contours share they are led through together, or not at all.
+// what several contours share they are led through together, or not at all, but where one of them is taken
+// back for itself (below).
 // Requires: a kept contour set. Guarantees: a kept contour set in which every point of a contour lies within
 // the width of where it was drawn; what is farther apart stays exactly as it was; no vertex is lost, and none
 // moves but onto another one. Where contours of a structure would come to touch or cross one another, to turn

@@ -1,6 +1,7 @@
 // PlaneSides: planes of slices, and whether what moves stays on its side of them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -25,7 +26,8 @@ struct PlaneSides {
         for (std::size_t k = 0; k < planes.size(); ++k) {
             const double before = planes[k].signed_distance(from), after = planes[k].signed_distance(to);
             if (side(before) == side(after)) continue;
-            const double share = before / (before - after);  // the two differ
+            // The two differ; one that leaves a plane need not pass to its other side.
+            const double share = std::clamp(before / (before - after), 0.0, 1.0);
             if (extents[k].contains(planes[k].to_plane(from + share * (to - from)))) return false;
         }
         return true;

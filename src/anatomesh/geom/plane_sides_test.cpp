@@ -49,6 +49,9 @@ TEST(PlaneSides, beyond_its_extent_a_plane_is_nothing_to_pass_through) {
     // What lies in it stays there, and may move within it.
     EXPECT_FALSE(sides.keeps({1, 1, 2}, {1, 1, 2.1}));
     EXPECT_TRUE(sides.keeps({1, 1, 2}, {2, 1, 2}));
+    // Just out of the tolerance, far to the side.
+    sides.on_plane_mm = 0.01;
+    EXPECT_FALSE(sides.keeps({1, 1, 2.009}, {3, 1, 2.011}));
     EXPECT_TRUE(PlaneSides{}.keeps({1, 1, 2}, {9, 9, 9}));
 }
 

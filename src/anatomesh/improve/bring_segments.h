@@ -32,7 +32,7 @@ using ImproveCells = std::function<std::vector<std::uint32_t>(std::vector<std::u
 // Then `improve` works on the shapes. All of it is taken back if a surface, of a structure or a region, is
 // not one disc at each vertex concerned, if that of a structure has not the same Euler characteristic
 // (regions that two structures make along a common wall may come in any number of parts), if a contour vertex
-// or piece leaves the surface of its structure, if a cut of a stack gets worse, if an interface there is
+// or piece leaves the surface of its structure, if cuts by slices get worse, if an interface there is
 // farther than the workbench's `apex_mm` from the field's, or if a cell changed inside has an angle whose
 // sine is below `least_sine` or a ratio above the workbench's last bound - where contours crowd it
 // (drawn.crowded), as they force it to, the bounds above -; where cells were parted, also if those above its

@@ -94,6 +94,7 @@ class Climber {
         for (auto queue = queue_; !queue.empty(); queue.pop()) watched_.push_back(queue.top().cell);
         climb_at_last(context);
         lower_ratios(context);
+        mend_blemishes(context);
         // Where nothing was changed since there is nothing new.
         mended.left.insert(mended.left.end(), watched_.begin(), watched_.end());
         mended = mend(context.threads, &mended.left);
@@ -103,7 +104,6 @@ class Climber {
         const double least = worst_degrees();
         queue_ = {};
         bring_pieces(std::max(least, listed_degrees), most_for_segment);
-        mend_blemishes(context);
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
@@ -236,10 +236,14 @@ class Climber {
         for (std::size_t n = 0; n < cells.size() && n < limit && !context.cancelled(); ++n) {
             if (!is_blemish(cells[n])) continue;
             bench_.lowers_ratios = is_above(bench_.options.last_radius_edge, cells[n]);
+            const DihedralStats stats = bench_.stats;
             bench_.mesh.begin_attempt();
             const bool done = better(cells[n], nullptr) && keep_crowded_bounds(bench_.changed);
             bench_.mesh.end_attempt(done);
-            if (!done) continue;
+            if (!done) {
+                bench_.stats = stats;
+                continue;
+            }
             watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());
             std::copy_if(bench_.changed.begin(), bench_.changed.end(), std::back_inserter(cells),
                          [&](std::uint32_t c) { return is_blemish(c); });

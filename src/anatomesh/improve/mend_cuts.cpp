@@ -324,9 +324,14 @@ class Mender {
                 const std::uint32_t from = first_onto_second ? cell[a] : cell[b],
                                     to = first_onto_second ? cell[b] : cell[a];
                 if (bench_.fixed(from)) continue;
-                if (!try_exchange(stars(from, to),
-                                  [&] { return collapse_onto(c, e, first_onto_second, to, bounds); }))
+                const std::vector<std::uint32_t> round = stars(from, to);
+                const std::size_t bad = count_bad(round, bounds);
+                if (!try_exchange(round, [&] {
+                        return collapse_onto(c, e, first_onto_second, to, bounds) &&
+                               count_bad(bench_.changed, bounds) <= bad;
+                    }))
                     continue;
+                if (!bench_.fixed(to)) bench_.settle(to);
                 ++stats_.edges_collapsed;
                 return true;
             }
@@ -343,6 +348,17 @@ class Mender {
             if (std::find(cells.begin(), cells.end(), c) == cells.end()) cells.push_back(c);
         }
         return cells;
+    }
+
+    // Cells inside that do not keep the bounds.
+    std::size_t count_bad(const std::vector<std::uint32_t>& cells, const Bounds& bounds) const {
+        return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [&](std::uint32_t c) {
+            if (bench_.mesh.region(c) == 0) return false;
+            const Cell& v = bench_.mesh.cell(c);
+            const CellMeasures m = measure_cell(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
+                                                bench_.mesh.point(v[2]), bench_.mesh.point(v[3]));
+            return m.least_sine() < bounds.sine || m.squared_ratio > bounds.ratio * bounds.ratio;
+        }));
     }
 
     // The vertex that stays may move where cells at it are too flat then.

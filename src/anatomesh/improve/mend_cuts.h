@@ -32,8 +32,9 @@ struct MendStats {
 // moved, no edge collapsed and no cell given brings a surface further from the field's than the workbench's
 // `apex_mm`, or than it was, and a new vertex stays within the cells at its facet; the surfaces of all
 // structures keep their topology and their contours. Same result every time. Complexity: O(cells),
-// times the planes where these are not parallel. Errors: none. `look`: the cells whose facets are looked at,
-// in any order, repeats and such that are gone allowed; null: all.
+// where these are not parallel times their number, and its square at each facet that is wrong. Errors: none.
+// `look`: the cells whose facets are looked at, in any order, repeats and such that are gone allowed; null:
+// all.
 MendStats mend_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine, int threads,
                     const std::vector<std::uint32_t>* look = nullptr);
 

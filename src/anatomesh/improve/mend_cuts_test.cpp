@@ -277,6 +277,10 @@ TEST(MendCuts, parallel_planes_are_planes_like_others) {
         any.mend(of_any);
         EXPECT_GT(of_stack.vertices_moved, 0u);
         EXPECT_EQ(of_any.places_found, of_stack.places_found);
+        EXPECT_EQ(of_any.vertices_moved, of_stack.vertices_moved);
+        ASSERT_EQ(any.mesh.points.size(), stack.mesh.points.size());
+        for (std::size_t v = 0; v < any.mesh.points.size(); ++v)
+            EXPECT_LT(length(any.mesh.points[v] - stack.mesh.points[v]), 1e-9);
         EXPECT_EQ(any.mesh.cells, stack.mesh.cells);
         EXPECT_EQ(any.mesh.regions, stack.mesh.regions);
     }

@@ -577,7 +577,7 @@ class Builder {
             static_cast<double>(beside.size()) > most_beside * static_cast<double>(pieces.size()))
             beside.clear();
         std::vector<std::uint8_t> crowded;
-        if (!spared_ || !beside.empty()) crowded = crowded_by_contours(slice_of);
+        if (!spared_ || !beside.empty()) crowded = crowded_by_contours(pieces);
         const SlicesThatTell slices = slices_to_keep();
         return improve_dihedrals(model_.mesh, neighbors_, fixed,
                                  edges_along(model_.mesh, neighbors_, segments), *field_, structures_,
@@ -586,12 +586,11 @@ class Builder {
                                  options, context_);
     }
 
-    // By vertex; those that are in a slice as drawn are looked at.
-    std::vector<std::uint8_t> crowded_by_contours(const std::vector<std::uint32_t>& slice_of) const {
-        std::vector<std::uint32_t> vertices;
-        for (std::uint32_t v = 0; v < slice_of.size(); ++v) {
-            if (slice_of[v] != no_slice) vertices.push_back(v);
-        }
+    // By vertex; those of contours and of pieces of their segments are looked at.
+    std::vector<std::uint8_t> crowded_by_contours(const std::vector<SegmentPiece>& pieces) const {
+        std::vector<std::uint32_t> vertices = vertices_of_contours();
+        for (const SegmentPiece& piece : pieces) vertices.insert(vertices.end(), {piece.a, piece.b});
+        sort_distinct(vertices, model_.mesh.points.size());
         return crowded_vertices(model_.mesh, contours_, vertices_of_contours(), vertices,
                                 certificate_crowded_share);
     }

@@ -39,7 +39,7 @@ struct SlicesThatTell {
     PlaneSides sides;             // of them; of a stack, those in which none ends flat
     double on_plane_mm = 0;       // vertices this near to a plane lie in it
 };
-// Complexity: O(points + structures x slices).
+// Complexity: O(points + structures x slices), and that of Unsaid::of().
 SlicesThatTell slices_that_tell(const ContourSet& contours, const ParallelPlanes& ends);
 
 }  // namespace anatomesh
