@@ -18,9 +18,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double enough_less = 0.5;     // of the wrong share
-constexpr double least_wrong = 1e-6;    // a share of what is drawn: less is nothing to be mended
-constexpr double worth_a_price = 7e-4;  // the share of what is drawn that is wrong
+constexpr double enough_less = 0.5;               // of the wrong share
+constexpr double least_wrong_of_crossing = 1e-6;  // share of what is drawn: less is not mended there
+constexpr double worth_a_price = 7e-4;            // the share of what is drawn that is wrong
 constexpr std::array heights{0.05, -0.05, 0.1,  -0.1,
                              0.2,  -0.2,  0.35, -0.35};  // of a moved vertex over the plane, in edges at it
 constexpr std::array lifts{0.1, 0.2, 0.3, 0.45, 0.06, 0.03};  // of a new vertex, in heights of the cell
@@ -35,6 +35,7 @@ class Mender {
         : bench_(bench),
           areas_(bench, drawn),
           owners_(*drawn.owners),
+          least_wrong_(drawn.extents.empty() ? 0 : least_wrong_of_crossing),
           bounds_{
               {{std::sin(bench.options.target_degrees * radians_per_degree), bench.options.max_radius_edge},
                {least_sine, bench.options.max_radius_edge},
@@ -103,7 +104,7 @@ class Mender {
         for (std::size_t n = 0; n < waiting.size(); ++n) {
             const std::uint32_t c = waiting[n];
             for (int i = suspect_facet(c, 0); i < 4; i = suspect_facet(c, i + 1)) {
-                if (!(wrong_at(c, i) > least_wrong)) continue;
+                if (!(wrong_at(c, i) > least_wrong_)) continue;
                 ++stats_.places_found;
                 if ((count > 1 && areas_.largest_cut_at(c, i) < worth_a_price) || !mend(c, i, count))
                     continue;
@@ -176,7 +177,7 @@ class Mender {
         if (bench_.fixed(v) && !again) return false;
         bench_.mesh.star(v, bench_.star);
         const double before = areas_.wrong_round(v, bench_.star);
-        if (!(before > least_wrong)) return false;
+        if (!(before > least_wrong_)) return false;
         double edges = 0;
         std::size_t count = 0;
         const Vec3 from = bench_.mesh.point(v);
@@ -203,7 +204,7 @@ class Mender {
         }
         const auto near = [&](Vec3& q) { return keeps_near(q, from, facets); };
         return areas_.any_plane_at(round, [&](std::uint32_t k) {
-            if (!(areas_.wrong_round(v, star, k) > least_wrong)) return false;
+            if (!(areas_.wrong_round(v, star, k) > least_wrong_)) return false;
             const Plane& plane = areas_.plane(k);
             for (const double share : heights) {
                 Vec3 p = from + (share * edge - plane.signed_distance(from)) * plane.normal;
@@ -433,6 +434,7 @@ class Mender {
     Workbench& bench_;
     SectionAreas areas_;
     const ContourOwners& owners_;
+    double least_wrong_;
     std::array<Bounds, 3> bounds_;
     MendStats stats_;
     std::uint32_t changes_ = 0;
