@@ -169,19 +169,24 @@ class Climber {
         std::size_t found = 0, changes = 0;
     };
 
-    // Of all cells above it, if there are no more than `limit`.
-    LoweredRatios lower_ratios_above(double most, double least_sine, std::size_t limit, RunContext& context) {
-        const auto is_high = [&](std::uint32_t c) { return is_above(most, c); };
-        std::vector<std::uint32_t> high = parallel_collect<std::uint32_t>(
-            bench_.mesh.cell_count(), 16384, context.threads,
+    // Those of all, rising.
+    template <class Is>
+    std::vector<std::uint32_t> cells_that(const Is& is, int threads) const {
+        return parallel_collect<std::uint32_t>(
+            bench_.mesh.cell_count(), 16384, threads,
             [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
                 for (std::size_t c = first; c < last; ++c) {
                     if (c + cells_ahead < last)
                         bench_.mesh.prefetch_points(static_cast<std::uint32_t>(c + cells_ahead));
-                    if (is_high(static_cast<std::uint32_t>(c)))
-                        found.push_back(static_cast<std::uint32_t>(c));
+                    if (is(static_cast<std::uint32_t>(c))) found.push_back(static_cast<std::uint32_t>(c));
                 }
             });
+    }
+
+    // Of all cells above it, if there are no more than `limit`.
+    LoweredRatios lower_ratios_above(double most, double least_sine, std::size_t limit, RunContext& context) {
+        const auto is_high = [&](std::uint32_t c) { return is_above(most, c); };
+        std::vector<std::uint32_t> high = cells_that(is_high, context.threads);
         LoweredRatios lowered{high.size()};
         // Many are of planes that crowd each other: there the cells in their place spoil the rest.
         if (high.size() > limit) return lowered;
@@ -219,16 +224,8 @@ class Climber {
     // long as they keep within the bounds of those forced.
     void mend_blemishes(RunContext& context) {
         if (drawn_.crowded.empty()) return;
-        std::vector<std::uint32_t> cells = parallel_collect<std::uint32_t>(
-            bench_.mesh.cell_count(), 16384, context.threads,
-            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
-                for (std::size_t c = first; c < last; ++c) {
-                    if (c + cells_ahead < last)
-                        bench_.mesh.prefetch_points(static_cast<std::uint32_t>(c + cells_ahead));
-                    if (is_blemish(static_cast<std::uint32_t>(c)))
-                        found.push_back(static_cast<std::uint32_t>(c));
-                }
-            });
+        std::vector<std::uint32_t> cells =
+            cells_that([&](std::uint32_t c) { return is_blemish(c); }, context.threads);
         const double most = std::exchange(bench_.options.max_radius_edge, bench_.options.last_radius_edge);
         bench_.least_needed_sine = std::sin(listed_degrees * radians_per_degree);
         bench_.spared = &drawn_;
