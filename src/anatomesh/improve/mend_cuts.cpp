@@ -297,14 +297,21 @@ class Mender {
         return false;
     }
 
+    // The ends of a cell's edge, if it is one of the facet and between vertices on both sides of a plane;
+    // else no_cell.
+    std::array<std::uint32_t, 2> edge_across(std::uint32_t c, int i, int e) const {
+        const auto [a, b] = cell_edges[static_cast<std::size_t>(e)];
+        const Cell& cell = bench_.mesh.cell(c);
+        const std::array ends{cell[a], cell[b]};
+        if (a == i || b == i || !areas_.passes_between(ends)) return {no_cell, no_cell};
+        return ends;
+    }
+
     // The facet's edge between vertices on both sides of a plane.
     bool flip(std::uint32_t c, int i, const Bounds& bounds) {
         for (int e = 0; e < 6; ++e) {
-            const auto [a, b] = cell_edges[static_cast<std::size_t>(e)];
-            if (a == i || b == i) continue;
-            const Cell cell = bench_.mesh.cell(c);
-            if (bench_.fixed_edge(cell[a], cell[b])) continue;
-            if (!areas_.passes_between(std::array{cell[a], cell[b]})) continue;
+            const auto [a, b] = edge_across(c, i, e);
+            if (a == no_cell || bench_.fixed_edge(a, b)) continue;
             bench_.mesh.ring(c, e, bench_.ring);
             const std::vector<std::uint32_t> round = bench_.ring.cells;
             if (!try_exchange(round, [&] { return flip_edge(bench_, c, e, bounds.sine); })) continue;
@@ -317,13 +324,10 @@ class Mender {
     // A free vertex of the facet goes along an edge that passes through a plane.
     bool collapse(std::uint32_t c, int i, const Bounds& bounds) {
         for (int e = 0; e < 6; ++e) {
-            const auto [a, b] = cell_edges[static_cast<std::size_t>(e)];
-            if (a == i || b == i) continue;
-            const Cell cell = bench_.mesh.cell(c);
-            if (!areas_.passes_between(std::array{cell[a], cell[b]})) continue;
+            const auto [a, b] = edge_across(c, i, e);
+            if (a == no_cell) continue;
             for (const bool first_onto_second : {true, false}) {
-                const std::uint32_t from = first_onto_second ? cell[a] : cell[b],
-                                    to = first_onto_second ? cell[b] : cell[a];
+                const std::uint32_t from = first_onto_second ? a : b, to = first_onto_second ? b : a;
                 if (bench_.fixed(from)) continue;
                 const std::vector<std::uint32_t> round = stars(from, to);
                 const std::size_t bad = count_bad(round, bounds);
