@@ -65,9 +65,10 @@ std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& descrip
         options.stage.max_disagreement_mm =
             number_of(description, "max_disagreement_mm").value_or(options.stage.max_disagreement_mm);
         options.stage.align = says("align", "yes");
-        const double same_line_mm =
-            number_of(description, "same_line_mm").value_or(options.stage.same_line_mm);
-        if (!reconcile_step(done.kept, same_line_mm, options, apart).ok()) return std::nullopt;
+        WallOptions walls;
+        walls.same_line_mm = number_of(description, "same_line_mm").value_or(walls.same_line_mm);
+        walls.close_slivers_mm = number_of(description, "close_slivers_mm").value_or(walls.close_slivers_mm);
+        if (!reconcile_step(done.kept, walls, options, apart).ok()) return std::nullopt;
         done.steps.emplace_back("slices that cross were made to agree (reconcile 1)");
     }
     if (const std::vector<std::string> names = options_of(description, "priority"); !names.empty()) {

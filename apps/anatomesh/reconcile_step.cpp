@@ -25,7 +25,7 @@ void add_reconcile_options(CLI::App& verb, ReconcileStepOptions& options) {
     }
 }
 
-Result<CrossingReport> reconcile_step(ContourSet& kept, double same_line_mm,
+Result<CrossingReport> reconcile_step(ContourSet& kept, const WallOptions& walls,
                                       const ReconcileStepOptions& options, RunContext& context) {
     if (!options.given.empty() && all_parallel(kept, 0.01)) {
         const std::string& option = options.given.front();
@@ -37,7 +37,8 @@ Result<CrossingReport> reconcile_step(ContourSet& kept, double same_line_mm,
     }
     ReconcileOptions stage = options.stage;
     stage.reconcile = options.reconcile == "1";
-    stage.same_line_mm = same_line_mm;
+    stage.same_line_mm = walls.same_line_mm;
+    stage.close_slivers_mm = walls.close_slivers_mm;
     ANATOMESH_TRY(ReconcileResult result, reconcile_contours(std::move(kept), stage, context));
     kept = std::move(result.kept);
     const ReconcileStats& stats = result.stats;

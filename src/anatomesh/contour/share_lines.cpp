@@ -16,13 +16,115 @@
 namespace anatomesh {
 namespace {
 
+// Points that contours of several slices have, and what may not be done with them because not all of these
+// slices would do it.
+class CommonPoints {
+  public:
+    using Structure = std::uint32_t;
+    using Number = std::uint32_t;  // of a common point; no_vertex: a point of one slice
+
+    explicit CommonPoints(const ContourSet& set) {
+        std::vector<std::pair<Vec3, std::uint32_t>> all;
+        for (const Contour& contour : set.contours) {
+            for (const Vec3& p : set.points_of(contour)) all.emplace_back(p, contour.slice);
+        }
+        std::sort(all.begin(), all.end(), [](const auto& p, const auto& q) {
+            return p.first != q.first ? lexicographic_less(p.first, q.first) : p.second < q.second;
+        });
+        all.erase(std::unique(all.begin(), all.end()), all.end());
+        for (auto first = all.begin(); first != all.end();) {
+            const auto last =
+                std::find_if(first, all.end(), [&](const auto& x) { return x.first != first->first; });
+            if (last - first > 1) {
+                points_.push_back(first->first);
+                slices_.push_back(static_cast<std::uint32_t>(last - first));
+            }
+            first = last;
+        }
+        stays_.assign(points_.size(), 0);
+    }
+
+    Number number_of(Vec3 p) const {
+        const auto found = std::lower_bound(points_.begin(), points_.end(), p,
+                                            [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); });
+        return found != points_.end() && *found == p ? static_cast<Number>(found - points_.begin())
+                                                     : no_vertex;
+    }
+    std::uint32_t slices(Number c) const { return c == no_vertex ? 1 : slices_[c]; }
+    bool may_move(Number c) const { return c == no_vertex || stays_[c] == 0; }
+    bool may_get(Structure structure, Number c) const {
+        return c == no_vertex || !std::binary_search(closed_.begin(), closed_.end(), std::pair(structure, c));
+    }
+
+    // Forbids what some of a point's slices did and others not. Says whether there was any.
+    bool forbid_what_slices_differ_in(const std::vector<LedContours>& led) {
+        std::vector<std::pair<Number, Vec3>> ways;         // from where to where, by slice
+        std::vector<std::array<std::uint32_t, 4>> having;  // structure, number, slice, 0: had it before
+        for (std::uint32_t s = 0; s < led.size(); ++s) {
+            std::vector<std::pair<Number, Vec3>> here;
+            for (const LedContour& loop : led[s].loops()) {
+                for (std::size_t n = 0; n < loop.vertices.size(); ++n) {
+                    const Vec3 now = led[s].point(loop.vertices[n]);
+                    if (!loop.taken(n)) {
+                        const Number from = number_of(led[s].point(loop.origin[n]));
+                        if (from != no_vertex) here.emplace_back(from, now);
+                    }
+                    if (const Number to = number_of(now); to != no_vertex)
+                        having.push_back({loop.structure, to, s, loop.changed(n)});
+                }
+            }
+            std::sort(here.begin(), here.end(),
+                      [](const auto& a, const auto& b) { return a.first < b.first; });
+            here.erase(std::unique(here.begin(), here.end()), here.end());
+            ways.insert(ways.end(), here.begin(), here.end());
+        }
+        const bool moving = hold(std::move(ways)), taking = close(std::move(having));
+        return moving || taking;
+    }
+
+  private:
+    bool hold(std::vector<std::pair<Number, Vec3>> ways) {
+        std::sort(ways.begin(), ways.end(), [](const auto& a, const auto& b) {
+            return a.first != b.first ? a.first < b.first : lexicographic_less(a.second, b.second);
+        });
+        bool any = false;
+        for (std::size_t n = 1; n < ways.size(); ++n) {
+            if (ways[n].first != ways[n - 1].first || ways[n].second == ways[n - 1].second) continue;
+            stays_[ways[n].first] = 1;
+            any = true;
+        }
+        return any;
+    }
+
+    bool close(std::vector<std::array<std::uint32_t, 4>> having) {
+        std::sort(having.begin(), having.end());
+        const std::size_t before = closed_.size();
+        for (auto first = having.begin(); first != having.end();) {
+            std::uint32_t slices = 0;
+            bool any_new = false;
+            auto last = first;
+            for (; last != having.end() && (*last)[0] == (*first)[0] && (*last)[1] == (*first)[1]; ++last) {
+                slices += last == first || (*last)[2] != (*(last - 1))[2];
+                any_new = any_new || (*last)[3] != 0;
+            }
+            if (any_new && slices < slices_[(*first)[1]]) closed_.emplace_back((*first)[0], (*first)[1]);
+            first = last;
+        }
+        std::sort(closed_.begin(), closed_.end());
+        return closed_.size() > before;
+    }
+
+    std::vector<Vec3> points_;           // in lexicographic order
+    std::vector<std::uint32_t> slices_;  // how many have it
+    std::vector<std::uint8_t> stays_;
+    std::vector<std::pair<Structure, Number>> closed_;  // sorted: contours that are not led there
+};
+
 class SliceLines : public LedContours {
   public:
-    SliceLines(const ContourSet& set, const Slice& slice, double width, const std::vector<Vec3>& held)
-        : LedContours(set, slice), width_(width) {
-        for (const Vec3& p : points_)
-            held_.push_back(std::binary_search(held.begin(), held.end(), p,
-                                               [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); }));
+    SliceLines(const ContourSet& set, const Slice& slice, double width, const CommonPoints& common)
+        : LedContours(set, slice), width_(width), common_(common) {
+        for (const Vec3& p : points_) number_.push_back(common.number_of(p));
     }
 
     void share() {
@@ -41,13 +143,13 @@ class SliceLines : public LedContours {
     }
 
     // Vertices of different structures within the width of each other become one, the nearest first; one that
-    // something moved onto stays.
+    // something moved onto stays, and one that more slices have.
     void unite_vertices() {
         std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> pairs;  // squared distance
         PointGrid grid(2 * width_, points_.size());
         for (std::uint32_t v = 0; v < points_.size(); ++v) {
             grid.for_each_within(points_[v], width_, [&](std::uint32_t u, double squared) {
-                if (squared < width_ * width_ && !held_[u] && !held_[v]) pairs.emplace_back(squared, u, v);
+                if (squared < width_ * width_) pairs.emplace_back(squared, u, v);
             });
             grid.add(points_[v]);
         }
@@ -56,9 +158,13 @@ class SliceLines : public LedContours {
         std::vector<std::vector<std::uint32_t>> owners = structures_by_vertex();
         std::vector<std::uint32_t> now(points_.size(), no_vertex);  // where a vertex moved; itself: it stays
         for (auto [squared, stays, moves] : pairs) {
-            if (owners[moves].front() < owners[stays].front()) std::swap(stays, moves);
-            if (now[moves] == moves) std::swap(stays, moves);
-            const bool free = now[moves] == no_vertex && (now[stays] == no_vertex || now[stays] == stays);
+            const auto slices = [&](std::uint32_t v) { return common_.slices(number_[v]); };
+            if (slices(moves) > slices(stays) ||
+                (slices(moves) == slices(stays) && owners[moves].front() < owners[stays].front()))
+                std::swap(stays, moves);
+            if (now[moves] == moves && slices(moves) == slices(stays)) std::swap(stays, moves);
+            const bool free = now[moves] == no_vertex && (now[stays] == no_vertex || now[stays] == stays) &&
+                              common_.may_move(number_[moves]) && may_get(owners[moves], stays);
             std::vector<std::uint32_t> both;
             std::set_union(owners[stays].begin(), owners[stays].end(), owners[moves].begin(),
                            owners[moves].end(), std::back_inserter(both));
@@ -71,6 +177,11 @@ class SliceLines : public LedContours {
             for (std::uint32_t& v : loop.vertices)
                 if (now[v] != no_vertex) v = now[v];
         }
+    }
+
+    bool may_get(const std::vector<std::uint32_t>& structures, std::uint32_t v) const {
+        return std::all_of(structures.begin(), structures.end(),
+                           [&](std::uint32_t structure) { return common_.may_get(structure, number_[v]); });
     }
 
     // Puts the vertices of other structures that lie beside a segment into it: into the nearest of a
@@ -93,11 +204,14 @@ class SliceLines : public LedContours {
             // The first end of the one beside the other.
             const std::uint32_t v = loops_[from[0]].vertices[from[1]];
             const LedContour& loop = loops_[to[0]];
-            if (held_[v] || std::binary_search(owners.begin(), owners.end(), Edge{loop.structure, v})) return;
+            if (!common_.may_get(loop.structure, number_[v])) return;
+            if (std::binary_search(owners.begin(), owners.end(), Edge{loop.structure, v})) return;
             const Vec2 a = at_[loop.vertices[to[1]]], b = at_[loop.next_of(to[1])];
-            // Beside one that cannot move onto it, it would make an edge shorter than the width.
-            for (const std::uint32_t end : {loop.vertices[to[1]], loop.next_of(to[1])})
-                if (held_[end] && length(at_[v] - at_[end]) < width_) return;
+            // Beside one that could not become one with it, it would make an edge shorter than the width.
+            for (const std::uint32_t end : {loop.vertices[to[1]], loop.next_of(to[1])}) {
+                const bool common = number_[end] != no_vertex || number_[v] != no_vertex;
+                if (common && length(at_[v] - at_[end]) < width_) return;
+            }
             const double share = along(at_[v], a, b), apart = distance_to_segment(at_[v], a, b);
             const Edge drawn = drawn_segment(loop, to[1]);
             if (!(share > 0 && share < 1) || !(apart < width_)) return;
@@ -155,7 +269,8 @@ class SliceLines : public LedContours {
     }
 
     double width_;
-    std::vector<bool> held_;  // per vertex
+    const CommonPoints& common_;
+    std::vector<CommonPoints::Number> number_;  // of each vertex
 };
 
 double median_segment(const ContourSet& set) {
@@ -176,17 +291,21 @@ double median_segment(const ContourSet& set) {
 ShareLinesStats share_lines(ContourSet& set, const ShareLinesOptions& options) {
     assert(options.width_mm >= 0 && options.width_mm <= 0.1);
     assert(options.share_of_segment >= 0 && options.share_of_segment <= 0.5);
-    assert(std::is_sorted(options.held.begin(), options.held.end(),
-                          [](Vec3 p, Vec3 q) { return lexicographic_less(p, q); }));
     ShareLinesStats stats;
     if (options.width_mm == 0 || set.structures.size() < 2) return stats;
     stats.width_mm = std::min(options.width_mm, options.share_of_segment * median_segment(set));
     if (!(stats.width_mm > 0)) return stats;
-    lead_slices(set, stats, [&](std::uint32_t s) {
-        SliceLines lines(set, set.slices[s], stats.width_mm, options.held);
-        lines.share();
-        return static_cast<LedContours>(std::move(lines));
-    });
+    CommonPoints common(set);
+    std::vector<LedContours> led;
+    do {
+        led.clear();
+        for (const Slice& slice : set.slices) {
+            SliceLines lines(set, slice, stats.width_mm, common);
+            lines.share();
+            led.push_back(static_cast<LedContours>(std::move(lines)));
+        }
+    } while (common.forbid_what_slices_differ_in(led));
+    lead_slices(set, stats, [&](std::uint32_t s) { return std::move(led[s]); });
     return stats;
 }
 

@@ -86,7 +86,7 @@ Polygon box_along(const Polygon& line, double left, double right, double top) {
 }
 
 // Noise up to 0.009 mm on either makes copies of one line up to 0.018 mm apart.
-const ShareLinesOptions copies{.width_mm = 0.02, .share_of_segment = 0.05, .held = {}};
+const ShareLinesOptions copies{.width_mm = 0.02, .share_of_segment = 0.05};
 
 class CopiedLines : public testing::TestWithParam<int> {};
 
@@ -180,7 +180,7 @@ TEST(ShareLines, what_two_share_is_led_through_a_vertex_of_a_third_by_both_or_by
                                    {1, {{0, copy}, {10, copy}, {10, 6}, {0, 6}}},
                                    {2, {{5, copy - off}, {8, -3}, {2, -3}}}},
                                   tilted);
-        share_lines(set, {.width_mm = 0.02, .share_of_segment = 0.05, .held = {}});
+        share_lines(set, {.width_mm = 0.02, .share_of_segment = 0.05});
         const Vec3 p = tilted.to_space({0, 0}), q = tilted.to_space({10, 0}),
                    v = tilted.to_space({5, copy - off});
         const bool both = off < 0.02;
@@ -191,26 +191,66 @@ TEST(ShareLines, what_two_share_is_led_through_a_vertex_of_a_third_by_both_or_by
     }
 }
 
-TEST(ShareLines, held_vertices_stay_and_no_other_contour_is_led_through_them) {
-    // Beside a side of the square: one vertex at its corner, one at its middle.
-    const std::vector<Drawing> drawings{{0, {{0, 0}, {10, 0}, {10, 10}, {0, 10}}},
-                                        {1, {{10.01, 0.004}, {20, 0}, {20, 10}, {10.008, 5}}}};
-    const ContourSet before = slice_of(drawings, tilted);
-    const auto moved_and_taken = [&](const std::vector<Vec2>& held) {
-        ContourSet after = before;
-        ShareLinesOptions options;
-        for (const Vec2 p : held) options.held.push_back(tilted.to_space(p));
-        std::sort(options.held.begin(), options.held.end(),
-                  [](Vec3 p, Vec3 q) { return lexicographic_less(p, q); });
-        const ShareLinesStats stats = share_lines(after, options);
-        for (const Vec3& p : options.held)
-            EXPECT_EQ(std::count(after.points.begin(), after.points.end(), p), 1);
-        return std::pair(stats.vertices_moved, stats.vertices_taken);
+// Two slices that cross in the x axis, in one set.
+ContourSet crossing(const std::vector<Drawing>& one, const std::vector<Drawing>& other) {
+    ContourSet set = slice_of(one, make_plane({}, {0, 0, 1}));
+    const ContourSet second = slice_of(other, make_plane({}, {0, 1, 0}));
+    set.slices.push_back(second.slices[0]);
+    set.slices[1].first_contour = static_cast<std::uint32_t>(set.contours.size());
+    for (Contour contour : second.contours) {
+        contour.slice = 1;
+        contour.first_point += static_cast<std::uint32_t>(set.points.size());
+        set.contours.push_back(contour);
+    }
+    set.points.insert(set.points.end(), second.points.begin(), second.points.end());
+    return set;
+}
+
+// In coordinates along the axis and across it, on either plane.
+Polygon on_plane(const Plane& plane, const Polygon& drawn) {
+    Polygon result;
+    for (const Vec2 p : drawn)
+        result.push_back(plane.to_plane(p.x * Vec3{1, 0, 0} + p.y * cross(plane.normal, Vec3{1, 0, 0})));
+    return result;
+}
+
+// How many slices' contour of a structure has a point of the axis.
+int slices_with(const ContourSet& set, std::uint32_t structure, double x) {
+    int count = 0;
+    for (const Contour& contour : set.contours) {
+        if (contour.structure != structure) continue;
+        const auto points = set.points_of(contour);
+        count += std::find(points.begin(), points.end(), Vec3{x, 0, 0}) != points.end();
+    }
+    return count;
+}
+
+TEST(ShareLines, vertices_that_slices_have_in_common_are_shared_on_all_of_them_or_on_none) {
+    const Plane planes[] = {make_plane({}, {0, 0, 1}), make_plane({}, {0, 1, 0})};
+    const Polygon left{{0, -5}, {10, -5}, {10, 0}, {10, 5}, {0, 5}};
+    const auto right = [](double x, double corner) {  // a corner on the axis, or beside it
+        return Polygon{{x, corner}, {20, -6}, {20, 6}};
     };
-    EXPECT_EQ(moved_and_taken({}), std::pair(std::uint64_t{1}, std::uint64_t{1}));
-    EXPECT_EQ(moved_and_taken({{10, 0}}), std::pair(std::uint64_t{0}, std::uint64_t{1}));
-    EXPECT_EQ(moved_and_taken({{10.008, 5}}), std::pair(std::uint64_t{1}, std::uint64_t{0}));
-    EXPECT_EQ(moved_and_taken({{10.01, 0.004}, {10.008, 5}}), std::pair(std::uint64_t{0}, std::uint64_t{0}));
+    const Polygon straight{{10.01, -4}, {20, -4}, {20, 4}, {10.01, 4}};  // beside the point on the axis
+    const auto shared = [&](const Polygon& one, const Polygon& other) {
+        ContourSet set = crossing({{0, on_plane(planes[0], left)}, {1, on_plane(planes[0], one)}},
+                                  {{0, on_plane(planes[1], left)}, {1, on_plane(planes[1], other)}});
+        const ContourSet before = set;
+        const ShareLinesStats stats = share_lines(set, {});
+        EXPECT_EQ(slices_with(set, 0, 10), 2);  // it moves on no slice
+        if (slices_with(set, 1, 10) == 0 && stats.vertices_taken == 0) {
+            EXPECT_EQ(set.points, before.points);
+        }
+        return slices_with(set, 1, 10);
+    };
+    EXPECT_EQ(shared(right(10.01, 0), right(10.01, 0)), 2);         // common vertices of both become one
+    EXPECT_EQ(shared(right(10.01, 0.01), right(10.02, -0.01)), 2);  // each slice's own vertex moves onto it
+    EXPECT_EQ(shared(straight, straight), 2);                       // segments of both are led through it
+    EXPECT_EQ(shared(straight, right(10.01, 0.01)), 2);
+    // The second slice's is too far away, and what the first could do it leaves.
+    EXPECT_EQ(shared(right(10.01, 0.01), right(10.2, 0)), 0);
+    EXPECT_EQ(shared(straight, right(10.2, 0)), 0);
+    EXPECT_EQ(shared(straight, Polygon{{14, -4}, {20, -4}, {20, 4}}), 0);
 }
 
 TEST(ShareLines, contours_of_one_structure_never_come_to_touch) {
@@ -236,7 +276,7 @@ TEST(ShareLines, the_same_for_other_directions_of_the_plane_and_none_without_a_w
     const std::vector<Drawing> drawings{
         {0, ring_of(10, 40, 0)}, {1, ring_of(10, 33, 0.1)}, {2, ring_of(10, 40, 1e-4)}};
     ContourSet up = slice_of(drawings), none = up;
-    EXPECT_EQ(share_lines(none, {0, 0.05, {}}).contours_changed, 0u);
+    EXPECT_EQ(share_lines(none, {0, 0.05}).contours_changed, 0u);
     EXPECT_EQ(none.points, slice_of(drawings).points);
     ContourSet down = up;
     down.slices[0].plane = make_plane({}, {0, 0, -1});

@@ -154,7 +154,8 @@ class SliceSlivers : public LedContours {
                           second = stretch(all[k].loops[1], all[next].along_second, all[k].along_second);
             if (!close_between(first, second, slivers[k])) continue;
             const std::vector<Vec2> ring = ring_between(first, second);
-            closes[k] = !is_crossed(ring) && !lies_in_a_third(slivers[k], {first.loop, second.loop});
+            closes[k] = !is_crossed(ring, {all[k].vertex, all[next].vertex}) &&
+                        !lies_in_a_third(slivers[k], {first.loop, second.loop});
             areas[k] = std::abs(signed_area(ring));
         }
         const auto open = std::find(closes.begin(), closes.end(), 0);
@@ -297,7 +298,7 @@ class SliceSlivers : public LedContours {
                     std::abs(cross(at_[v] - other.crossing, at_[other.ends[1]] - at_[other.ends[0]])) /
                     other.length_mm;
                 if (height * length(at_[other.beyond] - other.crossing) > 2 * least_area * area_mm2 ||
-                    is_crossed({at_[other.beyond], other.crossing, at_[v]}))
+                    is_crossed({at_[other.beyond], other.crossing, at_[v]}, {no_vertex, no_vertex}))
                     continue;
                 nearest = apart;
                 vertex = v;
@@ -344,8 +345,9 @@ class SliceSlivers : public LedContours {
         return ring;
     }
 
-    // Whether another slice passes through it: the two agree as drawn, or are made to.
-    bool is_crossed(const std::vector<Vec2>& ring) const {
+    // Whether another slice passes through it: the two agree as drawn, or are made to. One that passes
+    // through no more of it than common vertices at its ends, which stay as they are, does not.
+    bool is_crossed(const std::vector<Vec2>& ring, Edge ends) const {
         std::vector<Vec3> corners;
         Box3 box;
         for (const Vec2 p : ring) {
@@ -354,10 +356,16 @@ class SliceSlivers : public LedContours {
         }
         for (std::uint32_t s = 0; s < set_.slices.size(); ++s) {
             if (s == slice_ || !meet(box, patches_[s])) continue;
+            const Plane& other = set_.slices[s].plane;
             double low = std::numeric_limits<double>::infinity(), high = -low;
-            for (const Vec3& p : corners) {
-                low = std::min(low, set_.slices[s].plane.signed_distance(p));
-                high = std::max(high, set_.slices[s].plane.signed_distance(p));
+            for (std::size_t k = 0; k < ring.size(); ++k) {
+                const double height = other.signed_distance(corners[k]);
+                const bool is_end = std::any_of(ends.begin(), ends.end(), [&](std::uint32_t v) {
+                    return v != no_vertex && ring[k] == at_[v];
+                });
+                if (is_end && std::abs(height) <= on_plane_mm) continue;
+                low = std::min(low, height);
+                high = std::max(high, height);
             }
             if (low <= on_plane_mm && high >= -on_plane_mm) return true;
         }

@@ -340,7 +340,7 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
 }
 
 // Vertices of a structure that lie nearer to another one's contour on their slice than copies of a line do,
-// but not on it.
+// but not on it; none beside a vertex of both, where contours meet at an angle.
 std::size_t slivers(const ContourSet& set) {
     std::size_t count = 0;
     for (const Contour& one : set.contours) {
@@ -348,7 +348,11 @@ std::size_t slivers(const ContourSet& set) {
             if (one.structure == other.structure) continue;
             const auto vertices = set.points_of(one), line = set.points_of(other);
             for (const Vec3& x : vertices) {
-                if (std::find(line.begin(), line.end(), x) != line.end()) continue;
+                const auto is_beside = [&](Vec3 y) {
+                    return length(y - x) < ShareLinesOptions{}.width_mm &&
+                           std::find(vertices.begin(), vertices.end(), y) != vertices.end();
+                };
+                if (std::any_of(line.begin(), line.end(), is_beside)) continue;
                 double least = std::numeric_limits<double>::infinity();
                 for (std::size_t n = 0; n < line.size(); ++n) {
                     const Vec3 a = line[n], way = line[(n + 1) % line.size()] - a;
@@ -383,7 +387,7 @@ TEST(WallsOfRandomSolids, are_not_parted_where_slices_that_cross_are_made_to_agr
     }
     EXPECT_GT(sets, 30u);
     EXPECT_LE(before, sets / 50);  // a segment may come nearer to a vertex as its ends move
-    EXPECT_LT(after, 2 * sets / 3);
+    EXPECT_LT(after, sets / 2);
 }
 
 class RandomSolids : public testing::TestWithParam<std::tuple<int, int>> {};

@@ -86,21 +86,56 @@ double most_moved(const ContourSet& set, std::size_t first, RunContext& context)
     return most;
 }
 
-// One slice of twelve that does not reach the axis: the others are not cut off there for its sake, and it is
-// named.
+// One slice of twelve that does not reach the axis: the others are not cut off there for its sake; it is
+// taken over it, and named.
 TEST(LineVotes, the_many_do_not_give_way_to_the_one) {
     RunContext context;
     EXPECT_LT(most_moved(ball_about_axis(12, 1), 1, context), 0.5);
-    for (const char* code : {"W-RCN-004", "W-RCN-003"}) {
-        EXPECT_TRUE(std::any_of(context.warnings.begin(), context.warnings.end(),
-                                [&](const Warning& warning) { return warning.code == code; }))
-            << code;
-    }
+    const auto says = [&](const char* code) {
+        return std::any_of(context.warnings.begin(), context.warnings.end(),
+                           [&](const Warning& warning) { return warning.code == code; });
+    };
+    EXPECT_TRUE(says("W-RCN-003"));
+    EXPECT_TRUE(says("W-RCN-010"));
+    EXPECT_FALSE(says("W-RCN-004"));
     // Planes as rounded in a file.
     EXPECT_LT(most_moved(ball_about_axis(12, 1, 1e-4), 1, context), 0.5);
     // All agree: nothing moves.
     RunContext sound;
     EXPECT_EQ(most_moved(ball_about_axis(12, 0), 0, sound), 0);
+}
+
+// Up to five of twelve slices that do not reach the axis come to reach it, and all agree; they move by what
+// they lie beside it, and by what a contour is led beyond a line, not more. None is taken farther than the
+// bound.
+TEST(LineVotes, the_few_are_taken_over_to_where_the_many_are) {
+    for (const int beside : {1, 2, 5}) {
+        for (const double bound : {20.0, 1.0}) {
+            ReconcileOptions options;
+            options.margin_mm = margin;
+            options.max_disagreement_mm = bound;
+            RunContext context;
+            const Result<ReconcileResult> result =
+                reconcile_contours(ball_about_axis(12, beside), options, context);
+            SCOPED_TRACE(testing::Message() << beside << " beside, bound " << bound);
+            if (!result.ok()) {
+                EXPECT_EQ(result.error().code, "E-RCN-001");
+                EXPECT_LT(bound, 2);
+                continue;
+            }
+            const ReconcileStats& stats = result.value().stats;
+            EXPECT_LE(stats.max_movement_mm, bound);
+            if (bound < 2) {
+                EXPECT_EQ(stats.taken_over.count, 0u);
+                continue;
+            }
+            EXPECT_EQ(stats.taken_over.count, static_cast<std::uint64_t>(beside));
+            EXPECT_LT(stats.taken_over.slice, static_cast<std::uint32_t>(beside));
+            EXPECT_GE(stats.taken_over.farthest_mm, 2);
+            EXPECT_GT(stats.difference_mm, 20.0 * beside);
+            EXPECT_LT(stats.difference_after_mm, 0.01 * stats.difference_mm);
+        }
+    }
 }
 
 }  // namespace

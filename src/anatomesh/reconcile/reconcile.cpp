@@ -10,12 +10,15 @@
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/contour/share_lines.h"
+#include "anatomesh/contour/slivers.h"
 #include "anatomesh/reconcile/align_slices.h"
 #include "anatomesh/reconcile/contour_graph.h"
 #include "anatomesh/reconcile/disagreement.h"
 #include "anatomesh/reconcile/drawn_places.h"
+#include "anatomesh/reconcile/facing_stretch.h"
 #include "anatomesh/reconcile/flatten_folds.h"
 #include "anatomesh/reconcile/line_ends.h"
 #include "anatomesh/reconcile/line_votes.h"
@@ -204,47 +207,74 @@ class Reconciler {
     }
 
     // Moves the contours until crossing slices agree, puts common points in and cuts folds off. Where slices
-    // differ afterwards their contours get vertices at just those places and are moved again, which is kept
-    // if they differ by a fifth less.
+    // differ afterwards their contours get vertices at just those places and are moved again; then what a
+    // slice lacks altogether is taken over the line.
     Status make_agree() {
         ANATOMESH_CHECK_STATUS(move());
         note_movements();
         join();
+        ANATOMESH_CHECK_STATUS(repeat(false));
+        ANATOMESH_CHECK_STATUS(repeat(true));
+        settle();
+        unite_walls();
+        return Nothing{};
+    }
+
+    // Each time is kept if slices differ by a fifth less.
+    Status repeat(bool over) {
+        takes_over_ = over;
         for (int n = 0; n < most_repetitions && left_mm() > 0; ++n) {
             const State before = state();
             const double left = left_mm();
+            const std::vector<Lacking> lacking = over ? all_lacking() : std::vector<Lacking>{};
+            if (over && lacking.empty() && n == 0) break;
+            split_stretches(lacking);
             split_at_ends(set_, comparisons_, least_split_mm);
             drawn_ = carry_over(before.set, before.drawn, set_, joined_mm);
             compare();
             ANATOMESH_CHECK_STATUS(move());
             note_movements();
             join();
-            if (left_mm() <= (1 - least_gain) * left) continue;
+            if (left_mm() <= (1 - least_gain) * left) {
+                note_taken_over(lacking);
+                continue;
+            }
             go_back_to(before);
             break;
         }
-        settle();
-        unite_walls();
+        takes_over_ = false;
         return Nothing{};
     }
 
-    // Contours of different structures that came to lie on each other but for what is left of the movement.
+    // Contours of different structures that came to lie on each other, or beside each other with a sliver in
+    // between, but for what is left of the movement.
     void unite_walls() {
         if (stats_.max_movement_mm == 0 || set_.structures.size() < 2) return;
+        LedStats slivers;
+        const bool closed = lead([&] {
+            slivers = close_slivers(set_, {.width_mm = options_.close_slivers_mm});
+            return slivers.contours_changed;
+        });
+        if (closed) stats_.slivers = slivers;
+        lead([&] { return share_lines(set_, {.width_mm = options_.same_line_mm}).contours_changed; });
+    }
+
+    // Lets `change` lead contours otherwise, and says how many; taken back where slices would agree less.
+    template <class Change>
+    bool lead(Change&& change) {
         const State before = state();
         const double left = left_mm();
-        ShareLinesOptions options;
-        options.width_mm = options_.same_line_mm;
-        options.held = common_points();
-        if (share_lines(set_, options).contours_changed == 0) return;
+        if (change() == 0) return false;
         const std::optional<ContourSet> same = in_order_of(set_, before.set);
-        if (!same) return go_back_to(before);
-        drawn_ = carry_over(*same, before.drawn, set_, joined_mm);
-        note_movements();
-        compare();
-        if (left_mm() > left ||
-            stats_.max_movement_mm > std::max(before.stats.max_movement_mm, options_.max_disagreement_mm))
-            go_back_to(before);
+        if (same) {
+            drawn_ = carry_over(*same, before.drawn, set_, joined_mm);
+            note_movements();
+            compare();
+        }
+        const double most = std::max(before.stats.max_movement_mm, options_.max_disagreement_mm);
+        if (same && left_mm() <= left && stats_.max_movement_mm <= most) return true;
+        go_back_to(before);
+        return false;
     }
 
     // A set with its contours in the order of those of another one that have points of theirs; nothing where
@@ -273,23 +303,6 @@ class Reconciler {
         std::vector<Vec3> sorted(points.begin(), points.end());
         std::sort(sorted.begin(), sorted.end(), lexicographic_less_3);
         return sorted;
-    }
-
-    // Of several slices, in lexicographic order.
-    std::vector<Vec3> common_points() const {
-        std::vector<std::pair<Vec3, std::uint32_t>> all;
-        for (const Contour& contour : set_.contours) {
-            for (const Vec3& p : set_.points_of(contour)) all.emplace_back(p, contour.slice);
-        }
-        std::sort(all.begin(), all.end(), [](const auto& p, const auto& q) {
-            return p.first != q.first ? lexicographic_less(p.first, q.first) : p.second < q.second;
-        });
-        std::vector<Vec3> common;
-        for (std::size_t n = 1; n < all.size(); ++n) {
-            const bool again = all[n].first == all[n - 1].first && all[n].second != all[n - 1].second;
-            if (again && (common.empty() || common.back() != all[n].first)) common.push_back(all[n].first);
-        }
-        return common;
     }
 
     // Where the drawings agree a sharp edge is one, and stays; so it does where slices would agree less.
@@ -355,7 +368,8 @@ class Reconciler {
             context_.report("reconcile", static_cast<double>(round) / most_rounds);
             if (!place_movements()) return Nothing{};
             idle = worst_mm_ < 0.9 * best ? 0 : idle + 1;
-            best = std::min(best, worst_mm_);
+            // What has yet to come over a line is in no group.
+            if (!takes_over_ || round > 0) best = std::min(best, worst_mm_);
             if (idle == most_idle_rounds) return Nothing{};
             apply(solve_movement(nodes_, edges_, usual_, options_.smoothing_mm));
         }
@@ -383,7 +397,10 @@ class Reconciler {
             }
         }
         const LineVotes votes(comparisons_);
-        for (const LineComparison& comparison : comparisons_) any |= draw_back(comparison, votes);
+        for (const LineComparison& comparison : comparisons_) {
+            any |= draw_back(comparison, votes);
+            if (takes_over_) any |= take_over(comparison, votes);
+        }
         link_nodes(ends);
         return any;
     }
@@ -404,20 +421,96 @@ class Reconciler {
                     votes.most_agree(comparison, own, 0.5 * (ends[i].t + ends[i + 1].t)))
                     continue;
                 any = true;
-                // A contour that is hardly beyond the line is not taken far from where it was drawn.
-                const double clearance_mm = std::clamp(arc.height_mm, least_clearance_mm, clearance_mm_);
-                for (std::size_t n = 0; n < arc.points.size(); ++n) {
-                    const double height = arc.heights_mm[n];
-                    const double distance = height + clearance_mm + flattening * (arc.height_mm - height);
-                    MovementNode& node = nodes_[graph_.node_of_point[arc.points[n]]];
-                    if (node.hold == Hold::anchor) continue;
-                    if (node.hold == Hold::pinned && squared_length(node.direction) > distance * distance)
-                        continue;
-                    node = {Hold::pinned, 0, 0, distance * arc.back};
-                }
+                pin(arc.points, arc.heights_mm, arc.height_mm, arc.back);
             }
         }
         return any;
+    }
+
+    // Takes points beside a line across it, those nearest to it farthest beyond.
+    void pin(const std::vector<std::uint32_t>& points, const std::vector<double>& heights_mm,
+             double height_mm, Vec2 across) {
+        // A contour that is hardly beyond the line is not taken far from where it was drawn.
+        const double clearance_mm = std::clamp(height_mm, least_clearance_mm, clearance_mm_);
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            const double distance = heights_mm[n] + clearance_mm + flattening * (height_mm - heights_mm[n]);
+            MovementNode& node = nodes_[graph_.node_of_point[points[n]]];
+            if (node.hold == Hold::anchor) continue;
+            if (node.hold == Hold::pinned && squared_length(node.direction) > distance * distance) continue;
+            node = {Hold::pinned, 0, 0, distance * across};
+        }
+    }
+
+    // What a slice lacks altogether though most of those through the line have it.
+    struct Lacking {
+        std::uint32_t slice = 0, structure = 0;
+        FacingStretch stretch;  // of its contours, that nearest to it
+        auto key() const { return std::pair(slice, structure); }
+    };
+
+    // Of the two slices of a comparison; nothing that would have to move further than the bound.
+    std::vector<Lacking> lacking_in(const LineComparison& comparison, const LineVotes& votes) const {
+        std::vector<Lacking> all;
+        for (const bool of_a : {true, false}) {
+            const auto& ends = of_a ? comparison.ends_a : comparison.ends_b;
+            const std::uint32_t having = of_a ? comparison.a : comparison.b,
+                                slice = of_a ? comparison.b : comparison.a;
+            for (const std::uint32_t i :
+                 of_a ? comparison.matching.only_first : comparison.matching.only_second) {
+                const double low = ends[i].t, high = ends[i + 1].t;
+                if (!votes.most_agree(comparison, having, 0.5 * (low + high))) continue;
+                FacingStretch stretch = facing_stretch(set_, slice, comparison.structure, comparison.line,
+                                                       set_.slices[having].plane, low, high);
+                if (!stretch.places.empty() && stretch.height_mm <= options_.max_disagreement_mm)
+                    all.push_back({slice, comparison.structure, std::move(stretch)});
+            }
+        }
+        return all;
+    }
+    std::vector<Lacking> all_lacking() const {
+        const LineVotes votes(comparisons_);
+        std::vector<Lacking> all;
+        for (const LineComparison& comparison : comparisons_) {
+            for (Lacking& lacking : lacking_in(comparison, votes)) all.push_back(std::move(lacking));
+        }
+        return all;
+    }
+
+    // Pins the stretches of contours that have to come over the line.
+    bool take_over(const LineComparison& comparison, const LineVotes& votes) {
+        bool any = false;
+        for (const auto& [slice, structure, stretch] : lacking_in(comparison, votes)) {
+            pin(stretch.points, stretch.heights_mm, stretch.height_mm, stretch.over);
+            any = any || !stretch.points.empty();
+        }
+        return any;
+    }
+
+    // Contours get vertices where a stretch of them has to come over a line.
+    void split_stretches(const std::vector<Lacking>& all) {
+        std::vector<LineEnd> places;
+        for (const Lacking& lacking : all)
+            places.insert(places.end(), lacking.stretch.places.begin(), lacking.stretch.places.end());
+        if (places.empty()) return;
+        split_at_places(set_, places, least_split_mm);
+        compare();
+    }
+
+    // Those of `before` that nothing is lacking of any more.
+    void note_taken_over(const std::vector<Lacking>& before) {
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> still, done;
+        for (const Lacking& lacking : all_lacking()) still.push_back(lacking.key());
+        std::sort(still.begin(), still.end());
+        for (const Lacking& lacking : before) {
+            if (std::binary_search(still.begin(), still.end(), lacking.key())) continue;
+            done.push_back(lacking.key());
+            if (lacking.stretch.height_mm <= stats_.taken_over.farthest_mm) continue;
+            stats_.taken_over.farthest_mm = lacking.stretch.height_mm;
+            stats_.taken_over.slice = lacking.slice;
+            stats_.taken_over.structure = lacking.structure;
+        }
+        sort_distinct(done);
+        stats_.taken_over.count += done.size();
     }
 
     // Segments cut at the places inside them.
@@ -592,6 +685,7 @@ class Reconciler {
     ReconcileStats stats_;
     DrawnPlaces drawn_;
     double margin_ = 0, clearance_mm_ = 0;
+    bool takes_over_ = false;
     double worst_mm_ = 0;  // of places from their groups' points, in this round
     std::vector<PlanePatch> patches_;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;

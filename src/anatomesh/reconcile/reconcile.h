@@ -7,6 +7,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/contour_set.h"
 #include "anatomesh/contour/share_lines.h"
+#include "anatomesh/contour/slivers.h"
 #include "anatomesh/reconcile/flatten_folds.h"
 #include "anatomesh/reconcile/settle_poles.h"
 
@@ -28,6 +29,9 @@ struct ReconcileOptions {
     // Contours of different structures that come to lie nearer to each other than this share their vertices
     // (share_lines.h). mm, [0, 0.1]
     double same_line_mm = ShareLinesOptions{}.width_mm;
+    // What lies between them and is narrower than this where they meet and soon meet again is closed
+    // (slivers.h). mm, [0, 10]
+    double close_slivers_mm = CloseSliversOptions{}.width_mm;
 };
 
 // Two slices on their common line, all structures together: distances along the line.
@@ -47,6 +51,13 @@ struct SliceMovement {
     Vec3 shift;  // by align, in the slice's plane
 };
 
+// Structures of slices that lacked on a line what most of the slices through it have, and have it now.
+struct TakenOver {
+    std::uint64_t count = 0;                 // of a structure on a slice
+    double farthest_mm = 0;                  // of their contours from the line
+    std::uint32_t slice = 0, structure = 0;  // of that
+};
+
 struct ReconcileStats {
     std::vector<PairDisagreement> pairs;   // of crossing slices that draw something there, in order
     std::vector<SliceMovement> movements;  // per slice of the set
@@ -57,6 +68,8 @@ struct ReconcileStats {
     std::uint64_t shared_points = 0;  // points on common lines that contours of both slices now have
     FoldStats folds;                  // that the movement made, cut off
     PoleStats poles;                  // where contours rose and fell from plane to plane
+    TakenOver taken_over;
+    LedStats slivers;  // between structures, closed where the movement left them
     std::uint32_t rounds = 0;
 };
 
@@ -72,15 +85,19 @@ struct ReconcileResult {
 // interval or gap that only one of two slices has is drawn back across the line when no point has to move
 // further than the bound. Then contours that agree get the end itself as a common vertex, and narrow folds
 // and spikes that the movement made are cut off (flatten_folds.h). Where slices still differ, all that is
-// repeated, as long as they differ by a fifth less, with vertices at just those ends. Where four planes or
-// more share a line, contours that rise and fall in turn beside it are turned (settle_poles.h). Of a
-// structure that a slice leaves undrawn where others show it the slice says nothing (silences.h).
+// repeated, as long as they differ by a fifth less, with vertices at just those ends; and once more for what
+// a slice lacks altogether though most of those through the line have it: the stretch of its contour nearest
+// to it is taken over the line (facing_stretch.h), if none of that has to move further than the bound. Where
+// four planes or more share a line, contours that rise and fall in turn beside it are turned
+// (settle_poles.h). Slivers that are left between structures are closed, and what came to lie on one line
+// shares it. Of a structure that a slice leaves undrawn where others show it the slice says nothing
+// (silences.h).
 //
 // Requires: a kept contour set. Guarantees: a kept contour set again: contours stay simple, do not cross and
 // keep their nesting, by exact predicates; where that needs it a step is shortened. Slices that agree on
 // their common line afterwards (difference_after_mm of 0; all that can) have the same points there, bit for
 // bit. Where all ends agree within rounding no vertex moves. Parallel slices come back as they are. What
-// moved and what is left is said in stats and warnings W-RCN-001..009. Errors: geometry E-RCN-001 slices
+// moved and what is left is said in stats and warnings W-RCN-001..011. Errors: geometry E-RCN-001 slices
 // further apart than the bound (names both), E-RCN-002 a shift above it. The same at any thread count.
 // Complexity: O(n log n + crossings) per round. No earlier method is followed.
 Result<ReconcileResult> reconcile_contours(ContourSet set, const ReconcileOptions& options,

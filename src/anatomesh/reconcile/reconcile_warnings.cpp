@@ -31,6 +31,8 @@ class Warner {
         warn_of_pairs();
         warn_of_folds();
         warn_of_poles();
+        warn_of_taken_over();
+        warn_of_slivers();
         warn_of_rest();
         warn_of_outliers();
         warn_of_silences();
@@ -112,6 +114,32 @@ class Warner {
                  std::to_string(poles.poles) + (poles.poles == 1 ? " place" : " places"),
              {set_.source, "", "", "", brief(poles.highest_mm) + " mm"},
              "turned there, by " + brief(poles.highest_mm) + " mm at most"});
+    }
+
+    void warn_of_taken_over() {
+        const TakenOver& taken = stats_.taken_over;
+        if (taken.count == 0) return;
+        Place place = place_of_slice(set_, taken.slice, taken.farthest_mm);
+        const Structure& structure = set_.structures[taken.structure];
+        place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+        context_.warn({"W-RCN-010",
+                       "a structure does not reach the line in which planes meet, or goes on over it, though "
+                       "most of the slices through it draw it otherwise; " +
+                           std::to_string(taken.count) +
+                           (taken.count == 1 ? " such slice and structure" : " such slices and structures") +
+                           ", the one farthest from the line is named",
+                       std::move(place), "its contour was taken over the line, as most slices have it"});
+    }
+
+    void warn_of_slivers() {
+        const LedStats& slivers = stats_.slivers;
+        if (slivers.contours_changed == 0) return;
+        context_.warn({"W-RCN-011",
+                       "contours of neighbouring structures that were moved left slivers between them, on " +
+                           std::to_string(slivers.slices) + (slivers.slices == 1 ? " slice" : " slices") +
+                           ": " + brief(slivers.area_mm2) + " mm2",
+                       place_of_slice(set_, slivers.worst_slice, slivers.widest_mm),
+                       "closed, both led through each other's vertices there; --close-slivers 0 keeps them"});
     }
 
     void warn_of_shifts() {

@@ -20,18 +20,13 @@ struct Split {
 };
 
 std::vector<Split> find_splits(const ContourSet& set, const ContourGraph& graph,
-                               std::span<const LineComparison> comparisons) {
+                               std::span<const LineEnd> places) {
     std::vector<Split> splits;
-    for (const LineComparison& comparison : comparisons) {
-        if (comparison.difference_mm == 0) continue;
-        for (const auto* ends : {&comparison.ends_a, &comparison.ends_b}) {
-            for (const LineEnd& end : *ends) {
-                if (end.from == end.to) continue;
-                const std::uint32_t segment = graph.segment_of_point[end.from];
-                const Vec3 low = set.points[graph.point_of_node[graph.segments[segment][0]]];
-                splits.push_back({segment, length(end.at - low), end.at});
-            }
-        }
+    for (const LineEnd& place : places) {
+        if (place.from == place.to) continue;
+        const std::uint32_t segment = graph.segment_of_point[place.from];
+        const Vec3 low = set.points[graph.point_of_node[graph.segments[segment][0]]];
+        splits.push_back({segment, length(place.at - low), place.at});
     }
     std::sort(splits.begin(), splits.end(), [](const Split& p, const Split& q) {
         if (p.segment != q.segment) return p.segment < q.segment;
@@ -75,8 +70,18 @@ std::vector<Vec3> with_splits(const ContourSet& set, const ContourGraph& graph, 
 }  // namespace
 
 std::size_t split_at_ends(ContourSet& set, std::span<const LineComparison> comparisons, double least_mm) {
+    std::vector<LineEnd> places;
+    for (const LineComparison& comparison : comparisons) {
+        if (comparison.difference_mm == 0) continue;
+        for (const auto* ends : {&comparison.ends_a, &comparison.ends_b})
+            places.insert(places.end(), ends->begin(), ends->end());
+    }
+    return split_at_places(set, places, least_mm);
+}
+
+std::size_t split_at_places(ContourSet& set, std::span<const LineEnd> places, double least_mm) {
     const ContourGraph graph = make_contour_graph(set);
-    const std::vector<Split> splits = spaced(set, graph, find_splits(set, graph, comparisons), least_mm);
+    const std::vector<Split> splits = spaced(set, graph, find_splits(set, graph, places), least_mm);
     std::vector<std::vector<Vec3>> fresh(set.contours.size());
     for (const Slice& slice : set.slices) {
         std::vector<PlaneRing> rings;

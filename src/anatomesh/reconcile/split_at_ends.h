@@ -15,4 +15,7 @@ namespace anatomesh {
 // are laid out anew, in the same order. O(n + ends log ends) and a check of slices.
 std::size_t split_at_ends(ContourSet& set, std::span<const LineComparison> comparisons, double least_mm);
 
+// The same at any places inside segments.
+std::size_t split_at_places(ContourSet& set, std::span<const LineEnd> places, double least_mm);
+
 }  // namespace anatomesh
