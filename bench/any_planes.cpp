@@ -300,7 +300,7 @@ Status leave_out_planes(const InputOptions& options, const ReconcileStepOptions&
             add_places(all.kept, contour, places);
     }
     ContourSet kept = leave_out(every, all.kept);
-    ANATOMESH_CHECK_STATUS(reconcile_step(kept, options.walls.same_line_mm, reconcile, context));
+    ANATOMESH_CHECK_STATUS(reconcile_step(kept, options.walls, reconcile, context));
     ANATOMESH_TRY(const auto field, make_structure_field(kept, {}, context));
     if (header) {
         fmt::print(

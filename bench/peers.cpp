@@ -60,7 +60,7 @@ Result<Json> run_cgal(const PeerOptions& options, RunContext& context) {
     const double read = watch.lap();
     ANATOMESH_TRY(InputContours contours, contours_of(std::move(opened), options.input, context));
     ANATOMESH_TRY([[maybe_unused]] const CrossingReport crossing,
-                  reconcile_step(contours.kept, options.input.walls.same_line_mm, {}, context));
+                  reconcile_step(contours.kept, options.input.walls, {}, context));
     const double traced = watch.lap();
     ANATOMESH_TRY(const auto field, make_structure_field(contours.kept, {}, context));
     const double made_field = watch.lap();
