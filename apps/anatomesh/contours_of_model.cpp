@@ -62,12 +62,16 @@ std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& descrip
     };
     if (says("reconcile", "1") && !all_parallel(done.kept, parallel_tolerance_mm)) {
         ReconcileStepOptions options;
-        options.stage.max_disagreement_mm =
-            number_of(description, "max_disagreement_mm").value_or(options.stage.max_disagreement_mm);
+        const std::optional<double> bound = number_of(description, "max_disagreement_mm");
+        if (bound && *bound >= 0.001 && *bound <= 1000) options.stage.max_disagreement_mm = *bound;
         options.stage.align = says("align", "yes");
         WallOptions walls;
-        walls.same_line_mm = number_of(description, "same_line_mm").value_or(walls.same_line_mm);
-        walls.close_slivers_mm = number_of(description, "close_slivers_mm").value_or(walls.close_slivers_mm);
+        const auto take = [&](const char* name, double most, double& width) {
+            const std::optional<double> told = number_of(description, name);
+            if (told && *told >= 0 && *told <= most) width = *told;
+        };
+        take("same_line_mm", 0.1, walls.same_line_mm);
+        take("close_slivers_mm", 10, walls.close_slivers_mm);
         if (!reconcile_step(done.kept, walls, options, apart).ok()) return std::nullopt;
         done.steps.emplace_back("slices that cross were made to agree (reconcile 1)");
     }

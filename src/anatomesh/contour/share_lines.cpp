@@ -51,9 +51,12 @@ class CommonPoints {
                                                      : no_vertex;
     }
     std::uint32_t slices(Number c) const { return c == no_vertex ? 1 : slices_[c]; }
-    bool may_move(Number c) const { return c == no_vertex || stays_[c] == 0; }
+    void forbid_all() { all_forbidden_ = true; }
+    bool may_move(Number c) const { return c == no_vertex || (stays_[c] == 0 && !all_forbidden_); }
     bool may_get(Structure structure, Number c) const {
-        return c == no_vertex || !std::binary_search(closed_.begin(), closed_.end(), std::pair(structure, c));
+        if (c == no_vertex) return true;
+        return !all_forbidden_ &&
+               !std::binary_search(closed_.begin(), closed_.end(), std::pair(structure, c));
     }
 
     // Forbids what some of a point's slices did and others not. Says whether there was any.
@@ -117,8 +120,12 @@ class CommonPoints {
     std::vector<Vec3> points_;           // in lexicographic order
     std::vector<std::uint32_t> slices_;  // how many have it
     std::vector<std::uint8_t> stays_;
+    bool all_forbidden_ = false;
     std::vector<std::pair<Structure, Number>> closed_;  // sorted: contours that are not led there
 };
+
+// Of what slices with common vertices differ in; then these stay as they are.
+constexpr int most_rounds = 16;
 
 class SliceLines : public LedContours {
   public:
@@ -297,14 +304,16 @@ ShareLinesStats share_lines(ContourSet& set, const ShareLinesOptions& options) {
     if (!(stats.width_mm > 0)) return stats;
     CommonPoints common(set);
     std::vector<LedContours> led;
-    do {
+    for (int round = 0;; ++round) {
         led.clear();
         for (const Slice& slice : set.slices) {
             SliceLines lines(set, slice, stats.width_mm, common);
             lines.share();
             led.push_back(static_cast<LedContours>(std::move(lines)));
         }
-    } while (common.forbid_what_slices_differ_in(led));
+        if (!common.forbid_what_slices_differ_in(led)) break;
+        if (round == most_rounds) common.forbid_all();
+    }
     lead_slices(set, stats, [&](std::uint32_t s) { return std::move(led[s]); });
     return stats;
 }

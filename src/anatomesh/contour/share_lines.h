@@ -34,7 +34,7 @@ struct ShareLinesStats : LedStats {
 // inside out or to lie otherwise in each other, they are left as they were. Same result for any order of the
 // input that led to the set. Complexity: O(n log n + pairs nearer than the width) a slice, times the rounds
 // of taking back what does not serve (one as a rule), times those of what slices with common vertices differ
-// in (few).
+// in (few; at most 17, then such vertices stay as they are).
 ShareLinesStats share_lines(ContourSet& set, const ShareLinesOptions& options);
 
 }  // namespace anatomesh

@@ -27,7 +27,8 @@ struct CloseSliversOptions {
 // vertex moves and none is lost. Left as drawn is what is open on one side, as the gap of a joint; what is
 // longer than those vertices; what lies behind another contour, or in a third structure on one side alone;
 // contours that run in the same direction; and what another slice passes through (within the box of its
-// contours): slices that agree as drawn would not afterwards. Requires: a kept contour set. Guarantees: a
+// contours) elsewhere than in a common vertex at its end, which stays: slices that agree as drawn would not
+// afterwards. Requires: a kept contour set. Guarantees: a
 // kept contour set, as close_gaps() does. Complexity: O(n log n + pairs of segments whose boxes meet +
 // slivers times slices) a slice. Source of the notion: the spurious polygons of overlaid maps, M. F.
 // Goodchild, "Statistical aspects of the polygon overlay problem", in: G. Dutton (ed.), Harvard Papers on

@@ -113,6 +113,22 @@ TEST(CloseSlivers, what_the_contours_do_not_enclose_soon_stays_as_drawn) {
     }
 }
 
+// A sliver that begins in a vertex of both on another slice's plane is closed; one that the plane passes
+// through is not.
+TEST(CloseSlivers, what_another_slice_passes_through_stays_but_for_common_vertices_at_its_end) {
+    for (const double x : {0.0, 4.0, 8.0, 20.0}) {
+        ContourSet set = slice_of({{0, {{0, 0}, {6, -0.1}, {13, -0.1}, {20, 0}, {20, 9}, {0, 9}}},
+                                   {1, {{0, 0}, {0, -9}, {20, -9}, {20, 0}, {10, 0.15}}}});
+        const Plane other = make_plane({x, 0, 0}, {1, 0, 0});
+        set.slices.push_back({other, static_cast<std::uint32_t>(set.contours.size()), 1, "1"});
+        std::vector<Vec3> square{{x, -5, -5}, {x, -5, 5}, {x, 5, 5}, {x, 5, -5}};
+        set.contours.push_back({0, 1, static_cast<std::uint32_t>(set.points.size()), 4});
+        set.points.insert(set.points.end(), square.begin(), square.end());
+        const bool at_end = x == 0 || x == 20;
+        EXPECT_EQ(close_slivers(set, {}).contours_changed, at_end ? 2u : 0u) << x;
+    }
+}
+
 TEST(CloseSlivers, what_is_drawn_finely_enough_to_be_meant_stays) {
     // Crossings 6 mm apart with up to 0.3 mm between them, drawn with segments of 1 mm and of 4 mm.
     const auto layout = [](int steps) {

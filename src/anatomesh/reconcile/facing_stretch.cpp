@@ -11,6 +11,8 @@ namespace anatomesh {
 
 namespace {
 
+constexpr double steepest = 1.732;  // height over length: 60 degrees
+
 // A contour in coordinates along the line and across it.
 class FromLine {
   public:
@@ -22,6 +24,9 @@ class FromLine {
 
     double along(std::uint32_t point) const { return line_.along(set_.points[point]); }
     double height(std::uint32_t point) const { return other_.signed_distance(set_.points[point]) / sine_; }
+    bool is_steep(std::uint32_t from, std::uint32_t to) const {
+        return std::abs(height(to) - height(from)) > steepest * std::abs(along(to) - along(from));
+    }
     Vec2 away_from(double side) const { return (-side / sine_) * across_; }
 
     // The share of the segment at which it lies beside t; its ends lie on either side of that.
@@ -57,7 +62,8 @@ Nearest nearest_segment(const ContourSet& set, const Slice& slice, std::uint32_t
             const double first = std::min(seen.along(k), seen.along(next)),
                          last = std::max(seen.along(k), seen.along(next));
             const double begin = std::max(first, low), end = std::min(last, high);
-            if (!(begin < end) || !(seen.height(k) * seen.height(next) > 0)) continue;
+            if (!(begin < end) || !(seen.height(k) * seen.height(next) > 0) || seen.is_steep(k, next))
+                continue;
             double least = std::numeric_limits<double>::infinity();
             for (const double t : {begin, end})
                 least = std::min(least, std::abs(seen.height_at(seen.share_at(t, k, next), k, next)));
@@ -80,8 +86,8 @@ FacingStretch facing_stretch(const ContourSet& set, std::uint32_t own, std::uint
     const double way = seen.along(nearest.to) > seen.along(nearest.from) ? 1 : -1;
     const double side = seen.height(nearest.from) > 0 ? 1 : -1;
     const auto runs_on = [&](std::uint32_t from, std::uint32_t to) {
-        return way * (seen.along(to) - seen.along(from)) > 0 && side * seen.height(from) > 0 &&
-               side * seen.height(to) > 0;
+        return way * (seen.along(to) - seen.along(from)) > 0 && !seen.is_steep(from, to) &&
+               side * seen.height(from) > 0 && side * seen.height(to) > 0;
     };
     const auto is_beside = [&](std::uint32_t point) {
         return seen.along(point) > low && seen.along(point) < high;

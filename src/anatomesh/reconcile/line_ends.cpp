@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "anatomesh/base/parallel.h"
@@ -66,15 +67,23 @@ class Comparer {
         }
         std::sort(structures.begin(), structures.end());
         structures.erase(std::unique(structures.begin(), structures.end()), structures.end());
+        const std::array<double, 2> seen_a = seen_part(line, a), seen_b = seen_part(line, b);
         std::vector<LineComparison> result;
         for (const std::uint32_t structure : structures) {
             LineComparison best;
             bool any = false;
             for (std::size_t i = 0; i < (unsure_a ? 2u : 1u); ++i) {
                 for (std::size_t j = 0; j < (unsure_b ? 2u : 1u); ++j) {
-                    LineComparison tried{
-                        a,  b, structure, line, part(ends_a[i], structure, b), part(ends_b[j], structure, a),
-                        {}, 0};
+                    LineComparison tried{a,
+                                         b,
+                                         structure,
+                                         line,
+                                         part(ends_a[i], structure, b),
+                                         part(ends_b[j], structure, a),
+                                         {},
+                                         seen_a,
+                                         seen_b,
+                                         0};
                     match(tried);
                     if (!any || tried.matching.cost < best.matching.cost) best = std::move(tried);
                     any = true;
@@ -182,20 +191,34 @@ class Comparer {
 
     // Whether the segment between two places meets the box that a slice sees.
     bool spans(const LineEnd& p, const LineEnd& q, const Box2& seen, std::uint32_t other) const {
-        const Vec2 from = patches_[other].plane.to_plane(p.at), to = patches_[other].plane.to_plane(q.at);
-        double enter = 0, leave = 1;
-        const auto clip = [&](double start, double along, double low, double high) {
+        const auto [enter, leave] =
+            clip(patches_[other].plane.to_plane(p.at), patches_[other].plane.to_plane(q.at), seen, 0, 1);
+        return enter <= leave;
+    }
+
+    // The part of the line that a slice says something of; ends before it begins where there is none.
+    std::array<double, 2> seen_part(const Line& line, std::uint32_t slice) const {
+        const Plane& plane = patches_[slice].plane;
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        return clip(plane.to_plane(line.at(0)), plane.to_plane(line.at(1)),
+                    patches_[slice].box.grown(margin_), -infinity, infinity);
+    }
+
+    // From where to where, in shares of the way between two places, a line lies in a box; cut to a part of
+    // it.
+    static std::array<double, 2> clip(Vec2 from, Vec2 to, const Box2& box, double enter, double leave) {
+        const auto cut = [&](double start, double along, double low, double high) {
             if (along == 0) {
-                if (start < low || start > high) leave = -1;
+                if (start < low || start > high) leave = -std::numeric_limits<double>::infinity();
                 return;
             }
             const double u = (low - start) / along, v = (high - start) / along;
             enter = std::max(enter, std::min(u, v));
             leave = std::min(leave, std::max(u, v));
         };
-        clip(from.x, to.x - from.x, seen.low.x, seen.high.x);
-        clip(from.y, to.y - from.y, seen.low.y, seen.high.y);
-        return enter <= leave;
+        cut(from.x, to.x - from.x, box.low.x, box.high.x);
+        cut(from.y, to.y - from.y, box.low.y, box.high.y);
+        return {enter, leave};
     }
 
     static void match(LineComparison& comparison) {

@@ -1,6 +1,7 @@
 // compare_planes: where the drawn regions of two crossing slices begin and end on their common line.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -36,9 +37,10 @@ struct LineEnd {
 struct LineComparison {
     std::uint32_t a = 0, b = 0, structure = 0;
     Line line;
-    std::vector<LineEnd> ends_a, ends_b;  // ascending in t
-    EndMatching matching;                 // first: a, second: b
-    double difference_mm = 0;             // symmetric difference of the two regions' parts on the line
+    std::vector<LineEnd> ends_a, ends_b;             // ascending in t
+    EndMatching matching;                            // first: a, second: b
+    std::array<double, 2> seen_by_a{}, seen_by_b{};  // the part of the line that each says something of, in t
+    double difference_mm = 0;  // symmetric difference of the two regions' parts on the line
 };
 
 // Compares every structure that either slice of a pair draws on their common line; what lies further than

@@ -48,7 +48,9 @@ bool LineVotes::most_agree(const LineComparison& comparison, std::uint32_t own, 
         const LineComparison& one = comparisons_[of_slice_[n]];
         if (one.structure != comparison.structure || !runs_by(one.line, comparison.line, place)) continue;
         const double there = one.line.along(place);
-        // Beyond what the other one is compared on.
+        // Beyond what the other one says something of, or is compared on.
+        const auto& [first, last] = own == one.a ? one.seen_by_b : one.seen_by_a;
+        if (!(there >= first && there <= last)) continue;
         if (is_inside(own == one.a ? one.ends_a : one.ends_b, there) != inside) continue;
         ++(is_inside(own == one.a ? one.ends_b : one.ends_a, there) == inside ? with : against);
     }

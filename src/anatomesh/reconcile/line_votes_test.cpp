@@ -8,6 +8,7 @@
 
 #include "anatomesh/reconcile/reconcile.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
+#include "anatomesh/reconcile/shared_points.h"
 
 namespace anatomesh {
 namespace {
@@ -73,6 +74,62 @@ TEST(LineVotes, two_slices_have_no_majority) {
     EXPECT_FALSE(votes.most_agree(comparisons[0], 1, 0));
 }
 
+// A box in a plane about the z axis: from `near` to `far` beside the axis, low to high along it, with a
+// vertex every `step` mm.
+Ring box_in(const Plane& plane, double angle, double near, double far, double low, double high, double step) {
+    const Vec3 across{std::cos(angle), std::sin(angle), 0}, up{0, 0, 1};
+    const std::vector<Vec2> corners{{near, low}, {far, low}, {far, high}, {near, high}};
+    Ring ring;
+    for (std::size_t c = 0; c < 4; ++c) {
+        const Vec2 a = corners[c], way = corners[(c + 1) % 4] - a;
+        const int count = std::max(1, static_cast<int>(std::round(length(way) / step)));
+        for (int k = 0; k < count; ++k) {
+            const Vec2 p = a + (static_cast<double>(k) / count) * way;
+            ring.push_back(plane.to_plane(p.x * across + p.y * up));
+        }
+    }
+    double area = 0;
+    for (std::size_t k = 0; k < ring.size(); ++k) area += cross(ring[k], ring[(k + 1) % ring.size()]);
+    if (area < 0) std::reverse(ring.begin(), ring.end());
+    return ring;
+}
+
+// Three planes about the axis: boxes over it, and one that lies beside it or elsewhere along it.
+ContourSet boxes_about_axis(double near, double low, double high, double step) {
+    ContourSet set;
+    for (int n = 0; n < 3; ++n) {
+        const double angle = std::numbers::pi * n / 3;
+        const Plane plane = make_plane({}, {-std::sin(angle), std::cos(angle), 0});
+        const bool is_other = n == 2;
+        add_slice(set, plane,
+                  box_in(plane, angle, is_other ? near : -20, 20, is_other ? low : -30, is_other ? high : 30,
+                         step));
+    }
+    return set;
+}
+
+// It neither bears out an interval nor a gap.
+TEST(LineVotes, a_slice_that_is_drawn_elsewhere_has_none) {
+    const ContourSet set = boxes_about_axis(-20, -160, -120, 2);
+    ContourSet gap = set;
+    // The second slice's box ends beside the axis: where the first goes on it has none.
+    const Plane& plane = gap.slices[1].plane;
+    const Vec3 across = cross(plane.normal, Vec3{0, 0, 1});
+    for (std::uint32_t k = 0; k < gap.contours[1].point_count; ++k) {
+        Vec3& p = gap.points[gap.contours[1].first_point + k];
+        const double x = dot(p, across);
+        p += (3 + 0.4 * (x + 20) - x) * across;
+    }
+    const std::vector<LineComparison> comparisons = compare(gap);
+    const LineVotes votes(comparisons);
+    const auto one = std::find_if(comparisons.begin(), comparisons.end(),
+                                  [](const LineComparison& c) { return c.a == 0 && c.b == 1; });
+    ASSERT_NE(one, comparisons.end());
+    const double middle = one->line.along({0, 0, 0});
+    EXPECT_FALSE(votes.most_agree(*one, 0, middle));  // one against one
+    EXPECT_FALSE(votes.most_agree(*one, 1, middle));
+}
+
 // How far the contours of the slices from `first` on moved at most.
 double most_moved(const ContourSet& set, std::size_t first, RunContext& context) {
     ReconcileOptions options;
@@ -126,15 +183,75 @@ TEST(LineVotes, the_few_are_taken_over_to_where_the_many_are) {
             const ReconcileStats& stats = result.value().stats;
             EXPECT_LE(stats.max_movement_mm, bound);
             if (bound < 2) {
-                EXPECT_EQ(stats.taken_over.count, 0u);
+                EXPECT_TRUE(stats.taken_over.empty());
                 continue;
             }
-            EXPECT_EQ(stats.taken_over.count, static_cast<std::uint64_t>(beside));
-            EXPECT_LT(stats.taken_over.slice, static_cast<std::uint32_t>(beside));
-            EXPECT_GE(stats.taken_over.farthest_mm, 2);
+            ASSERT_EQ(stats.taken_over.size(), static_cast<std::size_t>(beside));
+            for (std::uint32_t s = 0; s < stats.taken_over.size(); ++s) {
+                EXPECT_EQ(stats.taken_over[s].slice, s);
+                EXPECT_GE(stats.taken_over[s].farthest_mm, 2);
+                EXPECT_LE(stats.movements[s].max_mm, 1.2 * stats.taken_over[s].farthest_mm);
+            }
+            for (std::size_t s = static_cast<std::size_t>(beside); s < stats.movements.size(); ++s)
+                EXPECT_LT(stats.movements[s].max_mm, 0.5);
             EXPECT_GT(stats.difference_mm, 20.0 * beside);
             EXPECT_LT(stats.difference_after_mm, 0.01 * stats.difference_mm);
         }
+    }
+}
+
+// Wherever vertices lie along the side that faces the axis, at the interval's ends and middle too.
+TEST(LineVotes, a_box_beside_the_axis_is_taken_over_it_wherever_its_vertices_are) {
+    for (const double step : {2.0, 3.0, 7.0, 60.0}) {
+        ReconcileOptions options;
+        options.margin_mm = margin;
+        RunContext context;
+        const Result<ReconcileResult> result =
+            reconcile_contours(boxes_about_axis(4, -30, 30, step), options, context);
+        ASSERT_TRUE(result.ok());
+        const ReconcileStats& stats = result.value().stats;
+        SCOPED_TRACE(testing::Message() << "a vertex every " << step << " mm");
+        ASSERT_EQ(stats.taken_over.size(), 1u);
+        EXPECT_EQ(stats.taken_over[0].slice, 2u);
+        EXPECT_NEAR(stats.taken_over[0].farthest_mm, 4, 1e-6);
+        EXPECT_GT(stats.difference_mm, 100);
+        EXPECT_LT(stats.difference_after_mm, 0.01 * stats.difference_mm);
+        EXPECT_LE(stats.max_movement_mm, options.max_disagreement_mm);
+        // Not where it lies further away than contours may move.
+        options.max_disagreement_mm = 4;
+        const Result<ReconcileResult> bound =
+            reconcile_contours(boxes_about_axis(4, -30, 30, step), options, context);
+        EXPECT_TRUE(!bound.ok() || bound.value().stats.taken_over.empty());
+    }
+}
+
+// Eleven slices agree at the poles, one ends elsewhere: the eleven have one point there, bit for bit.
+TEST(SharedPoints, are_those_of_most_slices_where_few_end_elsewhere) {
+    for (const double scale : {1.03, 0.97}) {
+        ContourSet set = ball_about_axis(12, 0);
+        for (std::uint32_t k = 0; k < set.contours[4].point_count; ++k)
+            set.points[set.contours[4].first_point + k] = scale * set.points[set.contours[4].first_point + k];
+        const std::vector<LineComparison> comparisons = compare(set);
+        insert_shared_points(set, comparisons, 1, std::vector<bool>(set.points.size(), false));
+        int shared = 0;
+        for (const double z : {-radius, radius}) {
+            std::vector<Vec3> on_axis;
+            for (const Contour& contour : set.contours) {
+                for (const Vec3& p : set.points_of(contour)) {
+                    if (std::hypot(p.x, p.y) > 1e-9 || p.z * z < 0) continue;
+                    on_axis.push_back(p);
+                    EXPECT_NE(contour.slice, 4u);
+                }
+            }
+            EXPECT_EQ(on_axis.size(), 11u);
+            for (const Vec3& p : on_axis) {
+                EXPECT_EQ(p, on_axis.front());
+                ++shared;
+            }
+            ASSERT_FALSE(on_axis.empty());
+            EXPECT_NEAR(std::abs(on_axis.front().z), radius, 0.05);  // the ball's chords
+        }
+        EXPECT_EQ(shared, 22);
     }
 }
 

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/contour/share_lines.h"
 #include "anatomesh/contour/slivers.h"
@@ -213,36 +212,61 @@ class Reconciler {
         ANATOMESH_CHECK_STATUS(move());
         note_movements();
         join();
-        ANATOMESH_CHECK_STATUS(repeat(false));
-        ANATOMESH_CHECK_STATUS(repeat(true));
+        ANATOMESH_CHECK_STATUS(repeat());
+        ANATOMESH_CHECK_STATUS(take_over());
+        ANATOMESH_CHECK_STATUS(repeat());
         settle();
         unite_walls();
         return Nothing{};
     }
 
     // Each time is kept if slices differ by a fifth less.
-    Status repeat(bool over) {
-        takes_over_ = over;
+    Status repeat() {
         for (int n = 0; n < most_repetitions && left_mm() > 0; ++n) {
             const State before = state();
             const double left = left_mm();
-            const std::vector<Lacking> lacking = over ? all_lacking() : std::vector<Lacking>{};
-            if (over && lacking.empty() && n == 0) break;
-            split_stretches(lacking);
-            split_at_ends(set_, comparisons_, least_split_mm);
-            drawn_ = carry_over(before.set, before.drawn, set_, joined_mm);
-            compare();
-            ANATOMESH_CHECK_STATUS(move());
-            note_movements();
-            join();
-            if (left_mm() <= (1 - least_gain) * left) {
-                note_taken_over(lacking);
-                continue;
-            }
+            ANATOMESH_CHECK_STATUS(move_with_more_vertices(before.set, before.drawn));
+            if (left_mm() <= (1 - least_gain) * left) continue;
             go_back_to(before);
             break;
         }
-        takes_over_ = false;
+        return Nothing{};
+    }
+
+    Status move_with_more_vertices(const ContourSet& set, const DrawnPlaces& drawn) {
+        split_at_ends(set_, comparisons_, least_split_mm);
+        drawn_ = carry_over(set, drawn, set_, joined_mm);
+        compare();
+        ANATOMESH_CHECK_STATUS(move());
+        note_movements();
+        join();
+        return Nothing{};
+    }
+
+    // What slices lack altogether. A time is kept if all that it took over the line came there and slices
+    // differ by a fifth less; what did not is left out, and the others are taken again.
+    Status take_over() {
+        for (int n = 0; n < most_repetitions && left_mm() > 0; ++n) {
+            const State before = state();
+            const double left = left_mm();
+            taken_.clear();
+            const std::vector<Lacking> lacking = all_lacking();
+            if (lacking.empty()) break;
+            split_stretches(lacking);
+            takes_over_ = true;
+            const Status moved = move_with_more_vertices(before.set, before.drawn);
+            takes_over_ = false;
+            ANATOMESH_CHECK_STATUS(moved);
+            const std::vector<PairOfSlices> failed = still_differing(before.comparisons);
+            if (failed.empty() && left_mm() <= (1 - least_gain) * left) {
+                note_taken_over();
+                continue;
+            }
+            go_back_to(before);
+            if (failed.empty()) break;
+            given_up_.insert(given_up_.end(), failed.begin(), failed.end());
+            std::sort(given_up_.begin(), given_up_.end());
+        }
         return Nothing{};
     }
 
@@ -256,7 +280,12 @@ class Reconciler {
             return slivers.contours_changed;
         });
         if (closed) stats_.slivers = slivers;
-        lead([&] { return share_lines(set_, {.width_mm = options_.same_line_mm}).contours_changed; });
+        LedStats shared;
+        const bool led = lead([&] {
+            shared = share_lines(set_, {.width_mm = options_.same_line_mm});
+            return shared.contours_changed;
+        });
+        if (led) stats_.shared_lines = shared;
     }
 
     // Lets `change` lead contours otherwise, and says how many; taken back where slices would agree less.
@@ -399,7 +428,7 @@ class Reconciler {
         const LineVotes votes(comparisons_);
         for (const LineComparison& comparison : comparisons_) {
             any |= draw_back(comparison, votes);
-            if (takes_over_) any |= take_over(comparison, votes);
+            if (takes_over_) any |= pin_stretches(comparison, votes);
         }
         link_nodes(ends);
         return any;
@@ -427,13 +456,18 @@ class Reconciler {
         return any;
     }
 
-    // Takes points beside a line across it, those nearest to it farthest beyond.
+    // How far a point at a height above a line is taken across it, one of those that reach up to another
+    // height: those nearest to the line farthest beyond. A contour that is hardly beyond the line is not
+    // taken far from where it was drawn.
+    double way_across(double height_mm, double most_mm) const {
+        const double clearance_mm = std::clamp(most_mm, least_clearance_mm, clearance_mm_);
+        return height_mm + clearance_mm + flattening * (most_mm - height_mm);
+    }
+
     void pin(const std::vector<std::uint32_t>& points, const std::vector<double>& heights_mm,
              double height_mm, Vec2 across) {
-        // A contour that is hardly beyond the line is not taken far from where it was drawn.
-        const double clearance_mm = std::clamp(height_mm, least_clearance_mm, clearance_mm_);
         for (std::size_t n = 0; n < points.size(); ++n) {
-            const double distance = heights_mm[n] + clearance_mm + flattening * (height_mm - heights_mm[n]);
+            const double distance = way_across(heights_mm[n], height_mm);
             MovementNode& node = nodes_[graph_.node_of_point[points[n]]];
             if (node.hold == Hold::anchor) continue;
             if (node.hold == Hold::pinned && squared_length(node.direction) > distance * distance) continue;
@@ -442,15 +476,18 @@ class Reconciler {
     }
 
     // What a slice lacks altogether though most of those through the line have it.
+    using PairOfSlices = std::array<std::uint32_t, 3>;  // a, b, structure of a comparison
     struct Lacking {
-        std::uint32_t slice = 0, structure = 0;
-        FacingStretch stretch;  // of its contours, that nearest to it
-        auto key() const { return std::pair(slice, structure); }
+        PairOfSlices pair{};
+        std::uint32_t slice = 0;  // that lacks it
+        FacingStretch stretch;    // of its contours, that nearest to it
     };
 
     // Of the two slices of a comparison; nothing that would have to move further than the bound.
     std::vector<Lacking> lacking_in(const LineComparison& comparison, const LineVotes& votes) const {
         std::vector<Lacking> all;
+        const PairOfSlices pair{comparison.a, comparison.b, comparison.structure};
+        if (std::binary_search(given_up_.begin(), given_up_.end(), pair)) return all;
         for (const bool of_a : {true, false}) {
             const auto& ends = of_a ? comparison.ends_a : comparison.ends_b;
             const std::uint32_t having = of_a ? comparison.a : comparison.b,
@@ -461,8 +498,8 @@ class Reconciler {
                 if (!votes.most_agree(comparison, having, 0.5 * (low + high))) continue;
                 FacingStretch stretch = facing_stretch(set_, slice, comparison.structure, comparison.line,
                                                        set_.slices[having].plane, low, high);
-                if (!stretch.places.empty() && stretch.height_mm <= options_.max_disagreement_mm)
-                    all.push_back({slice, comparison.structure, std::move(stretch)});
+                if (!stretch.empty() && is_within_bound(slice, stretch))
+                    all.push_back({pair, slice, std::move(stretch)});
             }
         }
         return all;
@@ -476,12 +513,28 @@ class Reconciler {
         return all;
     }
 
+    // Whether none of its points comes further from where it was drawn, as it is taken over the line.
+    bool is_within_bound(std::uint32_t slice, const FacingStretch& stretch) const {
+        const double bound = options_.max_disagreement_mm;
+        const Plane& plane = set_.slices[slice].plane;
+        for (std::size_t n = 0; n < stretch.points.size(); ++n) {
+            const std::uint32_t k = stretch.points[n];
+            const Vec2 way = way_across(stretch.heights_mm[n], stretch.height_mm) * stretch.over;
+            if (length(set_.points[k] + way.x * plane.u + way.y * plane.v - drawn_.at[k]) > bound)
+                return false;
+        }
+        return way_across(stretch.height_mm, stretch.height_mm) <= bound;
+    }
+
     // Pins the stretches of contours that have to come over the line.
-    bool take_over(const LineComparison& comparison, const LineVotes& votes) {
+    bool pin_stretches(const LineComparison& comparison, const LineVotes& votes) {
         bool any = false;
-        for (const auto& [slice, structure, stretch] : lacking_in(comparison, votes)) {
+        for (const Lacking& lacking : lacking_in(comparison, votes)) {
+            const FacingStretch& stretch = lacking.stretch;
+            if (stretch.points.empty()) continue;
             pin(stretch.points, stretch.heights_mm, stretch.height_mm, stretch.over);
-            any = any || !stretch.points.empty();
+            taken_.push_back({{lacking.slice, lacking.pair[2], stretch.height_mm}, lacking.pair});
+            any = true;
         }
         return any;
     }
@@ -496,21 +549,37 @@ class Reconciler {
         compare();
     }
 
-    // Those of `before` that nothing is lacking of any more.
-    void note_taken_over(const std::vector<Lacking>& before) {
-        std::vector<std::pair<std::uint32_t, std::uint32_t>> still, done;
-        for (const Lacking& lacking : all_lacking()) still.push_back(lacking.key());
-        std::sort(still.begin(), still.end());
-        for (const Lacking& lacking : before) {
-            if (std::binary_search(still.begin(), still.end(), lacking.key())) continue;
-            done.push_back(lacking.key());
-            if (lacking.stretch.height_mm <= stats_.taken_over.farthest_mm) continue;
-            stats_.taken_over.farthest_mm = lacking.stretch.height_mm;
-            stats_.taken_over.slice = lacking.slice;
-            stats_.taken_over.structure = lacking.structure;
+    // Of what was taken over a line, the pairs of slices that differ there by more than half as before.
+    std::vector<PairOfSlices> still_differing(const std::vector<LineComparison>& before) const {
+        const auto difference = [](const std::vector<LineComparison>& all, const PairOfSlices& pair) {
+            const auto at = std::lower_bound(all.begin(), all.end(), pair,
+                                             [](const LineComparison& one, const PairOfSlices& key) {
+                                                 return PairOfSlices{one.a, one.b, one.structure} < key;
+                                             });
+            const bool found = at != all.end() && PairOfSlices{at->a, at->b, at->structure} == pair;
+            return found ? at->difference_mm : 0.0;
+        };
+        std::vector<PairOfSlices> failed;
+        for (const Taken& taken : taken_) {
+            if (difference(comparisons_, taken.pair) > 0.5 * difference(before, taken.pair))
+                failed.push_back(taken.pair);
         }
-        sort_distinct(done);
-        stats_.taken_over.count += done.size();
+        std::sort(failed.begin(), failed.end());
+        failed.erase(std::unique(failed.begin(), failed.end()), failed.end());
+        return failed;
+    }
+
+    // One entry a slice and structure, the farthest.
+    void note_taken_over() {
+        std::vector<TakenOver>& all = stats_.taken_over;
+        for (const Taken& taken : taken_) all.push_back(taken.over);
+        const auto key = [](const TakenOver& t) { return std::pair(t.slice, t.structure); };
+        std::sort(all.begin(), all.end(), [&](const TakenOver& p, const TakenOver& q) {
+            return key(p) != key(q) ? key(p) < key(q) : p.farthest_mm > q.farthest_mm;
+        });
+        all.erase(std::unique(all.begin(), all.end(),
+                              [&](const TakenOver& p, const TakenOver& q) { return key(p) == key(q); }),
+                  all.end());
     }
 
     // Segments cut at the places inside them.
@@ -685,8 +754,15 @@ class Reconciler {
     ReconcileStats stats_;
     DrawnPlaces drawn_;
     double margin_ = 0, clearance_mm_ = 0;
+    // What is taken over lines, and the pairs of slices with which that failed.
+    struct Taken {
+        TakenOver over;
+        PairOfSlices pair{};
+    };
     bool takes_over_ = false;
-    double worst_mm_ = 0;  // of places from their groups' points, in this round
+    std::vector<Taken> taken_;
+    std::vector<PairOfSlices> given_up_;  // sorted
+    double worst_mm_ = 0;                 // of places from their groups' points, in this round
     std::vector<PlanePatch> patches_;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
     std::vector<LineComparison> comparisons_;

@@ -51,11 +51,11 @@ struct SliceMovement {
     Vec3 shift;  // by align, in the slice's plane
 };
 
-// Structures of slices that lacked on a line what most of the slices through it have, and have it now.
+// A structure of a slice that lacked on a line what most of the slices through it have (or had what they
+// lack), and whose contour was taken over the line.
 struct TakenOver {
-    std::uint64_t count = 0;                 // of a structure on a slice
-    double farthest_mm = 0;                  // of their contours from the line
-    std::uint32_t slice = 0, structure = 0;  // of that
+    std::uint32_t slice = 0, structure = 0;
+    double farthest_mm = 0;  // of the contour from the line
 };
 
 struct ReconcileStats {
@@ -65,11 +65,12 @@ struct ReconcileStats {
     double median_mm = 0, p95_mm = 0, max_mm = 0;  // over all ends, as drawn (after align)
     double difference_mm = 0, difference_after_mm = 0;
     double mean_movement_mm = 0, max_movement_mm = 0;
-    std::uint64_t shared_points = 0;  // points on common lines that contours of both slices now have
-    FoldStats folds;                  // that the movement made, cut off
-    PoleStats poles;                  // where contours rose and fell from plane to plane
-    TakenOver taken_over;
-    LedStats slivers;  // between structures, closed where the movement left them
+    std::uint64_t shared_points = 0;    // points on common lines that contours of both slices now have
+    FoldStats folds;                    // that the movement made, cut off
+    PoleStats poles;                    // where contours rose and fell from plane to plane
+    std::vector<TakenOver> taken_over;  // by slice and structure
+    LedStats slivers;                   // between structures, closed where the movement left them
+    LedStats shared_lines;              // of structures that came to lie on each other
     std::uint32_t rounds = 0;
 };
 

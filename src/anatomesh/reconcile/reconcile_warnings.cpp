@@ -32,7 +32,7 @@ class Warner {
         warn_of_folds();
         warn_of_poles();
         warn_of_taken_over();
-        warn_of_slivers();
+        warn_of_walls();
         warn_of_rest();
         warn_of_outliers();
         warn_of_silences();
@@ -117,29 +117,40 @@ class Warner {
     }
 
     void warn_of_taken_over() {
-        const TakenOver& taken = stats_.taken_over;
-        if (taken.count == 0) return;
-        Place place = place_of_slice(set_, taken.slice, taken.farthest_mm);
-        const Structure& structure = set_.structures[taken.structure];
-        place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
-        context_.warn({"W-RCN-010",
-                       "a structure does not reach the line in which planes meet, or goes on over it, though "
-                       "most of the slices through it draw it otherwise; " +
-                           std::to_string(taken.count) +
-                           (taken.count == 1 ? " such slice and structure" : " such slices and structures") +
-                           ", the one farthest from the line is named",
-                       std::move(place), "its contour was taken over the line, as most slices have it"});
+        std::vector<TakenOver> named = stats_.taken_over;
+        std::stable_sort(named.begin(), named.end(), [](const TakenOver& p, const TakenOver& q) {
+            return p.farthest_mm > q.farthest_mm;
+        });
+        for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
+            Place place = place_of_slice(set_, named[n].slice, named[n].farthest_mm);
+            const Structure& structure = set_.structures[named[n].structure];
+            place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+            context_.warn(
+                {"W-RCN-010",
+                 "most of the slices through a line in which planes meet have the structure there "
+                 "otherwise: this one does not reach the line, or goes on over it" +
+                     std::string(named.size() > most_named_pairs && n == 0
+                                     ? "; " + std::to_string(named.size()) + " such slices and structures"
+                                     : ""),
+                 std::move(place), "its contour was taken over the line, as the others have it"});
+        }
     }
 
-    void warn_of_slivers() {
-        const LedStats& slivers = stats_.slivers;
-        if (slivers.contours_changed == 0) return;
-        context_.warn({"W-RCN-011",
-                       "contours of neighbouring structures that were moved left slivers between them, on " +
-                           std::to_string(slivers.slices) + (slivers.slices == 1 ? " slice" : " slices") +
-                           ": " + brief(slivers.area_mm2) + " mm2",
-                       place_of_slice(set_, slivers.worst_slice, slivers.widest_mm),
-                       "closed, both led through each other's vertices there; --close-slivers 0 keeps them"});
+    void warn_of_walls() {
+        const LedStats &slivers = stats_.slivers, &shared = stats_.shared_lines;
+        if (slivers.contours_changed + shared.contours_changed == 0) return;
+        const bool wider = slivers.widest_mm > shared.widest_mm;
+        const LedStats& worst = wider ? slivers : shared;
+        context_.warn(
+            {"W-RCN-011",
+             "contours of neighbouring structures came to lie beside each other as they were moved: "
+             "slivers of " +
+                 brief(slivers.area_mm2) + " mm2 between them on " + std::to_string(slivers.slices) +
+                 (slivers.slices == 1 ? " slice" : " slices") + ", and lines " + brief(shared.widest_mm) +
+                 " mm apart on " + std::to_string(shared.slices),
+             place_of_slice(set_, worst.worst_slice, worst.widest_mm),
+             "closed, both led through each other's vertices there; --close-slivers 0 and "
+             "--same-line 0 keep them"});
     }
 
     void warn_of_shifts() {

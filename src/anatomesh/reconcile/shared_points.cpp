@@ -18,7 +18,7 @@ namespace {
 
 constexpr double snap_mm = 0.05;  // across the contour
 constexpr double same_point_mm = 1e-6;
-constexpr double merge_mm = 0.03;  // of a moved vertex with a shared point beside it
+constexpr double merge_mm = 0.03;            // of a moved vertex with a shared point beside it
 constexpr double least_interval_mm = 0.001;  // on a common line: a shorter one is none
 constexpr double least_weight = 1e-6;
 
@@ -236,12 +236,50 @@ class Inserter {
         }
     }
 
+    // Groups that are one point within the bound, but for fewer places than a third: slices that could not
+    // be brought there keep theirs, and the others agree without them.
     void find_usable() {
+        const std::size_t count = groups_.target.size();
+        std::vector<std::uint32_t> within(count, 0), beyond(count, 0);
+        left_out_.assign(ends_.places.size(), 0);
+        for (std::size_t p = 0; p < ends_.places.size(); ++p) {
+            const std::uint32_t group = groups_.members[p].group;
+            if (group == no_node) continue;
+            left_out_[p] = is_beyond(p);
+            ++(left_out_[p] ? beyond : within)[group];
+        }
+        lacks_some_.assign(count, 0);
+        for (std::uint32_t g = 0; g < count; ++g) {
+            if (beyond[g] == 0) continue;
+            lacks_some_[g] = groups_.lines[g].size() == 1 && 2 * beyond[g] < within[g];
+            usable_[g] = lacks_some_[g];
+        }
+        put_between_the_others();
+        for (std::size_t p = 0; p < ends_.places.size(); ++p) {
+            const std::uint32_t group = groups_.members[p].group;
+            if (group != no_node && lacks_some_[group] && !left_out_[p] && is_beyond(p))
+                usable_[group] = false;
+        }
+    }
+
+    bool is_beyond(std::size_t p) const {
+        const EndGroups::Member& member = groups_.members[p];
+        const double distance = length(groups_.target[member.group] - ends_.places[p].at);
+        return distance * std::max(member.sine, 0.01) > snap_mm;
+    }
+
+    // Points that not all places come to are the mean of those that do.
+    void put_between_the_others() {
+        std::vector<double> sum(groups_.target.size(), 0), weights(groups_.target.size(), 0);
         for (std::size_t p = 0; p < ends_.places.size(); ++p) {
             const EndGroups::Member& member = groups_.members[p];
-            if (member.group == no_node) continue;
-            const double distance = length(groups_.target[member.group] - ends_.places[p].at);
-            if (distance * std::max(member.sine, 0.01) > snap_mm) usable_[member.group] = false;
+            if (member.group == no_node || !lacks_some_[member.group] || left_out_[p]) continue;
+            const double weight = member.sine * member.sine + least_weight;
+            sum[member.group] += weight * groups_.lines[member.group].front().along(ends_.places[p].at);
+            weights[member.group] += weight;
+        }
+        for (std::uint32_t g = 0; g < sum.size(); ++g) {
+            if (lacks_some_[g]) groups_.target[g] = groups_.lines[g].front().at(sum[g] / weights[g]);
         }
     }
 
@@ -254,10 +292,10 @@ class Inserter {
         for (std::uint32_t g = 0; g < groups_.target.size(); ++g) {
             std::vector<std::uint32_t> near;
             grid.for_each_within(groups_.target[g], merge_mm, [&](std::uint32_t k, double) {
-                if (usable_[k] && !apart_[k]) near.push_back(k);
+                if (usable_[k] && !apart_[k] && !lacks_some_[k]) near.push_back(k);
             });
             std::sort(near.begin(), near.end());
-            if (!usable_[g] || apart_[g] || near.size() < 3) continue;
+            if (!usable_[g] || apart_[g] || lacks_some_[g] || near.size() < 3) continue;
             const std::optional<Vec3> point = common_point(near, groups_.target[g]);
             for (std::size_t n = 0; point && n < near.size(); ++n) {
                 apart_[near[n]] = std::exchange(groups_.target[near[n]], *point);
@@ -282,7 +320,9 @@ class Inserter {
     // Whether a group has a point on all contours of another one, and is to be kept of the two.
     bool stands_for(std::uint32_t kept, std::uint32_t other) const {
         const std::vector<std::uint32_t>&of = groups_.contours[other], &all = groups_.contours[kept];
-        if (kept == other || !std::includes(all.begin(), all.end(), of.begin(), of.end())) return false;
+        if (kept == other || lacks_some_[kept] || lacks_some_[other] ||
+            !std::includes(all.begin(), all.end(), of.begin(), of.end()))
+            return false;
         if (all.size() != of.size()) return true;
         if (apart_[kept].has_value() != apart_[other].has_value()) return apart_[kept].has_value();
         return kept < other;
@@ -322,7 +362,7 @@ class Inserter {
     void gather(const std::vector<LineEnd>& ends, const std::vector<std::uint32_t>& places) {
         for (std::size_t e = 0; e < ends.size(); ++e) {
             const std::uint32_t group = groups_.members[places[e]].group;
-            if (group == no_node || !usable_[group]) continue;
+            if (group == no_node || !usable_[group] || left_out_[places[e]]) continue;
             const LineEnd& end = ends[e];
             insertions_[end.contour].push_back({end.from, end.from == end.to,
                                                 length(ends_.places[places[e]].at - set_.points[end.from]),
@@ -458,6 +498,8 @@ class Inserter {
     const EndPlaces ends_;
     EndGroups groups_;
     std::vector<bool> usable_;
+    std::vector<std::uint8_t> left_out_;              // per place: its slice keeps it where it is
+    std::vector<std::uint8_t> lacks_some_;            // per group: of its places
     std::vector<std::optional<Vec3>> apart_;          // of groups that were joined: their own points
     std::vector<std::uint32_t> stands_in_;            // per group: the one that is used in its place
     std::vector<std::vector<Insertion>> insertions_;  // per contour, in its order

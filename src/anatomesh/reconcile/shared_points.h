@@ -39,7 +39,8 @@ struct SharedPoints {
 
 // Puts the groups' points into all contours that have a place of the group: a place on a vertex moves it
 // there, one inside a segment splits that. Only groups whose places are within 0.05 mm of the point across
-// their contours; and none that would make a slice unsound. A vertex that lies within 0.03 mm of the point
+// their contours - on one line but for fewer than a third of them, slices that could not be brought there,
+// which get no point -; and none that would make a slice unsound. A vertex that lies within 0.03 mm of the point
 // that comes beside it gives way to it, where `moved` (of every point of the set) says that it is no longer
 // as drawn: an edge so short forces cells a hundredth of the others' size. Where three slices or more meet
 // in a point, those of all their pairs that are as near to each other become that one.
