@@ -9,13 +9,13 @@
 namespace anatomesh {
 
 void add_reconcile_options(CLI::App& verb, ReconcileStepOptions& options) {
-    add_number(
-        verb, "--max-disagreement", options.stage.max_disagreement_mm, 0.001, 1000, "MM",
-        fmt::format(
-            "Move contours of slices that cross by up to MM, so that they agree, 0.001 to 1000; slices "
-            "further apart, in the median of their region ends or in what would have to move, are refused "
-            "(default {})",
-            options.stage.max_disagreement_mm));
+    add_number(verb, "--max-disagreement", options.stage.max_disagreement_mm, 0.001, 1000, "MM",
+               fmt::format("Move contours of slices that cross by up to MM, so that they agree (where more "
+                           "than two meet in a "
+                           "line, with most of them), 0.001 to 1000; slices further apart, in the median of "
+                           "their region ends or in what would have to move, are refused "
+                           "(default {})",
+                           options.stage.max_disagreement_mm));
     add_choice(verb, "--reconcile", options.reconcile, {"0", "1"},
                "Whether contours of slices that cross are made to agree (1, default) or kept as drawn (0)");
     verb.add_flag("--align", options.stage.align,

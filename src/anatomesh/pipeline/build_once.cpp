@@ -5,7 +5,6 @@
 #include <cassert>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <optional>
 
@@ -24,11 +23,11 @@
 #include "anatomesh/improve/smooth_vertices.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
-#include "anatomesh/mesh/cell_shape.h"
 #include "anatomesh/mesh/drop_outside.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/contour_field.h"
 #include "anatomesh/pipeline/contour_pieces.h"
+#include "anatomesh/pipeline/ill_shaped_cells.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
 #include "anatomesh/pipeline/model_warnings.h"
 #include "anatomesh/pipeline/recovered_pieces.h"
@@ -480,25 +479,11 @@ class Builder {
         return end_stage("improve", 0.85);
     }
 
-    // The vertices of cells that clause 4 allows only where contours force them: the rest at such a vertex is
-    // as it is for their sake, and the worst of all would be what it may come to.
+    // The vertices of ill-shaped cells: the rest at such a vertex is as it is for what forces them, and the
+    // worst of all would be what it may come to.
     void fix_ill_shaped(std::vector<std::uint8_t>& fixed) const {
-        const TetMesh& mesh = model_.mesh;
-        const std::vector<std::uint32_t> cells = parallel_collect<std::uint32_t>(
-            mesh.cells.size(), 16384, context_.threads,
-            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
-                for (std::size_t c = first; c < last; ++c) {
-                    if (mesh.regions[c] == 0) continue;
-                    const Cell& v = mesh.cells[c];
-                    const CellMeasures m = measure_cell(mesh.points[v[0]], mesh.points[v[1]],
-                                                        mesh.points[v[2]], mesh.points[v[3]]);
-                    if (m.squared_ratio > certificate_bad_radius_edge * certificate_bad_radius_edge ||
-                        m.least_sine() < std::sin(certificate_bad_dihedral_deg * std::numbers::pi / 180))
-                        found.push_back(static_cast<std::uint32_t>(c));
-                }
-            });
-        for (const std::uint32_t c : cells) {
-            for (const std::uint32_t v : mesh.cells[c]) fixed[v] = 1;
+        for (const std::uint32_t c : ill_shaped_cells(model_.mesh, context_.threads)) {
+            for (const std::uint32_t v : model_.mesh.cells[c]) fixed[v] = 1;
         }
     }
 
@@ -537,16 +522,6 @@ class Builder {
 
     // Contour segments that are edges of the surface stay edges of it.
     DihedralStats improve_angles(std::vector<std::uint8_t>& fixed) {
-        std::vector<VertexPair> segments;
-        const auto vertex = [&](std::size_t point) {
-            return mesh_->first_vertices()[sample_->contour_vertices[point]];
-        };
-        for (const Contour& contour : contours_.contours) {
-            for (std::uint32_t n = 0; n < contour.point_count; ++n) {
-                segments.push_back({vertex(contour.first_point + n),
-                                    vertex(contour.first_point + (n + 1) % contour.point_count)});
-            }
-        }
         std::vector<SegmentPiece> pieces = piece_list_;
         pieces.insert(pieces.end(), cut_pieces_.begin(), cut_pieces_.end());
         DihedralOptions options;
@@ -579,11 +554,13 @@ class Builder {
         std::vector<std::uint8_t> crowded;
         if (!spared_ || !beside.empty()) crowded = crowded_by_contours(pieces);
         const SlicesThatTell slices = slices_to_keep();
-        return improve_dihedrals(model_.mesh, neighbors_, fixed,
-                                 edges_along(model_.mesh, neighbors_, segments), *field_, structures_,
-                                 {&model_.regions, slice_of, &owners, slices.planes, slices.extents,
-                                  slices.weights, slices.on_plane_mm, beside, crowded},
-                                 options, context_);
+        return improve_dihedrals(
+            model_.mesh, neighbors_, fixed,
+            edges_along(model_.mesh, neighbors_, segment_ends(contours_, vertices_of_contours())), *field_,
+            structures_,
+            {&model_.regions, slice_of, &owners, slices.planes, slices.extents, slices.weights,
+             slices.on_plane_mm, beside, crowded},
+            options, context_);
     }
 
     // By vertex; those of contours and of pieces of their segments are looked at.

@@ -53,6 +53,17 @@ std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
     return slice;
 }
 
+std::vector<std::array<std::uint32_t, 2>> segment_ends(const ContourSet& contours,
+                                                       std::span<const std::uint32_t> vertex_of) {
+    std::vector<std::array<std::uint32_t, 2>> ends;
+    for (const Contour& contour : contours.contours) {
+        for (std::uint32_t n = 0; n < contour.point_count; ++n)
+            ends.push_back({vertex_of[contour.first_point + n],
+                            vertex_of[contour.first_point + (n + 1) % contour.point_count]});
+    }
+    return ends;
+}
+
 PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
                               const std::vector<SegmentPiece>& pieces, std::size_t vertex_count) {
     if (!is_parallel(contours)) return {};

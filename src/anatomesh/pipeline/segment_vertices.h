@@ -1,6 +1,7 @@
 // What is known of mesh vertices from the contour segments that they lie on.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,6 +20,10 @@ std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
                                               std::span<const std::uint32_t> vertex_of,
                                               const std::vector<SegmentPiece>& pieces,
                                               std::size_t vertex_count);
+
+// The vertices at the ends of every contour segment, in the contours' order. O(points).
+std::vector<std::array<std::uint32_t, 2>> segment_ends(const ContourSet& contours,
+                                                       std::span<const std::uint32_t> vertex_of);
 
 // What relabel() is to know of slices: of those that are parallel. Where planes cross, cells that are right
 // in one of them may be wrong in another: both lists are empty.

@@ -31,6 +31,20 @@ ContourSet leaning_stack(Vec3 middle, double lean, std::size_t count, std::mt199
     return discs.set;
 }
 
+TEST(SegmentEnds, are_the_vertices_of_neighbouring_points_of_a_contour) {
+    std::mt19937 random(3);
+    const ContourSet set = leaning_stack({}, 0, 3, random);
+    std::vector<std::uint32_t> vertex_of;
+    for (std::uint32_t k = 0; k < set.points.size(); ++k) vertex_of.push_back(1000 - 3 * k);
+    const auto ends = segment_ends(set, vertex_of);
+    ASSERT_EQ(ends.size(), set.points.size());  // closed contours have as many segments as points
+    for (std::uint32_t k = 0; k < ends.size(); ++k) {
+        const std::uint32_t next = k % 24 == 23 ? k - 23 : k + 1;
+        EXPECT_EQ(ends[k][0], 1000 - 3 * k);
+        EXPECT_EQ(ends[k][1], 1000 - 3 * next);
+    }
+}
+
 TEST(SlicesThatTell, planes_that_lean_a_little_keep_their_order_and_their_flat_ends) {
     std::mt19937 random(11);
     for (const double far : {0.0, 300.0, 3e4}) {

@@ -1,0 +1,16 @@
+// ill_shaped_cells: the cells that a model may have only where its contours force them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/mesh/tet_mesh.h"
+
+namespace anatomesh {
+
+// Those of a structure that are beyond what clause 4 allows of a cell that nothing forces
+// (certificate_bad_radius_edge, certificate_bad_dihedral_deg; measure/certificate.h), rising. The same at any
+// thread count. Complexity: O(cells).
+std::vector<std::uint32_t> ill_shaped_cells(const TetMesh& mesh, std::size_t threads);
+
+}  // namespace anatomesh
