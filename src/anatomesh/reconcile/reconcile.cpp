@@ -214,7 +214,9 @@ class Reconciler {
         join();
         ANATOMESH_CHECK_STATUS(repeat());
         ANATOMESH_CHECK_STATUS(take_over());
-        ANATOMESH_CHECK_STATUS(repeat());
+        if (!stats_.taken_over.empty()) {
+            ANATOMESH_CHECK_STATUS(repeat());
+        }
         settle();
         unite_walls();
         return Nothing{};
@@ -222,7 +224,7 @@ class Reconciler {
 
     // Each time is kept if slices differ by a fifth less.
     Status repeat() {
-        for (int n = 0; n < most_repetitions && left_mm() > 0; ++n) {
+        for (int n = 0; n < most_repetitions && left_mm() > on_plane_mm; ++n) {
             const State before = state();
             const double left = left_mm();
             ANATOMESH_CHECK_STATUS(move_with_more_vertices(before.set, before.drawn));
@@ -246,7 +248,7 @@ class Reconciler {
     // What slices lack altogether. A time is kept if all that it took over the line came there and slices
     // differ by a fifth less; what did not is left out, and the others are taken again.
     Status take_over() {
-        for (int n = 0; n < most_repetitions && left_mm() > 0; ++n) {
+        for (int n = 0; n < most_repetitions && left_mm() > on_plane_mm; ++n) {
             const State before = state();
             const double left = left_mm();
             taken_.clear();

@@ -235,7 +235,7 @@ class Warner {
     void warn_of_rest() {
         if (!options_.reconcile) return;
         const auto figure = [](const PairDisagreement& pair) { return pair.difference_after_mm; };
-        const auto left = largest(figure, 0);
+        const auto left = largest(figure, on_plane_mm);
         if (left.empty()) return;
         std::string worst;
         for (std::size_t n = 0; n < std::min<std::size_t>(left.size(), 3); ++n) {
