@@ -444,9 +444,8 @@ Status run_model(ModelVerbOptions options, Session& session) {
     StageReport tracing{"contours", watch.lap(), contours.kept.points.size(), 0, {}};
 
     ANATOMESH_CHECK_STATUS(check_slice_thickness(options, contours.kept));
-    ANATOMESH_TRY(
-        const CrossingReport crossing,
-        reconcile_step(contours.kept, options.input.walls, options.reconcile, context));
+    ANATOMESH_TRY(const CrossingReport crossing,
+                  reconcile_step(contours.kept, options.input.walls, options.reconcile, context));
     ANATOMESH_CHECK_STATUS(give_to_first(contours, options, context));
     const std::vector<StageReport> stages{
         reading, tracing, StageReport{"reconcile", watch.lap(), contours.kept.points.size(), 0, {}}};

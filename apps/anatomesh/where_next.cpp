@@ -99,8 +99,7 @@ Status run_where_next(WhereNextVerbOptions options, Session& session) {
     options.input.limits = session.limits;
     ANATOMESH_TRY(OpenedInput opened, open_input(options.input, context));
     ANATOMESH_TRY(InputContours contours, contours_of(std::move(opened), options.input, context));
-    ANATOMESH_CHECK_STATUS(
-        reconcile_step(contours.kept, options.input.walls, options.reconcile, context));
+    ANATOMESH_CHECK_STATUS(reconcile_step(contours.kept, options.input.walls, options.reconcile, context));
     LeftOutOptions leaving;
     leaving.field = options.rules.field();
     ModelOptions building;

@@ -25,9 +25,9 @@ struct EndGroups {
     std::vector<Member> members;   // per place
     std::vector<double> position;  // per group: the mean of its places, weighed by the squared sines
     std::vector<Vec3> target;      // per group: the point; a drawn vertex where all agree within rounding
-    std::vector<std::vector<Line>> lines;            // per group: those that it lies on, distinct
+    std::vector<std::vector<Line>> lines;                      // per group: those that it lies on, distinct
     std::vector<std::vector<std::uint32_t>> slices, contours;  // per group: of its places, rising
-    double worst_mm = 0;           // largest distance, across the contours, of a place from its group's point
+    double worst_mm = 0;  // largest distance, across the contours, of a place from its group's point
 };
 
 EndGroups group_ends(const ContourSet& set, const EndPlaces& ends,
@@ -40,11 +40,11 @@ struct SharedPoints {
 // Puts the groups' points into all contours that have a place of the group: a place on a vertex moves it
 // there, one inside a segment splits that. Only groups whose places are within 0.05 mm of the point across
 // their contours - on one line but for fewer than a third of them, slices that could not be brought there,
-// which get no point -; and none that would make a slice unsound. A vertex that lies within 0.03 mm of the point
-// that comes beside it gives way to it, where `moved` (of every point of the set) says that it is no longer
-// as drawn: an edge so short forces cells a hundredth of the others' size. Where three slices or more meet
-// in a point, those of all their pairs that are as near to each other become that one.
-// The set's points and contours are laid out anew, in the same order.
+// which get no point -; and none that would make a slice unsound. A vertex that lies within 0.03 mm of the
+// point that comes beside it gives way to it, where `moved` (of every point of the set) says that it is no
+// longer as drawn: an edge so short forces cells a hundredth of the others' size. Where three slices or more
+// meet in a point, those of all their pairs that are as near to each other become that one. The set's points
+// and contours are laid out anew, in the same order.
 SharedPoints insert_shared_points(ContourSet& set, std::span<const LineComparison> comparisons,
                                   double normal_reach_mm, const std::vector<bool>& moved);
 
