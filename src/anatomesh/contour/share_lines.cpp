@@ -124,7 +124,7 @@ class CommonPoints {
     std::vector<std::pair<Structure, Number>> closed_;  // sorted: contours that are not led there
 };
 
-// Of what slices with common vertices differ in; then these stay as they are.
+// In which what slices with common vertices differ in is forbidden; then these vertices stay as they are.
 constexpr int most_rounds = 16;
 
 class SliceLines : public LedContours {

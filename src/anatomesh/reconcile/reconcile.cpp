@@ -212,53 +212,33 @@ class Reconciler {
         ANATOMESH_CHECK_STATUS(move());
         note_movements();
         join();
-        ANATOMESH_CHECK_STATUS(repeat());
-        ANATOMESH_CHECK_STATUS(take_over());
+        for (const bool over : {false, true}) {
+            ANATOMESH_CHECK_STATUS(repeat(over));
+        }
         if (!stats_.taken_over.empty()) {
-            ANATOMESH_CHECK_STATUS(repeat());
+            ANATOMESH_CHECK_STATUS(repeat(false));
         }
         settle();
         unite_walls();
         return Nothing{};
     }
 
-    // Each time is kept if slices differ by a fifth less.
-    Status repeat() {
-        for (int n = 0; n < most_repetitions && left_mm() > on_plane_mm; ++n) {
-            const State before = state();
-            const double left = left_mm();
-            ANATOMESH_CHECK_STATUS(move_with_more_vertices(before.set, before.drawn));
-            if (left_mm() <= (1 - least_gain) * left) continue;
-            go_back_to(before);
-            break;
-        }
-        return Nothing{};
-    }
-
-    Status move_with_more_vertices(const ContourSet& set, const DrawnPlaces& drawn) {
-        split_at_ends(set_, comparisons_, least_split_mm);
-        drawn_ = carry_over(set, drawn, set_, joined_mm);
-        compare();
-        ANATOMESH_CHECK_STATUS(move());
-        note_movements();
-        join();
-        return Nothing{};
-    }
-
-    // What slices lack altogether. A time is kept if all that it took over the line came there and slices
-    // differ by a fifth less; what did not is left out, and the others are taken again.
-    Status take_over() {
+    // With more vertices, and, where asked, with what slices lack altogether taken over the line. A time is
+    // kept if slices differ by a fifth less and all that it took over came there; what did not is left out,
+    // and the others are taken again.
+    Status repeat(bool over) {
+        takes_over_ = over;
         for (int n = 0; n < most_repetitions && left_mm() > on_plane_mm; ++n) {
             const State before = state();
             const double left = left_mm();
             taken_.clear();
-            const std::vector<Lacking> lacking = all_lacking();
-            if (lacking.empty()) break;
-            split_stretches(lacking);
-            takes_over_ = true;
-            const Status moved = move_with_more_vertices(before.set, before.drawn);
-            takes_over_ = false;
-            ANATOMESH_CHECK_STATUS(moved);
+            if (over && !split_stretches()) break;
+            split_at_ends(set_, comparisons_, least_split_mm);
+            drawn_ = carry_over(before.set, before.drawn, set_, joined_mm);
+            compare();
+            ANATOMESH_CHECK_STATUS(move());
+            note_movements();
+            join();
             const std::vector<PairOfSlices> failed = still_differing(before.comparisons);
             if (failed.empty() && left_mm() <= (1 - least_gain) * left) {
                 note_taken_over();
@@ -269,6 +249,7 @@ class Reconciler {
             given_up_.insert(given_up_.end(), failed.begin(), failed.end());
             std::sort(given_up_.begin(), given_up_.end());
         }
+        takes_over_ = false;
         return Nothing{};
     }
 
@@ -506,15 +487,6 @@ class Reconciler {
         }
         return all;
     }
-    std::vector<Lacking> all_lacking() const {
-        const LineVotes votes(comparisons_);
-        std::vector<Lacking> all;
-        for (const LineComparison& comparison : comparisons_) {
-            for (Lacking& lacking : lacking_in(comparison, votes)) all.push_back(std::move(lacking));
-        }
-        return all;
-    }
-
     // Whether none of its points comes further from where it was drawn, as it is taken over the line.
     bool is_within_bound(std::uint32_t slice, const FacingStretch& stretch) const {
         const double bound = options_.max_disagreement_mm;
@@ -541,14 +513,22 @@ class Reconciler {
         return any;
     }
 
-    // Contours get vertices where a stretch of them has to come over a line.
-    void split_stretches(const std::vector<Lacking>& all) {
+    // Contours get vertices where a stretch of them has to come over a line. Says whether any has to.
+    bool split_stretches() {
+        const LineVotes votes(comparisons_);
         std::vector<LineEnd> places;
-        for (const Lacking& lacking : all)
-            places.insert(places.end(), lacking.stretch.places.begin(), lacking.stretch.places.end());
-        if (places.empty()) return;
-        split_at_places(set_, places, least_split_mm);
-        compare();
+        bool any = false;
+        for (const LineComparison& comparison : comparisons_) {
+            for (const Lacking& lacking : lacking_in(comparison, votes)) {
+                any = true;
+                places.insert(places.end(), lacking.stretch.places.begin(), lacking.stretch.places.end());
+            }
+        }
+        if (!places.empty()) {
+            split_at_places(set_, places, least_split_mm);
+            compare();
+        }
+        return any;
     }
 
     // Of what was taken over a line, the pairs of slices that differ there by more than half as before.
