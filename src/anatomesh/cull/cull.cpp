@@ -193,18 +193,41 @@ Bounds bounds_of(const Cell& cell, const std::vector<VertexSide>& sides) {
     return bounds;
 }
 
+// Of the points from `first_new` on.
+std::vector<double> tolerances_of(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
+                                  std::span<const std::uint32_t> chosen, std::size_t first_new,
+                                  const SurfaceTolerance& tolerance) {
+    if (tolerance.of_edge == 0) return std::vector<double>(points.size() - first_new, tolerance.mm);
+    const double far = tolerance.mm / tolerance.of_edge;
+    std::vector<double> squared(points.size() - first_new, far * far);
+    for (const std::uint32_t c : chosen) {
+        for (const auto& [i, j] : cell_edges) {
+            const std::uint32_t a = cells[c][i], b = cells[c][j];
+            if (a < first_new && b < first_new) continue;
+            const double edge = squared_length(points[a] - points[b]);
+            for (const std::uint32_t v : {a, b}) {
+                if (v >= first_new) squared[v - first_new] = std::min(squared[v - first_new], edge);
+            }
+        }
+    }
+    for (double& s : squared) s = std::min(tolerance.mm, tolerance.of_edge * std::sqrt(s));
+    return squared;
+}
+
 }  // namespace
 
-void find_sides(const std::vector<Vec3>& points, const StructureField& field, std::uint32_t structures,
-                double tolerance, std::vector<VertexSide>& sides, RegionRegistry& registry,
+void find_sides(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
+                std::span<const std::uint32_t> chosen, const StructureField& field, std::uint32_t structures,
+                const SurfaceTolerance& tolerance, std::vector<VertexSide>& sides, RegionRegistry& registry,
                 RunContext& context) {
     const std::size_t first_new = sides.size(), count = points.size() - first_new;
+    const std::vector<double> tolerances = tolerances_of(points, cells, chosen, first_new, tolerance);
     PieceNumbers in(count), may(count);
     std::vector<double> depth(count);
     parallel_for(count, grain, context.threads, [&](std::size_t first, std::size_t last) {
         Judge judge(field, structures);
         for (std::size_t n = first; n < last; ++n) {
-            const Judge::Side& side = judge.side(points[first_new + n], tolerance);
+            const Judge::Side& side = judge.side(points[first_new + n], tolerances[n]);
             in.set(n, side.in);
             may.set(n, side.may);
             depth[n] = side.depth;

@@ -18,10 +18,17 @@ struct CullStats {
     std::uint64_t culled = 0;   // of these: outside
 };
 
-// The side of every point from sides.size() on, where the surface of a structure within `tolerance` mm passes
-// through it; appended to `sides`. Same result at any thread count. Complexity: a few field values a point.
-void find_sides(const std::vector<Vec3>& points, const StructureField& field, std::uint32_t structures,
-                double tolerance, std::vector<VertexSide>& sides, RegionRegistry& registry,
+// How near a surface passes that counts as passing through a point.
+struct SurfaceTolerance {
+    double mm = 0;       // > 0
+    double of_edge = 0;  // and in shares of the shortest edge there; 0: whatever the edges. [0, 1]
+};
+
+// The side of every point from sides.size() on, which are vertices of the cells `chosen`; appended to `sides`.
+// Same result at any thread count. Complexity: a few field values a point.
+void find_sides(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
+                std::span<const std::uint32_t> chosen, const StructureField& field, std::uint32_t structures,
+                const SurfaceTolerance& tolerance, std::vector<VertexSide>& sides, RegionRegistry& registry,
                 RunContext& context);
 
 // Decides the regions of the cells with the indices `chosen`, each in this order:

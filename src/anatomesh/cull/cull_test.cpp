@@ -87,6 +87,32 @@ TEST(Cull, sides_name_the_region_of_every_point_or_the_interface) {
     }
 }
 
+// Where edges are short a surface at the tolerance's distance is far.
+TEST(Cull, sides_go_by_the_shortest_edge_where_asked) {
+    const AnalyticField field({ball({}, 5)}, 6);
+    CulledMesh mesh = culled_mesh(field, 1, 1);
+    std::vector<double> shortest(mesh.points().size(), 1e9);
+    for (const Cell& cell : mesh.cells.cells) {
+        for (const std::uint32_t a : cell) {
+            for (const std::uint32_t b : cell) {
+                if (a != b) shortest[a] = std::min(shortest[a], length(mesh.points()[a] - mesh.points()[b]));
+            }
+        }
+    }
+    std::size_t nearer = 0;
+    for (const double share : {0.05, 0.5}) {
+        mesh.sides.clear();
+        mesh.update(field, 1, {0.9, share});
+        for (std::size_t n = 0; n < mesh.sides.size(); ++n) {
+            const double distance = std::abs(length(mesh.points()[n]) - 5);
+            if (std::abs(distance - std::min(0.9, share * shortest[n])) < 1e-9) continue;
+            EXPECT_EQ(mesh.sides[n].off_interfaces(), distance > std::min(0.9, share * shortest[n]));
+            nearer += distance < 0.9 && mesh.sides[n].off_interfaces();
+        }
+    }
+    EXPECT_GT(nearer, 10u);
+}
+
 // A vertex on one structure's surface lies on one side of every other one.
 TEST(Cull, sides_tell_structures_that_overlap_apart) {
     const AnalyticField field({ball({-2, 0, 0}, 4), ball({2, 0, 0}, 4)}, 8);

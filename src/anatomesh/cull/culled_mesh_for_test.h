@@ -32,12 +32,13 @@ struct CulledMesh {
     }
     TetMesh mesh() const { return {points(), cells.cells, regions}; }
 
-    void update(const StructureField& field, std::uint32_t structures, double tolerance, int threads = 1) {
+    void update(const StructureField& field, std::uint32_t structures, SurfaceTolerance tolerance,
+                int threads = 1) {
         RunContext context;
         context.threads = threads;
         cells = delaunay.snapshot();
         regions.resize(cells.cells.size());
-        find_sides(points(), field, structures, tolerance, sides, registry, context);
+        find_sides(points(), cells.cells, all_cells(), field, structures, tolerance, sides, registry, context);
         stats =
             cull(points(), cells.cells, all_cells(), sides, field, structures, regions, registry, context);
         for (std::size_t n = grid.size(); n < points().size(); ++n) grid.add(points()[n]);
@@ -65,7 +66,7 @@ inline CulledMesh culled_mesh(const StructureField& field, std::uint32_t structu
     auto delaunay = Tetrahedralization::create(sample.value().points);
     EXPECT_TRUE(delaunay.ok());
     CulledMesh mesh{std::move(delaunay).value(), {}, {}, {}, {}, {}, PointGrid(size, 1000)};
-    mesh.update(field, structures, 0.02 * size, threads);
+    mesh.update(field, structures, {0.02 * size}, threads);
     return mesh;
 }
 

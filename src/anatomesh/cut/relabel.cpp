@@ -44,13 +44,14 @@ class Relabeler {
   public:
     Relabeler(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
               const VertexStars& stars, const ContourOwners& owners, const std::vector<VertexSide>& sides,
-              double deep_mm, std::vector<Region>& regions, RegionRegistry& registry,
+              const RelabelOptions& options, std::vector<Region>& regions, RegionRegistry& registry,
               const std::vector<Vec3>& points, const SlicePlanes& slices)
         : cells_(cells),
           neighbors_(neighbors),
           stars_(stars),
           sides_(sides),
-          deep_mm_(deep_mm),
+          deep_mm_(options.deep_mm),
+          near_mm_(options.near_mm),
           regions_(regions),
           registry_(registry),
           owners_(owners),
@@ -383,7 +384,7 @@ class Relabeler {
     int misplaced(std::uint32_t cell, Region region) const {
         if (sides_.empty()) return 0;
         return static_cast<int>(std::count_if(cells_[cell].begin(), cells_[cell].end(), [&](std::uint32_t v) {
-            return !allows(registry_.table(), sides_[v], region);
+            return !(sides_[v].depth_mm < near_mm_) && !allows(registry_.table(), sides_[v], region);
         }));
     }
 
@@ -437,7 +438,7 @@ class Relabeler {
     const std::vector<CellNeighbors>& neighbors_;
     const VertexStars& stars_;
     const std::vector<VertexSide>& sides_;
-    const double deep_mm_;
+    const double deep_mm_, near_mm_;
     std::optional<DrawnCuts> cuts_;
     bool may_spike_ = false, may_spoil_ = false, may_lose_ = false;
     std::vector<Region>& regions_;
@@ -567,7 +568,7 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
     }
     stats.lost_pieces_before /= 2;
 
-    Relabeler relabeler(cells, neighbors, stars, owners, sides, options.deep_mm, regions, registry,
+    Relabeler relabeler(cells, neighbors, stars, owners, sides, options, regions, registry,
                         points, slices);
     // Of one structure the pieces of contour segments that waiting would cost are worth more than a spike;
     // but a spike is no way round a cut that is spoiled.

@@ -42,6 +42,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
+constexpr double crossing_tolerance = 0.2;    // where planes cross also in shares of the shortest edge there
 // For the volume's sake no vertex moves further than the first of these, in sizes, and, where a larger share
 // of a volume is still amiss then, the second further: where few vertices are free, that makes bumps of them.
 constexpr double balance_reach = 0.1, further_reach = 0.15;
@@ -69,8 +70,6 @@ constexpr std::array<RecoveryBounds, 3> recovery_bounds{{{0.003, 0.1}, {0.001, 0
 constexpr std::size_t few_pieces = 10;
 // Of a label map, slices far apart against its voxels lack more pieces, where structures meet.
 constexpr std::size_t last_few_of_labels = 40;
-// Of the contour pieces, beside their surface: where more are about an axis, they are not brought there.
-constexpr double most_beside = 0.003;
 constexpr double most_dense = 3;  // as plane_density() has it: more are left as they come first
 // Between dense planes pieces of contours are so many and so near to each other that splitting all for each
 // other's sake, and bringing back what is missing, costs a hundred times the rest; but not where there are
@@ -212,8 +211,7 @@ class Builder {
     Status tetrahedralize() {
         ANATOMESH_TRY(Tetrahedralization delaunay,
                       Tetrahedralization::create(sample_->points, context_.threads));
-        mesh_.emplace(std::move(delaunay), *field_, structures_, sample_->stats.size_mm,
-                      interface_tolerance * sample_->stats.size_mm);
+        mesh_.emplace(std::move(delaunay), *field_, structures_, sample_->stats.size_mm, tolerance_at_vertices());
         // The mesh's vertex of every contour point, and the structures it must have on its surface.
         std::vector<std::array<std::uint32_t, 2>> owners;
         for (const Contour& contour : contours_.contours) {
@@ -271,6 +269,15 @@ class Builder {
         return end_stage("refine", 0.6);
     }
 
+    // Contours of planes that cross come so near to each other that a share of the size is far there.
+    SurfaceTolerance tolerance_at_vertices() const {
+        return {interface_tolerance * sample_->stats.size_mm, is_parallel(contours_) ? 0 : crossing_tolerance};
+    }
+
+    double near_mm() const {
+        return is_parallel(contours_) ? 0 : surface_deviation * sample_->stats.size_mm;
+    }
+
     ContourOwners contour_owners(const std::vector<SegmentPiece>& all, std::size_t point_count) const {
         std::vector<std::array<std::uint32_t, 3>> pieces;
         for (const SegmentPiece& piece : all) pieces.push_back({piece.a, piece.b, piece.structure});
@@ -293,7 +300,7 @@ class Builder {
                                                      vertex_count);
                         }});
         return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, *stars, owners,
-                       mesh_->sides(), {spike_share * sample_->stats.size_mm, !sample_->has_pole},
+                       mesh_->sides(), {spike_share * sample_->stats.size_mm, near_mm(), !sample_->has_pole},
                        mesh_->regions(), mesh_->registry(), unsound, look, context_.threads,
                        {planes.slice_of, planes.planes, field_.get(), structures_});
     }
@@ -369,8 +376,8 @@ class Builder {
         RecoveredPieces recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
-            {sample_->stats.size_mm, interface_tolerance * sample_->stats.size_mm, options_.max_radius_edge,
-             bounds.most_more_bad, bounds.least_shape, may_cost_shape ? few_pieces : 0, !sample_->has_pole});
+            {sample_->stats.size_mm, tolerance_at_vertices(), options_.max_radius_edge, bounds.most_more_bad,
+             bounds.least_shape, may_cost_shape ? few_pieces : 0, near_mm(), !sample_->has_pole});
         recovered.run(unsound, relabelled, context_);
         piece_list_ = recovered.pieces();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
@@ -547,10 +554,6 @@ class Builder {
             if (sides[n].inside != sides[n].outside)
                 beside.push_back({pieces[n].a, pieces[n].b, pieces[n].structure});
         }
-        // About an axis, where more are, contours crowd each other: each would cost much and bring little.
-        if (sample_->has_pole &&
-            static_cast<double>(beside.size()) > most_beside * static_cast<double>(pieces.size()))
-            beside.clear();
         std::vector<std::uint8_t> crowded;
         if (!spared_ || !beside.empty()) crowded = crowded_by_contours(pieces);
         const SlicesThatTell slices = slices_to_keep();

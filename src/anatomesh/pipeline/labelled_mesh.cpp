@@ -7,11 +7,11 @@
 namespace anatomesh {
 
 LabelledMesh::LabelledMesh(Tetrahedralization delaunay, const StructureField& field, std::uint32_t structures,
-                           double size_mm, double tolerance_mm)
+                           double size_mm, const SurfaceTolerance& tolerance)
     : delaunay_(std::move(delaunay)),
       field_(field),
       structures_(structures),
-      tolerance_mm_(tolerance_mm),
+      tolerance_(tolerance),
       registry_(field.exclusive()),
       grid_(size_mm, 2 * delaunay_.points().size()) {
     for (const Vec3& p : delaunay_.points()) grid_.add(p);
@@ -22,7 +22,7 @@ CullStats LabelledMesh::update(RunContext& context) {
     ++updates_;
     regions_.resize(now.cells.size());
     changes_.push_back(now.changed);
-    find_sides(points(), field_, structures_, tolerance_mm_, sides_, registry_, context);
+    find_sides(points(), now.cells, now.changed, field_, structures_, tolerance_, sides_, registry_, context);
     return cull(points(), now.cells, now.changed, sides_, field_, structures_, regions_, registry_, context);
 }
 

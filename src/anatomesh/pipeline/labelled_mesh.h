@@ -24,9 +24,9 @@ struct CellSearch {
 // their region.
 class LabelledMesh {
   public:
-    // Requires: the field outlives the mesh. `tolerance_mm`: points this near an interface count as on it.
+    // Requires: the field outlives the mesh.
     LabelledMesh(Tetrahedralization delaunay, const StructureField& field, std::uint32_t structures, double size_mm,
-                 double tolerance_mm);
+                 const SurfaceTolerance& tolerance);
 
     // Takes the cells as they are now and decides the regions of the new ones.
     CullStats update(RunContext& context);
@@ -52,7 +52,7 @@ class LabelledMesh {
     Tetrahedralization delaunay_;
     const StructureField& field_;
     std::uint32_t structures_;
-    double tolerance_mm_;
+    SurfaceTolerance tolerance_;
     std::vector<std::vector<std::uint32_t>> changes_;  // the cells that each update brought
     std::uint32_t updates_ = 0;
     std::vector<VertexSide> sides_;

@@ -8,6 +8,7 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/contour_set.h"
+#include "anatomesh/cull/cull.h"
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/field/structure_field.h"
 #include "anatomesh/mesh/tet_mesh.h"
@@ -28,13 +29,14 @@ struct DrawnInMesh {
 
 struct RecoveryOptions {
     double size_mm = 0;          // the edge length aimed at. > 0
-    double tolerance_mm = 0;     // points this near an interface count as on it. > 0
+    SurfaceTolerance tolerance;  // as of the cells so far
     double max_radius_edge = 2;  // as in RefineOptions
     double most_more_bad =
         0.003;  // cells above it that nothing forces may become more by so many of those inside. [0, 1]
     double least_shape = 0;       // of cells, as in cavity.h: pieces that ask for worse ones are left. [0, 1]
     std::size_t few_missing = 0;  // so many may have the worst shapes, whatever part of the pieces they are
-    bool losses_wait = true;      // as in RelabelOptions
+    double near_mm = 0;           // as in RelabelOptions
+    bool losses_wait = true;      // the same
 };
 
 // After the first relabelling. Pieces that are no edges become edges (recover_pieces()), those that leave the

@@ -43,7 +43,7 @@ CulledMesh random_ball(const StructureField& field, std::uint32_t seed) {
         points.push_back({corner & 1 ? 20.0 : -20.0, corner & 2 ? 20.0 : -20.0, corner & 4 ? 20.0 : -20.0});
     }
     CulledMesh mesh{Tetrahedralization::create(points).value(), {}, {}, {}, {}, {}, PointGrid(size, 1000)};
-    mesh.update(field, 1, 0.02);
+    mesh.update(field, 1, {0.02});
     return mesh;
 }
 
@@ -59,7 +59,7 @@ TEST(Refine, repeated_rounds_end_with_the_ratio_below_the_bound) {
         int round = 0;
         for (; round < 60 && !found.empty(); ++round) {
             mesh.delaunay.insert(found);
-            mesh.update(field, 1, 0.02);
+            mesh.update(field, 1, {0.02});
             found = refinement(mesh, field, stats);
         }
         EXPECT_LT(round, 60);
@@ -136,7 +136,7 @@ TEST(Refine, a_second_look_goes_to_what_is_bad_or_has_changed) {
             all.insert(all.end(), found.begin(), found.end());
         }
         mesh.delaunay.insert(std::vector<Vec3>(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2)));
-        mesh.update(field, 1, 0.02);
+        mesh.update(field, 1, {0.02});
         for (auto& look : again) {
             look.insert(look.end(), mesh.cells.changed.begin(), mesh.cells.changed.end());
             std::sort(look.begin(), look.end());
@@ -156,7 +156,7 @@ TEST(Refine, crossing_points_lie_on_the_interface_and_apart) {
         }
     }
     CulledMesh mesh{Tetrahedralization::create(points).value(), {}, {}, {}, {}, {}, PointGrid(size, 1000)};
-    mesh.update(field, 1, 0.02);
+    mesh.update(field, 1, {0.02});
     RunContext context;
     std::uint64_t first = 0, last = 0;
     for (int round = 0; round < 4; ++round) {
@@ -175,7 +175,7 @@ TEST(Refine, crossing_points_lie_on_the_interface_and_apart) {
             for (std::size_t m = 0; m < n; ++m) EXPECT_GT(length(found[n] - found[m]), 0.1);
         }
         mesh.delaunay.insert(found);
-        mesh.update(field, 1, 0.02);
+        mesh.update(field, 1, {0.02});
     }
     EXPECT_LT(2 * last, first);
 }
@@ -198,7 +198,7 @@ TEST(Refine, deviation_points_bring_the_surface_to_the_interface) {
         for (const Vec3& p : found) EXPECT_NEAR(length(p), 5, 0.01);
         if (found.empty()) break;
         mesh.delaunay.insert(found);
-        mesh.update(field, 1, 0.02);
+        mesh.update(field, 1, {0.02});
     }
     EXPECT_GT(first, 50u);
     EXPECT_LT(last * 4, first);
@@ -246,7 +246,7 @@ TEST(Refine, deviation_points_open_a_pocket_whose_facets_lie_in_its_rims_plane) 
     for (int n = 0; n < 8; ++n)
         points.push_back({n & 1 ? 30.0 : -30.0, n & 2 ? 31.0 : -32.0, n & 4 ? 33.0 : -30.0});
     CulledMesh mesh{Tetrahedralization::create(points).value(), {}, {}, {}, {}, {}, PointGrid(size, 1000)};
-    mesh.update(field, 1, 0.02);
+    mesh.update(field, 1, {0.02});
     RunContext context;
     std::vector<Vec3> found;
     std::vector<std::uint32_t> look = mesh.all_cells();
