@@ -42,6 +42,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
+constexpr double near_share = 0.03;           // where planes cross: as RelabelOptions::near_mm, in sizes
 constexpr double crossing_tolerance = 0.2;    // where planes cross also in shares of the shortest edge there
 // For the volume's sake no vertex moves further than the first of these, in sizes, and, where a larger share
 // of a volume is still amiss then, the second further: where few vertices are free, that makes bumps of them.
@@ -275,7 +276,7 @@ class Builder {
     }
 
     double near_mm() const {
-        return is_parallel(contours_) ? 0 : surface_deviation * sample_->stats.size_mm;
+        return is_parallel(contours_) ? 0 : near_share * sample_->stats.size_mm;
     }
 
     ContourOwners contour_owners(const std::vector<SegmentPiece>& all, std::size_t point_count) const {

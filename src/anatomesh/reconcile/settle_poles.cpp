@@ -25,6 +25,7 @@ constexpr double least_across = 0.1;        // of a leg's direction across the l
 constexpr double widest_gap_degrees = 150;  // between the neighbours of a leg
 constexpr double share_of_way = 1.0 / 3;    // to the next point that must stay
 constexpr double least_radius = 0.02;       // of that asked for: less is no room for a vertex
+constexpr double short_way = 0.5;             // of the radius: a leg with less room is no bound to the others
 constexpr double vertex_near = 1.3;         // of the radius: a vertex there is the leg's end
 constexpr double least_turn_degrees = 3;    // a leg that turns by less stays as it is
 constexpr int most_turns = 50;
@@ -127,8 +128,10 @@ class Settler {
         if (!line) return;
         double radius = options_.radius_mm;
         for (const Visit& visit : visits) {
-            for (const bool forward : {false, true})
-                radius = std::min(radius, share_of_way * way_to_next(visit, forward));
+            for (const bool forward : {false, true}) {
+                const double way = share_of_way * way_to_next(visit, forward);
+                if (way >= short_way * options_.radius_mm) radius = std::min(radius, way);
+            }
         }
         if (!(radius >= least_radius * options_.radius_mm)) return;
         const std::size_t before = ways_.size();
@@ -196,6 +199,7 @@ class Settler {
                     leg.latitude = std::atan2(dot(found->second, line), dot(found->second, leg.radial));
                     leg.held = true;
                 }
+                leg.held = leg.held || share_of_way * way_to_next(visit, forward) < radius;
                 fan.push_back(std::move(leg));
             }
         }

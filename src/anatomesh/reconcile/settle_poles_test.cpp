@@ -49,9 +49,11 @@ void add_ring(ContourSet& set, const Plane& plane, std::uint32_t structure, cons
 }
 
 // In every one of `planes` about the z axis a body below the surface, whose legs meet at the origin; above it
-// another one, on the slices that `above` says.
+// another one, on the slices that `above` says; on the first slice, with a `branch`, one that leaves the leg
+// so far from the origin.
 Fan fan_of(
-    int planes, const Slope& slope, const std::function<bool(int)>& above = [](int) { return false; }) {
+    int planes, const Slope& slope, const std::function<bool(int)>& above = [](int) { return false; },
+    double branch = 0) {
     Fan fan;
     fan.set.source = "fan";
     fan.set.structures = {{1, "below", {200, 0, 0}}, {2, "above", {0, 200, 0}}};
@@ -64,6 +66,12 @@ Fan fan_of(
         const Vec3 one = reach * out + Vec3{0, 0, reach * std::tan(slope(azimuth, k))};
         const Vec3 other = -reach * out + Vec3{0, 0, reach * std::tan(slope(azimuth + pi, k + planes))};
         const Vec3 down{0, 0, 80};
+        if (k == 0 && branch > 0) {
+            const Vec3 near = branch * normalized(one);
+            add_ring(fan.set, plane, 0, {{}, near, one, reach * out - down, -reach * out - down, other});
+            add_ring(fan.set, plane, 1, {{}, near, near + down, -reach * out + down, other});
+            continue;
+        }
         add_ring(fan.set, plane, 0, {{}, one, reach * out - down, -reach * out - down, other});
         if (above(k)) add_ring(fan.set, plane, 1, {{}, one, reach * out + down, -reach * out + down, other});
     }
@@ -126,6 +134,29 @@ Slope zigzag(double tilt, double azimuth, double height) {
     return [=](double at, int leg) {
         return std::atan(std::tan(tilt) * std::cos(at - azimuth)) + (leg % 2 == 0 ? height : -height);
     };
+}
+
+// A contour that branches next to the pole keeps its leg; the others are turned as far out as without it.
+TEST(SettlePoles, one_leg_without_room_does_not_take_that_of_the_others) {
+    for (const double branch : {0.03 * radius, 0.3 * radius}) {
+        Fan fan = fan_of(10, zigzag(0, 0, 0.5), [](int) { return false; }, branch);
+        const auto points = fan.set.points_of(fan.set.contours[0]);
+        const auto found = std::find_if(points.begin(), points.end(),
+                                        [&](Vec3 p) { return std::abs(length(p) - branch) < 1e-9; });
+        ASSERT_NE(found, points.end());
+        const Vec3 near = *found;
+        EXPECT_EQ(fan.settle().poles, 1u);
+        EXPECT_TRUE(has(fan.set, 0, 0, near));
+        EXPECT_TRUE(has(fan.set, 0, 1, near));
+        std::size_t turned = 0;
+        for (std::size_t n = 0; n < fan.set.points.size(); ++n) {
+            if (fan.set.points[n] == fan.drawn.at[n]) continue;
+            EXPECT_NEAR(length(fan.set.points[n]), radius, 1e-9);
+            ++turned;
+        }
+        EXPECT_GT(turned, 10u);
+        expect_sound(fan.set);
+    }
 }
 
 TEST(SettlePoles, what_rises_and_falls_from_plane_to_plane_goes) {
