@@ -9,9 +9,9 @@
 namespace anatomesh {
 
 struct PoleOptions {
-    double radius_mm = 1;        // up to where contours are turned. mm, > 0
-    double least_degrees = 70;   // between the surface's two sides at a contour; less is settled. (0, 180)
-    double most_moved_mm = 10;   // of a vertex from where it was drawn. mm, > 0
+    double radius_mm = 1;       // up to where contours are turned. mm, > 0
+    double least_degrees = 70;  // between the surface's two sides at a contour; less is settled. (0, 180)
+    double most_moved_mm = 10;  // of a vertex from where it was drawn. mm, > 0
 };
 
 struct PoleStats {
@@ -25,9 +25,10 @@ struct PoleStats {
 // slits that no cells fit into. Where the facets between a leg and those of the two planes beside it make an
 // angle below the least, all legs of the pole are turned about it in their planes, each half way to the facet
 // between its neighbours, until none is sharper, at most 50 times: what rises and falls from plane to plane
-// goes, a slope over several planes stays; so does a leg that would turn by less than 3 degrees. Legs are turned up to the radius, where they get a
-// vertex, or up to less: a third of the way to the next point that other slices have too, or at which
-// contours branch. A leg that has less than half the radius for that stays as it is, and the others keep their room.
+// goes, a slope over several planes stays; so does a leg that would turn by less than 3 degrees. Legs are
+// turned up to the radius, where they get a vertex, or up to less: a third of the way to the next point that
+// other slices have too, or at which contours branch. A leg that has less than half the radius for that stays
+// as it is, and the others keep their room.
 //
 // Requires: a kept contour set with common points (insert_shared_points); `drawn` of it. Guarantees: poles
 // and all other common points keep their bits; contours that structures share stay shared; a slice that would
