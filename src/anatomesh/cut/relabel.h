@@ -38,7 +38,8 @@ struct RelabelStats {
 struct RelabelOptions {
     // Vertices deeper than this in a region would be spikes on a surface, in mm. [0, inf)
     double deep_mm = 0;
-    // Vertices no deeper than this in a region may come to others to bring pieces back, in mm. [0, inf)
+    // Vertices less deep than this, in mm, count as where the field has them, whatever side they come to: they
+    // speak against no move. [0, inf)
     double near_mm = 0;
     // Moves by which pieces of contour segments are lost wait until no others are left. About an axis that
     // costs handles.

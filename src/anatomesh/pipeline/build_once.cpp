@@ -42,6 +42,8 @@ namespace anatomesh {
 namespace {
 
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
+// Of the contour pieces, beside their surface: more are not brought there about an axis where shapes are spared.
+constexpr double most_beside = 0.003;
 constexpr double near_share = 0.03;           // where planes cross: as RelabelOptions::near_mm, in sizes
 constexpr double crossing_tolerance = 0.2;    // where planes cross also in shares of the shortest edge there
 // For the volume's sake no vertex moves further than the first of these, in sizes, and, where a larger share
@@ -555,6 +557,10 @@ class Builder {
             if (sides[n].inside != sides[n].outside)
                 beside.push_back({pieces[n].a, pieces[n].b, pieces[n].structure});
         }
+        // Where shapes are spared, more would cost what is spared.
+        if (spared_ && sample_->has_pole &&
+            static_cast<double>(beside.size()) > most_beside * static_cast<double>(pieces.size()))
+            beside.clear();
         std::vector<std::uint8_t> crowded;
         if (!spared_ || !beside.empty()) crowded = crowded_by_contours(pieces);
         const SlicesThatTell slices = slices_to_keep();

@@ -126,13 +126,7 @@ class Settler {
         if (visits.size() < planes_at_pole) return;
         const std::optional<Vec3> line = common_line(visits);
         if (!line) return;
-        double radius = options_.radius_mm;
-        for (const Visit& visit : visits) {
-            for (const bool forward : {false, true}) {
-                const double way = share_of_way * way_to_next(visit, forward);
-                if (way >= short_way * options_.radius_mm) radius = std::min(radius, way);
-            }
-        }
+        const double radius = radius_at(visits);
         if (!(radius >= least_radius * options_.radius_mm)) return;
         const std::size_t before = ways_.size();
         for (std::size_t first = 0; first < visits.size();) {
@@ -151,6 +145,7 @@ class Settler {
         for (const bool moves : {false, true}) {
             for (const Visit& visit : visits) {
                 for (const bool forward : {false, true}) {
+                    if (room_of(visit, forward) < radius) continue;
                     const Leg leg = leg_of(visit, forward, radius);
                     const auto found = ways_.find(key_of(leg));
                     if (found == ways_.end()) continue;
@@ -180,13 +175,36 @@ class Settler {
         }
     }
 
+    double room_of(const Visit& visit, bool forward) const {
+        return share_of_way * way_to_next(visit, forward);
+    }
+
+    // For which half of the legs or more have room; the least room where fewer have any to speak of.
+    double radius_at(std::span<const Visit> visits) const {
+        double least = options_.radius_mm, radius = options_.radius_mm;
+        std::size_t with_room = 0;
+        for (const Visit& visit : visits) {
+            for (const bool forward : {false, true}) {
+                const double room = room_of(visit, forward);
+                least = std::min(least, room);
+                if (room < short_way * options_.radius_mm) continue;
+                radius = std::min(radius, room);
+                ++with_room;
+            }
+        }
+        return with_room >= visits.size() ? radius : least;
+    }
+
     // One leg in every half plane, by azimuth; none where the contours are not so.
     std::optional<std::vector<Leg>> fan_of(std::span<const Visit> visits, Vec3 line, double radius) const {
         std::vector<Leg> fan;
         const Vec3 across = set_.slices[visits.front().slice].plane.normal, along = cross(line, across);
         for (const Visit& visit : visits) {
             for (const bool forward : {false, true}) {
-                Leg leg = leg_of(visit, forward, radius);
+                // Up to a point that stays, however near: there the leg may turn elsewhere.
+                const double room = std::min(radius, room_of(visit, forward));
+                if (!(room > 0)) return {};
+                Leg leg = leg_of(visit, forward, room);
                 const Vec3 way = normalized(leg.end - visit.at);
                 const Vec3 radial = way - dot(way, line) * line;
                 if (length(radial) < least_across) return {};
@@ -199,7 +217,7 @@ class Settler {
                     leg.latitude = std::atan2(dot(found->second, line), dot(found->second, leg.radial));
                     leg.held = true;
                 }
-                leg.held = leg.held || share_of_way * way_to_next(visit, forward) < radius;
+                leg.held = leg.held || room < radius;
                 fan.push_back(std::move(leg));
             }
         }

@@ -28,7 +28,7 @@ struct PoleStats {
 // goes, a slope over several planes stays; so does a leg that would turn by less than 3 degrees. Legs are
 // turned up to the radius, where they get a vertex, or up to less: a third of the way to the next point that
 // other slices have too, or at which contours branch. A leg that has less than half the radius for that stays
-// as it is, and the others keep their room.
+// as it is, and (unless they are fewer than half) the others keep their room.
 //
 // Requires: a kept contour set with common points (insert_shared_points); `drawn` of it. Guarantees: poles
 // and all other common points keep their bits; contours that structures share stay shared; a slice that would

@@ -159,6 +159,18 @@ TEST(SettlePoles, one_leg_without_room_does_not_take_that_of_the_others) {
     }
 }
 
+// A contour that lies within the radius altogether has no leg: nothing is turned, and it ends.
+TEST(SettlePoles, a_contour_smaller_than_the_radius_has_no_legs) {
+    Fan fan = fan_of(10, zigzag(0, 0, 0.5));
+    const Plane plane = make_plane({}, {1, 0, 0});
+    fan.set.slices.push_back({plane, static_cast<std::uint32_t>(fan.set.contours.size()), 0, "small"});
+    const double side = 0.2 * radius;
+    add_ring(fan.set, plane, 0, {{}, {0, side, -side}, {0, -side, -side}});
+    const ContourSet before = fan.set;
+    EXPECT_EQ(fan.settle().poles, 0u);
+    EXPECT_EQ(fan.set.points, before.points);
+}
+
 TEST(SettlePoles, what_rises_and_falls_from_plane_to_plane_goes) {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> unit(0, 1);
