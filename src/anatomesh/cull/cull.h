@@ -21,11 +21,12 @@ struct CullStats {
 // How near a surface passes that counts as passing through a point.
 struct SurfaceTolerance {
     double mm = 0;       // > 0
-    double of_edge = 0;  // and in shares of the shortest edge there; 0: whatever the edges. [0, 1]
+    double of_edge = 0;  // and in shares of the point's shortest edge when its side is found; 0: any. [0, 1]
 };
 
-// The side of every point from sides.size() on, which are vertices of the cells `chosen`; appended to `sides`.
-// Same result at any thread count. Complexity: a few field values a point.
+// The side of every point from sides.size() on, appended to `sides`; those before stay, whatever comes beside
+// them. Requires: `chosen` has all cells at the new points. Same result at any thread count. Complexity: a few
+// field values a point; with `of_edge` also O(chosen), on one thread.
 void find_sides(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                 std::span<const std::uint32_t> chosen, const StructureField& field, std::uint32_t structures,
                 const SurfaceTolerance& tolerance, std::vector<VertexSide>& sides, RegionRegistry& registry,

@@ -54,7 +54,7 @@ struct RelabelOptions {
 // mended by moves of its own. Vertices are taken in rising order, round by round, until nothing falls. Among
 // moves of one effect that with the fewest vertices left on a side where the field does not have them
 // (`sides`, by find_sides() of cull/cull.h; empty: not looked at). A piece of a contour segment is not
-// brought back at the price of such a vertex: that would be a spike. With several structures, moves that
+// brought back at the price of such a vertex, but for one less deep than near_mm: that would be a spike. With several structures, moves that
 // bring a deep vertex onto a surface are made only when no others are left. Where planes cross (no `slices`),
 // then, four times, a piece is brought back also by one of up to twelve moves that do not make the sum fall,
 // if up to six rounds of moves at the vertices concerned make it fall below what it was, with fewer pieces
