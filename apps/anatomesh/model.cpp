@@ -345,6 +345,8 @@ Status make_model(const ContourSet& kept, const InputContours& contours, const C
     building.max_gap_spacings = field.max_gap_spacings;
     building.single_slice_mm = field.single_slice_mm;
     building.max_tetrahedra = session.limits.tetrahedra;
+    if (options.reconcile.reconcile == "1")
+        building.max_follow_mm = options.reconcile.stage.max_disagreement_mm;
     if (options.size_mm > 0) {
         ANATOMESH_CHECK_STATUS(check_size(kept, options.size_mm, session.limits));
     } else {
@@ -358,9 +360,9 @@ Status make_model(const ContourSet& kept, const InputContours& contours, const C
     }
     model.report.stages.insert(model.report.stages.begin(), stages.begin(), stages.end());
     model.report.crossing = crossing;
-    ANATOMESH_TRY(ModelFile file, model_file(model, kept, options, session));
+    ANATOMESH_TRY(ModelFile file, model_file(model, model.contours, options, session));
     complete_report(model.report, contours, options, session);
-    ANATOMESH_CHECK_STATUS(stage_outputs(model, file, kept, options, files, session));
+    ANATOMESH_CHECK_STATUS(stage_outputs(model, file, model.contours, options, files, session));
     if (!options.dicom.paths().empty()) {
         ANATOMESH_TRY(const DicomSource source, output_source(options.input, contours.dicom_source, context));
         ANATOMESH_CHECK_STATUS(add_dicom_outputs(model, source, options.dicom, files, context));

@@ -1,5 +1,6 @@
 """Models of analytic shapes: volumes and distances against formulas, topology, contract, by an independent judge."""
 import json
+import sys
 import unittest
 
 import numpy as np
@@ -226,6 +227,56 @@ class ThinWallsInStacks(harness.TestCase):
             wall, told = self.drawn(name, balls)
             self.assertEqual(wall["genus"], 0, name)
             self.assertEqual(told, [], name)
+
+
+class FollowedContours(harness.TestCase):
+    """An ellipsoid in planes about an axis, which come so near to each other at its poles that a segment is no edge of the surface."""
+
+    def setUp(self):
+        super().setUp()
+        sys.path.insert(0, str(harness.SOURCE / "bench"))
+        self.addCleanup(sys.path.remove, str(harness.SOURCE / "bench"))
+        from about_axis import write_set
+        write_set(self.folder / "axis.json", 18, 20, 1, 0.3, 1)
+
+    def model(self, *words):
+        told = self.run_program("model", "axis.json", "-o", "axis.vtu", "--contours", "kept.json", *words).err
+        report = json.loads((self.folder / "axis.report.json").read_text())
+        structure = report["structures"][0]
+        return told, report, structure["contour_segments"] - structure["contour_segments_on_surface"]
+
+    @staticmethod
+    def points(path):
+        return {tuple(point) for part in json.loads(path.read_text())["slices"] for contour in part["contours"] for point in contour["points"]}
+
+    def test_all_segments_are_edges_and_what_left_its_place_is_said(self):
+        told, report, missed = self.model()
+        self.assertEqual(missed, 0)
+        self.assertNotIn("W-PIP-012", told)
+        self.assertIn("W-PIP-013", told)
+        followed = report["followed_contours"]
+        self.assertGreater(len(followed), 0)
+        self.assertLess(max(contour["farthest_mm"] for contour in followed), 0.1)
+        self.assertLess(sum(contour["difference_mm2"] for contour in followed), 0.1)
+        clause = report["certificate"][1]
+        self.assertIn("follow the surface", clause["evidence"])
+        # Kept as they are written, which are not those that were drawn; no drawn vertex is off the surface.
+        kept = self.points(self.folder / "kept.json")
+        model = judge.Model(self.folder / "axis.vtu")
+        on_surface = {tuple(point) for point in model.points[np.unique(model.surface(model.structure == 1))]}
+        self.assertLessEqual(kept, on_surface)
+        checked = json.loads(self.run_program("check", "axis.vtu", "--contours", "kept.json", "--json").out)
+        structure = checked["structures"][0]
+        self.assertEqual(structure["contour_segments"], structure["contour_segments_on_surface"])
+        self.model("--reconcile", "0")
+        as_drawn = self.points(self.folder / "kept.json")
+        self.assertNotEqual(kept, as_drawn)
+
+    def test_none_leaves_its_place_where_all_are_to_stay(self):
+        told, report, missed = self.model("--reconcile", "0")
+        self.assertEqual(report["followed_contours"], [])
+        self.assertNotIn("W-PIP-013", told)
+        self.assertGreater(missed, 0)
 
 
 class WallsDrawnTwice(harness.TestCase):

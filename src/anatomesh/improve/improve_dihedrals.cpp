@@ -13,6 +13,7 @@
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/bring_segments.h"
 #include "anatomesh/improve/flip_surface_edges.h"
+#include "anatomesh/improve/follow_surface.h"
 #include "anatomesh/improve/lift_facets.h"
 #include "anatomesh/improve/lower_apexes.h"
 #include "anatomesh/improve/mend_cuts.h"
@@ -57,7 +58,11 @@ struct Scouted {
 class Climber {
   public:
     Climber(Workbench& bench, const DrawnSlices& drawn)
-        : bench_(bench), drawn_(drawn), target_(std::sin(bench.options.target_degrees * radians_per_degree)) {
+        : bench_(bench),
+          crowded_(drawn.crowded.begin(), drawn.crowded.end()),
+          drawn_(drawn),
+          target_(std::sin(bench.options.target_degrees * radians_per_degree)) {
+        drawn_.crowded = crowded_;
         bench.goal = std::sin((bench.options.target_degrees + margin_degrees) * radians_per_degree);
     }
 
@@ -104,6 +109,7 @@ class Climber {
         const double least = worst_degrees();
         queue_ = {};
         bring_pieces(std::max(least, listed_degrees), most_for_segment);
+        follow(std::max(least, listed_degrees));
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
@@ -271,6 +277,18 @@ class Climber {
         bench_.stats.pieces_brought += brought.brought;
         watched_ = std::move(watched);
         watched_.insert(watched_.end(), brought.changed.begin(), brought.changed.end());
+    }
+
+    // Contours whose segments no edges of the surface run along after all.
+    void follow(double least_degrees) {
+        std::vector<std::uint32_t> watched = std::exchange(watched_, {});
+        FollowStats stats =
+            follow_surface(bench_, drawn_, crowded_, std::sin(least_degrees * radians_per_degree),
+                           [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); });
+        bench_.stats.segments_missed = stats.missed;
+        bench_.stats.followed = std::move(stats.followed);
+        watched_ = std::move(watched);
+        watched_.insert(watched_.end(), stats.changed.begin(), stats.changed.end());
     }
 
     // The shapes of these cells and of those that come of it, with the operations of the end; last their
@@ -526,7 +544,8 @@ class Climber {
     }
 
     Workbench& bench_;
-    const DrawnSlices& drawn_;
+    std::vector<std::uint8_t> crowded_;  // those of drawn_, from which contours that are led take some
+    DrawnSlices drawn_;
     double target_;
     bool thorough_ = false;    // the last climb
     bool is_raising_ = false;  // for a piece of a contour segment

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
+#include "anatomesh/contour/contour_set.h"
 #include "anatomesh/cut/star.h"
 #include "anatomesh/field/structure_field.h"
 #include "anatomesh/geom/plane.h"
@@ -19,6 +20,22 @@ namespace anatomesh {
 using VertexPair = std::array<std::uint32_t, 2>;  // smaller vertex first
 
 inline constexpr std::uint32_t no_slice = 0xFFFFFFFFu;
+
+// Contours that may leave where they are drawn for where the surface is (follow_surface.h).
+struct FollowingContours {
+    std::span<const Contour> contours = {};        // those of a slice and structure one after the other
+    std::span<const std::uint32_t> vertices = {};  // of the mesh, of every point of theirs
+    std::span<const Plane> planes = {};            // by slice
+    double most_mm = 0;                            // no further. >= 0
+};
+
+// One that did.
+struct FollowedContour {
+    std::uint32_t contour = 0;            // its index
+    std::vector<std::uint32_t> vertices;  // all, in order
+    std::uint64_t segments = 0;           // that it left
+    double farthest_mm = 0;               // of it from what was drawn, and of that from it
+};
 
 // What is drawn on slices, for the facets in their planes.
 struct DrawnSlices {
@@ -37,6 +54,8 @@ struct DrawnSlices {
     std::span<const std::array<std::uint32_t, 3>> pieces_beside = {};
     std::span<const std::uint8_t> crowded =
         {};  // by vertex: contours force the shapes of its cells; or empty
+
+    FollowingContours following = {};
 
     // Whether one of these vertices, of a cell or a facet, is.
     bool are_crowded(std::span<const std::uint32_t> vertices) const {
@@ -79,6 +98,8 @@ struct DihedralStats {
                   tries = 0;
     std::uint64_t cuts_found = 0, cuts_mended = 0;       // visits and changes (mend_cuts.h)
     std::uint64_t pieces_found = 0, pieces_brought = 0;  // of contour segments (bring_segments.h)
+    std::uint64_t segments_missed = 0;                   // of drawn.following, before follow_surface()
+    std::vector<FollowedContour> followed;
     std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (lift_facets.h)
 };
 
@@ -94,7 +115,8 @@ struct DihedralStats {
 // after, spikes and pits of one cell are taken off the surfaces where the field has none, before that deep
 // ones of any number are lowered (lower_apexes.h); before and at last contour pieces beside their surface are
 // brought to lie on it (bring_segments.h), until when they stay edges of the mesh; at last each chain of them
-// may cost one cell in 100,000 above `max_radius_edge`. In between, edges of surfaces are flipped for smaller
+// may cost one cell in 100,000 above `max_radius_edge`, and contours of `drawn.following` are led along the
+// surface where that does not help (follow_surface.h). In between, edges of surfaces are flipped for smaller
 // angles between facets (flip_surface_edges.h), where no angle inside falls below the target or what it was.
 // Near the end single cells below 10 degrees or above `last_radius_edge` beside those of `drawn.crowded` are
 // mended at the price of these. Guarantees: no cell inside with an angle below the least before and below 10

@@ -115,20 +115,7 @@ class Thickening {
     // The edge whose ring the bench has.
     bool cut(std::uint32_t a, std::uint32_t b, double share) {
         const Vec3 from = bench_.mesh.point(a);
-        const bool fixed = bench_.fixed_edge(a, b);
-        const std::uint32_t v = bench_.add_point(from + share * (bench_.mesh.point(b) - from));
-        bench_.cells.clear();
-        bench_.regions.clear();
-        for (const std::uint32_t c : bench_.ring.cells) {
-            for (const std::uint32_t end : {a, b}) {
-                bench_.cells.push_back(bench_.mesh.cell(c));
-                std::replace(bench_.cells.back().begin(), bench_.cells.back().end(), end, v);
-                bench_.regions.push_back(bench_.mesh.region(c));
-            }
-        }
-        if (!bench_.commit(bench_.ring.cells, bench_.cells, bench_.regions)) return false;
-        if (fixed) bench_.fix_on_edge(v, a, b);
-        return true;
+        return bench_.split_ring(from + share * (bench_.mesh.point(b) - from)) != no_cell;
     }
 
     std::vector<std::uint32_t> cells_between_cuts() {

@@ -129,6 +129,24 @@ bool Workbench::commit(std::span<const std::uint32_t> removed, std::span<const C
     return true;
 }
 
+std::uint32_t Workbench::split_ring(Vec3 at) {
+    const std::uint32_t a = ring.a, b = ring.b;
+    const bool was_fixed = fixed_edge(a, b);
+    const std::uint32_t v = add_point(at);
+    cells.clear();
+    regions.clear();
+    for (const std::uint32_t c : ring.cells) {
+        for (const std::uint32_t end : {a, b}) {
+            cells.push_back(mesh.cell(c));
+            std::replace(cells.back().begin(), cells.back().end(), end, v);
+            regions.push_back(mesh.region(c));
+        }
+    }
+    if (!commit(ring.cells, cells, regions)) return no_cell;
+    if (was_fixed) fix_on_edge(v, a, b);
+    return v;
+}
+
 bool Workbench::commit_move(std::uint32_t v, Vec3 to) {
     if (scouts) {
         proposal.vertex = v;

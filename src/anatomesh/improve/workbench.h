@@ -68,6 +68,7 @@ class Workbench {
     }
 
     void fix(std::uint32_t v) { fixed_[v] = 1; }
+    void unfix(std::uint32_t v) { fixed_[v] = 0; }
     // Fixed too, but for mend_cuts(), which may move it once more.
     void settle(std::uint32_t v) { fixed_[v] = settled_once; }
     bool settled(std::uint32_t v) const { return fixed_[v] == settled_once; }
@@ -111,6 +112,10 @@ class Workbench {
     // stay.
     bool commit(std::span<const std::uint32_t> removed, std::span<const Cell> added,
                 std::span<const Region> regions);
+
+    // Puts a vertex, which it returns, on the edge of `ring`, near its line: each of the cells round it
+    // becomes two. no_cell, if one of them would not be positive. What was fixed is fixed on.
+    std::uint32_t split_ring(Vec3 at);
 
     // Moves a vertex, `star` the cells at it, if all of these stay positive, exactly.
     bool commit_move(std::uint32_t v, Vec3 to);

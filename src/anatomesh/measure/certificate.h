@@ -66,11 +66,12 @@ inline constexpr double certificate_volume_tolerance = 0.002;  // relative
 // Fills, and only these: vertices, tetrahedra, surface_triangles, structures, regions, quality, certificate,
 // listed_cells, listed_cells_total, listed_cells_forced; with contours also slices, contours,
 // contour_vertices, cuts, cuts_not_drawn and, of parallel slices, slice_spacing_mm; with a field
-// field_distance and field_difference. Structures are matched by matching_structure(); the vertices of a
-// structure that the model lacks are not on its surface. Requires: mesh.regions.size() == mesh.cells.size(),
-// every region in the table, members below structures.size(). Warnings of the context that tell of vertices
-// moved by cleaning stand in the evidence of clause 1. Complexity: O(n log n): 250,000 cells take about 0.7 s
-// on one thread, a third of it for check_mesh().
+// field_distance and field_difference. Of what is there already it reads followed_contours. Structures are
+// matched by matching_structure(); the vertices of a structure that the model lacks are not on its surface.
+// Requires: mesh.regions.size() == mesh.cells.size(), every region in the table, members below
+// structures.size(). Warnings of the context that tell of vertices moved by cleaning stand in the evidence of
+// clause 1. Complexity: O(n log n): 250,000 cells take about 0.7 s on one thread, a third of it for
+// check_mesh().
 void measure_model(const CertificateInput& input, const RunContext& context, ModelReport& report);
 
 // Whether a clause is broken.

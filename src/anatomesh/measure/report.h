@@ -91,6 +91,14 @@ struct SliceCutReport {
     std::uint32_t segments_missed = 0;  // of its contours: no chains of surface edges
 };
 
+// A contour that leaves what is drawn to lie on the surface, where no edges of that run along it.
+struct FollowedContourReport {
+    std::string structure, slice;
+    std::uint64_t segments = 0;  // drawn, that were missed
+    double farthest_mm = 0,      // of the contour from what is drawn, and of that from it
+        difference_mm2 = 0;      // area of the symmetric difference of both regions
+};
+
 // How far the surfaces are from those of the field where that is most.
 struct FieldDistanceReport {
     std::uint64_t points = 0;  // measured: vertices of the surface and middles of its facets; 0: no field
@@ -185,6 +193,7 @@ struct ModelReport {
     // the model has it.
     std::vector<SliceCutReport> cuts;
     std::uint64_t cuts_not_drawn = 0;  // measured on slices where a structure is not drawn
+    std::vector<FollowedContourReport> followed_contours;
     FieldDistanceReport field_distance;
     FieldDifferenceReport field_difference;
     CrossingReport crossing;

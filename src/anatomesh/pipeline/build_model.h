@@ -21,6 +21,10 @@ struct ModelOptions {
     double single_slice_mm = 0;     // as in FieldOptions. [0, 1000]
     double max_radius_edge = 2.0;   // aimed at for every cell. [1.2, 10]
     std::uint64_t max_tetrahedra = 1'000'000'000;  // refused above, before the work
+    // Where planes cross, segments of contours that no edges of the surface run along follow it, if they need
+    // not leave their place by more than this, mm, and half an edge length (follow_surface.h). [0, 1000]; 0:
+    // all stay where they are drawn
+    double max_follow_mm = 0;
     // Of contour vertices on planes that lie closer than those: above, less is done for cells and contour
     // segments at the first try with a default size (W-PIP-005). [0, any]
     std::uint64_t spare_dense_above = 50'000;
@@ -30,7 +34,8 @@ struct Model {
     TetMesh mesh;                          // only cells of a region other than 0; every point is used by a cell
     RegionTable regions;
     std::vector<Structure> structures;     // as in the contour set
-    std::vector<std::uint32_t> contour_vertices;  // mesh vertex of every point of the contour set
+    ContourSet contours;  // those given, and where segments followed the surface the points of that
+    std::vector<std::uint32_t> contour_vertices;  // mesh vertex of every point of `contours`
     ModelReport report;                    // everything the core can know; inputs and command are the caller's
     std::shared_ptr<const StructureField> field;  // what the mesh approximates: at p it is the field's at p - field_origin
     Vec3 field_origin;

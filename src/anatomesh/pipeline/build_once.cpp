@@ -27,6 +27,7 @@
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/contour_field.h"
 #include "anatomesh/pipeline/contour_pieces.h"
+#include "anatomesh/pipeline/followed_contours.h"
 #include "anatomesh/pipeline/ill_shaped_cells.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
 #include "anatomesh/pipeline/model_warnings.h"
@@ -84,6 +85,7 @@ constexpr double dense_deviation = 0.03;  // as surface_deviation
 constexpr double most_astray = 0.3;
 // Radius-edge ratio inside: 0.95 is asked for, and what comes after the last smoothing takes a little of it.
 constexpr double smooth_mean = 0.947;
+constexpr double most_followed = 0.5;  // of a contour segment along the surface, from its place, in sizes
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
 // Everything that one run of the method carries from stage to stage. The stages work relative to the low
@@ -123,6 +125,8 @@ class Builder {
     bool went_astray() const {
         return conforming_ && dense_ && report_so_far().field_distance.max_mm > most_astray * size_mm();
     }
+    // Contour segments that were, whether their contours follow the surface now or not.
+    std::uint64_t segments_missed() const { return segments_missed_; }
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
     bool spared_shapes() const { return spared_ || recovered_ || (pieces_ && pieces_->are_short()); }
 
@@ -434,6 +438,8 @@ class Builder {
         parallel_tasks(context_.threads,
                        {[&] { dihedrals = improve_angles(fixed); }, [&] { volumes = find_volumes(); }});
         ANATOMESH_CHECK_STATUS(volumes);
+        followed_ = std::move(dihedrals.followed);
+        segments_missed_ = dihedrals.segments_missed;
         stars = find_stars();
         fix_ill_shaped(fixed);
         const SlicesThatTell slices = slices_to_keep();
@@ -479,6 +485,8 @@ class Builder {
                     {"pieces_off_surface", static_cast<double>(dihedrals.pieces_found)},
                     {"pieces_brought", static_cast<double>(dihedrals.pieces_brought)},
                     {"apexes_lowered", static_cast<double>(dihedrals.apexes_lowered)},
+                    {"segments_missed", static_cast<double>(dihedrals.segments_missed)},
+                    {"contours_followed", static_cast<double>(followed_.size())},
                     {"facets_left_in_slices", static_cast<double>(dihedrals.facets_left)},
                     {"visits_of_wrong_cuts", static_cast<double>(dihedrals.cuts_found)},
                     {"changes_to_cuts", static_cast<double>(dihedrals.cuts_mended)},
@@ -564,12 +572,19 @@ class Builder {
         std::vector<std::uint8_t> crowded;
         if (!spared_ || !beside.empty()) crowded = crowded_by_contours(pieces);
         const SlicesThatTell slices = slices_to_keep();
+        const std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
+        std::vector<Plane> planes;
+        for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);
+        FollowingContours following;
+        if (options_.max_follow_mm > 0 && !is_parallel(contours_))
+            following = {contours_.contours, contour_vertices, planes,
+                         std::min(options_.max_follow_mm, most_followed * sample_->stats.size_mm)};
         return improve_dihedrals(
             model_.mesh, neighbors_, fixed,
             edges_along(model_.mesh, neighbors_, segment_ends(contours_, vertices_of_contours())), *field_,
             structures_,
             {&model_.regions, slice_of, &owners, slices.planes, slices.extents, slices.weights,
-             slices.on_plane_mm, beside, crowded},
+             slices.on_plane_mm, beside, crowded, following},
             options, context_);
     }
 
@@ -585,18 +600,23 @@ class Builder {
     void drop_outside_cells() {
         TetMesh& mesh = model_.mesh;
         const std::vector<std::uint32_t> vertex = drop_outside(mesh, neighbors_, context_.threads);
-        model_.contour_vertices.reserve(sample_->contour_vertices.size());
-        for (const std::uint32_t n : sample_->contour_vertices) {
-            model_.contour_vertices.push_back(vertex[mesh_->first_vertices()[n]]);
+        std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
+        for (std::uint32_t& v : contour_vertices) v = vertex[v];
+        for (FollowedContour& followed : followed_) {
+            for (std::uint32_t& v : followed.vertices) v = vertex[v];
         }
         compact_regions(mesh, model_.regions);
         move_back(mesh.points);
         // Contour vertices keep the coordinates that they came with, bit for bit.
-        for (std::size_t n = 0; n < model_.contour_vertices.size(); ++n) {
-            const std::uint32_t v = model_.contour_vertices[n];
+        for (std::size_t n = 0; n < contour_vertices.size(); ++n) {
+            const std::uint32_t v = contour_vertices[n];
             if (v != no_cell)
                 mesh.points[v] = source_.points[n];  // one that was lost is the certificate's to find
         }
+        ContoursOfMesh kept = follow_contours(source_, contour_vertices, followed_, mesh.points);
+        model_.contours = std::move(kept.contours);
+        model_.contour_vertices = std::move(kept.vertices);
+        report().followed_contours = followed_contours(source_, followed_, mesh.points);
         model_.structures = contours_.structures;
         model_.field = field_;
         model_.field_origin = origin_;
@@ -608,7 +628,7 @@ class Builder {
 
     Status certify() {
         CertificateInput input{model_.mesh, model_.regions, model_.structures};
-        input.contours = &source_;
+        input.contours = &model_.contours;
         input.field_volumes_mm3 = volumes_mm3_;
         input.field = field_.get();
         input.field_origin = origin_;
@@ -673,10 +693,10 @@ class Builder {
         std::vector<std::size_t> same(structures_);
         std::iota(same.begin(), same.end(), std::size_t{0});
         const double size_mm = sample_->stats.size_mm;
-        tears_ = find_tears({model_.mesh, neighbors_, model_.regions, report().structures, source_, same,
-                             model_.contour_vertices, size_mm},
+        tears_ = find_tears({model_.mesh, neighbors_, model_.regions, report().structures, model_.contours,
+                             same, model_.contour_vertices, size_mm},
                             context_.threads);
-        warn_of_tears(tears_, source_, size_mm, context_);
+        warn_of_tears(tears_, model_.contours, size_mm, context_);
     }
 
     Place place_of(std::uint32_t structure) const {
@@ -756,6 +776,8 @@ class Builder {
     bool spared_ = false;                          // these, and the first try with a default size
     std::vector<SegmentPiece> piece_list_;         // those of pieces_, and where the cut split them further
     std::vector<SegmentPiece> cut_pieces_;         // of those that the last step of the cut split
+    std::vector<FollowedContour> followed_;        // by contour
+    std::uint64_t segments_missed_ = 0;            // before that
     bool recovered_ = false;                       // some of them, by exchanging cells
     std::vector<std::uint8_t> given_;              // by vertex: one of a contour
     std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on
@@ -794,7 +816,8 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
         on_surface += structure.contour_segments_on_surface;
         outcome.tangles += static_cast<long long>(structure.components) + structure.genus;
     }
-    outcome.missed = static_cast<double>(segments - on_surface) /
+    // Also those that contours left: the fewer the better.
+    outcome.missed = static_cast<double>(std::max(segments - on_surface, builder.segments_missed())) /
                      static_cast<double>(std::max<std::uint64_t>(1, segments));
     return outcome;
 }

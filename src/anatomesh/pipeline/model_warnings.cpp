@@ -83,6 +83,30 @@ void warn_of_segments(const ModelReport& report, const std::string& file, RunCon
              : "kept; how far cuts by the slices are from what is drawn is in the report"});
 }
 
+void warn_of_followed(const ModelReport& report, const std::string& file, RunContext& context) {
+    const std::vector<FollowedContourReport>& contours = report.followed_contours;
+    if (contours.empty()) return;
+    std::uint64_t segments = 0;
+    const FollowedContourReport* farthest = &contours.front();
+    for (const FollowedContourReport& contour : contours) {
+        segments += contour.segments;
+        if (contour.farthest_mm > farthest->farthest_mm) farthest = &contour;
+    }
+    Place place;
+    place.file = file;
+    place.slice = farthest->slice;
+    place.structure = farthest->structure;
+    place.value = brief(farthest->farthest_mm) + " mm";
+    context.warn({"W-PIP-013",
+                  counted(contours.size(), "contour") + " " + (contours.size() == 1 ? "follows" : "follow") +
+                      " the surface in place of " + counted(segments, "drawn segment") +
+                      " that no edges of it run along, where planes come too near to each other; the one "
+                      "that goes farthest is named",
+                  place,
+                  "kept as they run on the surface, and reported (followed_contours); --reconcile 0 leaves "
+                  "all as they are drawn"});
+}
+
 void warn_of_shells(const StructureReport& structure, const std::string& file, RunContext& context) {
     const ShellReport& shells = structure.shells;
     Place place;
@@ -164,6 +188,7 @@ void warn_of_difference(const ModelReport& report, double size_mm, const std::st
 void warn_of_model(const ModelReport& report, double size_mm, const std::string& file, RunContext& context) {
     warn_of_cuts(report, file, context);
     warn_of_segments(report, file, context);
+    warn_of_followed(report, file, context);
     for (const StructureReport& structure : report.structures) warn_of_shells(structure, file, context);
     warn_of_distance(report, size_mm, file, context);
     warn_of_joints(report, size_mm, file, context);

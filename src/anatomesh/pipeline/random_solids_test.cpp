@@ -17,6 +17,7 @@
 #include "anatomesh/contour/clean.h"
 #include "anatomesh/contour/close_gaps.h"
 #include "anatomesh/contour/share_lines.h"
+#include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/contour/slivers.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/independent_check_for_test.h"
@@ -182,6 +183,50 @@ class SurfaceEdges {
     std::map<Vec3, std::vector<std::uint32_t>, Less> joined_;
 };
 
+// How far each contour's points are from the lines of the drawn contours of its structure in its slice.
+double farthest_from_drawn(const ContourSet& kept, const ContourSet& drawn) {
+    double farthest = 0;
+    for (const Contour& contour : kept.contours) {
+        for (const Vec3 p : kept.points_of(contour)) {
+            double nearest = std::numeric_limits<double>::infinity();
+            for (const Contour& other : drawn.contours_of(drawn.slices[contour.slice])) {
+                if (other.structure != contour.structure) continue;
+                const auto points = drawn.points_of(other);
+                for (std::size_t n = 0; n < points.size(); ++n) {
+                    const Vec3 a = points[n], way = points[(n + 1) % points.size()] - a;
+                    const double along = std::clamp(dot(p - a, way) / squared_length(way), 0.0, 1.0);
+                    nearest = std::min(nearest, length(p - a - along * way));
+                }
+            }
+            farthest = std::max(farthest, nearest);
+        }
+    }
+    return farthest;
+}
+
+// Contours that follow the surface lie in their planes, simple and apart from each other, and nowhere further
+// from what is drawn, nor that from them, than is reported.
+void expect_near_drawn(const Model& model, const ContourSet& drawn, double most_mm) {
+    const ContourSet& kept = model.contours;
+    ASSERT_EQ(kept.contours.size(), drawn.contours.size());
+    double reported = 0;
+    for (const FollowedContourReport& followed : model.report.followed_contours)
+        reported = std::max(reported, followed.farthest_mm);
+    EXPECT_LE(reported, most_mm);
+    constexpr double rounding = 1e-9;
+    EXPECT_LE(farthest_from_drawn(kept, drawn), reported + rounding);
+    EXPECT_LE(farthest_from_drawn(drawn, kept), reported + rounding);
+    for (const Slice& slice : kept.slices) {
+        std::vector<PlaneRing> rings;
+        for (const Contour& contour : kept.contours_of(slice)) {
+            PlaneRing& ring = rings.emplace_back();
+            ring.structure = contour.structure;
+            for (const Vec3 p : kept.points_of(contour)) ring.at.push_back(slice.plane.to_plane(p));
+        }
+        EXPECT_TRUE(slice_faults(rings, kept.exclusive).empty()) << slice.name;
+    }
+}
+
 // Every point of the kept contours is a vertex of its structure's surface, in the same bits; every segment is
 // a chain of its edges, but for few of which the certificate says so.
 Segments expect_contours_on_surface(const Case& drawn, const ContourSet& kept, const Model& model,
@@ -317,6 +362,7 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
         std::fflush(stdout);
     }
     ModelOptions options;
+    options.max_follow_mm = ReconcileOptions{}.max_disagreement_mm;
     if (drawn.planes == Planes::uneven) options.max_gap_spacings = 5;  // gaps are meant to be uneven
     const auto model = build_model(kept, options, context);
     if (printed) {
@@ -326,7 +372,8 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
     }
     ASSERT_TRUE(model.ok()) << to_line(model.error());
     if (number % repeated_every == 0) expect_same_again(model.value(), kept, options);
-    const Segments own = expect_sound(drawn, model.value(), kept);
+    const Segments own = expect_sound(drawn, model.value(), model.value().contours);
+    expect_near_drawn(model.value(), kept, 0.5 * model.value().report.size_mm);
     segments.all += own.all;
     segments.broken += own.broken;
     if (printed) std::printf("segments %zu, no chains of edges %zu\n", own.all, own.broken);

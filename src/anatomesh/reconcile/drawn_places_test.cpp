@@ -6,9 +6,9 @@
 #include <numbers>
 #include <random>
 
+#include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/reconcile/plane_patches.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
-#include "anatomesh/reconcile/slice_soundness.h"
 #include "anatomesh/reconcile/split_at_ends.h"
 
 namespace anatomesh {

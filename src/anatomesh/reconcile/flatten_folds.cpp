@@ -7,8 +7,8 @@
 #include <numbers>
 #include <optional>
 
+#include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/reconcile/lay_out_points.h"
-#include "anatomesh/reconcile/slice_soundness.h"
 
 namespace anatomesh {
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <random>
 
+#include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
-#include "anatomesh/reconcile/slice_soundness.h"
 
 namespace anatomesh {
 namespace {

@@ -12,6 +12,7 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/contour/share_lines.h"
+#include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/contour/slivers.h"
 #include "anatomesh/reconcile/align_slices.h"
 #include "anatomesh/reconcile/contour_graph.h"
@@ -26,7 +27,6 @@
 #include "anatomesh/reconcile/settle_poles.h"
 #include "anatomesh/reconcile/shared_points.h"
 #include "anatomesh/reconcile/silences.h"
-#include "anatomesh/reconcile/slice_soundness.h"
 #include "anatomesh/reconcile/split_at_ends.h"
 #include "anatomesh/reconcile/stray_slices.h"
 

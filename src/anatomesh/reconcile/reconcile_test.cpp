@@ -7,9 +7,9 @@
 #include <map>
 #include <random>
 
+#include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/reconcile/line_ends.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
-#include "anatomesh/reconcile/slice_soundness.h"
 
 namespace anatomesh {
 namespace {

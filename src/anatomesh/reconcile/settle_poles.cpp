@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/reconcile/contour_graph.h"
 #include "anatomesh/reconcile/lay_out_points.h"
-#include "anatomesh/reconcile/slice_soundness.h"
 
 namespace anatomesh {
 

@@ -9,9 +9,9 @@
 #include <random>
 #include <vector>
 
+#include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/reconcile/reconcile.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
-#include "anatomesh/reconcile/slice_soundness.h"
 
 namespace anatomesh {
 namespace {

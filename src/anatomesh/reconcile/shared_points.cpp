@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/reconcile/lay_out_points.h"
-#include "anatomesh/reconcile/slice_soundness.h"
 
 namespace anatomesh {
 

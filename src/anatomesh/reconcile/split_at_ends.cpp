@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/reconcile/contour_graph.h"
 #include "anatomesh/reconcile/lay_out_points.h"
-#include "anatomesh/reconcile/slice_soundness.h"
 
 namespace anatomesh {
 

@@ -167,6 +167,18 @@ Json cuts_json(const ModelReport& report) {
     return cuts;
 }
 
+Json followed_contours_json(const ModelReport& report) {
+    Json followed = Json::array();
+    for (const FollowedContourReport& contour : report.followed_contours) {
+        followed.push_back({{"structure", contour.structure},
+                            {"slice", contour.slice},
+                            {"segments", contour.segments},
+                            {"farthest_mm", number(contour.farthest_mm)},
+                            {"difference_mm2", number(contour.difference_mm2)}});
+    }
+    return followed;
+}
+
 Json field_distance_json(const FieldDistanceReport& distance) {
     if (distance.points == 0) return nullptr;
     return {{"points", distance.points},          {"max_mm", number(distance.max_mm)},
@@ -296,6 +308,7 @@ std::string report_json(const ModelReport& report) {
         {"warnings", warnings_json(report)},
         {"contour_log", contour_log_json(report)},
         {"cuts", cuts_json(report)},
+        {"followed_contours", followed_contours_json(report)},
         {"field_distance", field_distance_json(report.field_distance)},
         {"field_difference", field_difference_json(report.field_difference)},
         {"stages", stages_json(report)},

@@ -1,4 +1,4 @@
-#include "anatomesh/reconcile/slice_soundness.h"
+#include "anatomesh/contour/slice_soundness.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,0 +1,30 @@
+// follow_contours: a contour set of which some contours were led along the surface.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/measure/report.h"
+
+namespace anatomesh {
+
+struct ContoursOfMesh {
+    ContourSet contours;
+    std::vector<std::uint32_t> vertices;  // of the mesh, of every point of the contours
+};
+
+// `vertex_of`: of every point of the set. `followed`: in the order of the contours. `points`: of the mesh.
+// Points of contours that were not led keep their coordinates. Requires: a kept contour set. Guarantees:
+// contours and points in the order of kept contour sets. Complexity: O(n log n).
+ContoursOfMesh follow_contours(const ContourSet& set, std::span<const std::uint32_t> vertex_of,
+                               std::span<const FollowedContour> followed, std::span<const Vec3> points);
+
+// What the report says of them. `set`: as drawn. Complexity: as even_odd_area().
+std::vector<FollowedContourReport> followed_contours(const ContourSet& set,
+                                                     std::span<const FollowedContour> followed,
+                                                     std::span<const Vec3> points);
+
+}  // namespace anatomesh
