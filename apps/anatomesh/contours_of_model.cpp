@@ -16,6 +16,7 @@
 #include "anatomesh/measure/hausdorff.h"
 #include "anatomesh/mesh/topology.h"
 #include "field_of_model.h"
+#include "followed_notes.h"
 #include "plural.h"
 #include "read_input.h"
 #include "reconcile_step.h"
@@ -146,8 +147,13 @@ std::vector<Candidate> candidates(const ContourSet& given, const ModelFile& mode
                 all.push_back({without_others(drawn, model), {}, sharing.warnings});
             }
             std::optional<Prepared> done = prepared(std::move(drawn), model.description, apart);
-            if (done)
-                all.push_back({without_others(done->kept, model), std::move(done->steps), sharing.warnings});
+            if (!done) continue;
+            all.push_back({without_others(done->kept, model), std::move(done->steps), sharing.warnings});
+            if (std::optional<ContourSet> led = with_followed(all.back().kept, model.description)) {
+                Candidate more{std::move(*led), all.back().steps, all.back().warnings};
+                more.steps.emplace_back("contours followed the surface where no edges of it run along them");
+                all.push_back(std::move(more));
+            }
         }
     }
     return all;

@@ -30,6 +30,7 @@
 #include "element_options.h"
 #include "estimate.h"
 #include "field_options.h"
+#include "followed_notes.h"
 #include "input_options.h"
 #include "mesh_input.h"
 #include "option_values.h"
@@ -137,6 +138,7 @@ MeshDescription description_of(const Model& model, const Session& session) {
     for (const auto& [code, times] : warnings) {
         description.notes.emplace_back("warning", fmt::format("{} {}", code, times));
     }
+    add_followed_notes(model, description);
     return description;
 }
 

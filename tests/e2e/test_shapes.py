@@ -265,9 +265,12 @@ class FollowedContours(harness.TestCase):
         model = judge.Model(self.folder / "axis.vtu")
         on_surface = {tuple(point) for point in model.points[np.unique(model.surface(model.structure == 1))]}
         self.assertLessEqual(kept, on_surface)
-        checked = json.loads(self.run_program("check", "axis.vtu", "--contours", "kept.json", "--json").out)
-        structure = checked["structures"][0]
-        self.assertEqual(structure["contour_segments"], structure["contour_segments_on_surface"])
+        # As kept, and as drawn: the model's file knows what became of these.
+        for contours in ("kept.json", "axis.json"):
+            checked = json.loads(self.run_program("check", "axis.vtu", "--contours", contours, "--json").out)
+            structure = checked["structures"][0]
+            self.assertEqual(structure["contour_segments"], structure["contour_segments_on_surface"], contours)
+            self.assertEqual(structure["contour_vertices"], report["counts"]["contour_vertices"], contours)
         self.model("--reconcile", "0")
         as_drawn = self.points(self.folder / "kept.json")
         self.assertNotEqual(kept, as_drawn)

@@ -9,6 +9,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/contour_set.h"
 #include "anatomesh/field/structure_field.h"
+#include "anatomesh/improve/improve_dihedrals.h"
 #include "anatomesh/measure/report.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
@@ -35,6 +36,7 @@ struct Model {
     RegionTable regions;
     std::vector<Structure> structures;     // as in the contour set
     ContourSet contours;  // those given, and where segments followed the surface the points of that
+    std::vector<FollowedContour> followed;  // those, by the numbers of the contours given
     std::vector<std::uint32_t> contour_vertices;  // mesh vertex of every point of `contours`
     ModelReport report;                    // everything the core can know; inputs and command are the caller's
     std::shared_ptr<const StructureField> field;  // what the mesh approximates: at p it is the field's at p - field_origin

@@ -351,8 +351,7 @@ class Builder {
         for (const auto& [a, b, structure] : split.pieces) cut_pieces_.push_back({a, b, structure, 0});
         if (!unsound.empty()) find_neighbors(false);
         given_.resize(mesh.points.size(), 0);
-        const CrumbStats crumbs = give_crumbs_away(
-            mesh, neighbors_, given_, {crumb_share * std::pow(sample_->stats.size_mm, 3)}, context_.threads);
+        const CrumbStats crumbs = give_crumbs(given_);
         model_.regions = mesh_->registry().table();
         figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
@@ -370,6 +369,11 @@ class Builder {
                     {"pieces_given", static_cast<double>(split.pieces_given)},
                     {"crumbs_given_away", static_cast<double>(crumbs.pieces)}};
         return end_stage("cut", 0.75);
+    }
+
+    CrumbStats give_crumbs(std::span<const std::uint8_t> given) {
+        return give_crumbs_away(model_.mesh, neighbors_, given,
+                                {crumb_share * std::pow(sample_->stats.size_mm, 3)}, context_.threads);
     }
 
     // What the Delaunay mesh does not have, by exchanging cells.
@@ -440,6 +444,11 @@ class Builder {
         ANATOMESH_CHECK_STATUS(volumes);
         followed_ = std::move(dihedrals.followed);
         segments_missed_ = dihedrals.segments_missed;
+        // Crumbs that contours left.
+        CrumbStats crumbs;
+        if (!followed_.empty())
+            crumbs = give_crumbs(
+                kept_vertices(contours_, vertices_of_contours(), followed_, model_.mesh.points.size()));
         stars = find_stars();
         fix_ill_shaped(fixed);
         const SlicesThatTell slices = slices_to_keep();
@@ -487,6 +496,7 @@ class Builder {
                     {"apexes_lowered", static_cast<double>(dihedrals.apexes_lowered)},
                     {"segments_missed", static_cast<double>(dihedrals.segments_missed)},
                     {"contours_followed", static_cast<double>(followed_.size())},
+                    {"crumbs_given_away", static_cast<double>(crumbs.pieces)},
                     {"facets_left_in_slices", static_cast<double>(dihedrals.facets_left)},
                     {"visits_of_wrong_cuts", static_cast<double>(dihedrals.cuts_found)},
                     {"changes_to_cuts", static_cast<double>(dihedrals.cuts_mended)},
@@ -617,6 +627,7 @@ class Builder {
         model_.contours = std::move(kept.contours);
         model_.contour_vertices = std::move(kept.vertices);
         report().followed_contours = followed_contours(source_, followed_, mesh.points);
+        model_.followed = std::move(followed_);
         model_.structures = contours_.structures;
         model_.field = field_;
         model_.field_origin = origin_;

@@ -74,6 +74,22 @@ ContoursOfMesh follow_contours(const ContourSet& set, std::span<const std::uint3
     return result;
 }
 
+std::vector<std::uint8_t> kept_vertices(const ContourSet& set, std::span<const std::uint32_t> vertex_of,
+                                        std::span<const FollowedContour> followed, std::size_t vertex_count) {
+    std::vector<std::uint8_t> kept(vertex_count, 0);
+    auto next = followed.begin();
+    for (std::uint32_t c = 0; c < set.contours.size(); ++c) {
+        const bool is_followed = next != followed.end() && next->contour == c;
+        const Contour& contour = set.contours[c];
+        for (const std::uint32_t v :
+             is_followed ? std::span<const std::uint32_t>(next->vertices)
+                         : vertex_of.subspan(contour.first_point, contour.point_count))
+            kept[v] = 1;
+        next += is_followed;
+    }
+    return kept;
+}
+
 std::vector<FollowedContourReport> followed_contours(const ContourSet& set,
                                                      std::span<const FollowedContour> followed,
                                                      std::span<const Vec3> points) {

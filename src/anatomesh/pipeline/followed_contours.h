@@ -22,6 +22,10 @@ struct ContoursOfMesh {
 ContoursOfMesh follow_contours(const ContourSet& set, std::span<const std::uint32_t> vertex_of,
                                std::span<const FollowedContour> followed, std::span<const Vec3> points);
 
+// By vertex of the mesh: whether a contour of the set runs through it, as it is now. As above. O(n).
+std::vector<std::uint8_t> kept_vertices(const ContourSet& set, std::span<const std::uint32_t> vertex_of,
+                                        std::span<const FollowedContour> followed, std::size_t vertex_count);
+
 // What the report says of them. `set`: as drawn. Complexity: as even_odd_area().
 std::vector<FollowedContourReport> followed_contours(const ContourSet& set,
                                                      std::span<const FollowedContour> followed,
