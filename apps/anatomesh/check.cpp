@@ -189,6 +189,7 @@ Status run_check(CheckOptions options, Session& session) {
     }
     ANATOMESH_TRY(const ModelFile model, model_to_check(options, session));
     std::optional<InputContours> contours;
+    std::optional<ContourSet> on_surface;
     ModelReport report;
     if (!options.contours.input.empty()) {
         options.contours.as_drawn = true;
@@ -197,12 +198,16 @@ Status run_check(CheckOptions options, Session& session) {
         const WallOptions walls = opened.contours ? walls_of(model, options.contours) : WallOptions{0, 0, 0};
         const bool share_first = opened.contours && walls_are_given(options.contours);
         ANATOMESH_TRY(contours, contours_of(std::move(opened), options.contours, session.context));
-        ANATOMESH_TRY(contours->kept, contours_of_model(std::move(contours->kept), model, walls, share_first,
-                                                        options.contours.input, session.context));
+        ANATOMESH_TRY(ContoursOfModel both, contours_of_model(std::move(contours->kept), model, walls, share_first,
+                                                              options.contours.input, session.context));
+        contours->kept = std::move(both.drawn);
+        on_surface = std::move(both.on_surface);
+        report.followed_contours = std::move(both.followed);
         report.inputs = contours->files;
     }
     CertificateInput input{model.mesh, model.description.regions, model.description.structures};
     input.contours = contours ? &contours->kept : nullptr;
+    input.on_surface = on_surface ? &*on_surface : nullptr;
     input.made_by_this_run = false;
     FieldOfModel field;
     if (contours) {
@@ -217,7 +222,8 @@ Status run_check(CheckOptions options, Session& session) {
     report.size_mm = size_of(model.description).value_or(0);
     const double size_mm = report.size_mm > 0 ? report.size_mm : report.quality.edge_mean_mm;
     warn_of_model(report, size_mm, options.contours.input, session.context);
-    if (contours) look_for_tears(model, contours->kept, report, size_mm, session.context);
+    if (contours)
+        look_for_tears(model, on_surface ? *on_surface : contours->kept, report, size_mm, session.context);
     look_at_jacobians(options.model, model, session.context);
     report.version = ANATOMESH_VERSION;
     report.command = quoted_command(session.words);

@@ -147,13 +147,8 @@ std::vector<Candidate> candidates(const ContourSet& given, const ModelFile& mode
                 all.push_back({without_others(drawn, model), {}, sharing.warnings});
             }
             std::optional<Prepared> done = prepared(std::move(drawn), model.description, apart);
-            if (!done) continue;
-            all.push_back({without_others(done->kept, model), std::move(done->steps), sharing.warnings});
-            if (std::optional<ContourSet> led = with_followed(all.back().kept, model.description)) {
-                Candidate more{std::move(*led), all.back().steps, all.back().warnings};
-                more.steps.emplace_back("contours followed the surface where no edges of it run along them");
-                all.push_back(std::move(more));
-            }
+            if (done)
+                all.push_back({without_others(done->kept, model), std::move(done->steps), sharing.warnings});
         }
     }
     return all;
@@ -202,7 +197,7 @@ void compare_names(const ContourSet& contours, const ModelFile& model, const std
 
 }  // namespace
 
-Result<ContourSet> contours_of_model(ContourSet kept, const ModelFile& model, const WallOptions& walls,
+Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& model, const WallOptions& walls,
                                      bool share_first, const std::string& file, RunContext& context) {
     if (share_first) share_walls(kept, walls, context);
     std::vector<std::string> left_out;
@@ -215,14 +210,18 @@ Result<ContourSet> contours_of_model(ContourSet kept, const ModelFile& model, co
 
     const Misses misses(model);
     ContourSet best = without_others(kept, model);
-    const Missed before = misses.of(best);
+    const auto missed_of = [&](const ContourSet& contours) {
+        const std::optional<BothContours> both = both_contours(contours, model.description);
+        return misses.of(both ? both->on_surface : contours);
+    };
+    const Missed before = missed_of(best);
     Missed least = before;
     const Candidate* taken = nullptr;
     std::vector<Candidate> others;
     if (before > Missed{0, 0}) others = candidates(kept, model, share_first ? nullptr : &walls, context);
     if (context.cancelled()) return cancelled_error();
     for (const Candidate& other : others) {
-        const Missed here = misses.of(other.kept);
+        const Missed here = missed_of(other.kept);
         if (here >= least) continue;
         least = here;
         taken = &other;
@@ -248,7 +247,10 @@ Result<ContourSet> contours_of_model(ContourSet kept, const ModelFile& model, co
                       {file, "", "", "", fmt::format("{}", fmt::join(left_out, ", "))},
                       "left out: nothing is said of them"});
     }
-    return best;
+    std::optional<BothContours> both = both_contours(best, model.description);
+    if (both)
+        return ContoursOfModel{std::move(both->drawn), std::move(both->on_surface), std::move(both->followed)};
+    return ContoursOfModel{std::move(best), std::nullopt, {}};
 }
 
 std::string distance_text(const ContourSet& contours, const ModelFile& model) {

@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <map>
+#include <numeric>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,48 +33,132 @@ std::optional<Number> take(std::string_view& text) {
     return value;
 }
 
-// The points are appended.
-std::optional<FollowedContour> contour_of(std::string_view text, std::vector<Vec3>& points) {
-    const std::optional<std::uint32_t> number = take<std::uint32_t>(text);
-    if (!number) return std::nullopt;
-    FollowedContour contour{*number, {}, 0, 0};
-    while (!text.empty()) {
+struct Note {
+    std::uint32_t contour = 0;  // by number, as drawn
+    std::uint64_t segments = 0;
+    std::vector<Vec3> drawn, on_surface;
+};
+
+std::optional<std::vector<Vec3>> take_ring(std::string_view& text, std::uint32_t count) {
+    std::vector<Vec3> ring;
+    for (std::uint32_t n = 0; n < count; ++n) {
         const std::optional<double> x = take<double>(text), y = take<double>(text), z = take<double>(text);
         if (!x || !y || !z || !std::isfinite(*x + *y + *z)) return std::nullopt;
-        contour.vertices.push_back(static_cast<std::uint32_t>(points.size()));
-        points.push_back({*x, *y, *z});
+        ring.push_back({*x, *y, *z});
     }
-    if (contour.vertices.size() < 3) return std::nullopt;
-    return contour;
+    if (ring.size() < 3) return std::nullopt;
+    return ring;
+}
+
+std::optional<Note> note_of(std::string_view text) {
+    const auto number = take<std::uint32_t>(text), segments = take<std::uint32_t>(text),
+               before = take<std::uint32_t>(text), now = take<std::uint32_t>(text);
+    if (!number || !segments || !before || !now) return std::nullopt;
+    std::optional<std::vector<Vec3>> drawn = take_ring(text, *before), led = take_ring(text, *now);
+    if (!drawn || !led || !text.empty()) return std::nullopt;
+    return Note{*number, *segments, std::move(*drawn), std::move(*led)};
+}
+
+std::optional<std::vector<Note>> notes_of(const MeshDescription& description) {
+    std::vector<Note> notes;
+    for (const auto& [name, text] : description.notes) {
+        if (name != key) continue;
+        std::optional<Note> note = note_of(text);
+        if (!note || (!notes.empty() && notes.back().contour >= note->contour)) return std::nullopt;
+        notes.push_back(std::move(*note));
+    }
+    return notes;
+}
+
+bool is(const ContourSet& contours, std::uint32_t contour, const std::vector<Vec3>& ring) {
+    return contour < contours.contours.size() &&
+           std::ranges::equal(contours.points_of(contours.contours[contour]), ring);
+}
+
+// With other rings in the place of some. `by_contour`: number and ring, rising.
+ContourSet with_rings(const ContourSet& contours,
+                      const std::map<std::uint32_t, const std::vector<Vec3>*>& by_contour) {
+    std::vector<FollowedContour> followed;
+    std::vector<Vec3> points;
+    for (const auto& [contour, ring] : by_contour) {
+        FollowedContour& one = followed.emplace_back(FollowedContour{contour, {}, 0, 0});
+        for (const Vec3 p : *ring) {
+            one.vertices.push_back(static_cast<std::uint32_t>(points.size()));
+            points.push_back(p);
+        }
+    }
+    const std::vector<std::uint32_t> vertex_of(contours.points.size(), 0);
+    return follow_contours(contours, vertex_of, followed, points).contours;
+}
+
+// Of contours as they are drawn.
+std::vector<FollowedContourReport> reports_of(const ContourSet& drawn, const std::vector<Note>& notes) {
+    std::vector<FollowedContour> followed;
+    std::vector<Vec3> points = drawn.points;
+    std::vector<std::uint32_t> vertex_of(drawn.points.size());
+    std::iota(vertex_of.begin(), vertex_of.end(), 0u);
+    for (const Note& note : notes) {
+        const Contour& contour = drawn.contours[note.contour];
+        FollowedContour& one = followed.emplace_back(FollowedContour{note.contour, {}, note.segments, 0});
+        for (const Vec3 p : note.on_surface) {
+            const std::span<const Vec3> was = drawn.points_of(contour);
+            const auto at = std::find(was.begin(), was.end(), p);
+            one.vertices.push_back(
+                static_cast<std::uint32_t>(at != was.end() ? contour.first_point + (at - was.begin())
+                                                           : static_cast<std::ptrdiff_t>(points.size())));
+            if (at == was.end()) points.push_back(p);
+        }
+    }
+    return followed_contours(drawn, vertex_of, followed, points);
 }
 
 }  // namespace
 
-void add_followed_notes(const Model& model, MeshDescription& description) {
+void add_followed_notes(const Model& model, const ContourSet& kept, MeshDescription& description) {
     for (const FollowedContour& contour : model.followed) {
-        std::string text = fmt::format("{}", contour.contour);
-        for (const std::uint32_t v : contour.vertices) {
-            const Vec3 p = model.mesh.points[v];
-            text += fmt::format(" {} {} {}", p.x, p.y, p.z);
-        }
+        const std::span<const Vec3> drawn = kept.points_of(kept.contours[contour.contour]);
+        std::string text = fmt::format("{} {} {} {}", contour.contour, contour.segments, drawn.size(),
+                                       contour.vertices.size());
+        const auto add = [&](Vec3 p) { text += fmt::format(" {} {} {}", p.x, p.y, p.z); };
+        for (const Vec3 p : drawn) add(p);
+        for (const std::uint32_t v : contour.vertices) add(model.mesh.points[v]);
         description.notes.emplace_back(key, std::move(text));
     }
 }
 
-std::optional<ContourSet> with_followed(const ContourSet& contours, const MeshDescription& description) {
-    std::vector<FollowedContour> followed;
-    std::vector<Vec3> points;
-    for (const auto& [name, text] : description.notes) {
-        if (name != key) continue;
-        std::optional<FollowedContour> contour = contour_of(text, points);
-        const bool fits = contour && contour->contour < contours.contours.size() &&
-                          (followed.empty() || followed.back().contour < contour->contour);
-        if (!fits) return std::nullopt;
-        followed.push_back(std::move(*contour));
+std::optional<BothContours> both_contours(const ContourSet& contours, const MeshDescription& description) {
+    const std::optional<std::vector<Note>> notes = notes_of(description);
+    if (!notes || notes->empty()) return std::nullopt;
+    std::map<std::uint32_t, const std::vector<Vec3>*> to_led, to_drawn;
+    for (const Note& note : *notes) {
+        if (is(contours, note.contour, note.drawn)) to_led[note.contour] = &note.on_surface;
     }
-    if (followed.empty()) return std::nullopt;
-    const std::vector<std::uint32_t> vertex_of(contours.points.size(), 0);
-    return follow_contours(contours, vertex_of, followed, points).contours;
+    if (to_led.size() == notes->size())
+        return BothContours{contours, with_rings(contours, to_led), reports_of(contours, *notes)};
+    // Found by their first points, from which kept contours begin.
+    std::map<std::array<double, 3>, std::vector<const Note*>> by_start;
+    for (const Note& note : *notes) {
+        const Vec3 first = *std::min_element(note.on_surface.begin(), note.on_surface.end(),
+                                             [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); });
+        by_start[{first.x, first.y, first.z}].push_back(&note);
+    }
+    for (std::uint32_t c = 0; c < contours.contours.size(); ++c) {
+        const std::span<const Vec3> ring = contours.points_of(contours.contours[c]);
+        const auto found = by_start.find({ring.front().x, ring.front().y, ring.front().z});
+        if (found == by_start.end()) continue;
+        for (const Note* const note : found->second) {
+            std::vector<Vec3> turned = note->on_surface;
+            std::rotate(turned.begin(), std::find(turned.begin(), turned.end(), ring.front()), turned.end());
+            if (is(contours, c, turned)) to_drawn[c] = &note->drawn;
+        }
+    }
+    if (to_drawn.size() != notes->size()) return std::nullopt;
+    ContourSet drawn = with_rings(contours, to_drawn);
+    for (const Note& note : *notes) {
+        if (!is(drawn, note.contour, note.drawn)) return std::nullopt;
+    }
+    std::vector<FollowedContourReport> reports = reports_of(drawn, *notes);
+    return BothContours{std::move(drawn), contours, std::move(reports)};
 }
 
 }  // namespace anatomesh

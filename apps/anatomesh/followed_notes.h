@@ -2,19 +2,28 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "anatomesh/contour/contour_set.h"
+#include "anatomesh/measure/report.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh_io/mesh/mesh_file.h"
 
 namespace anatomesh {
 
-// Of each ("followed_contour", its number in the contours that the model was made of, and the coordinates of
-// all of its points as it is now, each so that it is read back as the same double).
-void add_followed_notes(const Model& model, MeshDescription& description);
+// Of each ("followed_contour", its number in the contours that the model was made of, how many segments of
+// it were missed, how many points it had there and has now, and the coordinates of these and of those, each
+// so that it is read back as the same double). `kept`: what the model was made of.
+void add_followed_notes(const Model& model, const ContourSet& kept, MeshDescription& description);
 
-// The contours that a model was made of, with those in the place of theirs that the notes tell of. Nothing if
-// there are none, or if they are not of such contours.
-std::optional<ContourSet> with_followed(const ContourSet& contours, const MeshDescription& description);
+// Contours as they are drawn, and as they follow the surface.
+struct BothContours {
+    ContourSet drawn, on_surface;
+    std::vector<FollowedContourReport> followed;
+};
+
+// Both, of either: of contours with those that the notes tell of as they are drawn, or as they follow the
+// surface. Nothing if there are no notes, or if they are not of such contours.
+std::optional<BothContours> both_contours(const ContourSet& contours, const MeshDescription& description);
 
 }  // namespace anatomesh

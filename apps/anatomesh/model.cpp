@@ -124,7 +124,7 @@ Status check_output_names(const ModelVerbOptions& options) {
 
 // Provenance, as it stands in every file of the mesh: nothing that differs between two runs on the same
 // contours. The rest (command, input files and their hashes, every warning in full) stands in the report.
-MeshDescription description_of(const Model& model, const Session& session) {
+MeshDescription description_of(const Model& model, const ContourSet& kept, const Session& session) {
     const ModelReport& report = model.report;
     MeshDescription description;
     description.structures = model.structures;
@@ -138,7 +138,7 @@ MeshDescription description_of(const Model& model, const Session& session) {
     for (const auto& [code, times] : warnings) {
         description.notes.emplace_back("warning", fmt::format("{} {}", code, times));
     }
-    add_followed_notes(model, description);
+    add_followed_notes(model, kept, description);
     return description;
 }
 
@@ -217,12 +217,12 @@ Result<std::vector<PointArray>> uncertainty_arrays(const Model& model, const Con
                                    {"left_out_error", std::move(found.left_out)}};
 }
 
-// All outputs under temporary names.
+// All outputs under temporary names. `kept`: the contours that the model was made of.
 Status stage_outputs(Model& model, ModelFile& file, const ContourSet& kept, const ModelVerbOptions& options,
                      AtomicFileSet& files, Session& session) {
     RunContext& context = session.context;
     std::vector<Material> materials = std::move(file.description.materials);
-    file.description = description_of(model, session);
+    file.description = description_of(model, kept, session);
     file.description.materials = std::move(materials);
     if (options.uncertainty) {
         ANATOMESH_TRY(file.arrays, uncertainty_arrays(model, kept, options, context));
@@ -234,13 +234,13 @@ Status stage_outputs(Model& model, ModelFile& file, const ContourSet& kept, cons
     }
     if (!options.contours.empty()) {
         ANATOMESH_TRY(const ContourFormat format, contour_format_of(options.contours));
-        ANATOMESH_CHECK_STATUS(files.add(options.contours, format_contours(kept, format, context)));
+        ANATOMESH_CHECK_STATUS(files.add(options.contours, format_contours(model.contours, format, context)));
     }
     model.report.warnings = context.warnings;  // with those of the formats
     if (!options.input.keep_patient_ids) hide_dicom_names(model.report, session.words, options.input.series);
     ANATOMESH_CHECK_STATUS(files.add(options.report, report_json(model.report)));
     if (!options.html.empty()) {
-        const std::string page = report_html(model.report, model.mesh, model.regions, &kept);
+        const std::string page = report_html(model.report, model.mesh, model.regions, &model.contours);
         ANATOMESH_CHECK_STATUS(files.add(options.html, page));
     }
     if (context.cancelled()) return cancelled_error();
@@ -364,7 +364,7 @@ Status make_model(const ContourSet& kept, const InputContours& contours, const C
     model.report.crossing = crossing;
     ANATOMESH_TRY(ModelFile file, model_file(model, model.contours, options, session));
     complete_report(model.report, contours, options, session);
-    ANATOMESH_CHECK_STATUS(stage_outputs(model, file, model.contours, options, files, session));
+    ANATOMESH_CHECK_STATUS(stage_outputs(model, file, kept, options, files, session));
     if (!options.dicom.paths().empty()) {
         ANATOMESH_TRY(const DicomSource source, output_source(options.input, contours.dicom_source, context));
         ANATOMESH_CHECK_STATUS(add_dicom_outputs(model, source, options.dicom, files, context));

@@ -19,12 +19,13 @@ namespace anatomesh {
 namespace {
 
 constexpr double on_segment = 1e-6;  // a vertex within it lies on a segment, in its lengths, or in its plane
-constexpr std::size_t most_missed = 1000;  // segments: where more are, the cells do not fit the contours
-constexpr int rounds = 3;                  // over the contours: one may need that beside it
-constexpr std::size_t most_beside = 6;     // segments on either side of a missed one that a way may replace
-constexpr double reach = 2;                // and how far along them it may end, in most_mm
-constexpr int turns = 3;                   // of drawing a way near, shapes being improved in between
-constexpr int passes = 4;                  // over the vertices of a way, towards what is drawn
+constexpr std::size_t most_missed = 1000;   // segments: where more are, the cells do not fit the contours
+constexpr std::size_t most_attempts = 400;  // to lead one
+constexpr int rounds = 3;                   // over the contours: one may need that beside it
+constexpr std::size_t most_beside = 6;      // segments on either side of a missed one that a way may replace
+constexpr double reach = 2;                 // and how far along them it may end, in most_mm
+constexpr int turns = 3;                    // of drawing a way near, shapes being improved in between
+constexpr int passes = 4;                   // over the vertices of a way, towards what is drawn
 // Of an edge that a way crosses: a free end as near as that moves onto the way. Tried in turn.
 constexpr std::array nearness{0.3, 0.5, 0.1};
 constexpr std::array steps{1.0, 0.5, 0.25};  // towards what is drawn
@@ -34,8 +35,15 @@ struct Led {
     std::uint32_t number = 0;
     Contour contour;
     ContourLoop loop;
+    bool is_led = false;
     std::uint64_t segments = 0;
     double farthest_mm = 0;
+};
+
+// When a segment was tried in vain last.
+struct Tried {
+    std::vector<std::uint32_t> reach = {};  // vertices where a way might have ended; rising
+    std::size_t changed_before = 0;         // cells, before it
 };
 
 // Where a way may leave the contour, or come back to it: from a missed segment outwards.
@@ -71,19 +79,21 @@ struct Attempt {
     std::vector<std::uint32_t> released;  // vertices that were fixed
     std::vector<std::uint8_t> crowded;    // what these were
     std::vector<VertexPair> let_go;       // edges that were kept
+    std::vector<VertexPair> fixed;        // edges
 };
 
 class Follower {
   public:
     Follower(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded, double least_sine,
-             const ImproveCells& improve)
+             const ImproveCells& improve, const RunContext& context)
         : bench_(bench),
           drawn_(drawn),
           crowded_(crowded),
           following_(drawn.following),
           sides_(bench),
           least_sine_(least_sine),
-          improve_(improve) {}
+          improve_(improve),
+          context_(context) {}
 
     FollowStats run() {
         FollowStats stats;
@@ -101,7 +111,7 @@ class Follower {
             if (!any) break;
         }
         for (const Led& led : contours_) {
-            if (led.segments == 0) continue;
+            if (!led.is_led || is_as_drawn(led)) continue;
             FollowedContour& followed =
                 stats.followed.emplace_back(FollowedContour{led.number, {}, led.segments, led.farthest_mm});
             for (std::size_t n = 0; n < led.loop.size(); ++n)
@@ -118,6 +128,12 @@ class Follower {
         std::vector<Vec3> places;
         for (const std::uint32_t v : vertices) places.push_back(bench_.mesh.point(v));
         return {number, contour, {vertices, std::move(places)}};
+    }
+
+    // Whether all of it is edges of the surface where it is drawn: a way may lie on that.
+    bool is_as_drawn(const Led& led) {
+        const Led drawn = as_drawn(led.number);
+        return count_missed(drawn) == 0;
     }
 
     bool is_missed(const Led& led, std::size_t n) {
@@ -180,29 +196,53 @@ class Follower {
         }
         for (auto& [key, vertices] : of_drawing_) sort_distinct(vertices);
         for (auto& [slice, vertices] : of_slice_) sort_distinct(vertices);
-        sort_distinct(of_contours_);
+        drawn_vertices_.assign(following_.vertices.begin(), following_.vertices.end());
+        sort_distinct(drawn_vertices_);
     }
 
     void note(const Contour& contour, std::uint32_t v) {
         of_drawing_[drawing(contour)].push_back(v);
         of_slice_[contour.slice].push_back(v);
-        of_contours_.push_back(v);
     }
 
     // Whether any of it was led.
     bool lead(Led& led) {
         bool any = false;
-        for (std::size_t n = 0; n < led.loop.size(); ++n) {
-            if (!is_missed(led, n)) continue;
+        for (std::size_t n = 0; n < led.loop.size() && attempts_ < most_attempts; ++n) {
+            if (context_.cancelled() || !is_missed(led, n)) continue;
             const std::size_t before = count_missed(led);
             const Shore here = shore(led, n, -1), there = shore(led, n, 1);
-            if (std::none_of(nearness.begin(), nearness.end(),
-                             [&](double near) { return attempt(led, here, there, near); }))
+            if (is_known_to_fail(led, n, here, there)) continue;
+            if (std::none_of(nearness.begin(), nearness.end(), [&](double near) {
+                    ++attempts_;
+                    return attempt(led, here, there, near);
+                }))
                 continue;
             led.segments += before - std::min(before, count_missed(led));
-            any = true;
+            led.is_led = any = true;
         }
         return any;
+    }
+
+    // Whether the segment was tried when no cell at its surroundings was another one; notes that it is tried.
+    bool is_known_to_fail(const Led& led, std::size_t n, const Shore& here, const Shore& there) {
+        Tried& tried = tried_[{led.loop.corner(n).vertex, led.loop.corner(n + 1).vertex, led.number}];
+        const bool fails =
+            !tried.reach.empty() &&
+            std::none_of(changed_.begin() + static_cast<std::ptrdiff_t>(tried.changed_before), changed_.end(),
+                         [&](std::uint32_t c) {
+                             const Cell& cell = bench_.mesh.cell(c);
+                             return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
+                                 return std::binary_search(tried.reach.begin(), tried.reach.end(), v);
+                             });
+                         });
+        tried.changed_before = changed_.size();
+        tried.reach.clear();
+        for (const Shore* const shore : {&here, &there}) {
+            for (const WayEnd& end : shore->ends) tried.reach.push_back(end.vertex);
+        }
+        sort_distinct(tried.reach);
+        return fails;
     }
 
     // Vertices of the contour that edges of its surface join to others, from missed segment n on: `step` is
@@ -279,22 +319,10 @@ class Follower {
         bench_.mesh.begin_attempt();
         Attempt done;
         while (way && move_near(*way, near, done)) way = find_way(led, here, there);
-        std::vector<std::uint32_t> vertices;
-        bool good = way && make_edges(*way, led.contour.structure, vertices, done);
-        if (good) {
-            const std::vector<Vec3> drawn = led.loop.drawn_between(way->from, way->to);
-            for (int turn = 0; turn < turns; ++turn) {
-                if (turn > 0) improve_cells(done);
-                draw_near(drawn, vertices, done);
-            }
-            for (std::size_t n = 0; n < vertices.size(); ++n)
-                way->points[n].place = bench_.mesh.point(vertices[n]);
-            way->farthest_mm = distance_of_rows(way->places(), drawn);
-            release(led, *way, vertices, done);
-            good = way->farthest_mm <= following_.most_mm && improve_shapes(vertices, done);
-        }
         ContourLoop loop = led.loop;
-        good = good && loop.replace({way->from, way->to, vertices, way->places()}) && is_sound(led, loop);
+        std::vector<std::uint32_t> vertices;
+        const bool good = way && make_edges(*way, led.contour.structure, vertices, done) &&
+                          settle(led, *way, vertices, done) && replace(led, *way, vertices, loop);
         bench_.mesh.end_attempt(good);
         if (!good) {
             take_back(done);
@@ -304,6 +332,38 @@ class Follower {
         led.loop = std::move(loop);
         led.farthest_mm = std::max(led.farthest_mm, way->farthest_mm);
         keep(led.contour, vertices, done);
+        return true;
+    }
+
+    // Draws the way, now edges, near to what is drawn, and improves the shapes. False if the cells are bad
+    // then, or if it went too far.
+    bool settle(const Led& led, Way& way, const std::vector<std::uint32_t>& vertices, Attempt& done) {
+        const std::vector<Vec3> drawn = led.loop.drawn_between(way.from, way.to);
+        release(led, way, vertices, done);
+        for (int turn = 0; turn < turns; ++turn) {
+            draw_near(drawn, vertices, done);
+            for (std::size_t n = 0; n < vertices.size(); ++n)
+                way.points[n].place = bench_.mesh.point(vertices[n]);
+            ContourLoop loop = led.loop;
+            if (turn == 0 && !replace(led, way, vertices, loop)) return false;
+            improve_cells(done);
+        }
+        way.farthest_mm = distance_of_rows(way.places(), drawn);
+        return way.farthest_mm <= following_.most_mm && is_on_surface(vertices, led.contour.structure) &&
+               std::all_of(done.changed.begin(), done.changed.end(),
+                           [&](std::uint32_t c) { return is_good(c); });
+    }
+
+    // Puts the way into the loop; false if the slice's contours are none of a kept set then.
+    bool replace(const Led& led, const Way& way, const std::vector<std::uint32_t>& vertices,
+                 ContourLoop& loop) const {
+        return loop.replace({way.from, way.to, vertices, way.places()}) && is_sound(led, loop);
+    }
+
+    bool is_on_surface(const std::vector<std::uint32_t>& way, std::uint32_t structure) {
+        for (std::size_t n = 1; n < way.size(); ++n) {
+            if (row_from(way[n - 1], way[n], structure).back() != way[n]) return false;
+        }
         return true;
     }
 
@@ -331,6 +391,9 @@ class Follower {
         for (const auto& [node, place] : way.points) {
             if (node.is_vertex()) {
                 vertices.push_back(node.p);
+                if (bench_.fixed(node.p)) continue;
+                bench_.fix(node.p);
+                done.moved.push_back(node.p);
                 continue;
             }
             if (!sides_.find_ring(node.p, node.q)) return false;
@@ -345,6 +408,7 @@ class Follower {
         for (std::size_t n = 1; n < vertices.size(); ++n) {
             if (!sides_.on_surface(vertices[n - 1], vertices[n], structure)) return false;
             bench_.fix_edge(vertices[n - 1], vertices[n]);
+            done.fixed.push_back({vertices[n - 1], vertices[n]});
         }
         return true;
     }
@@ -410,10 +474,14 @@ class Follower {
                 last = v;
             }
         }
-        sort_distinct(edges);
-        for (const auto& [a, b, structure] : drawn_.pieces_beside) {
-            const VertexPair edge{std::min(a, b), std::max(a, b)};
-            if (std::binary_search(edges.begin(), edges.end(), edge)) done.let_go.push_back(edge);
+        for (const VertexPair& edge : edges) {
+            const auto is_of_another = [&](const std::array<std::uint32_t, 3>& piece) {
+                return piece[2] != led.contour.structure &&
+                       VertexPair{std::min(piece[0], piece[1]), std::max(piece[0], piece[1])} == edge;
+            };
+            if (bench_.keeps_edge(edge[0], edge[1]) &&
+                std::none_of(drawn_.pieces_beside.begin(), drawn_.pieces_beside.end(), is_of_another))
+                done.let_go.push_back(edge);
         }
         for (const VertexPair& edge : done.let_go) bench_.release_edge(edge[0], edge[1]);
         std::vector<std::uint32_t> own = row;
@@ -421,7 +489,7 @@ class Follower {
         sort_distinct(own);
         for (const std::uint32_t v : row) {
             // Vertices of contours stay, on the surface, whether it passes through them or not.
-            if (!std::binary_search(of_contours_.begin(), of_contours_.end(), v) &&
+            if (!std::binary_search(drawn_vertices_.begin(), drawn_vertices_.end(), v) &&
                 std::find(vertices.begin(), vertices.end(), v) == vertices.end() &&
                 is_free_without(own, led.contour.structure, v))
                 free(v, done);
@@ -466,21 +534,10 @@ class Follower {
         sort_distinct(done.changed);
     }
 
-    // `way`: vertices. Whether all cells are good then.
-    bool improve_shapes(const std::vector<std::uint32_t>& way, Attempt& done) {
-        improve_cells(done);
-        std::vector<std::uint32_t> of_contours = of_contours_;
-        of_contours.insert(of_contours.end(), way.begin(), way.end());
-        sort_distinct(of_contours);
-        return std::all_of(done.changed.begin(), done.changed.end(),
-                           [&](std::uint32_t c) { return is_good(c, of_contours); });
-    }
-
-    // `of_contours`: vertices, rising.
-    bool is_good(std::uint32_t c, const std::vector<std::uint32_t>& of_contours) const {
+    bool is_good(std::uint32_t c) const {
         if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return true;
         const Cell& v = bench_.mesh.cell(c);
-        const bool forced = drawn_.are_crowded(v) || shortest_joins_two(v, of_contours);
+        const bool forced = drawn_.are_crowded(v) || shortest_is_drawn(v);
         const CellMeasures m = measure_cell(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
                                             bench_.mesh.point(v[2]), bench_.mesh.point(v[3]));
         const double most = forced ? most_crowded_ratio : bench_.options.last_radius_edge;
@@ -488,18 +545,18 @@ class Follower {
                m.squared_ratio <= most * most;
     }
 
-    // Whether the shortest edge of a cell joins two of these vertices.
-    bool shortest_joins_two(const Cell& v, const std::vector<std::uint32_t>& of_contours) const {
+    // Whether the shortest edge of a cell joins two vertices of contours as they are drawn.
+    bool shortest_is_drawn(const Cell& v) const {
         double shortest = HUGE_VAL;
-        bool joins = false;
+        bool is_drawn = false;
         for (const auto& [i, j] : cell_edges) {
             const double edge = squared_length(bench_.mesh.point(v[i]) - bench_.mesh.point(v[j]));
             if (edge >= shortest) continue;
             shortest = edge;
-            joins = std::binary_search(of_contours.begin(), of_contours.end(), v[i]) &&
-                    std::binary_search(of_contours.begin(), of_contours.end(), v[j]);
+            is_drawn = std::binary_search(drawn_vertices_.begin(), drawn_vertices_.end(), v[i]) &&
+                       std::binary_search(drawn_vertices_.begin(), drawn_vertices_.end(), v[j]);
         }
-        return joins;
+        return is_drawn;
     }
 
     // Whether the contours of its slice are still what those of kept sets are.
@@ -522,7 +579,7 @@ class Follower {
                 ring.at.push_back(plane.to_plane(bench_.mesh.point(v)));
             }
         }
-        return slice_faults(rings, false).empty();
+        return slice_faults(rings, following_.exclusive).empty();
     }
 
     void take_back(const Attempt& done) {
@@ -532,6 +589,7 @@ class Follower {
             if (done.released[n] < crowded_.size()) crowded_[done.released[n]] = done.crowded[n];
         }
         for (const VertexPair& edge : done.let_go) bench_.keep_edge(edge[0], edge[1]);
+        for (const VertexPair& edge : done.fixed) bench_.unfix_edge(edge[0], edge[1]);
     }
 
     // `way`: its vertices.
@@ -540,7 +598,10 @@ class Follower {
         for (const std::uint32_t v : way) note(contour, v);
         sort_distinct(of_drawing_[drawing(contour)]);
         sort_distinct(of_slice_[contour.slice]);
-        sort_distinct(of_contours_);
+        // What moved for an earlier way and is not on this one is free again.
+        for (const std::uint32_t v : done.moved) {
+            if (std::find(way.begin(), way.end(), v) == way.end()) bench_.unfix(v);
+        }
     }
 
     Workbench& bench_;
@@ -550,20 +611,24 @@ class Follower {
     SidesAt sides_;
     double least_sine_;
     const ImproveCells& improve_;
-    std::vector<Led> contours_;  // that have missed segments, by number
-    // Vertices of the contours, rising: of a slice and a structure, of a slice, and of all.
+    const RunContext& context_;
+    std::size_t attempts_ = 0;
+    std::map<std::array<std::uint32_t, 3>, Tried> tried_;  // by ends and contour
+    std::vector<Led> contours_;                            // that have missed segments, by number
+    // Vertices of the contours as they are now, rising: of a slice and a structure, and of a slice; and as
+    // they are drawn.
     std::map<std::uint64_t, std::vector<std::uint32_t>> of_drawing_;
     std::map<std::uint32_t, std::vector<std::uint32_t>> of_slice_;
-    std::vector<std::uint32_t> of_contours_;
+    std::vector<std::uint32_t> drawn_vertices_;
     std::vector<std::uint32_t> changed_;  // cells
 };
 
 }  // namespace
 
 FollowStats follow_surface(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded,
-                           double least_sine, const ImproveCells& improve) {
+                           double least_sine, const ImproveCells& improve, const RunContext& context) {
     if (!drawn.table || !drawn.owners || drawn.following.contours.empty()) return {};
-    return Follower(bench, drawn, crowded, least_sine, improve).run();
+    return Follower(bench, drawn, crowded, least_sine, improve, context).run();
 }
 
 }  // namespace anatomesh

@@ -31,6 +31,6 @@ struct FollowStats {
 // time. Complexity: O(segments), and ms for each that is missed. Errors: none; what cannot be led stays as it
 // is drawn, and so does all where more than 1,000 segments are missed.
 FollowStats follow_surface(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded,
-                           double least_sine, const ImproveCells& improve);
+                           double least_sine, const ImproveCells& improve, const RunContext& context);
 
 }  // namespace anatomesh

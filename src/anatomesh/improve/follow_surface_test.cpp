@@ -102,12 +102,11 @@ Followed follow(const Drawn& drawn, double most_mm, double least_sine = any_sine
     DrawnSlices slices;
     slices.table = &drawn.labelled.regions;
     slices.owners = &drawn.owners;
-    slices.following = {drawn.contours, drawn.vertices, drawn.planes, most_mm};
+    slices.following = {drawn.contours, drawn.vertices, drawn.planes, false, most_mm};
     std::vector<std::uint8_t> crowded(drawn.labelled.mesh.points.size(), 0);
     slices.crowded = crowded;
-    result.stats = follow_surface(bench, slices, crowded, least_sine, [](const std::vector<std::uint32_t>&) {
-        return std::vector<std::uint32_t>{};
-    });
+    const auto as_they_are = [](const std::vector<std::uint32_t>&) { return std::vector<std::uint32_t>{}; };
+    result.stats = follow_surface(bench, slices, crowded, least_sine, as_they_are, {});
     std::vector<std::uint32_t> neighbors = drawn.neighbors;
     result.mesh = std::move(mesh).take(neighbors);
     return result;
@@ -251,7 +250,6 @@ TEST(FollowSurface, none_goes_further_than_it_may) {
     const Followed none = follow(drawn, 0);
     EXPECT_TRUE(none.stats.followed.empty());
     EXPECT_EQ(none.mesh.cells, drawn.labelled.mesh.cells);
-    EXPECT_EQ(none.mesh.points.size() >= drawn.labelled.mesh.points.size(), true);
 }
 
 TEST(FollowSurface, cells_that_come_out_flat_are_taken_back) {
@@ -271,33 +269,33 @@ TEST(FollowSurface, cells_that_come_out_flat_are_taken_back) {
 }
 
 TEST(FollowSurface, contours_that_are_edges_already_stay_as_they_are) {
-    // What came of one run is given to the next.
+    // What came of one run, as far as it is whole, is given to the next.
+    std::size_t whole = 0;
     for (Drawn& drawn : drawn_cases()) {
         Followed followed = follow(drawn, 3);
+        const Edges edges = edges_of_surface(followed.mesh, drawn.labelled.regions);
         std::vector<Contour> contours;
         std::vector<std::uint32_t> vertices;
         for (const FollowedContour& contour : followed.stats.followed) {
+            if (missed_of(edges, contour.vertices) > 0) continue;
             const Contour& was = drawn.contours[contour.contour];
             contours.push_back({was.structure, was.slice, static_cast<std::uint32_t>(vertices.size()),
                                 static_cast<std::uint32_t>(contour.vertices.size())});
             vertices.insert(vertices.end(), contour.vertices.begin(), contour.vertices.end());
         }
-        const Edges edges = edges_of_surface(followed.mesh, drawn.labelled.regions);
-        std::size_t missed = 0;
-        for (const Contour& contour : contours)
-            missed += missed_of(edges, std::span(vertices).subspan(contour.first_point, contour.point_count));
+        whole += contours.size();
         drawn.labelled.mesh = followed.mesh;
         drawn.labelled.fixed = followed.fixed;
         drawn.neighbors = cell_neighbors(followed.mesh.cells, followed.mesh.points.size());
         drawn.contours = contours;
         drawn.vertices = vertices;
         const Followed again = follow(drawn, 3);
-        EXPECT_EQ(again.stats.missed, missed);
-        if (missed > 0) continue;
+        EXPECT_EQ(again.stats.missed, 0u);
         EXPECT_TRUE(again.stats.followed.empty());
         EXPECT_EQ(again.mesh.points, followed.mesh.points);
         EXPECT_EQ(again.mesh.cells, followed.mesh.cells);
     }
+    EXPECT_GT(whole, 2u);
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ class Climber {
         const double least = worst_degrees();
         queue_ = {};
         bring_pieces(std::max(least, listed_degrees), most_for_segment);
-        follow(std::max(least, listed_degrees));
+        follow(std::max(least, listed_degrees), context);
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
@@ -280,11 +280,11 @@ class Climber {
     }
 
     // Contours whose segments no edges of the surface run along after all.
-    void follow(double least_degrees) {
+    void follow(double least_degrees, const RunContext& context) {
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
         FollowStats stats =
             follow_surface(bench_, drawn_, crowded_, std::sin(least_degrees * radians_per_degree),
-                           [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); });
+                           [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context);
         bench_.stats.segments_missed = stats.missed;
         bench_.stats.followed = std::move(stats.followed);
         watched_ = std::move(watched);

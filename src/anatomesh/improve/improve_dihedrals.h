@@ -26,6 +26,7 @@ struct FollowingContours {
     std::span<const Contour> contours = {};        // those of a slice and structure one after the other
     std::span<const std::uint32_t> vertices = {};  // of the mesh, of every point of theirs
     std::span<const Plane> planes = {};            // by slice
+    bool exclusive = false;                        // structures, as in contour sets
     double most_mm = 0;                            // no further. >= 0
 };
 
@@ -33,7 +34,7 @@ struct FollowingContours {
 struct FollowedContour {
     std::uint32_t contour = 0;            // its index
     std::vector<std::uint32_t> vertices;  // all, in order
-    std::uint64_t segments = 0;           // that it left
+    std::uint64_t segments = 0;           // drawn, missed before and not any more
     double farthest_mm = 0;               // of it from what was drawn, and of that from it
 };
 

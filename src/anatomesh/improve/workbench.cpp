@@ -36,6 +36,12 @@ void Workbench::fix_edge(std::uint32_t a, std::uint32_t b) {
     split_edges_.insert(std::upper_bound(split_edges_.begin(), split_edges_.end(), edge), edge);
 }
 
+void Workbench::unfix_edge(std::uint32_t a, std::uint32_t b) {
+    const VertexPair edge{std::min(a, b), std::max(a, b)};
+    const auto at = std::lower_bound(split_edges_.begin(), split_edges_.end(), edge);
+    if (at != split_edges_.end() && *at == edge) split_edges_.erase(at);
+}
+
 void Workbench::keep_edge(std::uint32_t a, std::uint32_t b) {
     const VertexPair edge{std::min(a, b), std::max(a, b)};
     const auto at = std::lower_bound(kept_edges_.begin(), kept_edges_.end(), edge);
@@ -44,6 +50,10 @@ void Workbench::keep_edge(std::uint32_t a, std::uint32_t b) {
 
 void Workbench::release_edge(std::uint32_t a, std::uint32_t b) {
     std::erase(kept_edges_, VertexPair{std::min(a, b), std::max(a, b)});
+}
+
+bool Workbench::keeps_edge(std::uint32_t a, std::uint32_t b) const {
+    return std::binary_search(kept_edges_.begin(), kept_edges_.end(), VertexPair{std::min(a, b), std::max(a, b)});
 }
 
 bool Workbench::loses_kept_edge(std::span<const std::uint32_t> removed, std::span<const Cell> added) const {

@@ -73,11 +73,14 @@ class Workbench {
     void settle(std::uint32_t v) { fixed_[v] = settled_once; }
     bool settled(std::uint32_t v) const { return fixed_[v] == settled_once; }
     void fix_edge(std::uint32_t a, std::uint32_t b);
+    // Takes one fix_edge() back.
+    void unfix_edge(std::uint32_t a, std::uint32_t b);
     // A point on a fixed edge, which becomes two.
     void fix_on_edge(std::uint32_t v, std::uint32_t a, std::uint32_t b);
 
     void keep_edge(std::uint32_t a, std::uint32_t b);  // whole, wherever it lies, until it is released
     void release_edge(std::uint32_t a, std::uint32_t b);
+    bool keeps_edge(std::uint32_t a, std::uint32_t b) const;
     // Whether a facet between two regions lies in the plane of one of `slices`, so that the cut there has the
     // structures of both, and these are not what is drawn there.
     bool spoils_cut(std::uint32_t a, std::uint32_t b, std::uint32_t c, Region above, Region below);

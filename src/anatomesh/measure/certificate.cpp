@@ -125,7 +125,8 @@ std::vector<std::uint32_t> structures_of_field(const CertificateInput& input) {
 }
 
 // Where a structure is not drawn, cuts are listed that are more than the tolerance of what it has on a slice.
-void list_cuts(const ContourSet& contours, const std::vector<SliceCut>& cuts,
+// `segments_missed`: by contour of `kept`.
+void list_cuts(const ContourSet& contours, const std::vector<SliceCut>& cuts, const ContourSet& kept,
                const std::vector<std::uint32_t>& segments_missed, ModelReport& report) {
     std::vector<double> drawn(contours.structures.size(), 0), slices(drawn);
     for (const SliceCut& cut : cuts) {
@@ -145,7 +146,7 @@ void list_cuts(const ContourSet& contours, const std::vector<SliceCut>& cuts,
                              slice.name.empty() ? std::to_string(cut.slice) : slice.name, cut.drawn,
                              cut.difference, 0};
         for (std::uint32_t c = slice.first_contour; c < slice.first_contour + slice.contour_count; ++c) {
-            if (contours.contours[c].structure == cut.structure) entry.segments_missed += segments_missed[c];
+            if (kept.contours[c].structure == cut.structure) entry.segments_missed += segments_missed[c];
         }
         report.cuts.push_back(std::move(entry));
     }
@@ -160,10 +161,10 @@ struct ContourFindings {
 
 ContourFindings measure_contours(const CertificateInput& input, const Surfaces& surfaces,
                                  const ShellNumbers& shells, ModelReport& report) {
-    const ContourSet& contours = *input.contours;
+    const ContourSet &contours = *input.contours, &kept = input.on_surface ? *input.on_surface : contours;
     report.slices = contours.slices.size();
     report.contours = contours.contours.size();
-    report.contour_vertices = contours.points.size();
+    report.contour_vertices = kept.points.size();
     if (all_parallel(contours, parallel_tolerance_mm)) report.slice_spacing_mm = median_spacing(contours);
     Surfaces of_contours(contours.structures.size());
     std::vector<std::size_t> match(contours.structures.size());
@@ -171,7 +172,7 @@ ContourFindings measure_contours(const CertificateInput& input, const Surfaces& 
         match[s] = matching_structure(contours.structures, s, input.structures);
         if (match[s] < surfaces.size()) of_contours[s] = surfaces[match[s]];
     }
-    ContourFidelity fidelity = contour_fidelity(input.mesh.points, of_contours, contours);
+    ContourFidelity fidelity = contour_fidelity(input.mesh.points, of_contours, kept);
     const std::vector<double> volumes = slice_volumes(contours);
     ContourFindings findings;
     for (std::size_t s = 0; s < match.size(); ++s) {
@@ -188,18 +189,20 @@ ContourFindings measure_contours(const CertificateInput& input, const Surfaces& 
         structure.contour_segments_on_surface += part.segments_on_surface;
         if (!volumes.empty()) structure.volume_slices_mm3 += volumes[s];
     }
-    for (const SegmentOfContour& segment : contradicted_segments(contours, fidelity.missed)) {
-        const std::size_t s = match[contours.contours[segment.contour].structure];
+    for (const SegmentOfContour& segment : contradicted_segments(kept, fidelity.missed)) {
+        const std::size_t s = match[kept.contours[segment.contour].structure];
         ++findings.contradicted;
         if (s < report.structures.size()) ++report.structures[s].contour_segments_contradicted;
     }
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
-        look_for_contours(input.mesh.points, surfaces[s], shells[s], contours, match, s, fidelity.vertex_of,
+        look_for_contours(input.mesh.points, surfaces[s], shells[s], kept, match, s, fidelity.vertex_of,
                           report.structures[s].shells);
     }
-    list_cuts(contours, slice_cuts(input.mesh.points, of_contours, contours, fidelity.vertex_of),
+    findings.vertex_of = input.on_surface
+                             ? contour_fidelity(input.mesh.points, of_contours, contours).vertex_of
+                             : std::move(fidelity.vertex_of);
+    list_cuts(contours, slice_cuts(input.mesh.points, of_contours, contours, findings.vertex_of), kept,
               fidelity.segments_missed, report);
-    findings.vertex_of = std::move(fidelity.vertex_of);
     return findings;
 }
 

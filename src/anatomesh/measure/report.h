@@ -94,7 +94,8 @@ struct SliceCutReport {
 // A contour that leaves what is drawn to lie on the surface, where no edges of that run along it.
 struct FollowedContourReport {
     std::string structure, slice;
-    std::uint64_t segments = 0;  // drawn, that were missed
+    std::uint64_t segments = 0,       // drawn, that were missed
+        vertices_left = 0;            // drawn, that it passes by
     double farthest_mm = 0,      // of the contour from what is drawn, and of that from it
         difference_mm2 = 0;      // area of the symmetric difference of both regions
 };

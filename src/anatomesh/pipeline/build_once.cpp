@@ -127,6 +127,7 @@ class Builder {
     }
     // Contour segments that were, whether their contours follow the surface now or not.
     std::uint64_t segments_missed() const { return segments_missed_; }
+    std::uint64_t drawn_segments() const { return source_.points.size(); }
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
     bool spared_shapes() const { return spared_ || recovered_ || (pieces_ && pieces_->are_short()); }
 
@@ -587,7 +588,7 @@ class Builder {
         for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);
         FollowingContours following;
         if (options_.max_follow_mm > 0 && !is_parallel(contours_))
-            following = {contours_.contours, contour_vertices, planes,
+            following = {contours_.contours, contour_vertices, planes, contours_.exclusive,
                          std::min(options_.max_follow_mm, most_followed * sample_->stats.size_mm)};
         return improve_dihedrals(
             model_.mesh, neighbors_, fixed,
@@ -612,9 +613,12 @@ class Builder {
         const std::vector<std::uint32_t> vertex = drop_outside(mesh, neighbors_, context_.threads);
         std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
         for (std::uint32_t& v : contour_vertices) v = vertex[v];
-        for (FollowedContour& followed : followed_) {
+        // With a vertex that was lost, a contour stays as it is drawn.
+        std::erase_if(followed_, [&](FollowedContour& followed) {
             for (std::uint32_t& v : followed.vertices) v = vertex[v];
-        }
+            return std::find(followed.vertices.begin(), followed.vertices.end(), no_cell) !=
+                   followed.vertices.end();
+        });
         compact_regions(mesh, model_.regions);
         move_back(mesh.points);
         // Contour vertices keep the coordinates that they came with, bit for bit.
@@ -626,7 +630,7 @@ class Builder {
         ContoursOfMesh kept = follow_contours(source_, contour_vertices, followed_, mesh.points);
         model_.contours = std::move(kept.contours);
         model_.contour_vertices = std::move(kept.vertices);
-        report().followed_contours = followed_contours(source_, followed_, mesh.points);
+        report().followed_contours = followed_contours(source_, contour_vertices, followed_, mesh.points);
         model_.followed = std::move(followed_);
         model_.structures = contours_.structures;
         model_.field = field_;
@@ -639,7 +643,8 @@ class Builder {
 
     Status certify() {
         CertificateInput input{model_.mesh, model_.regions, model_.structures};
-        input.contours = &model_.contours;
+        input.contours = &source_;
+        if (!model_.followed.empty()) input.on_surface = &model_.contours;
         input.field_volumes_mm3 = volumes_mm3_;
         input.field = field_.get();
         input.field_origin = origin_;
@@ -829,7 +834,7 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
     }
     // Also those that contours left: the fewer the better.
     outcome.missed = static_cast<double>(std::max(segments - on_surface, builder.segments_missed())) /
-                     static_cast<double>(std::max<std::uint64_t>(1, segments));
+                     static_cast<double>(std::max<std::uint64_t>(1, builder.drawn_segments()));
     return outcome;
 }
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <string>
 
+#include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/improve/contour_loop.h"
 #include "anatomesh/measure/even_odd_area.h"
 
 namespace anatomesh {
@@ -90,31 +92,67 @@ std::vector<std::uint8_t> kept_vertices(const ContourSet& set, std::span<const s
     return kept;
 }
 
+namespace {
+
+constexpr int parts = 16;  // of a segment, to measure distances between
+
+std::vector<Vec3> closed(std::vector<Vec3> ring) {
+    ring.push_back(ring.front());
+    return ring;
+}
+
+// Of the segments of a closed row from another one.
+double farthest(const std::vector<Vec3>& row, const std::vector<Vec3>& other) {
+    double most = 0;
+    for (std::size_t n = 1; n < row.size(); ++n) {
+        for (int k = 0; k < parts; ++k) {
+            const Vec3 p = row[n - 1] + static_cast<double>(k) / parts * (row[n] - row[n - 1]);
+            most = std::max(most, length(p - nearest_on_row(other, p)));
+        }
+    }
+    return most;
+}
+
+// What lies in one of the two alone is within an odd number of both.
+double difference(const std::vector<Vec3>& ring, const std::vector<Vec3>& other, const Plane& plane) {
+    std::vector<Segment2> segments;
+    Box2 clip;
+    for (const std::vector<Vec3>* const row : {&ring, &other}) {
+        for (std::size_t n = 1; n < row->size(); ++n) {
+            segments.push_back({plane.to_plane((*row)[n - 1]), plane.to_plane((*row)[n])});
+            clip.extend(segments.back().a);
+        }
+    }
+    return even_odd_area(std::move(segments), clip);
+}
+
+}  // namespace
+
 std::vector<FollowedContourReport> followed_contours(const ContourSet& set,
+                                                     std::span<const std::uint32_t> vertex_of,
                                                      std::span<const FollowedContour> followed,
                                                      std::span<const Vec3> points) {
     std::vector<FollowedContourReport> reports;
     for (const FollowedContour& one : followed) {
         const Contour& contour = set.contours[one.contour];
         const Slice& slice = set.slices[contour.slice];
-        // What lies in one of the two alone is within an odd number of both.
-        std::vector<Segment2> segments;
-        Box2 clip;
-        const auto add = [&](const auto& place, std::size_t count) {
-            for (std::size_t n = 0; n < count; ++n) {
-                const Vec2 a = slice.plane.to_plane(place(n)),
-                           b = slice.plane.to_plane(place((n + 1) % count));
-                segments.push_back({a, b});
-                clip.extend(a);
-            }
-        };
-        const std::span<const Vec3> drawn = set.points_of(contour);
-        add([&](std::size_t n) { return drawn[n]; }, drawn.size());
-        add([&](std::size_t n) { return points[one.vertices[n]]; }, one.vertices.size());
         const Structure& structure = set.structures[contour.structure];
-        reports.push_back({structure.name.empty() ? std::to_string(structure.number) : structure.name,
-                           slice.name.empty() ? std::to_string(contour.slice) : slice.name, one.segments,
-                           one.farthest_mm, even_odd_area(std::move(segments), clip)});
+        FollowedContourReport& report = reports.emplace_back();
+        report.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+        report.slice = slice.name.empty() ? std::to_string(contour.slice) : slice.name;
+        report.segments = one.segments;
+        std::vector<std::uint32_t> now = one.vertices;
+        sort_distinct(now);
+        for (const std::uint32_t v : vertex_of.subspan(contour.first_point, contour.point_count))
+            report.vertices_left += !std::binary_search(now.begin(), now.end(), v);
+        const std::span<const Vec3> points_drawn = set.points_of(contour);
+        const std::vector<Vec3> drawn = closed({points_drawn.begin(), points_drawn.end()});
+        std::vector<Vec3> led;
+        for (const std::uint32_t v : one.vertices) led.push_back(points[v]);
+        led = closed(std::move(led));
+        // Between the vertices of a stretch it may be a little more than at them.
+        report.farthest_mm = std::max({one.farthest_mm, farthest(drawn, led), farthest(led, drawn)});
+        report.difference_mm2 = difference(drawn, led, slice.plane);
     }
     return reports;
 }

@@ -26,8 +26,9 @@ ContoursOfMesh follow_contours(const ContourSet& set, std::span<const std::uint3
 std::vector<std::uint8_t> kept_vertices(const ContourSet& set, std::span<const std::uint32_t> vertex_of,
                                         std::span<const FollowedContour> followed, std::size_t vertex_count);
 
-// What the report says of them. `set`: as drawn. Complexity: as even_odd_area().
+// What the report says of them. `set`: as drawn. Complexity: O(n^2) for a contour of n points.
 std::vector<FollowedContourReport> followed_contours(const ContourSet& set,
+                                                     std::span<const std::uint32_t> vertex_of,
                                                      std::span<const FollowedContour> followed,
                                                      std::span<const Vec3> points);
 

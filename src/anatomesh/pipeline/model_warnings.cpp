@@ -86,10 +86,11 @@ void warn_of_segments(const ModelReport& report, const std::string& file, RunCon
 void warn_of_followed(const ModelReport& report, const std::string& file, RunContext& context) {
     const std::vector<FollowedContourReport>& contours = report.followed_contours;
     if (contours.empty()) return;
-    std::uint64_t segments = 0;
+    std::uint64_t segments = 0, left = 0;
     const FollowedContourReport* farthest = &contours.front();
     for (const FollowedContourReport& contour : contours) {
         segments += contour.segments;
+        left += contour.vertices_left;
         if (contour.farthest_mm > farthest->farthest_mm) farthest = &contour;
     }
     Place place;
@@ -100,8 +101,10 @@ void warn_of_followed(const ModelReport& report, const std::string& file, RunCon
     context.warn({"W-PIP-013",
                   counted(contours.size(), "contour") + " " + (contours.size() == 1 ? "follows" : "follow") +
                       " the surface in place of " + counted(segments, "drawn segment") +
-                      " that no edges of it run along, where planes come too near to each other; the one "
-                      "that goes farthest is named",
+                      " that no edges of it run along, where planes come too near to each other" +
+                      (left > 0 ? ", passing by " + std::to_string(left) + " of the drawn vertices"
+                                : std::string()) +
+                      "; the one that goes farthest is named",
                   place,
                   "kept as they run on the surface, and reported (followed_contours); --reconcile 0 leaves "
                   "all as they are drawn"});

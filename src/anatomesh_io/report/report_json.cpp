@@ -173,6 +173,7 @@ Json followed_contours_json(const ModelReport& report) {
         followed.push_back({{"structure", contour.structure},
                             {"slice", contour.slice},
                             {"segments", contour.segments},
+                            {"vertices_left", contour.vertices_left},
                             {"farthest_mm", number(contour.farthest_mm)},
                             {"difference_mm2", number(contour.difference_mm2)}});
     }
