@@ -13,11 +13,13 @@ void add_reconcile_options(CLI::App& verb, ReconcileStepOptions& options) {
                fmt::format("Move contours of slices that cross by up to MM, so that they agree (where more "
                            "than two meet in a "
                            "line, with most of them), 0.001 to 1000; slices further apart, in the median of "
-                           "their region ends or in what would have to move, are refused "
+                           "their region ends or in what would have to move, are refused; nor do contours "
+                           "go further to follow the surface where no edges of it run along them "
                            "(default {})",
                            options.stage.max_disagreement_mm));
     add_choice(verb, "--reconcile", options.reconcile, {"0", "1"},
-               "Whether contours of slices that cross are made to agree (1, default) or kept as drawn (0)");
+               "Whether contours of slices that cross are made to agree, and follow the surface where no "
+               "edges of it run along them (1, default), or are kept as drawn (0)");
     verb.add_flag("--align", options.stage.align,
                   "First shift every slice in its plane so that it agrees best with those that it crosses");
     for (const char* name : {"--max-disagreement", "--reconcile", "--align"}) {

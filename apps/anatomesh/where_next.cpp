@@ -108,6 +108,8 @@ Status run_where_next(WhereNextVerbOptions options, Session& session) {
     building.single_slice_mm = leaving.field.single_slice_mm;
     building.size_mm = options.size_mm;
     building.max_tetrahedra = session.limits.tetrahedra;
+    if (options.reconcile.reconcile == "1")
+        building.max_follow_mm = options.reconcile.stage.max_disagreement_mm;
     ANATOMESH_TRY(const Model model, build_model(contours.kept, building, context));
     ANATOMESH_TRY(const LeftOut errors, leave_slices_out(contours.kept, leaving, context));
     const SurfaceUncertainty uncertainty =

@@ -31,14 +31,14 @@ struct CertificateInput {
     const RegionTable& regions;
     std::span<const Structure> structures;        // what the members of the regions are
     const ContourSet* contours = nullptr;         // kept; structures are matched by number
-    // Those as some of them follow the surface in their slices; null: none does. Vertices and segments are
-    // looked for as they are here, cuts and what forces cells go by what is drawn.
-    const ContourSet* on_surface = nullptr;
     std::span<const double> field_volumes_mm3{};  // per structure of `structures`; empty when not known
     bool made_by_this_run = true;                 // false: the model was read, nothing is known of its making
     const StructureField* field = nullptr;  // at p - field_origin that of the model at p; of the contours
     Vec3 field_origin{};
     std::string_view field_note{};  // how the field came about, or why there is none: for clause 6
+    // The contours as some of them follow the surface in their slices; null: none does. Vertices and segments are
+    // looked for as they are here, cuts and what forces cells go by what is drawn.
+    const ContourSet* on_surface = nullptr;
 };
 
 // The model's structure that one of the contours is, by its number, or, when both have only one, that one;
