@@ -18,6 +18,7 @@
 #include "anatomesh/improve/lower_apexes.h"
 #include "anatomesh/improve/mend_cuts.h"
 #include "anatomesh/improve/operations.h"
+#include "anatomesh/improve/section_areas.h"
 #include "anatomesh/mesh/cell_shape.h"
 #include "anatomesh/mesh/prefetch.h"
 
@@ -63,6 +64,13 @@ class Climber {
           drawn_(drawn),
           target_(std::sin(bench.options.target_degrees * radians_per_degree)) {
         drawn_.crowded = crowded_;
+        if (drawn.least_wrong > 0) {
+            drawn_.planes = {};
+            drawn_.extents = {};
+            drawn_.weights = {};
+            at_last_ = drawn;
+            at_last_.crowded = crowded_;
+        }
         bench.goal = std::sin((bench.options.target_degrees + margin_degrees) * radians_per_degree);
     }
 
@@ -109,6 +117,7 @@ class Climber {
         const double least = worst_degrees();
         queue_ = {};
         bring_pieces(std::max(least, listed_degrees), most_for_segment);
+        mend_worst_cuts(context.threads);
         follow(std::max(least, listed_degrees), context);
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
@@ -279,12 +288,34 @@ class Climber {
         watched_.insert(watched_.end(), brought.changed.begin(), brought.changed.end());
     }
 
+    // Cuts of which more is wrong than may be, where cuts are not looked at before.
+    void mend_worst_cuts(int threads) {
+        if (at_last_.planes.empty()) return;
+        std::vector<std::uint32_t> all(bench_.mesh.cell_count());
+        std::iota(all.begin(), all.end(), 0u);
+        std::erase_if(all, [&](std::uint32_t c) { return !bench_.mesh.alive(c); });
+        SectionAreas areas(bench_, at_last_);
+        areas.sum_cuts(all);
+        std::vector<double> weights(at_last_.weights.begin(), at_last_.weights.end());
+        for (std::size_t cut = 0; cut < weights.size(); ++cut) {
+            if (areas.sums()[cut] <= at_last_.least_wrong) weights[cut] = 0;
+        }
+        at_last_.weights = weights;
+        const MendStats mended =
+            mend_cuts(bench_, at_last_, std::sin(listed_degrees * radians_per_degree), threads);
+        bench_.stats.cuts_found += mended.places_found;
+        bench_.stats.cuts_mended += mended.vertices_moved + mended.cells_given + mended.edges_flipped +
+                                    mended.edges_collapsed + mended.vertices_inserted;
+        watched_.insert(watched_.end(), mended.changed.begin(), mended.changed.end());
+        at_last_.weights = {};
+    }
+
     // Contours whose segments no edges of the surface run along after all.
     void follow(double least_degrees, const RunContext& context) {
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
-        FollowStats stats =
-            follow_surface(bench_, drawn_, crowded_, std::sin(least_degrees * radians_per_degree),
-                           [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context);
+        FollowStats stats = follow_surface(
+            bench_, drawn_, crowded_, std::sin(least_degrees * radians_per_degree),
+            [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context);
         bench_.stats.segments_missed = stats.missed;
         bench_.stats.followed = std::move(stats.followed);
         watched_ = std::move(watched);
@@ -546,6 +577,7 @@ class Climber {
     Workbench& bench_;
     std::vector<std::uint8_t> crowded_;  // those of drawn_, from which contours that are led take some
     DrawnSlices drawn_;
+    DrawnSlices at_last_;  // if any: of cuts that are looked at then alone
     double target_;
     bool thorough_ = false;    // the last climb
     bool is_raising_ = false;  // for a piece of a contour segment

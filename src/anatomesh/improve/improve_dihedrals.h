@@ -50,6 +50,9 @@ struct DrawnSlices {
     std::span<const double> weights = {};     // at structure * planes + slice: 1 / mm^2 drawn; 0 where the
                                               // slice does not tell where the structure is
     double on_plane_mm = 0;                   // a vertex this near to a plane lies in it. >= 0
+    // Above 0: of cuts those alone are looked at, and at last, of which so large a share of what is drawn is
+    // wrong then.
+    double least_wrong = 0;
     // Pieces of contour segments, known to the owners, with cells on one side of their structure alone: two
     // vertices and the structure.
     std::span<const std::array<std::uint32_t, 3>> pieces_beside = {};

@@ -69,6 +69,8 @@ class SectionAreas {
     // Sums what is wrong by cuts, of structures by planes. Requires: of each facet in a plane that is wrong
     // both cells.
     void sum_cuts(std::span<const std::uint32_t> cells);
+    // By structure and slice, as the weights of what is drawn.
+    std::span<const double> sums() const { return of_cuts_; }
     // Of those that wrong_at() is about the largest sum.
     double largest_cut_at(std::uint32_t cell, int facet);
 

@@ -530,7 +530,7 @@ class Builder {
 
     // Not where planes that cross lie so close that shapes are spared, nor about an axis: there all planes
     // are wrong by a little at each cell of the pole, and mending them took three times as long as all the
-    // rest.
+    // rest (but the worst at last, see improve_angles()).
     SlicesThatTell slices_to_keep() const {
         if ((spared_ || sample_->has_pole) && !is_parallel(contours_)) return {};
         return slices_that_tell(contours_, field_->flat_ends());
@@ -582,7 +582,10 @@ class Builder {
             beside.clear();
         std::vector<std::uint8_t> crowded;
         if (!spared_ || !beside.empty()) crowded = crowded_by_contours(pieces);
-        const SlicesThatTell slices = slices_to_keep();
+        // About an axis those that are wrong by more than they may be, at last.
+        const bool worst_alone = sample_->has_pole && !spared_ && !is_parallel(contours_);
+        const SlicesThatTell slices =
+            worst_alone ? slices_that_tell(contours_, field_->flat_ends()) : slices_to_keep();
         const std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
         std::vector<Plane> planes;
         for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);
@@ -595,7 +598,7 @@ class Builder {
             edges_along(model_.mesh, neighbors_, segment_ends(contours_, vertices_of_contours())), *field_,
             structures_,
             {&model_.regions, slice_of, &owners, slices.planes, slices.extents, slices.weights,
-             slices.on_plane_mm, beside, crowded, following},
+             slices.on_plane_mm, worst_alone ? certificate_cut_tolerance : 0.0, beside, crowded, following},
             options, context_);
     }
 
@@ -627,6 +630,7 @@ class Builder {
             if (v != no_cell)
                 mesh.points[v] = source_.points[n];  // one that was lost is the certificate's to find
         }
+        drop_unsound(source_, followed_, mesh.points);
         ContoursOfMesh kept = follow_contours(source_, contour_vertices, followed_, mesh.points);
         model_.contours = std::move(kept.contours);
         model_.contour_vertices = std::move(kept.vertices);

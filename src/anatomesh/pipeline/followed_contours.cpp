@@ -6,6 +6,7 @@
 #include <string>
 
 #include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/improve/contour_loop.h"
 #include "anatomesh/measure/even_odd_area.h"
 
@@ -76,6 +77,42 @@ ContoursOfMesh follow_contours(const ContourSet& set, std::span<const std::uint3
     return result;
 }
 
+void drop_unsound(const ContourSet& set, std::vector<FollowedContour>& followed,
+                  std::span<const Vec3> points) {
+    const std::vector<FollowedContour> all = followed;
+    for (auto first = all.begin(); first != all.end();) {
+        const std::uint32_t s = set.contours[first->contour].slice;
+        const auto last =
+            std::find_if(first, all.end(), [&](const auto& f) { return set.contours[f.contour].slice != s; });
+        const Slice& slice = set.slices[s];
+        std::vector<const FollowedContour*> led(slice.contour_count, nullptr);
+        for (auto f = first; f != last; ++f) led[f->contour - slice.first_contour] = &*f;
+        // Each time one at least stays as it is drawn.
+        for (bool sound = false; !sound;) {
+            std::vector<PlaneRing> rings;
+            for (std::uint32_t n = 0; n < slice.contour_count; ++n) {
+                const Contour& contour = set.contours[slice.first_contour + n];
+                PlaneRing& ring = rings.emplace_back(PlaneRing{contour.structure, {}});
+                if (led[n] == nullptr) {
+                    for (const Vec3 p : set.points_of(contour)) ring.at.push_back(slice.plane.to_plane(p));
+                } else {
+                    for (const std::uint32_t v : led[n]->vertices)
+                        ring.at.push_back(slice.plane.to_plane(points[v]));
+                }
+            }
+            sound = true;
+            for (const RingSegment& fault : slice_faults(rings, set.exclusive)) {
+                sound = sound && led[fault.ring] == nullptr;
+                led[fault.ring] = nullptr;
+            }
+        }
+        std::erase_if(followed, [&](const FollowedContour& f) {
+            return set.contours[f.contour].slice == s && led[f.contour - slice.first_contour] == nullptr;
+        });
+        first = last;
+    }
+}
+
 std::vector<std::uint8_t> kept_vertices(const ContourSet& set, std::span<const std::uint32_t> vertex_of,
                                         std::span<const FollowedContour> followed, std::size_t vertex_count) {
     std::vector<std::uint8_t> kept(vertex_count, 0);
@@ -83,9 +120,9 @@ std::vector<std::uint8_t> kept_vertices(const ContourSet& set, std::span<const s
     for (std::uint32_t c = 0; c < set.contours.size(); ++c) {
         const bool is_followed = next != followed.end() && next->contour == c;
         const Contour& contour = set.contours[c];
-        for (const std::uint32_t v :
-             is_followed ? std::span<const std::uint32_t>(next->vertices)
-                         : vertex_of.subspan(contour.first_point, contour.point_count))
+        for (const std::uint32_t v : is_followed
+                                         ? std::span<const std::uint32_t>(next->vertices)
+                                         : vertex_of.subspan(contour.first_point, contour.point_count))
             kept[v] = 1;
         next += is_followed;
     }

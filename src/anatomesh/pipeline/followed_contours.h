@@ -22,6 +22,11 @@ struct ContoursOfMesh {
 ContoursOfMesh follow_contours(const ContourSet& set, std::span<const std::uint32_t> vertex_of,
                                std::span<const FollowedContour> followed, std::span<const Vec3> points);
 
+// Leaves those as they are drawn that make the contours of their slices touch, cross or turn over: they did
+// not where they were led, but coordinates were rounded since. Complexity: O(n log n).
+void drop_unsound(const ContourSet& set, std::vector<FollowedContour>& followed,
+                  std::span<const Vec3> points);
+
 // By vertex of the mesh: whether a contour of the set runs through it, as it is now. As above. O(n).
 std::vector<std::uint8_t> kept_vertices(const ContourSet& set, std::span<const std::uint32_t> vertex_of,
                                         std::span<const FollowedContour> followed, std::size_t vertex_count);
