@@ -198,7 +198,7 @@ void compare_names(const ContourSet& contours, const ModelFile& model, const std
 }  // namespace
 
 Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& model, const WallOptions& walls,
-                                     bool share_first, const std::string& file, RunContext& context) {
+                                          bool share_first, const std::string& file, RunContext& context) {
     if (share_first) share_walls(kept, walls, context);
     std::vector<std::string> left_out;
     const std::vector<std::uint32_t> found = structures_of(kept, model);
@@ -249,7 +249,8 @@ Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& mode
     }
     std::optional<BothContours> both = both_contours(best, model.description);
     if (both)
-        return ContoursOfModel{std::move(both->drawn), std::move(both->on_surface), std::move(both->followed)};
+        return ContoursOfModel{std::move(both->drawn), std::move(both->on_surface),
+                               std::move(both->followed)};
     return ContoursOfModel{std::move(best), std::nullopt, {}};
 }
 

@@ -14,13 +14,17 @@
 #include <string_view>
 #include <vector>
 
+#include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/pipeline/followed_contours.h"
+#include "field_of_model.h"
 
 namespace anatomesh {
 
 namespace {
 
 constexpr const char* key = "followed_contour";
+// What ModelOptions::max_follow_mm and follow_surface() allow at most.
+constexpr double widest_mm = 1000, most_sizes = 0.5, off_plane_mm = 0.01;
 
 // The next word of the text as a number, which is taken off it.
 template <class Number>
@@ -112,6 +116,37 @@ std::vector<FollowedContourReport> reports_of(const ContourSet& drawn, const std
     return followed_contours(drawn, vertex_of, followed, points);
 }
 
+// Whether the contours of each slice are what those of kept sets are.
+bool is_sound(const ContourSet& contours) {
+    return std::all_of(contours.slices.begin(), contours.slices.end(), [&](const Slice& slice) {
+        std::vector<PlaneRing> rings;
+        for (const Contour& contour : contours.contours_of(slice)) {
+            PlaneRing& ring = rings.emplace_back(PlaneRing{contour.structure, {}});
+            for (const Vec3 p : contours.points_of(contour)) ring.at.push_back(slice.plane.to_plane(p));
+        }
+        return slice_faults(rings, contours.exclusive).empty();
+    });
+}
+
+// A file may say anything: contours that no model can have led there are nothing.
+std::optional<BothContours> checked(BothContours both, const std::vector<Note>& notes,
+                                    const MeshDescription& description) {
+    const double most_mm = std::min(number_of(description, "max_disagreement_mm").value_or(widest_mm),
+                                    most_sizes * number_of(description, "size_mm").value_or(widest_mm));
+    for (std::size_t n = 0; n < notes.size(); ++n) {
+        const Contour& contour = both.drawn.contours[notes[n].contour];
+        const Plane& plane = both.drawn.slices[contour.slice].plane;
+        const bool in_plane =
+            std::all_of(notes[n].on_surface.begin(), notes[n].on_surface.end(),
+                        [&](Vec3 p) { return std::abs(plane.signed_distance(p)) <= off_plane_mm; });
+        if (!in_plane || notes[n].segments > contour.point_count ||
+            both.followed[n].farthest_mm > most_mm + off_plane_mm)
+            return std::nullopt;
+    }
+    if (!is_sound(both.on_surface)) return std::nullopt;
+    return both;
+}
+
 }  // namespace
 
 void add_followed_notes(const Model& model, const ContourSet& kept, MeshDescription& description) {
@@ -134,7 +169,8 @@ std::optional<BothContours> both_contours(const ContourSet& contours, const Mesh
         if (is(contours, note.contour, note.drawn)) to_led[note.contour] = &note.on_surface;
     }
     if (to_led.size() == notes->size())
-        return BothContours{contours, with_rings(contours, to_led), reports_of(contours, *notes)};
+        return checked({contours, with_rings(contours, to_led), reports_of(contours, *notes)}, *notes,
+                       description);
     // Found by their first points, from which kept contours begin.
     std::map<std::array<double, 3>, std::vector<const Note*>> by_start;
     for (const Note& note : *notes) {
@@ -158,7 +194,7 @@ std::optional<BothContours> both_contours(const ContourSet& contours, const Mesh
         if (!is(drawn, note.contour, note.drawn)) return std::nullopt;
     }
     std::vector<FollowedContourReport> reports = reports_of(drawn, *notes);
-    return BothContours{std::move(drawn), contours, std::move(reports)};
+    return checked({std::move(drawn), contours, std::move(reports)}, *notes, description);
 }
 
 }  // namespace anatomesh

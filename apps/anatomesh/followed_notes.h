@@ -23,7 +23,8 @@ struct BothContours {
 };
 
 // Both, of either: of contours with those that the notes tell of as they are drawn, or as they follow the
-// surface. Nothing if there are no notes, or if they are not of such contours.
+// surface. Nothing if there are no notes, if they are not of such contours, or if what they tell of is not in
+// the planes of the slices, sound, and as near to what is drawn as a model may have it.
 std::optional<BothContours> both_contours(const ContourSet& contours, const MeshDescription& description);
 
 }  // namespace anatomesh

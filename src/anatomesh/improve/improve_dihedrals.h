@@ -50,8 +50,8 @@ struct DrawnSlices {
     std::span<const double> weights = {};     // at structure * planes + slice: 1 / mm^2 drawn; 0 where the
                                               // slice does not tell where the structure is
     double on_plane_mm = 0;                   // a vertex this near to a plane lies in it. >= 0
-    // Above 0: of cuts those alone are looked at, and at last, of which so large a share of what is drawn is
-    // wrong then.
+    // Above 0: of cuts those alone are looked at, and at last, before contours are led, of which so large a
+    // share of what is drawn is wrong then. Others beside them may get a little worse.
     double least_wrong = 0;
     // Pieces of contour segments, known to the owners, with cells on one side of their structure alone: two
     // vertices and the structure.

@@ -445,11 +445,7 @@ class Builder {
         ANATOMESH_CHECK_STATUS(volumes);
         followed_ = std::move(dihedrals.followed);
         segments_missed_ = dihedrals.segments_missed;
-        // Crumbs that contours left.
-        CrumbStats crumbs;
-        if (!followed_.empty())
-            crumbs = give_crumbs(
-                kept_vertices(contours_, vertices_of_contours(), followed_, model_.mesh.points.size()));
+        const CrumbStats crumbs = settle_followed();
         stars = find_stars();
         fix_ill_shaped(fixed);
         const SlicesThatTell slices = slices_to_keep();
@@ -506,6 +502,18 @@ class Builder {
                     {"volume_difference_before", balanced.worst_before},
                     {"volume_difference_after", balanced.worst_after}};
         return end_stage("improve", 0.85);
+    }
+
+    // Contours that follow the surface are sound where the model will lie, or stay as they are drawn; crumbs
+    // that they left go.
+    CrumbStats settle_followed() {
+        if (followed_.empty()) return {};
+        const std::vector<std::uint32_t> vertices = vertices_of_contours();
+        std::vector<Vec3> points = model_.mesh.points;
+        move_back(points);
+        for (std::size_t n = 0; n < vertices.size(); ++n) points[vertices[n]] = source_.points[n];
+        drop_unsound(source_, followed_, points);
+        return give_crumbs(kept_vertices(contours_, vertices, followed_, points.size()));
     }
 
     // The vertices of ill-shaped cells: the rest at such a vertex is as it is for what forces them, and the
@@ -630,7 +638,6 @@ class Builder {
             if (v != no_cell)
                 mesh.points[v] = source_.points[n];  // one that was lost is the certificate's to find
         }
-        drop_unsound(source_, followed_, mesh.points);
         ContoursOfMesh kept = follow_contours(source_, contour_vertices, followed_, mesh.points);
         model_.contours = std::move(kept.contours);
         model_.contour_vertices = std::move(kept.vertices);

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/slice_soundness.h"
@@ -100,10 +101,14 @@ void drop_unsound(const ContourSet& set, std::vector<FollowedContour>& followed,
                         ring.at.push_back(slice.plane.to_plane(points[v]));
                 }
             }
-            sound = true;
-            for (const RingSegment& fault : slice_faults(rings, set.exclusive)) {
-                sound = sound && led[fault.ring] == nullptr;
-                led[fault.ring] = nullptr;
+            const std::vector<RingSegment> faults = slice_faults(rings, set.exclusive);
+            sound = faults.empty();
+            bool any = false;
+            for (const RingSegment& fault : faults) any |= std::exchange(led[fault.ring], nullptr) != nullptr;
+            // Those that are as drawn are at fault with others.
+            if (!sound && !any) {
+                sound = std::all_of(led.begin(), led.end(), [](const auto* one) { return one == nullptr; });
+                std::fill(led.begin(), led.end(), nullptr);
             }
         }
         std::erase_if(followed, [&](const FollowedContour& f) {
@@ -187,8 +192,7 @@ std::vector<FollowedContourReport> followed_contours(const ContourSet& set,
         std::vector<Vec3> led;
         for (const std::uint32_t v : one.vertices) led.push_back(points[v]);
         led = closed(std::move(led));
-        // Between the vertices of a stretch it may be a little more than at them.
-        report.farthest_mm = std::max({one.farthest_mm, farthest(drawn, led), farthest(led, drawn)});
+        report.farthest_mm = std::max(farthest(drawn, led), farthest(led, drawn));
         report.difference_mm2 = difference(drawn, led, slice.plane);
     }
     return reports;
