@@ -22,7 +22,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr const char* key = "followed_contour";
+constexpr const char *contour_key = "followed_contour", *point_key = "followed_point";
 // What ModelOptions::max_follow_mm and follow_surface() allow at most.
 constexpr double widest_mm = 1000, most_sizes = 0.5, off_plane_mm = 0.01;
 
@@ -43,34 +43,57 @@ struct Note {
     std::vector<Vec3> drawn, on_surface;
 };
 
-std::optional<std::vector<Vec3>> take_ring(std::string_view& text, std::uint32_t count) {
-    std::vector<Vec3> ring;
-    for (std::uint32_t n = 0; n < count; ++n) {
-        const std::optional<double> x = take<double>(text), y = take<double>(text), z = take<double>(text);
-        if (!x || !y || !z || !std::isfinite(*x + *y + *z)) return std::nullopt;
-        ring.push_back({*x, *y, *z});
-    }
-    if (ring.size() < 3) return std::nullopt;
-    return ring;
-}
+// A note as it is read: the points that are still to come are counted.
+struct Reading {
+    Note note;
+    std::size_t drawn = 0, on_surface = 0;
 
-std::optional<Note> note_of(std::string_view text) {
+    bool is_whole() const {
+        return drawn >= 3 && on_surface >= 3 && note.drawn.size() == drawn &&
+               note.on_surface.size() == on_surface;
+    }
+    bool add(Vec3 p) {
+        if (note.on_surface.size() == on_surface) return false;
+        (note.drawn.size() < drawn ? note.drawn : note.on_surface).push_back(p);
+        return true;
+    }
+};
+
+std::optional<Reading> begin_note(std::string_view text) {
     const auto number = take<std::uint32_t>(text), segments = take<std::uint32_t>(text),
                before = take<std::uint32_t>(text), now = take<std::uint32_t>(text);
-    if (!number || !segments || !before || !now) return std::nullopt;
-    std::optional<std::vector<Vec3>> drawn = take_ring(text, *before), led = take_ring(text, *now);
-    if (!drawn || !led || !text.empty()) return std::nullopt;
-    return Note{*number, *segments, std::move(*drawn), std::move(*led)};
+    if (!number || !segments || !before || !now || !text.empty()) return std::nullopt;
+    return Reading{{*number, *segments, {}, {}}, *before, *now};
+}
+
+std::optional<Vec3> point_of(std::string_view text) {
+    const auto x = take<double>(text), y = take<double>(text), z = take<double>(text);
+    if (!x || !y || !z || !text.empty() || !std::isfinite(*x + *y + *z)) return std::nullopt;
+    return Vec3{*x, *y, *z};
 }
 
 std::optional<std::vector<Note>> notes_of(const MeshDescription& description) {
     std::vector<Note> notes;
+    std::optional<Reading> reading;
+    const auto end_note = [&] {
+        if (!reading) return true;
+        if (!reading->is_whole() || (!notes.empty() && notes.back().contour >= reading->note.contour))
+            return false;
+        notes.push_back(std::move(reading->note));
+        reading.reset();
+        return true;
+    };
     for (const auto& [name, text] : description.notes) {
-        if (name != key) continue;
-        std::optional<Note> note = note_of(text);
-        if (!note || (!notes.empty() && notes.back().contour >= note->contour)) return std::nullopt;
-        notes.push_back(std::move(*note));
+        if (name == contour_key) {
+            if (!end_note()) return std::nullopt;
+            reading = begin_note(text);
+            if (!reading) return std::nullopt;
+        } else if (name == point_key) {
+            const std::optional<Vec3> p = point_of(text);
+            if (!p || !reading || !reading->add(*p)) return std::nullopt;
+        }
     }
+    if (!end_note()) return std::nullopt;
     return notes;
 }
 
@@ -152,12 +175,14 @@ std::optional<BothContours> checked(BothContours both, const std::vector<Note>& 
 void add_followed_notes(const Model& model, const ContourSet& kept, MeshDescription& description) {
     for (const FollowedContour& contour : model.followed) {
         const std::span<const Vec3> drawn = kept.points_of(kept.contours[contour.contour]);
-        std::string text = fmt::format("{} {} {} {}", contour.contour, contour.segments, drawn.size(),
-                                       contour.vertices.size());
-        const auto add = [&](Vec3 p) { text += fmt::format(" {} {} {}", p.x, p.y, p.z); };
+        description.notes.emplace_back(
+            contour_key, fmt::format("{} {} {} {}", contour.contour, contour.segments, drawn.size(),
+                                     contour.vertices.size()));
+        const auto add = [&](Vec3 p) {
+            description.notes.emplace_back(point_key, fmt::format("{} {} {}", p.x, p.y, p.z));
+        };
         for (const Vec3 p : drawn) add(p);
         for (const std::uint32_t v : contour.vertices) add(model.mesh.points[v]);
-        description.notes.emplace_back(key, std::move(text));
     }
 }
 

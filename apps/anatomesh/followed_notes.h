@@ -12,8 +12,9 @@
 namespace anatomesh {
 
 // Of each ("followed_contour", its number in the contours that the model was made of, how many segments of
-// it were missed, how many points it had there and has now, and the coordinates of these and of those, each
-// so that it is read back as the same double). `kept`: what the model was made of.
+// it were missed, how many points it had there and has now), then of these points and of those, in turn,
+// ("followed_point", coordinates, so that they are read back as the same doubles): short lines, for readers
+// that know no long ones. `kept`: what the model was made of.
 void add_followed_notes(const Model& model, const ContourSet& kept, MeshDescription& description);
 
 // Contours as they are drawn, and as they follow the surface.

@@ -265,15 +265,41 @@ class FollowedContours(harness.TestCase):
         model = judge.Model(self.folder / "axis.vtu")
         on_surface = {tuple(point) for point in model.points[np.unique(model.surface(model.structure == 1))]}
         self.assertLessEqual(kept, on_surface)
-        # As kept, and as drawn: the model's file knows what became of these.
-        for contours in ("kept.json", "axis.json"):
-            checked = json.loads(self.run_program("check", "axis.vtu", "--contours", contours, "--json").out)
-            structure = checked["structures"][0]
-            self.assertEqual(structure["contour_segments"], structure["contour_segments_on_surface"], contours)
-            self.assertEqual(structure["contour_vertices"], report["counts"]["contour_vertices"], contours)
+        # As kept, and as drawn: the model's file knows what became of these, in lines that solvers read.
+        self.run_program("convert", "axis.vtu", "-o", "axis.inp")
+        self.assertLess(max(map(len, (self.folder / "axis.inp").read_text().splitlines())), 130)
+        for file in ("axis.vtu", "axis.inp"):
+            for contours in ("kept.json", "axis.json"):
+                checked = json.loads(self.run_program("check", file, "--contours", contours, "--json").out)
+                structure = checked["structures"][0]
+                self.assertEqual(structure["contour_segments"], structure["contour_segments_on_surface"], contours)
+                self.assertEqual(structure["contour_vertices"], report["counts"]["contour_vertices"], contours)
+                self.assertEqual([contour["farthest_mm"] for contour in checked["followed_contours"]],
+                                 [contour["farthest_mm"] for contour in followed], contours)
         self.model("--reconcile", "0")
         as_drawn = self.points(self.folder / "kept.json")
         self.assertNotEqual(kept, as_drawn)
+
+    def test_a_file_that_tells_of_contours_elsewhere_is_not_believed(self):
+        self.model()
+        self.run_program("convert", "axis.vtu", "-o", "axis.mesh")
+        text = (self.folder / "axis.mesh").read_text()
+        lines = text.splitlines()
+        points = [n for n, line in enumerate(lines) if "followed_point=" in line]
+        self.assertGreater(len(points), 10)
+        key, numbers = lines[points[-1]].split("followed_point=")
+        moved = " ".join(str(float(number) + 5) for number in numbers.split())
+        for other in (key + "followed_point=" + moved, key + "followed_point=1 2", key + "followed_point=nan 0 0", None):
+            changed = list(lines)
+            if other is None:
+                del changed[points[-1]]
+            else:
+                changed[points[-1]] = other
+            (self.folder / "other.mesh").write_text("\n".join(changed) + "\n")
+            checked = json.loads(self.run_program("check", "other.mesh", "--contours", "axis.json", "--json", expect=None).out)
+            structure = checked["structures"][0]
+            self.assertEqual(checked["followed_contours"], [], other)
+            self.assertGreater(structure["contour_segments"], structure["contour_segments_on_surface"], other)
 
     def test_none_leaves_its_place_where_all_are_to_stay(self):
         told, report, missed = self.model("--reconcile", "0")
