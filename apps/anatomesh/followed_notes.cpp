@@ -142,12 +142,7 @@ std::vector<FollowedContourReport> reports_of(const ContourSet& drawn, const std
 // Whether the contours of each slice are what those of kept sets are.
 bool is_sound(const ContourSet& contours) {
     return std::all_of(contours.slices.begin(), contours.slices.end(), [&](const Slice& slice) {
-        std::vector<PlaneRing> rings;
-        for (const Contour& contour : contours.contours_of(slice)) {
-            PlaneRing& ring = rings.emplace_back(PlaneRing{contour.structure, {}});
-            for (const Vec3 p : contours.points_of(contour)) ring.at.push_back(slice.plane.to_plane(p));
-        }
-        return slice_faults(rings, contours.exclusive).empty();
+        return slice_faults(plane_rings(contours, slice), contours.exclusive).empty();
     });
 }
 

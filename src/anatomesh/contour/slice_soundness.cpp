@@ -111,6 +111,15 @@ class FaultFinder {
 
 }  // namespace
 
+std::vector<PlaneRing> plane_rings(const ContourSet& set, const Slice& slice) {
+    std::vector<PlaneRing> rings;
+    for (const Contour& contour : set.contours_of(slice)) {
+        PlaneRing& ring = rings.emplace_back(PlaneRing{contour.structure, {}});
+        for (const Vec3 p : set.points_of(contour)) ring.at.push_back(slice.plane.to_plane(p));
+    }
+    return rings;
+}
+
 std::vector<RingSegment> slice_faults(std::span<const PlaneRing> rings, bool exclusive) {
     return FaultFinder(rings).run(exclusive);
 }

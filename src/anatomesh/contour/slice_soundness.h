@@ -15,6 +15,9 @@ struct PlaneRing {
     std::vector<Vec2> at;
 };
 
+// The contours of a slice, in their order. O(n).
+std::vector<PlaneRing> plane_rings(const ContourSet& set, const Slice& slice);
+
 // A segment of a ring, by its first point.
 struct RingSegment {
     std::uint32_t ring = 0, place = 0;

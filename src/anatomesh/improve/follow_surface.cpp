@@ -138,51 +138,13 @@ class Follower {
 
     bool is_missed(const Led& led, std::size_t n) {
         const std::uint32_t a = led.loop.corner(n).vertex, b = led.loop.corner(n + 1).vertex;
-        return row_from(a, b, led.contour.structure).back() != b;
+        return sides_.row_from(a, b, led.contour.structure).back() != b;
     }
 
     std::size_t count_missed(const Led& led) {
         std::size_t missed = 0;
         for (std::size_t n = 0; n < led.loop.size(); ++n) missed += is_missed(led, n);
         return missed;
-    }
-
-    // The vertices of a segment that edges of the surface join, from one end on.
-    std::vector<std::uint32_t> row_from(std::uint32_t first, std::uint32_t last, std::uint32_t structure) {
-        std::vector<std::uint32_t> row{first};
-        while (row.back() != last) {
-            const std::uint32_t next = next_in_row(row.back(), first, last, structure);
-            if (next == no_cell) break;
-            row.push_back(next);
-        }
-        return row;
-    }
-
-    // Whether a step leads on along the way, and how far.
-    static std::optional<double> onward(Vec3 step, Vec3 way) {
-        const double along = dot(step, way), whole = squared_length(way);
-        if (along <= 0 || length(cross(step, way)) > on_segment * whole) return std::nullopt;
-        return along;
-    }
-
-    // The nearest vertex on the way to the end that an edge of the surface joins to this one.
-    std::uint32_t next_in_row(std::uint32_t at, std::uint32_t first, std::uint32_t last,
-                              std::uint32_t structure) {
-        const Vec3 here = bench_.mesh.point(at), way = bench_.mesh.point(last) - bench_.mesh.point(first);
-        bench_.mesh.star(at, bench_.star);
-        std::vector<std::pair<double, std::uint32_t>> found;
-        for (const std::uint32_t c : bench_.star) {
-            for (const std::uint32_t v : bench_.mesh.cell(c)) {
-                const std::optional<double> along = onward(bench_.mesh.point(v) - here, way);
-                if (v != at && along && *along <= (1 + on_segment) * squared_length(way))
-                    found.emplace_back(*along, v);
-            }
-        }
-        sort_distinct(found);
-        for (const auto& [along, v] : found) {
-            if (sides_.on_surface(at, v, structure)) return v;
-        }
-        return no_cell;
     }
 
     static std::uint64_t drawing(const Contour& contour) {
@@ -264,9 +226,9 @@ class Follower {
     // Of the segment from x to y without x: all, or what there is of it on y's side - and on x's, if asked
     // for - of where it is missed.
     void add_row(std::uint32_t structure, const LoopCorner& x, const LoopCorner& y, bool both, Shore& shore) {
-        std::vector<std::uint32_t> row = row_from(y.vertex, x.vertex, structure);
+        std::vector<std::uint32_t> row = sides_.row_from(y.vertex, x.vertex, structure);
         if (both && row.back() != x.vertex) {
-            for (const std::uint32_t v : row_from(x.vertex, y.vertex, structure)) add(x, y, v, shore);
+            for (const std::uint32_t v : sides_.row_from(x.vertex, y.vertex, structure)) add(x, y, v, shore);
         }
         std::reverse(row.begin(), row.end());
         for (const std::uint32_t v : row) add(x, y, v, shore);
@@ -362,7 +324,7 @@ class Follower {
 
     bool is_on_surface(const std::vector<std::uint32_t>& way, std::uint32_t structure) {
         for (std::size_t n = 1; n < way.size(); ++n) {
-            if (row_from(way[n - 1], way[n], structure).back() != way[n]) return false;
+            if (sides_.row_from(way[n - 1], way[n], structure).back() != way[n]) return false;
         }
         return true;
     }
@@ -502,7 +464,7 @@ class Follower {
         const Vec3 way = bench_.mesh.point(b) - bench_.mesh.point(a);
         for (const ContourOwners::Piece& piece : drawn_.owners->pieces_at(v)) {
             if (piece.structure == structure &&
-                onward(bench_.mesh.point(piece.other) - bench_.mesh.point(v), way))
+                SidesAt::onward(bench_.mesh.point(piece.other) - bench_.mesh.point(v), way))
                 return piece.other;
         }
         return no_cell;

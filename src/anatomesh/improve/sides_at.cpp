@@ -1,11 +1,16 @@
 #include "anatomesh/improve/sides_at.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "anatomesh/base/sort_distinct.h"
 
 namespace anatomesh {
 
 namespace {
 
+constexpr double on_segment =
+    1e-6;                         // of a segment, as edges_along() has it: a vertex so near to it lies on it
 constexpr double on_line = 1e-9;  // of a piece: a vertex so near to it lies on it
 
 }  // namespace
@@ -22,6 +27,43 @@ bool SidesAt::find_ring(std::uint32_t a, std::uint32_t b) {
         }
     }
     return false;
+}
+
+std::optional<double> SidesAt::onward(Vec3 step, Vec3 way) {
+    const double along = dot(step, way), whole = squared_length(way);
+    if (along <= 0 || length(cross(step, way)) > on_segment * whole) return std::nullopt;
+    return along;
+}
+
+std::vector<std::uint32_t> SidesAt::row_from(std::uint32_t first, std::uint32_t last,
+                                             std::uint32_t structure) {
+    std::vector<std::uint32_t> row{first};
+    while (row.back() != last) {
+        const std::uint32_t next = next_on_surface(row.back(), first, last, structure);
+        if (next == no_cell) break;
+        row.push_back(next);
+    }
+    return row;
+}
+
+// The nearest vertex on the way to the end that an edge of the surface joins to this one.
+std::uint32_t SidesAt::next_on_surface(std::uint32_t at, std::uint32_t first, std::uint32_t last,
+                                       std::uint32_t structure) {
+    const Vec3 here = bench_.mesh.point(at), way = bench_.mesh.point(last) - bench_.mesh.point(first);
+    bench_.mesh.star(at, bench_.star);
+    std::vector<std::pair<double, std::uint32_t>> found;
+    for (const std::uint32_t c : bench_.star) {
+        for (const std::uint32_t v : bench_.mesh.cell(c)) {
+            const std::optional<double> along = onward(bench_.mesh.point(v) - here, way);
+            if (v != at && along && *along <= (1 + on_segment) * squared_length(way))
+                found.emplace_back(*along, v);
+        }
+    }
+    sort_distinct(found);
+    for (const auto& [along, v] : found) {
+        if (on_surface(at, v, structure)) return v;
+    }
+    return no_cell;
 }
 
 bool SidesAt::on_surface(std::span<const std::uint32_t> chain, std::uint32_t structure) {

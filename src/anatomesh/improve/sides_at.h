@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,12 +35,19 @@ class SidesAt {
     bool beside_surface(std::uint32_t a, std::uint32_t b, std::uint32_t structure) {
         return find_ring(a, b) && !ring_is_mixed(structure);
     }
+    // The vertices on the straight way from one vertex to another that edges of the surface join, from the
+    // first on, as far as they go.
+    std::vector<std::uint32_t> row_from(std::uint32_t first, std::uint32_t last, std::uint32_t structure);
+    // How far a step leads on along a way, times its length, if it lies on it within a millionth.
+    static std::optional<double> onward(Vec3 step, Vec3 way);
     // Of pieces one after the other, each an edge or what fixed edges became of it.
     bool on_surface(std::span<const std::uint32_t> chain, std::uint32_t structure);
 
   private:
     bool row_on_surface(std::uint32_t a, std::uint32_t b, std::uint32_t structure);
     std::uint32_t next_in_row(std::uint32_t at, std::uint32_t a, std::uint32_t b);
+    std::uint32_t next_on_surface(std::uint32_t at, std::uint32_t first, std::uint32_t last,
+                                  std::uint32_t structure);
     bool is_mixed(const std::vector<std::uint32_t>& cells, std::uint32_t structure) const;
 
     Workbench& bench_;

@@ -29,6 +29,7 @@
 #include "anatomesh/pipeline/contour_pieces.h"
 #include "anatomesh/pipeline/followed_contours.h"
 #include "anatomesh/pipeline/ill_shaped_cells.h"
+#include "anatomesh/pipeline/improve_figures.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
 #include "anatomesh/pipeline/model_warnings.h"
 #include "anatomesh/pipeline/recovered_pieces.h"
@@ -53,7 +54,6 @@ constexpr double balance_reach = 0.1, further_reach = 0.15;
 constexpr double most_amiss = 0.0015;
 constexpr double surface_deviation =
     0.06;                               // of the middle of an interface facet from the interface, in sizes
-constexpr double too_thin = 0.8;        // a mean thickness below so many sizes is warned of
 constexpr double hardly_thicker = 1.3;  // than the size: a structure that a finer one may keep whole
 constexpr double highest_apex = 0.35;   // of a surface over the field's, in sizes
 constexpr double crumb_share = 0.003;   // of a cube of the size: less is no piece of a structure by itself
@@ -189,7 +189,7 @@ class Builder {
                     {"surface_points", static_cast<double>(stats.surface_points)},
                     {"lattice_points", static_cast<double>(stats.lattice_points)}};
         report().size_mm = stats.size_mm;
-        warn_of_thin_structures(stats.size_mm);
+        warn_of_thin_structures(contours_, mean_thickness(contours_), stats.size_mm, context_);
         // About six cells a point come of a Delaunay mesh; refuse before the work.
         if (6 * sample_->points.size() > options_.max_tetrahedra || 6 * sample_->points.size() >= no_cell) {
             return Error{ErrorKind::limit,
@@ -201,19 +201,6 @@ class Builder {
                          "give a larger --size"};
         }
         return end_stage("sample", 0.15);
-    }
-
-    void warn_of_thin_structures(double size_mm) {
-        const std::vector<double> thickness = mean_thickness(contours_);
-        for (std::size_t s = 0; s < thickness.size(); ++s) {
-            if (!(thickness[s] > 0) || thickness[s] >= too_thin * size_mm) continue;
-            Place place = place_of(static_cast<std::uint32_t>(s));
-            place.value = brief(thickness[s]) + " mm";
-            context_.warn({"W-PIP-002",
-                           "the structure is thinner in the mean than the edge length of " + brief(size_mm) +
-                               " mm: walls may be torn, look at its components and genus",
-                           place, "kept; --size " + brief(thickness[s]) + " resolves it"});
-        }
     }
 
     Status tetrahedralize() {
@@ -469,38 +456,7 @@ class Builder {
             balanced.largest_offset_mm += first.largest_offset_mm;
             balanced.worst_before = first.worst_before;
         }
-        figures_ = {{"vertices_onto_interface", static_cast<double>(improved.vertices_onto_interface)},
-                    {"vertices_smoothed", static_cast<double>(improved.vertices_smoothed)},
-                    {"above_bound_before", static_cast<double>(improved.above_bound_before)},
-                    {"above_bound_after", static_cast<double>(improved.above_bound_after)},
-                    {"vertices_evened", static_cast<double>(smoothed.vertices_moved)},
-                    {"surface_vertices_evened", static_cast<double>(smoothed.surface_vertices_moved)},
-                    {"angles_below_target_before", static_cast<double>(dihedrals.bad_before)},
-                    {"angles_below_target_after", static_cast<double>(dihedrals.bad_after)},
-                    {"vertices_moved", static_cast<double>(dihedrals.vertices_moved)},
-                    {"surface_vertices_moved", static_cast<double>(dihedrals.surface_vertices_moved)},
-                    {"edges_removed", static_cast<double>(dihedrals.edges_removed)},
-                    {"facets_removed", static_cast<double>(dihedrals.facets_removed)},
-                    {"surface_edges_flipped", static_cast<double>(dihedrals.surface_edges_flipped)},
-                    {"surface_edges_smoothed", static_cast<double>(dihedrals.surface_edges_smoothed)},
-                    {"cells_given", static_cast<double>(dihedrals.cells_given)},
-                    {"ears_dropped", static_cast<double>(dihedrals.ears_dropped)},
-                    {"edges_collapsed", static_cast<double>(dihedrals.edges_collapsed)},
-                    {"vertices_inserted", static_cast<double>(dihedrals.vertices_inserted)},
-                    {"facets_lifted", static_cast<double>(dihedrals.facets_lifted)},
-                    {"pieces_off_surface", static_cast<double>(dihedrals.pieces_found)},
-                    {"pieces_brought", static_cast<double>(dihedrals.pieces_brought)},
-                    {"apexes_lowered", static_cast<double>(dihedrals.apexes_lowered)},
-                    {"segments_missed", static_cast<double>(dihedrals.segments_missed)},
-                    {"contours_followed", static_cast<double>(followed_.size())},
-                    {"crumbs_given_away", static_cast<double>(crumbs.pieces)},
-                    {"facets_left_in_slices", static_cast<double>(dihedrals.facets_left)},
-                    {"visits_of_wrong_cuts", static_cast<double>(dihedrals.cuts_found)},
-                    {"changes_to_cuts", static_cast<double>(dihedrals.cuts_mended)},
-                    {"largest_volume_offset_mm", balanced.largest_offset_mm},
-                    {"flat_ends_held", balanced.ends_held ? 1.0 : 0.0},
-                    {"volume_difference_before", balanced.worst_before},
-                    {"volume_difference_after", balanced.worst_after}};
+        figures_ = improve_figures({improved, smoothed, dihedrals, followed_.size(), crumbs, balanced});
         return end_stage("improve", 0.85);
     }
 
@@ -665,7 +621,8 @@ class Builder {
         // Alone, a structure that tapers fast has another volume than its areas tell, and rightly.
         if (contours_.exclusive) warn_of_volumes(volumes_, model_.structures, contours_.source, context_);
         look_for_tears();
-        warn_of_crowded_cells();
+        // What was not done for their sake is the user's to know.
+        if (spared_) warn_of_crowded_cells(report(), contours_.source, context_);
         for (const Clause& clause : report().certificate) {
             if (clause.state != ClauseState::broken) continue;
             // Cuts, quality and volume are out of reach for this input; a wrong surface would be a fault of
@@ -692,27 +649,9 @@ class Builder {
                    " mm were tried: leave out what is thin or jagged (--structure, --min-area), or give a "
                    "smaller --size";
         }
-        if (!(thinnest < too_thin * sample_->stats.size_mm)) return "try another --size";
+        if (!(thinnest < thin_sizes * sample_->stats.size_mm)) return "try another --size";
         return "what is drawn is only " + brief(thinnest) + " mm thick in the mean: give --size " +
                brief(thinnest) + " or leave --size out";
-    }
-
-    // What was not done for their sake is the user's to know.
-    void warn_of_crowded_cells() {
-        if (!spared_) return;
-        const QualityReport& quality = report().quality;
-        Place place;
-        place.file = contours_.source;
-        place.value = brief(100 * quality.radius_edge_share_over_2) +
-                      " % of the tetrahedra above radius-edge ratio 2, " +
-                      std::to_string(quality.dihedral_below_10) + " with an angle below 10 degrees";
-        context_.warn(
-            {"W-PIP-005",
-             "the planes lie closer than the vertices along their contours; cells between vertices "
-             "that crowd each other were left as they come, and the surface may have pits or spikes there",
-             place,
-             "kept; give a --size for all that can be done for their shapes, which takes several "
-             "times as long"});
     }
 
     // Clauses 1 to 6 hold for a plate with holes as well.
@@ -724,14 +663,6 @@ class Builder {
                              same, model_.contour_vertices, size_mm},
                             context_.threads);
         warn_of_tears(tears_, model_.contours, size_mm, context_);
-    }
-
-    Place place_of(std::uint32_t structure) const {
-        const Structure& named = contours_.structures[structure];
-        Place place;
-        place.file = contours_.source;
-        place.structure = named.name.empty() ? std::to_string(named.number) : named.name;
-        return place;
     }
 
     ModelReport& report() { return model_.report; }

@@ -90,16 +90,12 @@ void drop_unsound(const ContourSet& set, std::vector<FollowedContour>& followed,
         for (auto f = first; f != last; ++f) led[f->contour - slice.first_contour] = &*f;
         // Each time one at least stays as it is drawn.
         for (bool sound = false; !sound;) {
-            std::vector<PlaneRing> rings;
-            for (std::uint32_t n = 0; n < slice.contour_count; ++n) {
-                const Contour& contour = set.contours[slice.first_contour + n];
-                PlaneRing& ring = rings.emplace_back(PlaneRing{contour.structure, {}});
-                if (led[n] == nullptr) {
-                    for (const Vec3 p : set.points_of(contour)) ring.at.push_back(slice.plane.to_plane(p));
-                } else {
-                    for (const std::uint32_t v : led[n]->vertices)
-                        ring.at.push_back(slice.plane.to_plane(points[v]));
-                }
+            std::vector<PlaneRing> rings = plane_rings(set, slice);
+            for (std::size_t n = 0; n < led.size(); ++n) {
+                if (led[n] == nullptr) continue;
+                rings[n].at.clear();
+                for (const std::uint32_t v : led[n]->vertices)
+                    rings[n].at.push_back(slice.plane.to_plane(points[v]));
             }
             const std::vector<RingSegment> faults = slice_faults(rings, set.exclusive);
             sound = faults.empty();

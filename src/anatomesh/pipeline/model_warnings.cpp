@@ -198,6 +198,37 @@ void warn_of_model(const ModelReport& report, double size_mm, const std::string&
     warn_of_difference(report, size_mm, file, context);
 }
 
+void warn_of_thin_structures(const ContourSet& contours, const std::vector<double>& thickness, double size_mm,
+                             RunContext& context) {
+    for (std::size_t s = 0; s < thickness.size(); ++s) {
+        if (!(thickness[s] > 0) || thickness[s] >= thin_sizes * size_mm) continue;
+        const Structure& structure = contours.structures[s];
+        Place place;
+        place.file = contours.source;
+        place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+        place.value = brief(thickness[s]) + " mm";
+        context.warn({"W-PIP-002",
+                      "the structure is thinner in the mean than the edge length of " + brief(size_mm) +
+                          " mm: walls may be torn, look at its components and genus",
+                      place, "kept; --size " + brief(thickness[s]) + " resolves it"});
+    }
+}
+
+void warn_of_crowded_cells(const ModelReport& report, const std::string& file, RunContext& context) {
+    const QualityReport& quality = report.quality;
+    Place place;
+    place.file = file;
+    place.value = brief(100 * quality.radius_edge_share_over_2) +
+                  " % of the tetrahedra above radius-edge ratio 2, " +
+                  std::to_string(quality.dihedral_below_10) + " with an angle below 10 degrees";
+    context.warn({"W-PIP-005",
+                  "the planes lie closer than the vertices along their contours; cells between vertices "
+                  "that crowd each other were left as they come, and the surface may have pits or spikes there",
+                  place,
+                  "kept; give a --size for all that can be done for their shapes, which takes several "
+                  "times as long"});
+}
+
 void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const Structure> structures,
                      const std::string& file, RunContext& context) {
     for (std::size_t s = 0; s < volumes.size(); ++s) {

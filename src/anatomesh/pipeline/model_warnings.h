@@ -3,9 +3,11 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/base/structure.h"
+#include "anatomesh/contour/contour_set.h"
 #include "anatomesh/field/structure_field.h"
 #include "anatomesh/measure/report.h"
 #include "anatomesh/pipeline/attempts.h"
@@ -26,6 +28,17 @@ void warn_of_model(const ModelReport& report, double size_mm, const std::string&
 // from a structure there, or gives it more than is drawn. Nothing is said where planes are not parallel.
 void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const Structure> structures,
                      const std::string& file, RunContext& context);
+
+// Below so many edge lengths a mean thickness is warned of.
+inline constexpr double thin_sizes = 0.8;
+
+// Of contours before a model is built, W-PIP-002: structures thinner than that. `thickness`: by structure, mm;
+// 0: not known.
+void warn_of_thin_structures(const ContourSet& contours, const std::vector<double>& thickness, double size_mm,
+                             RunContext& context);
+
+// Of a model for the shapes of which less was done than can be, W-PIP-005: what that left.
+void warn_of_crowded_cells(const ModelReport& report, const std::string& file, RunContext& context);
 
 // Of a model that is built again, W-PIP-001: why, and with what edge length. `error`: its message where there
 // is no model, else empty. Requires: next is not none.

@@ -217,16 +217,11 @@ void expect_near_drawn(const Model& model, const ContourSet& drawn, double most_
     EXPECT_LE(farthest_from_drawn(kept, drawn), reported + rounding);
     EXPECT_LE(farthest_from_drawn(drawn, kept), reported + rounding);
     for (const Slice& slice : kept.slices) {
-        std::vector<PlaneRing> rings;
         for (const Contour& contour : kept.contours_of(slice)) {
-            PlaneRing& ring = rings.emplace_back();
-            ring.structure = contour.structure;
-            for (const Vec3 p : kept.points_of(contour)) {
-                ring.at.push_back(slice.plane.to_plane(p));
+            for (const Vec3 p : kept.points_of(contour))
                 EXPECT_LT(std::abs(slice.plane.signed_distance(p)), off_plane_mm);
-            }
         }
-        EXPECT_TRUE(slice_faults(rings, kept.exclusive).empty()) << slice.name;
+        EXPECT_TRUE(slice_faults(plane_rings(kept, slice), kept.exclusive).empty()) << slice.name;
     }
 }
 

@@ -110,13 +110,7 @@ double sharpest(const ContourSet& set) {
 
 void expect_sound(const ContourSet& set) {
     for (const Slice& slice : set.slices) {
-        std::vector<PlaneRing> rings;
-        for (const Contour& contour : set.contours_of(slice)) {
-            PlaneRing ring{contour.structure, {}};
-            for (const Vec3& p : set.points_of(contour)) ring.at.push_back(slice.plane.to_plane(p));
-            rings.push_back(std::move(ring));
-        }
-        EXPECT_TRUE(slice_faults(rings, set.exclusive).empty()) << slice.name;
+        EXPECT_TRUE(slice_faults(plane_rings(set, slice), set.exclusive).empty()) << slice.name;
     }
 }
 

@@ -1,0 +1,40 @@
+#include "anatomesh/pipeline/improve_figures.h"
+
+namespace anatomesh {
+
+std::vector<std::pair<std::string, double>> improve_figures(const ImproveWork& work) {
+    return {{"vertices_onto_interface", static_cast<double>(work.improved.vertices_onto_interface)},
+            {"vertices_smoothed", static_cast<double>(work.improved.vertices_smoothed)},
+            {"above_bound_before", static_cast<double>(work.improved.above_bound_before)},
+            {"above_bound_after", static_cast<double>(work.improved.above_bound_after)},
+            {"vertices_evened", static_cast<double>(work.smoothed.vertices_moved)},
+            {"surface_vertices_evened", static_cast<double>(work.smoothed.surface_vertices_moved)},
+            {"angles_below_target_before", static_cast<double>(work.dihedrals.bad_before)},
+            {"angles_below_target_after", static_cast<double>(work.dihedrals.bad_after)},
+            {"vertices_moved", static_cast<double>(work.dihedrals.vertices_moved)},
+            {"surface_vertices_moved", static_cast<double>(work.dihedrals.surface_vertices_moved)},
+            {"edges_removed", static_cast<double>(work.dihedrals.edges_removed)},
+            {"facets_removed", static_cast<double>(work.dihedrals.facets_removed)},
+            {"surface_edges_flipped", static_cast<double>(work.dihedrals.surface_edges_flipped)},
+            {"surface_edges_smoothed", static_cast<double>(work.dihedrals.surface_edges_smoothed)},
+            {"cells_given", static_cast<double>(work.dihedrals.cells_given)},
+            {"ears_dropped", static_cast<double>(work.dihedrals.ears_dropped)},
+            {"edges_collapsed", static_cast<double>(work.dihedrals.edges_collapsed)},
+            {"vertices_inserted", static_cast<double>(work.dihedrals.vertices_inserted)},
+            {"facets_lifted", static_cast<double>(work.dihedrals.facets_lifted)},
+            {"pieces_off_surface", static_cast<double>(work.dihedrals.pieces_found)},
+            {"pieces_brought", static_cast<double>(work.dihedrals.pieces_brought)},
+            {"apexes_lowered", static_cast<double>(work.dihedrals.apexes_lowered)},
+            {"segments_missed", static_cast<double>(work.dihedrals.segments_missed)},
+            {"contours_followed", static_cast<double>(work.contours_followed)},
+            {"crumbs_given_away", static_cast<double>(work.crumbs.pieces)},
+            {"facets_left_in_slices", static_cast<double>(work.dihedrals.facets_left)},
+            {"visits_of_wrong_cuts", static_cast<double>(work.dihedrals.cuts_found)},
+            {"changes_to_cuts", static_cast<double>(work.dihedrals.cuts_mended)},
+            {"largest_volume_offset_mm", work.balanced.largest_offset_mm},
+            {"flat_ends_held", work.balanced.ends_held ? 1.0 : 0.0},
+            {"volume_difference_before", work.balanced.worst_before},
+            {"volume_difference_after", work.balanced.worst_after}};
+}
+
+}  // namespace anatomesh

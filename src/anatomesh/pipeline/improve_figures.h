@@ -1,0 +1,30 @@
+// improve_figures: what the stage "improve" counted, as the report lists it.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/cut/crumbs.h"
+#include "anatomesh/improve/balance_volumes.h"
+#include "anatomesh/improve/improve.h"
+#include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/improve/smooth_vertices.h"
+
+namespace anatomesh {
+
+// What the steps of the stage returned.
+struct ImproveWork {
+    const ImproveStats& improved;
+    const SmoothStats& smoothed;
+    const DihedralStats& dihedrals;
+    std::size_t contours_followed;
+    const CrumbStats& crumbs;
+    const BalanceStats& balanced;
+};
+
+// Names and values, in the order of the report. O(1).
+std::vector<std::pair<std::string, double>> improve_figures(const ImproveWork& work);
+
+}  // namespace anatomesh
