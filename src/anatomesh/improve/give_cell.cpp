@@ -2,7 +2,9 @@
 #include <array>
 #include <iterator>
 #include <span>
+#include <vector>
 
+#include "anatomesh/geom/point_triangle.h"
 #include "anatomesh/improve/operations.h"
 #include "anatomesh/improve/surface_count.h"
 #include "anatomesh/mesh/cell_shape.h"
@@ -105,10 +107,25 @@ int facets_between_regions(const Workbench& bench, std::uint32_t cell, Region ow
     return count;
 }
 
-// Of cells of one region.
+// The facets in which one region met another.
+class Wall {
+  public:
+    void add(Vec3 a, Vec3 b, Vec3 c) { facets_.push_back({a, b, c}); }
+    bool is_within(double mm, Vec3 p) const {
+        return std::any_of(facets_.begin(), facets_.end(), [&](const std::array<Vec3, 3>& f) {
+            return point_triangle_distance(p, f[0], f[1], f[2]) <= mm;
+        });
+    }
+
+  private:
+    std::vector<std::array<Vec3, 3>> facets_;
+};
+
+// Of cells of one region. Where they are thin a wall hardly moves, however far from the field it is.
 bool keeps_near(Workbench& bench, std::span<const std::uint32_t> cells, Region to, double most) {
     const Region own = bench.mesh.region(cells.front());
     double before = 0;
+    Wall wall;
     for (const bool was : {true, false}) {
         for (const std::uint32_t c : cells) {
             const Cell cell = bench.mesh.cell(c);
@@ -117,17 +134,18 @@ bool keeps_near(Workbench& bench, std::span<const std::uint32_t> cells, Region t
                 if (std::find(cells.begin(), cells.end(), other) != cells.end()) continue;
                 const Region beyond = bench.mesh.region(other);
                 const auto& f = facet_vertices[i];
-                const auto distance = [&] {
-                    return bench.facet_distance(bench.mesh.point(cell[f[0]]), bench.mesh.point(cell[f[1]]),
-                                                bench.mesh.point(cell[f[2]]));
-                };
+                const Vec3 p = bench.mesh.point(cell[f[0]]), q = bench.mesh.point(cell[f[1]]),
+                           r = bench.mesh.point(cell[f[2]]);
+                const auto distance = [&] { return bench.facet_distance(p, q, r); };
                 bench.look_between(beyond, was ? own : to);
                 if (was && beyond != own) {
                     before = std::max(before, distance());
-                } else if (!was && beyond != to &&
-                           (bench.spoils_cut(cell[f[0]], cell[f[1]], cell[f[2]], beyond, to) ||
-                            distance() > std::max(before, most))) {
-                    return false;
+                    if (beyond == to) wall.add(p, q, r);
+                } else if (!was && beyond != to) {
+                    if (bench.spoils_cut(cell[f[0]], cell[f[1]], cell[f[2]], beyond, to)) return false;
+                    const bool stays = beyond == own && wall.is_within(bench.options.tolerance_mm,
+                                                                       (1.0 / 3) * (p + q + r));
+                    if (!stays && distance() > std::max(before, most)) return false;
                 }
             }
         }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/geom/point_triangle.h"
 
 namespace anatomesh {
 
@@ -18,30 +19,6 @@ double squared_distance(const Box3& box, Vec3 p) {
     const double y = std::max({box.low.y - p.y, 0.0, p.y - box.high.y});
     const double z = std::max({box.low.z - p.z, 0.0, p.z - box.high.z});
     return x * x + y * y + z * z;
-}
-
-double segment_squared_distance(Vec3 p, Vec3 a, Vec3 b) {
-    const Vec3 ab = b - a;
-    const double along = dot(p - a, ab), whole = squared_length(ab);
-    if (along <= 0 || whole == 0) return squared_length(p - a);
-    if (along >= whole) return squared_length(p - b);
-    return squared_length(p - a - (along / whole) * ab);
-}
-
-double triangle_squared_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
-    const Vec3 ab = b - a, ac = c - a, normal = cross(ab, ac);
-    const double area = squared_length(normal);
-    if (area > 0) {
-        // Barycentric coordinates of the foot of the perpendicular, times the squared area.
-        const Vec3 ap = p - a;
-        const double v = dot(cross(ap, ac), normal), w = dot(cross(ab, ap), normal);
-        if (v >= 0 && w >= 0 && v + w <= area) {
-            const double height = dot(ap, normal);
-            return height * height / area;
-        }
-    }
-    return std::min({segment_squared_distance(p, a, b), segment_squared_distance(p, b, c),
-                     segment_squared_distance(p, c, a)});
 }
 
 double twice_area(const SurfaceMesh& surface, const Triangle& f) {
@@ -125,10 +102,6 @@ OneWay one_way(const SurfaceMesh& from, const SurfaceMesh& to, std::uint64_t cou
 
 }  // namespace
 
-double point_triangle_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
-    return std::sqrt(triangle_squared_distance(p, a, b, c));
-}
-
 ClosestPoint::ClosestPoint(const SurfaceMesh& surface)
     : surface_(surface), tree_(make_box_tree(surface.points, surface.triangles)) {
     assert(!surface.triangles.empty());
@@ -158,7 +131,7 @@ double ClosestPoint::distance(Vec3 p) const {
         }
         for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
             const Triangle& f = surface_.triangles[tree_.order[i]];
-            best = std::min(best, triangle_squared_distance(p, surface_.points[f[0]], surface_.points[f[1]],
+            best = std::min(best, point_triangle_squared_distance(p, surface_.points[f[0]], surface_.points[f[1]],
                                                             surface_.points[f[2]]));
         }
     }

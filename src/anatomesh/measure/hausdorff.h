@@ -39,10 +39,6 @@ class ClosestPoint {
     BoxTree tree_;
 };
 
-// Distance from p to the closed triangle (a, b, c), which may be degenerate. Follows: Ericson, Real-Time
-// Collision Detection, 2005, section 5.1.5.
-double point_triangle_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c);
-
 // Points spread by area: sample k of n lies in the triangle at share (k + 1/2) / n of the total area, at the
 // k-th point of a low-discrepancy sequence (Roberts' R2). Deterministic. Requires: a total area above 0.
 std::vector<Vec3> area_samples(const SurfaceMesh& surface, std::uint64_t count);

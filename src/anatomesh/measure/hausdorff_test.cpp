@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "anatomesh/geom/point_triangle.h"
 #include "anatomesh/mesh/brick_mesh_for_test.h"
 #include "anatomesh/mesh/topology.h"
 
@@ -92,17 +93,6 @@ TEST(Hausdorff, the_tree_finds_what_a_search_of_all_triangles_finds) {
         }
         EXPECT_EQ(closest.distance(p), least);
     }
-}
-
-TEST(Hausdorff, point_to_triangle_in_every_zone) {
-    const Vec3 a{0, 0, 0}, b{4, 0, 0}, c{0, 4, 0};
-    EXPECT_DOUBLE_EQ(point_triangle_distance({1, 1, 3}, a, b, c), 3);
-    EXPECT_DOUBLE_EQ(point_triangle_distance({-3, -4, 0}, a, b, c), 5);
-    EXPECT_DOUBLE_EQ(point_triangle_distance({2, -2, 0}, a, b, c), 2);
-    EXPECT_DOUBLE_EQ(point_triangle_distance({4, 4, 0}, a, b, c), std::sqrt(8.0));
-    EXPECT_DOUBLE_EQ(point_triangle_distance({7, 0, 4}, a, b, c), 5);
-    EXPECT_DOUBLE_EQ(point_triangle_distance({1, 0, 2}, a, b, b), 2);  // degenerate to a segment
-    EXPECT_DOUBLE_EQ(point_triangle_distance({0, 3, 4}, a, a, a), 5);  // and to a point
 }
 
 TEST(Hausdorff, samples_are_spread_by_area) {

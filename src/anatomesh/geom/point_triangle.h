@@ -1,0 +1,14 @@
+// Distance of a point from a triangle.
+#pragma once
+
+#include "anatomesh/geom/vec.h"
+
+namespace anatomesh {
+
+// From p to the closed triangle (a, b, c), which may be degenerate, in the units of the coordinates (the
+// first: squared). Not exact: rounded. Complexity: O(1). Follows: Ericson, Real-Time Collision Detection,
+// 2005, section 5.1.5.
+double point_triangle_squared_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c);
+double point_triangle_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c);
+
+}  // namespace anatomesh
