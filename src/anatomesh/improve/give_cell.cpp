@@ -143,8 +143,8 @@ bool keeps_near(Workbench& bench, std::span<const std::uint32_t> cells, Region t
                     if (beyond == to) wall.add(p, q, r);
                 } else if (!was && beyond != to) {
                     if (bench.spoils_cut(cell[f[0]], cell[f[1]], cell[f[2]], beyond, to)) return false;
-                    const bool stays = beyond == own && wall.is_within(bench.options.tolerance_mm,
-                                                                       (1.0 / 3) * (p + q + r));
+                    const bool stays =
+                        beyond == own && wall.is_within(bench.options.tolerance_mm, (1.0 / 3) * (p + q + r));
                     if (!stays && distance() > std::max(before, most)) return false;
                 }
             }

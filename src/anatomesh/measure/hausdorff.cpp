@@ -131,8 +131,9 @@ double ClosestPoint::distance(Vec3 p) const {
         }
         for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
             const Triangle& f = surface_.triangles[tree_.order[i]];
-            best = std::min(best, point_triangle_squared_distance(p, surface_.points[f[0]], surface_.points[f[1]],
-                                                            surface_.points[f[2]]));
+            best =
+                std::min(best, point_triangle_squared_distance(p, surface_.points[f[0]],
+                                                               surface_.points[f[1]], surface_.points[f[2]]));
         }
     }
     return std::sqrt(best);
