@@ -154,6 +154,14 @@ def two_discs_area(radius, half_gap):
     return 2 * math.pi * radius ** 2 - lens
 
 
+def crossing_cylinders(radius=12.0, apart=15.0, length=20.0, spacing=2.0):
+    """Two structures, upright cylinders that overlap."""
+    shape = Shape({1: "first", 2: "second"}, spacing)
+    for z in np.arange(0, length + 1e-9, spacing):
+        shape.add_slice(float(z), [(1, circle(radius, 40)), (2, circle(radius, 37, (apart, 0.3)))])
+    return shape
+
+
 def bifurcating_tube(radius=6.0, length=60.0, spacing=2.0):
     """A tube that parts in two: discs whose centres move apart linearly from the middle on."""
     shape = Shape({1: "tube"}, spacing)

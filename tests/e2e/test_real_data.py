@@ -48,6 +48,26 @@ class FetalBrain(harness.JudgedTestCase):
         self.assertEqual(report["structures"][0]["components"], 1)
 
 
+class HeartGuidePoints(harness.JudgedTestCase):
+    """Short and long axes of a beating heart, four chambers and walls that overlap."""
+
+    def test_long_axes_count(self):
+        folder = harness.data("heart_cmr", "cine_25_frames")
+        missed = total = 0
+        for frame in (0, 8, 20):
+            self.judged(folder / f"GPFile_{frame:03d}.txt", "--volume", str(frame))
+            report = json.loads((self.folder / "model.report.json").read_text())
+            self.assertIn("W-CON-029", [warning["code"] for warning in report["warnings"]])
+            self.assertEqual({s["name"] for s in report["structures"]}, {"LV_ENDOCARDIAL", "LV_EPICARDIAL", "RV_ENDOCARDIAL", "RV_EPICARDIAL"})
+            for structure in report["structures"]:
+                self.assertEqual((structure["components"], structure["genus"]), (1, 0), structure["name"])
+            self.assertEqual(report["crossing_slices"]["difference_after_mm"], 0)
+            here = missed_segments(self.folder)
+            missed, total = missed + here[0], total + here[1]
+        self.assertGreater(total, 4000)
+        self.assertLess(missed, 3)
+
+
 class Spine(harness.JudgedTestCase):
     def test_contour_list(self):
         self.judged(harness.data("contours", "spine_ct_axial_1mm_simplified.csl"), "--frame", "RAS")

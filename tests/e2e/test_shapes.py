@@ -363,6 +363,40 @@ class WallsDrawnTwice(harness.TestCase):
         self.assertGreater(self.shared_area(model), 0.9 * 20 * 16)
 
 
+class RoundedCoordinates(harness.TestCase):
+    """Contours that cross on planes at a slant, in a file of two decimals: their points lie off the planes, beside each other."""
+
+    def model(self, *words):
+        def slanted(p):
+            c, s, q, r = np.cos(0.4), np.sin(0.4), np.cos(0.7), np.sin(0.7)
+            x, y, z = c * p[0] - s * p[2], p[1], s * p[0] + c * p[2]
+            return [round(float(v), 2) for v in (q * x - r * y, r * x + q * y, z)]
+
+        document = shapes.crossing_cylinders().document()
+        for part in document["slices"]:
+            del part["plane"]
+            for contour in part["contours"]:
+                contour["points"] = [slanted(point) for point in contour["points"]]
+        self.write("round.json", document)
+        told = self.run_program("model", "round.json", "-o", "round.vtu", "--contours", "kept.json", *words).err
+        report = json.loads((self.folder / "round.report.json").read_text())
+        return told, sum(s["contour_segments"] - s["contour_segments_on_surface"] for s in report["structures"])
+
+    def test_all_segments_are_edges(self):
+        told, missed = self.model()
+        self.assertIn("W-CON-027", told)
+        self.assertEqual(missed, 0)
+        for contours in ("round.json", "kept.json"):
+            checked = json.loads(self.run_program("check", "round.vtu", "--contours", contours, "--json").out)
+            for structure in checked["structures"]:
+                self.assertEqual(structure["contour_segments"], structure["contour_segments_on_surface"], contours)
+
+    def test_as_drawn_where_asked(self):
+        told, missed = self.model("--same-line", "0")
+        self.assertNotIn("W-CON-027", told)
+        self.assertGreater(missed, 0)
+
+
 class CheckAndCompare(harness.TestCase):
     def setUp(self):
         super().setUp()

@@ -26,6 +26,7 @@ namespace {
 constexpr double coordinate_bound_mm = 1e7;
 constexpr double least_span_mm = 1;   // of all contours: below it the unit is most likely not the millimetre
 constexpr double no_width_mm = 1e-6;  // a contour nowhere wider than this has no area
+constexpr double most_at_valve = 0.5;  // of what is drawn of a chamber: wider is no valve
 
 // Shortest text that reads back as the same number, with a decimal point.
 std::string text(double number) {
@@ -189,7 +190,9 @@ class Cleaner {
                                                    : "two points");
                 continue;
             }
-            if (contour.kind == ContourKind::open && !closes(c)) continue;
+            const bool is_open =
+                contour.kind == ContourKind::open || contour.kind == ContourKind::open_at_valve;
+            if (is_open && !closes(c)) continue;
             ANATOMESH_CHECK_STATUS(add_candidate(c));
         }
         std::stable_sort(candidates_.begin(), candidates_.end(), [&](const Candidate& p, const Candidate& q) {
@@ -202,7 +205,8 @@ class Cleaner {
 
     std::uint32_t rank_of(std::uint32_t raw) const { return rank_[raw_.contours[raw].structure]; }
 
-    // Whether an open polyline's gap is small: at most the option, and a quarter of the drawn length.
+    // Whether an open polyline's gap is small: at most the option, and a quarter of the drawn length; at a
+    // valve at most half of that.
     bool closes(std::uint32_t c) {
         const std::span<const Vec3> points = points_of(raw_.contours[c]);
         double drawn = 0;
@@ -212,6 +216,12 @@ class Cleaner {
             note(c, "W-CON-006", "an open contour with a small gap", brief(gap) + " mm",
                  "closed by a straight edge");
             result_.log[c].rule = "open, closed over " + brief(gap) + " mm";
+            return true;
+        }
+        if (raw_.contours[c].kind == ContourKind::open_at_valve && gap <= most_at_valve * drawn) {
+            note(c, "W-CON-029", "a contour open at a heart's valve", brief(gap) + " mm",
+                 "closed by a straight edge across the valve");
+            result_.log[c].rule = "open at the valve, closed over " + brief(gap) + " mm";
             return true;
         }
         note(c, "W-CON-005", "an open contour bounds nothing", "gap " + brief(gap) + " mm",

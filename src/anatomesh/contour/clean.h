@@ -24,7 +24,8 @@ struct CleanOptions {
     // Contours whose planes differ by less at their own extent may share a slice: see plane_grouping.h. [0,
     // 1]
     double group_tolerance_mm = 0.01;
-    // An open contour with at most this gap is closed with a warning. [0, 100]
+    // An open contour with at most this gap is closed with a warning; one open at a heart's valve whatever
+    // the gap is, up to half of what is drawn. [0, 100]
     double closing_gap_mm = 2.0;
     // A repair that makes a larger share of a contour's area ambiguous is refused. [0, 1]; 1: never refused
     double max_repair_area_share = 0.05;

@@ -231,6 +231,20 @@ TEST(Clean, C12_open_contour_with_a_small_gap_is_closed_with_a_warning) {
     }
 }
 
+TEST(Clean, C12_a_contour_open_at_a_valve_is_closed_across_it) {
+    // Drawn: two sides and the apex, 30 mm each, or three quarters less of the sides.
+    for (const double depth : {30.0, 7.0}) {
+        const Points open{{0, depth, 10}, {0, 0, 10}, {30, 0, 10}, {30, depth, 10}};
+        const Cleaned run = clean(File().add(square(100, 0, 5)).add(open, 0, ContourKind::open_at_valve));
+        EXPECT_KEPT(run);
+        const bool is_deep = depth > 20;
+        EXPECT_EQ(run.kept().contours.size(), is_deep ? 2u : 1u);
+        EXPECT_EQ(run.count(is_deep ? "W-CON-029" : "W-CON-005"), 1u);
+        EXPECT_EQ(run.result.value().log[1].rule,
+                  is_deep ? "open at the valve, closed over 30 mm; outer" : "dropped: open");
+    }
+}
+
 TEST(Clean, RS09_points_off_the_plane) {
     for (double off : {0.01, 0.3, 5.0}) {
         for (int count : {4, 5, 60}) {

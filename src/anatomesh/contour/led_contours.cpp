@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "anatomesh/contour/segment_index.h"
+#include "anatomesh/geom/point_triangle.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {
@@ -54,6 +55,7 @@ LedContours::Change LedContours::change_of(const LedContour& loop) const {
         while (loop.taken(end)) end = (end + 1) % count;
         const Vec2 b = at_[loop.origin[end]], way = b - a;
         // Both sides of the drawn segment count.
+        const Vec3 from = points_[loop.origin[k]], to = points_[loop.origin[end]];
         double changed = 0, last_height = 0, last_along = 0;
         const auto step_to = [&](Vec2 p) {
             const double height = cross(way, p - a) / dot(way, way), here = along(p, a, b);
@@ -72,7 +74,8 @@ LedContours::Change LedContours::change_of(const LedContour& loop) const {
         for (k = (k + 1) % count; k != end; k = (k + 1) % count) {
             const Vec2 p = at_[loop.vertices[k]];
             ++change.taken;
-            change.widest_mm = std::max(change.widest_mm, distance_to_segment(p, a, b));
+            change.widest_mm =
+                std::max(change.widest_mm, point_segment_distance(points_[loop.vertices[k]], from, to));
             step_to(p);
         }
         step_to(at_[loop.vertices[end]]);

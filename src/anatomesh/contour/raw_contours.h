@@ -15,6 +15,7 @@ enum class ContourKind : std::uint8_t {
     closed_planar,      // combined with others of its slice by even-odd nesting
     closed_planar_xor,  // DICOM CLOSEDPLANAR_XOR: combined by exclusive or
     open,               // an open polyline
+    open_at_valve,      // a heart's chamber on a long axis: what is drawn ends at the valve
     point               // one marker, or unconnected markers
 };
 

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -124,6 +126,10 @@ class CommonPoints {
     std::vector<std::pair<Structure, Number>> closed_;  // sorted: contours that are not led there
 };
 
+// How far segments pass each other that have no common point, in lengths of the shorter one: a fifth of what
+// a chain of edges may be off its segment.
+constexpr double least_skew = 2e-7;
+
 // In which what slices with common vertices differ in is forbidden; then these vertices stay as they are.
 constexpr int most_rounds = 16;
 
@@ -139,6 +145,7 @@ class SliceLines : public LedContours {
         unite_vertices();
         take_vertices();
         take_back();
+        if (meet_at_crossings()) take_back();
     }
 
   private:
@@ -261,6 +268,92 @@ class SliceLines : public LedContours {
             return count(all, taking(b)) < count(edges, ends(b.loop, b.segment));
         });
         return taken;
+    }
+
+    // Segments of different structures that cross in the plane and pass each other in space, for their points
+    // lie off it by what a file rounded away, are led through the point in the middle between them, so that
+    // both can be edges of one mesh. Not beside their ends. Says whether there were any.
+    bool meet_at_crossings() {
+        std::vector<Segment2> segments;
+        std::vector<Place> at;
+        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
+            for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n) {
+                segments.push_back({at_[loops_[l].vertices[n]], at_[loops_[l].next_of(n)]});
+                at.push_back({l, n});
+            }
+        }
+        std::vector<Crossing> found;
+        SegmentIndex(std::move(segments)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
+            if (loops_[at[i][0]].structure == loops_[at[j][0]].structure) return true;
+            if (const auto crossing = skew_crossing(at[i], at[j])) found.push_back(*crossing);
+            return true;
+        });
+        std::sort(found.begin(), found.end(), [](const Crossing& x, const Crossing& y) {
+            return std::tie(x.edges, x.sides[0].loop, x.sides[0].segment, x.sides[1].loop) <
+                   std::tie(y.edges, y.sides[0].loop, y.sides[0].segment, y.sides[1].loop);
+        });
+        std::vector<Beside> taken;
+        for (std::size_t n = 0; n < found.size(); ++n) {
+            // Loops that share a segment are led through the same point.
+            if (n == 0 || found[n].edges != found[n - 1].edges) {
+                points_.push_back(found[n].middle);
+                at_.push_back(found[n].at);
+            }
+            for (Beside side : found[n].sides) {
+                side.vertex = static_cast<std::uint32_t>(points_.size() - 1);
+                taken.push_back(side);
+            }
+        }
+        const auto key = [](const Beside& b) { return std::tuple(b.loop, b.segment, b.along, b.vertex); };
+        std::sort(taken.begin(), taken.end(),
+                  [&](const Beside& x, const Beside& y) { return key(x) < key(y); });
+        taken.erase(std::unique(taken.begin(), taken.end(),
+                                [&](const Beside& x, const Beside& y) { return key(x) == key(y); }),
+                    taken.end());
+        put_in(std::move(taken));
+        return !found.empty();
+    }
+
+    // Of two segments, whose vertices are `edges`.
+    struct Crossing {
+        std::array<Edge, 2> edges;  // the smaller first, in both
+        std::array<Beside, 2> sides;
+        Vec3 middle;
+        Vec2 at;
+    };
+
+    std::optional<Crossing> skew_crossing(Place first, Place second) const {
+        Crossing crossing;
+        std::array<Vec3, 2> passing;
+        double shortest = std::numeric_limits<double>::infinity();
+        const std::array places{first, second};
+        std::array<Edge, 2> ends;
+        for (std::size_t k = 0; k < 2; ++k) {
+            const LedContour& loop = loops_[places[k][0]];
+            ends[k] = {loop.vertices[places[k][1]], loop.next_of(places[k][1])};
+        }
+        const Vec2 a = at_[ends[0][0]], b = at_[ends[0][1]], c = at_[ends[1][0]], d = at_[ends[1][1]];
+        if (segment_contact(a, b, c, d) != SegmentContact::cross) return {};
+        const double area = cross(b - a, d - c);
+        if (area == 0) return {};
+        const std::array shares{cross(c - a, d - c) / area, cross(c - a, b - a) / area};
+        for (std::size_t k = 0; k < 2; ++k) {
+            const Vec3 p = points_[ends[k][0]], way = points_[ends[k][1]] - p;
+            const double whole = length(way);
+            if (std::min(shares[k], 1 - shares[k]) * whole < width_) return {};
+            passing[k] = p + shares[k] * way;
+            shortest = std::min(shortest, whole);
+            crossing.edges[k] = {std::min(ends[k][0], ends[k][1]), std::max(ends[k][0], ends[k][1])};
+            crossing.sides[k] = {no_vertex, places[k][0], places[k][1], shares[k], 0};
+        }
+        if (!(length(passing[1] - passing[0]) > least_skew * shortest)) return {};
+        if (crossing.edges[1] < crossing.edges[0]) {
+            std::swap(crossing.edges[0], crossing.edges[1]);
+            std::swap(crossing.sides[0], crossing.sides[1]);
+        }
+        crossing.middle = 0.5 * (passing[0] + passing[1]);
+        crossing.at = a + shares[0] * (b - a);
+        return crossing;
     }
 
     // Takes out again, and moves back, what made contours of a structure touch or cross one another.

@@ -26,15 +26,17 @@ struct ShareLinesStats : LedStats {
 // that one (the nearest pairs first, the later structure's moves), and a segment within the width of another
 // structure's vertex is led through it, whichever way the contours run, nested, side by side or crossing;
 // what several contours share they are led through together, or not at all, but where one of them is taken
-// back for itself (below). A vertex that contours of several slices have moves on all of them to the same
-// place, or stays; a structure is led through it on all of them, or on none.
-// Requires: a kept contour set. Guarantees: a kept contour set in which every point of a contour lies within
-// the width of where it was drawn; what is farther apart stays exactly as it was; no vertex is lost, and none
-// moves but onto another one. Where contours of a structure would come to touch or cross one another, to turn
-// inside out or to lie otherwise in each other, they are left as they were. Same result for any order of the
-// input that led to the set. Complexity: O(n log n + pairs nearer than the width) a slice, times the rounds
-// of taking back what does not serve (one as a rule), times those of what slices with common vertices differ
-// in (few; at most 17, then such vertices stay as they are).
+// back for itself (below). Segments that cross, seen along the normal, but pass each other in space, as
+// points of a file lie off their plane by what it rounded away, are both led through the middle between them.
+// A vertex that contours of several slices have moves on all of them to the same place, or stays; a structure
+// is led through it on all of them, or on none. Requires: a kept contour set. Guarantees: a kept contour set
+// in which every point of a contour lies within the width of where it was drawn; what is farther apart stays
+// exactly as it was; no vertex is lost, and none moves but onto another one. Where contours of a structure
+// would come to touch or cross one another, to turn inside out or to lie otherwise in each other, they are
+// left as they were. Same result for any order of the input that led to the set. Complexity: O(n log n +
+// pairs nearer than the width) a slice, times the rounds of taking back what does not serve (one as a rule),
+// times those of what slices with common vertices differ in (few; at most 17, then such vertices stay as they
+// are).
 ShareLinesStats share_lines(ContourSet& set, const ShareLinesOptions& options);
 
 }  // namespace anatomesh

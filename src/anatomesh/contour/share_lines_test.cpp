@@ -266,6 +266,45 @@ TEST(ShareLines, contours_of_one_structure_never_come_to_touch) {
     EXPECT_GT(signed_area(flat(set, 0)), 99);
 }
 
+TEST(ShareLines, contours_that_cross_beside_each_other_in_space_meet) {
+    // Two that share an edge, and a third across it; their points on the plane, or off it by a hundredth.
+    for (const double off : {0.0, 0.01}) {
+        ContourSet set = slice_of({{0, {{-5, -5}, {0, -5}, {0, 5}, {-5, 5}}},
+                                   {1, {{0, -5}, {5, -5}, {5, 5}, {0, 5}}},
+                                   {2, {{-2, -1}, {2, -1}, {2, 1}, {-2, 1}}}});
+        for (Vec3& p : set.points) p.z += std::abs(p.x) == 2 ? off : 0;
+        const ContourSet before = set;
+        const ShareLinesStats stats = share_lines(set, {});
+        if (off == 0) {
+            EXPECT_EQ(set.points, before.points);
+            continue;
+        }
+        EXPECT_EQ(stats.vertices_taken, 6u);
+        EXPECT_EQ(stats.contours_changed, 3u);
+        EXPECT_DOUBLE_EQ(stats.widest_mm, 0.005);
+        EXPECT_LT(stats.area_mm2, 1e-12);
+        for (const double y : {-1.0, 1.0}) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                const auto points = set.points_of(set.contours[c]);
+                EXPECT_EQ(std::count(points.begin(), points.end(), Vec3{0, y, before.points[0].z + 0.005}),
+                          1);
+            }
+        }
+        for (const Vec3& p : before.points)
+            EXPECT_NE(std::find(set.points.begin(), set.points.end(), p), set.points.end());
+    }
+}
+
+// Not beside the end of a segment: a contour that ends there goes through it by itself.
+TEST(ShareLines, crossings_beside_a_vertex_get_none) {
+    ContourSet set =
+        slice_of({{0, {{-5, -5}, {0, -5}, {0, 5}, {-5, 5}}}, {1, {{-2, 4.9}, {2, 4.99}, {2, 7}, {-2, 7}}}});
+    for (Vec3& p : set.points) p.z += std::abs(p.x) == 2 ? 0.01 : 0;
+    const ShareLinesStats stats = share_lines(set, {0.1, 0.5});
+    EXPECT_EQ(stats.vertices_moved, 0u);
+    for (std::size_t c = 0; c < 2; ++c) EXPECT_LE(set.points_of(set.contours[c]).size(), 5u);
+}
+
 TEST(ShareLines, small_drawings_are_not_copies_of_each_other) {
     // Rings a hundredth of a millimetre apart, of segments as short as that.
     const ContourSet before = slice_of({{0, ring_of(0.2, 40, 0)}, {1, ring_of(0.19, 40, 0)}});

@@ -33,6 +33,10 @@ double point_triangle_squared_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
                      segment_squared_distance(p, c, a)});
 }
 
+double point_segment_distance(Vec3 p, Vec3 a, Vec3 b) {
+    return std::sqrt(segment_squared_distance(p, a, b));
+}
+
 double point_triangle_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c) {
     return std::sqrt(point_triangle_squared_distance(p, a, b, c));
 }

@@ -1,4 +1,4 @@
-// Distance of a point from a triangle.
+// Distance of a point from a triangle or a segment.
 #pragma once
 
 #include "anatomesh/geom/vec.h"
@@ -10,5 +10,8 @@ namespace anatomesh {
 // 2005, section 5.1.5.
 double point_triangle_squared_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c);
 double point_triangle_distance(Vec3 p, Vec3 a, Vec3 b, Vec3 c);
+
+// The same from the closed segment (a, b), whose ends may be equal.
+double point_segment_distance(Vec3 p, Vec3 a, Vec3 b);
 
 }  // namespace anatomesh

@@ -132,7 +132,7 @@ class GuidePointsReader {
     };
     struct Collected {
         std::set<std::array<double, 3>> points;  // each once
-        bool is_short_axis = false, is_marker = false;
+        bool is_short_axis = false, is_long_axis = false, is_marker = false;
     };
 
     Status read_lines() {
@@ -172,8 +172,8 @@ class GuidePointsReader {
 
     Status collect(const std::string& type, const std::string& slice, const std::array<double, 3>& point,
                    std::size_t line) {
-        const bool is_short_axis = type.starts_with("SAX_"),
-                   has_view = is_short_axis || type.starts_with("LAX_");
+        const bool is_short_axis = type.starts_with("SAX_"), is_long_axis = type.starts_with("LAX_"),
+                   has_view = is_short_axis || is_long_axis;
         const bool is_marker =
             type.ends_with("_VALVE") || type.ends_with("_POINT") || type.ends_with("_INSERT");
         std::vector<std::string> surfaces{has_view ? type.substr(4) : type};
@@ -183,6 +183,7 @@ class GuidePointsReader {
             Collected& curve = curves_[{surface, slice}];
             curve.points.insert(point);
             curve.is_short_axis = curve.is_short_axis || is_short_axis;
+            curve.is_long_axis = curve.is_long_axis || is_long_axis;
             curve.is_marker = is_marker;
             if (curve.points.size() > most_points) {
                 Error error =
@@ -225,7 +226,9 @@ class GuidePointsReader {
             order = std::move(curve.order);
             const double gap = length(points[order.front()] - points[order.back()]);
             const bool is_closed = collected.is_short_axis || gap <= 2 * curve.longest_step;
-            kind = is_closed && order.size() > 2 ? ContourKind::closed_planar : ContourKind::open;
+            kind = is_closed && order.size() > 2 ? ContourKind::closed_planar
+                   : collected.is_long_axis      ? ContourKind::open_at_valve
+                                                 : ContourKind::open;
         }
         ANATOMESH_CHECK_STATUS(builder_.begin_contour(structure, kind, -1, "slice " + key.slice));
         for (const std::uint32_t p : order) {

@@ -19,12 +19,12 @@ bool is_guide_points(std::string_view text);
 
 // The points of a surface in a slice are joined to one curve by the longest way through their minimum
 // spanning tree; points beside it are left out and counted. The curve is closed where its ends are no farther
-// apart than its points elsewhere, or in a short-axis slice; else it is open (a long-axis contour at its
-// valve), and clean_contours() closes it within --closing-gap. `time_frame` (--volume): which of several.
-// Errors: E-GPT-001 a line without seven fields; E-GPT-002 a value that is no number; E-GPT-003 several time
-// frames and none chosen, or no such one, with those there are; E-GPT-004 more than 5000 points of a surface
-// in a slice (limit). Warnings: W-GPT-001 points beside their curve were left out. Requires: an empty
-// builder. Complexity: linear, and quadratic in the points of a curve. Follows: Prim 1957.
+// apart than its points elsewhere, or in a short-axis slice; else it is open, a long-axis contour at its
+// valve, where clean_contours() closes it. `time_frame` (--volume): which of several. Errors: E-GPT-001 a
+// line without seven fields; E-GPT-002 a value that is no number; E-GPT-003 several time frames and none
+// chosen, or no such one, with those there are; E-GPT-004 more than 5000 points of a surface in a slice
+// (limit). Warnings: W-GPT-001 points beside their curve were left out. Requires: an empty builder.
+// Complexity: linear, and quadratic in the points of a curve. Follows: Prim 1957.
 Status read_guide_points(std::string_view text, std::optional<std::uint64_t> time_frame, RawBuilder& builder);
 
 }  // namespace anatomesh

@@ -45,7 +45,7 @@ Result<RawContours> read(const std::string& text, RunContext& context,
 
 constexpr double turn = 2 * std::numbers::pi;
 
-TEST(GuidePoints, curves_come_back_in_order_and_open_ones_stay_open) {
+TEST(GuidePoints, curves_come_back_in_order_and_long_axes_are_open_at_their_valve) {
     RunContext context;
     const auto raw =
         read(columns + arc("SAX_LV_ENDOCARDIAL", 1, 0, turn) + arc("LAX_LV_ENDOCARDIAL", 2, 0.5, turn - 0.5) +
@@ -56,7 +56,7 @@ TEST(GuidePoints, curves_come_back_in_order_and_open_ones_stay_open) {
     EXPECT_EQ(raw.value().structures[0].name, "LV_ENDOCARDIAL");
     ASSERT_EQ(raw.value().contours.size(), 3u);
     EXPECT_EQ(raw.value().contours[0].kind, ContourKind::closed_planar);
-    EXPECT_EQ(raw.value().contours[1].kind, ContourKind::open);
+    EXPECT_EQ(raw.value().contours[1].kind, ContourKind::open_at_valve);
     EXPECT_EQ(raw.value().contours[2].kind, ContourKind::point);
     for (const std::size_t c : {0u, 1u}) {
         const RawContour& contour = raw.value().contours[c];
@@ -120,7 +120,7 @@ TEST(GuidePoints, real_heart) {
     std::size_t closed = 0, open = 0;
     for (const RawContour& contour : raw.value().contours) {
         closed += contour.kind == ContourKind::closed_planar;
-        open += contour.kind == ContourKind::open;
+        open += contour.kind == ContourKind::open_at_valve;
     }
     EXPECT_GT(closed, 40u);
     EXPECT_GT(open, 0u);
