@@ -98,7 +98,7 @@ class Climber {
         bench_.stats.facets_left = lifted.facets_left;
         bench_.moves_junctions = true;
         // Those that the climb left are bad still; others may be where facets were lifted.
-        MendStats mended = mend(context.threads, nullptr);
+        MendStats mended = mend(context, nullptr);
         std::vector<std::uint32_t> left = std::move(mended.changed);
         left.insert(left.end(), lifted.changed.begin(), lifted.changed.end());
         for (; !queue_.empty(); queue_.pop()) left.push_back(queue_.top().cell);
@@ -110,14 +110,14 @@ class Climber {
         mend_blemishes(context);
         // Where nothing was changed since there is nothing new.
         mended.left.insert(mended.left.end(), watched_.begin(), watched_.end());
-        mended = mend(context.threads, &mended.left);
+        mended = mend(context, &mended.left);
         watched_.insert(watched_.end(), mended.changed.begin(), mended.changed.end());
         // What could not be brought at first, for no angle below the least there is.
         collect(watched_, context.threads);
         const double least = worst_degrees();
         queue_ = {};
         bring_pieces(std::max(least, listed_degrees), most_for_segment);
-        mend_worst_cuts(context.threads);
+        mend_worst_cuts(context);
         follow(std::max(least, listed_degrees), context);
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
@@ -289,7 +289,7 @@ class Climber {
     }
 
     // Cuts of which more is wrong than may be, where cuts are not looked at before.
-    void mend_worst_cuts(int threads) {
+    void mend_worst_cuts(const RunContext& context) {
         if (at_last_.planes.empty()) return;
         std::vector<std::uint32_t> all(bench_.mesh.cell_count());
         std::iota(all.begin(), all.end(), 0u);
@@ -302,7 +302,7 @@ class Climber {
         }
         at_last_.weights = weights;
         const MendStats mended =
-            mend_cuts(bench_, at_last_, std::sin(listed_degrees * radians_per_degree), threads);
+            mend_cuts(bench_, at_last_, std::sin(listed_degrees * radians_per_degree), context);
         bench_.stats.cuts_found += mended.places_found;
         bench_.stats.cuts_mended += mended.vertices_moved + mended.cells_given + mended.edges_flipped +
                                     mended.edges_collapsed + mended.vertices_inserted;
@@ -373,9 +373,9 @@ class Climber {
         bench_.lowers_ratios = false;
     }
 
-    MendStats mend(int threads, const std::vector<std::uint32_t>* look) {
+    MendStats mend(const RunContext& context, const std::vector<std::uint32_t>* look) {
         MendStats mended =
-            mend_cuts(bench_, drawn_, std::sin(listed_degrees * radians_per_degree), threads, look);
+            mend_cuts(bench_, drawn_, std::sin(listed_degrees * radians_per_degree), context, look);
         bench_.stats.cuts_found += mended.places_found;
         bench_.stats.cuts_mended += mended.vertices_moved + mended.cells_given + mended.edges_flipped +
                                     mended.edges_collapsed + mended.vertices_inserted;

@@ -19,6 +19,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double enough_less = 0.5;               // of the wrong share
+constexpr std::uint64_t most_places = 10'000;     // thousands more are of slices that contradict each other
 constexpr double least_wrong_of_crossing = 1e-6;  // share of what is drawn: less is not mended there
 constexpr double worth_a_price = 7e-4;            // the share of what is drawn that is wrong
 constexpr std::array heights{0.05, -0.05, 0.1,  -0.1,
@@ -31,8 +32,9 @@ constexpr double most_turned = 0.5;  // cosine of a facet's turning
 
 class Mender {
   public:
-    Mender(Workbench& bench, const DrawnSlices& drawn, double least_sine)
+    Mender(Workbench& bench, const DrawnSlices& drawn, double least_sine, const RunContext& context)
         : bench_(bench),
+          context_(context),
           areas_(bench, drawn),
           owners_(*drawn.owners),
           least_wrong_(drawn.extents.empty() ? 0 : least_wrong_of_crossing),
@@ -101,7 +103,8 @@ class Mender {
 
     // Within the first so many bounds; `waiting` grows by the cells to be looked at again.
     void mend_all(std::vector<std::uint32_t>& waiting, std::size_t count) {
-        for (std::size_t n = 0; n < waiting.size(); ++n) {
+        for (std::size_t n = 0; n < waiting.size() && stats_.places_found < most_places; ++n) {
+            if (context_.cancelled()) return;
             const std::uint32_t c = waiting[n];
             for (int i = suspect_facet(c, 0); i < 4; i = suspect_facet(c, i + 1)) {
                 if (!(wrong_at(c, i) > least_wrong_)) continue;
@@ -436,6 +439,7 @@ class Mender {
     }
 
     Workbench& bench_;
+    const RunContext& context_;
     SectionAreas areas_;
     const ContourOwners& owners_;
     double least_wrong_;
@@ -449,11 +453,11 @@ class Mender {
 
 }  // namespace
 
-MendStats mend_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine, int threads,
+MendStats mend_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine, const RunContext& context,
                     const std::vector<std::uint32_t>* look) {
     if (!drawn.table || !drawn.owners || drawn.planes.empty()) return {};
-    Mender mender(bench, drawn, least_sine);
-    if (!look) return mender.run(mender.suspects(threads));
+    Mender mender(bench, drawn, least_sine, context);
+    if (!look) return mender.run(mender.suspects(context.threads));
     std::vector<std::uint32_t> cells = *look;
     std::sort(cells.begin(), cells.end());
     cells.erase(std::unique(cells.begin(), cells.end()), cells.end());

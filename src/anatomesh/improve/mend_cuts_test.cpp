@@ -85,7 +85,7 @@ struct Wall {
             return areas.wrong(all);
         };
         std::array<double, 2> shares{wrong(), 0};
-        stats = mend_cuts(bench, slices, 0.17, 1);
+        stats = mend_cuts(bench, slices, 0.17, {});
         shares[1] = wrong();
         mesh = std::move(edited).take(neighbors);
         return shares;
@@ -216,7 +216,7 @@ TEST(MendCuts, what_was_put_beside_a_plane_may_cross_it_once_more) {
             for (const std::uint32_t v : astray) bench.settle(v);
         }
         const DrawnSlices slices = wall.drawn();
-        const MendStats stats = mend_cuts(bench, slices, 0.17, 1);
+        const MendStats stats = mend_cuts(bench, slices, 0.17, {});
         EXPECT_EQ(stats.vertices_moved, settled ? astray.size() : 0);
         for (const std::uint32_t v : astray) {
             EXPECT_TRUE(bench.fixed(v));
@@ -368,7 +368,7 @@ TEST(MendCuts, cells_that_rest_in_a_slice_on_leaning_ones_are_lifted) {
         bench.table = &table;
         bench.goal = 0.3;
         const MendStats stats =
-            mend_cuts(bench, {&table, slice_of, &owners, planes, {}, weights, 1e-9}, listed_sine, 1);
+            mend_cuts(bench, {&table, slice_of, &owners, planes, {}, weights, 1e-9}, listed_sine, {});
         EXPECT_EQ(stats.vertices_inserted, 1u);
         const TetMesh mended = std::move(edited).take(neighbors);
         for (std::size_t c = 0; c < mended.cells.size(); ++c) {
@@ -431,7 +431,7 @@ TEST(MendCuts, without_planes_or_where_slices_do_not_tell_nothing_is_done) {
         EditMesh edited(std::move(wall.mesh), wall.neighbors);
         Workbench bench(edited, wall.fixed, {}, wall.field, 2, {});
         bench.table = &wall.table;
-        stats = mend_cuts(bench, wall.drawn(), 0.17, 1);
+        stats = mend_cuts(bench, wall.drawn(), 0.17, {});
         EXPECT_EQ(stats.places_found, 0u);
         EXPECT_TRUE(stats.changed.empty());
         EXPECT_EQ(std::move(edited).take(wall.neighbors).regions, before);

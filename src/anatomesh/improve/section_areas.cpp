@@ -9,6 +9,8 @@ namespace anatomesh {
 
 namespace {
 
+constexpr double rounding = 1 + 1e-9;
+
 double triangle_area(Vec3 a, Vec3 b, Vec3 c) {
     return 0.5 * length(cross(b - a, c - a));
 }
@@ -32,9 +34,19 @@ SectionAreas::SectionAreas(Workbench& bench, const DrawnSlices& drawn)
 }
 
 std::uint32_t SectionAreas::level(std::uint32_t v) const {
-    if (v < drawn_.slice_of.size() && drawn_.slice_of[v] != no_slice)
-        return 2 * rank_[drawn_.slice_of[v]] + 1;
+    if (slice_of(v) != no_slice) return 2 * rank_[slice_of(v)] + 1;
     return stack_->level(bench_.mesh.point(v), drawn_.on_plane_mm);
+}
+
+SectionAreas::Reach SectionAreas::reach_of(std::span<const std::uint32_t> vertices) const {
+    Reach reach{bench_.mesh.point(vertices[0])};
+    for (const std::uint32_t v : vertices) {
+        reach.radius = std::max(reach.radius, length(bench_.mesh.point(v) - reach.from));
+        reach.any_drawn = reach.any_drawn || slice_of(v) != no_slice;
+    }
+    // Rounding apart.
+    reach.radius = rounding * reach.radius + 2 * drawn_.on_plane_mm;
+    return reach;
 }
 
 int SectionAreas::side(std::uint32_t v, std::uint32_t k) const {
@@ -42,7 +54,7 @@ int SectionAreas::side(std::uint32_t v, std::uint32_t k) const {
         const std::uint32_t at = level(v), plane = 2 * rank_[k] + 1;
         return (at > plane) - (at < plane);
     }
-    if (v < drawn_.slice_of.size() && drawn_.slice_of[v] == k) return 0;
+    if (slice_of(v) == k) return 0;
     const double height = plane(k).signed_distance(bench_.mesh.point(v));
     return std::abs(height) <= drawn_.on_plane_mm ? 0 : height > 0 ? 1 : -1;
 }

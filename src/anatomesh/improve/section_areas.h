@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -28,7 +29,9 @@ class SectionAreas {
     template <class Visit>
     bool any_plane_at(std::span<const std::uint32_t> vertices, const Visit& visit) const {
         if (!stack_) {
+            const Reach reach = reach_of(vertices);
             for (std::uint32_t k = 0; k < drawn_.planes.size(); ++k) {
+                if (is_beyond(k, reach, vertices)) continue;
                 const int first = side(vertices[0], k);
                 const bool passes = first == 0 || std::any_of(vertices.begin() + 1, vertices.end(),
                                                               [&](auto v) { return side(v, k) != first; });
@@ -75,6 +78,23 @@ class SectionAreas {
     double largest_cut_at(std::uint32_t cell, int facet);
 
   private:
+    // The first of some vertices, how far the others are from it, and whether one is in a slice as drawn.
+    struct Reach {
+        Vec3 from;
+        double radius = 0;
+        bool any_drawn = false;
+    };
+    Reach reach_of(std::span<const std::uint32_t> vertices) const;
+    // Whether they are all on one side of it, and further from it than what lies in it is.
+    bool is_beyond(std::uint32_t k, const Reach& reach, std::span<const std::uint32_t> vertices) const {
+        if (std::abs(plane(k).signed_distance(reach.from)) <= reach.radius) return false;
+        return !reach.any_drawn || std::none_of(vertices.begin(), vertices.end(),
+                                                [&](std::uint32_t v) { return slice_of(v) == k; });
+    }
+    std::uint32_t slice_of(std::uint32_t v) const {
+        return v < drawn_.slice_of.size() ? drawn_.slice_of[v] : no_slice;
+    }
+
     // As ParallelPlanes has it.
     std::uint32_t level(std::uint32_t v) const;
     double wrong_sections(std::uint32_t cell);

@@ -16,6 +16,7 @@
 #include "anatomesh/contour/slivers.h"
 #include "anatomesh/reconcile/align_slices.h"
 #include "anatomesh/reconcile/contour_graph.h"
+#include "anatomesh/reconcile/contradictions.h"
 #include "anatomesh/reconcile/disagreement.h"
 #include "anatomesh/reconcile/drawn_places.h"
 #include "anatomesh/reconcile/facing_stretch.h"
@@ -73,8 +74,9 @@ class Reconciler {
         stats_.pairs = disagreements(comparisons_);
         summarize(comparisons_, stats_);
         if (options_.reconcile) {
-            ANATOMESH_CHECK_STATUS(check_bound());
+            ANATOMESH_CHECK_STATUS(check_bound(set_, comparisons_, options_));
             ANATOMESH_CHECK_STATUS(make_agree());
+            ANATOMESH_CHECK_STATUS(check_what_is_left(set_, comparisons_, stats_.movements, options_));
         }
         if (context_.cancelled()) return cancelled_error();
         note_difference_after();
@@ -175,34 +177,6 @@ class Reconciler {
             }
         }
         return Nothing{};
-    }
-
-    // Refuses slices that are further apart than the bound: as a whole, or so that a contour would have to
-    // move further. The worst is named.
-    Status check_bound() const {
-        const double bound = options_.max_disagreement_mm;
-        if (const std::optional<WorstPlace> worst = worst_pair(set_, comparisons_, bound))
-            return contradiction(*worst,
-                                 " in the median of the region ends where their planes cross, more than ",
-                                 " such pairs, most of them with slice ");
-        if (const std::optional<WorstPlace> worst = worst_place(set_, comparisons_, bound))
-            return contradiction(*worst, " where their planes cross, more than ",
-                                 " such places, most of them in slice ");
-        return Nothing{};
-    }
-
-    Error contradiction(const WorstPlace& worst, const std::string& where, const std::string& which) const {
-        Place place = place_of_slice(set_, worst.a, worst.distance_mm);
-        const Structure& structure = set_.structures[worst.structure];
-        place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
-        return Error{ErrorKind::geometry, "E-RCN-001",
-                     names_of(set_, worst.a, worst.b) + " contradict each other by " +
-                         brief(worst.distance_mm) + " mm" + where + brief(options_.max_disagreement_mm) +
-                         " mm; " + std::to_string(worst.places) + which + set_.slices[worst.culprit].name,
-                     std::move(place),
-                     std::string("leave a slice out, ") +
-                         (options_.align ? "" : "shift slices with --align, ") +
-                         "raise the bound with --max-disagreement, or keep every vertex with --reconcile 0"};
     }
 
     // Moves the contours until crossing slices agree, puts common points in and cuts folds off. Where slices

@@ -99,8 +99,9 @@ struct ReconcileResult {
 // their common line afterwards (difference_after_mm of 0; all that can) have the same points there, bit for
 // bit. Where all ends agree within rounding no vertex moves. Parallel slices come back as they are. What
 // moved and what is left is said in stats and warnings W-RCN-001..011. Errors: geometry E-RCN-001 slices
-// further apart than the bound (names both), E-RCN-002 a shift above it. The same at any thread count.
-// Complexity: O(n log n + crossings) per round. No earlier method is followed.
+// further apart than the bound (names both), E-RCN-002 a shift above it, E-RCN-003 slices that still differ
+// when contours have moved as far as they may. The same at any thread count. Complexity: O(n log n +
+// crossings) per round. No earlier method is followed.
 Result<ReconcileResult> reconcile_contours(ContourSet set, const ReconcileOptions& options,
                                            RunContext& context);
 

@@ -310,6 +310,37 @@ TEST(Reconcile, C25_a_long_axis_out_of_place_by_more_than_the_bound_is_refused) 
     }
 }
 
+// Two stacks of a ball across each other, one of them out of place: what one slice alone has is drawn back,
+// by more than how far apart ends are.
+TEST(Reconcile, C25_slices_that_differ_when_contours_moved_by_all_of_the_bound_are_refused) {
+    const auto stacks = [](double shift) {
+        std::mt19937 random(22);
+        std::vector<Plane> upright;
+        ContourSet set;
+        for (int k = -3; k <= 3; ++k) upright.push_back(make_plane({0, 0, 6.0 * k}, {0, 0, 1}));
+        set = drawn_ball(20, upright, {0, 0, 60}, random);
+        for (int k = -3; k <= 3; ++k) {
+            const ContourSet across =
+                drawn_ball(20, {make_plane({6.0 * k, 0, 0}, {1, 0, 0})}, {0, 0, 60}, random);
+            Ring ring;
+            for (const Vec3& p : across.points)
+                ring.push_back(across.slices[0].plane.to_plane(p + Vec3{0, 0, shift}));
+            add_slice(set, across.slices[0].plane, ring);
+        }
+        return set;
+    };
+    const auto within = [](double bound) {
+        ReconcileOptions options;
+        options.max_disagreement_mm = bound;
+        return options;
+    };
+    const std::string error = refused(stacks(4), within(6));
+    EXPECT_EQ(error.substr(0, 9), "E-RCN-003") << error;
+    EXPECT_NE(error.find("slices 0 and "), std::string::npos) << error;
+    for (const auto& [shift, bound] : {std::pair{4.0, 10.0}, std::pair{2.0, 6.0}})
+        EXPECT_EQ(refused(stacks(shift), within(bound)), "") << shift;
+}
+
 TEST(Reconcile, C25_regions_of_another_size_are_refused_above_the_bound) {
     for (const double radius : {25.0, 28.0}) EXPECT_EQ(refused(ball_with_long_axis(radius, {})), "");
     for (const double radius : {32.0, 35.0, 40.0})

@@ -24,6 +24,11 @@ using Points = std::vector<Vec3>;
 struct Curve {
     std::vector<std::uint32_t> order;
     double longest_step = 0;
+
+    // Whether its ends are no farther apart than its points elsewhere.
+    bool closes(const Points& points) const {
+        return length(points[order.front()] - points[order.back()]) <= 2 * longest_step;
+    }
 };
 
 // Parents in the minimum spanning tree, the root its own.
@@ -131,7 +136,7 @@ class GuidePointsReader {
         friend auto operator<=>(const Key&, const Key&) = default;
     };
     struct Collected {
-        std::set<std::array<double, 3>> points;  // each once
+        std::set<std::array<double, 3>> points, lent;  // each once; those of a part of two surfaces
         bool is_short_axis = false, is_long_axis = false, is_marker = false;
     };
 
@@ -178,14 +183,15 @@ class GuidePointsReader {
             type.ends_with("_VALVE") || type.ends_with("_POINT") || type.ends_with("_INSERT");
         std::vector<std::string> surfaces{has_view ? type.substr(4) : type};
         if (surfaces[0] == "RV_FREEWALL") surfaces = {"RV_ENDOCARDIAL"};
-        if (surfaces[0] == "RV_SEPTUM") surfaces = {"RV_ENDOCARDIAL", "LV_EPICARDIAL"};
+        const bool is_septum = surfaces[0] == "RV_SEPTUM";
+        if (is_septum) surfaces = {"RV_ENDOCARDIAL", "LV_EPICARDIAL"};
         for (const std::string& surface : surfaces) {
             Collected& curve = curves_[{surface, slice}];
-            curve.points.insert(point);
+            (is_septum && surface == surfaces[1] ? curve.lent : curve.points).insert(point);
             curve.is_short_axis = curve.is_short_axis || is_short_axis;
             curve.is_long_axis = curve.is_long_axis || is_long_axis;
             curve.is_marker = is_marker;
-            if (curve.points.size() > most_points) {
+            if (curve.points.size() + curve.lent.size() > most_points) {
                 Error error =
                     failure("E-GPT-004", "more than 5000 points of a surface in a slice", line, surface);
                 error.kind = ErrorKind::limit;
@@ -214,18 +220,27 @@ class GuidePointsReader {
                      "choose one with --volume N"};
     }
 
+    // With those of the part that another surface lends, unless the others are a closed outline without them.
+    static Points points_of(const Collected& collected) {
+        Points own, all;
+        for (const auto& [x, y, z] : collected.points) own.push_back({x, y, z});
+        if (collected.lent.empty() || (own.size() > 2 && curve_of(own).closes(own))) return own;
+        std::set<std::array<double, 3>> both = collected.points;
+        both.insert(collected.lent.begin(), collected.lent.end());
+        for (const auto& [x, y, z] : both) all.push_back({x, y, z});
+        return all;
+    }
+
     Status add(const Key& key, const Collected& collected, std::uint32_t structure) {
-        Points points;
-        for (const auto& [x, y, z] : collected.points) points.push_back({x, y, z});
+        const Points points = points_of(collected);
         std::vector<std::uint32_t> order(points.size());
         for (std::uint32_t p = 0; p < points.size(); ++p) order[p] = p;
         ContourKind kind = ContourKind::point;
         if (!collected.is_marker && points.size() > 2) {
             Curve curve = curve_of(points);
             left_out_ += points.size() - curve.order.size();
+            const bool is_closed = collected.is_short_axis || curve.closes(points);
             order = std::move(curve.order);
-            const double gap = length(points[order.front()] - points[order.back()]);
-            const bool is_closed = collected.is_short_axis || gap <= 2 * curve.longest_step;
             kind = is_closed && order.size() > 2 ? ContourKind::closed_planar
                    : collected.is_long_axis      ? ContourKind::open_at_valve
                                                  : ContourKind::open;

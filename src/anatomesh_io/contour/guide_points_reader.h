@@ -2,7 +2,8 @@
 //
 // A table of tabs: x, y, z, contour type, sliceID or frameID, weight, time frame; LPS mm. Points of a curve
 // stand in no order. SAX_ and LAX_ say the view, what follows the surface; SAX_RV_SEPTUM is a part of both
-// the right ventricle's inside and the left ventricle's outside, SAX_RV_FREEWALL of the former. Valves, apex
+// the right ventricle's inside and the left ventricle's outside (where that is not closed without it),
+// SAX_RV_FREEWALL of the former. Valves, apex
 // and inserts are markers.
 #pragma once
 

@@ -79,6 +79,18 @@ TEST(GuidePoints, the_septum_belongs_to_both_ventricles) {
     EXPECT_EQ(raw.value().structures[1].name, "RV_ENDOCARDIAL");
 }
 
+// At the base of a heart: the outline of the aorta's root, and the septum far from it.
+TEST(GuidePoints, a_closed_outline_has_no_use_for_the_septum) {
+    RunContext context;
+    const auto raw = read(
+        columns + arc("SAX_LV_EPICARDIAL", 1, 0, turn, 8) + arc("SAX_RV_SEPTUM", 1, -0.3, 0.3, 60), context);
+    ASSERT_TRUE(raw.ok()) << to_line(raw.error());
+    ASSERT_EQ(raw.value().structures[0].name, "LV_EPICARDIAL");
+    EXPECT_EQ(raw.value().contours[0].point_count, 126u);
+    EXPECT_EQ(raw.value().structures[1].name, "RV_ENDOCARDIAL");
+    EXPECT_EQ(raw.value().contours[1].point_count, 12u);
+}
+
 TEST(GuidePoints, G26_time_frames_are_chosen) {
     RunContext context;
     const std::string text =
