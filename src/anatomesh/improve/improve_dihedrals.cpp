@@ -35,6 +35,9 @@ constexpr double most_for_segment = 1e-5;  // a share of the cells inside, to be
 constexpr std::size_t few_high = 2000;     // one cell in so many may be above it to be worked on
 constexpr std::size_t worth_a_pass = 20;   // another one: one cell in so many lowered
 
+// Cells made for the sake of a piece: of ten thousand pieces none that could be had took 1,800.
+constexpr std::size_t most_raised = 2000;
+
 // Tries on a bad cell that scouts make beforehand: its edges, facets and vertices.
 constexpr int edge_tries = 6, facet_tries = 10, scouted_tries = 14;
 // So many cells at a time, or that part of those there are: more would change each other's surroundings.
@@ -323,7 +326,8 @@ class Climber {
     }
 
     // The shapes of these cells and of those that come of it, with the operations of the end; last their
-    // ratios, for no angle that is listed. Returns what was made.
+    // ratios, for no angle that is listed. Ends where that makes ever more cells: what can be raised is with
+    // some hundred. Returns what was made.
     std::vector<std::uint32_t> raise(std::vector<std::uint32_t> cells) {
         thorough_ = bench_.moves_junctions = is_raising_ = true;
         bench_.slices = &drawn_;
@@ -349,10 +353,12 @@ class Climber {
         std::vector<std::uint32_t> changed;
         for (int pass = 0; pass < bench_.options.passes; ++pass) {
             collect(cells, 1);
-            if (queue_.empty() || drain(1) == 0) break;
+            if (queue_.empty()) break;
+            const std::uint64_t gained = drain(1);
             cells.insert(cells.end(), watched_.begin(), watched_.end());
             changed.insert(changed.end(), watched_.begin(), watched_.end());
             watched_.clear();
+            if (gained == 0 || changed.size() > most_raised) break;
         }
         queue_ = {};
         left_.clear();
@@ -363,7 +369,7 @@ class Climber {
     void lower_ratios_of(std::vector<std::uint32_t> cells, double most, std::vector<std::uint32_t>& changed) {
         bench_.lowers_ratios = true;
         sort_distinct(cells);
-        for (std::size_t n = 0; n < cells.size(); ++n) {
+        for (std::size_t n = 0; n < cells.size() && changed.size() <= most_raised; ++n) {
             if (!is_above(most, cells[n]) || drawn_.are_crowded(bench_.mesh.cell(cells[n])) ||
                 !better(cells[n], nullptr))
                 continue;
@@ -514,7 +520,7 @@ class Climber {
     std::uint64_t drain(int threads) {
         std::uint64_t gained = 0;
         left_.clear();
-        while (!queue_.empty() || next_scouted_ < scouted_.size()) {
+        while ((!queue_.empty() || next_scouted_ < scouted_.size()) && !has_raised_enough()) {
             const Scouted worst = take_worst(threads);
             const BadCell& bad = worst.bad;
             if (!queue_.empty()) bench_.mesh.prefetch_round(queue_.top().cell);
@@ -536,6 +542,8 @@ class Climber {
         }
         return gained;
     }
+
+    bool has_raised_enough() const { return is_raising_ && watched_.size() > most_raised; }
 
     static bool attempt(Workbench& bench, std::uint32_t cell, int n) {
         if (n < edge_tries) return remove_edge(bench, cell, n);
