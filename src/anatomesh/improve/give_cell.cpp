@@ -121,8 +121,10 @@ class Wall {
     std::vector<std::array<Vec3, 3>> facets_;
 };
 
-// Of cells of one region. Where they are thin a wall hardly moves, however far from the field it is.
-bool keeps_near(Workbench& bench, std::span<const std::uint32_t> cells, Region to, double most) {
+// Of cells of one region. What lies within `still` of the wall as it was does not move it, however far from
+// the field's that is.
+bool keeps_near(Workbench& bench, std::span<const std::uint32_t> cells, Region to, double most,
+                double still = 0) {
     const Region own = bench.mesh.region(cells.front());
     double before = 0;
     Wall wall;
@@ -144,13 +146,23 @@ bool keeps_near(Workbench& bench, std::span<const std::uint32_t> cells, Region t
                 } else if (!was && beyond != to) {
                     if (bench.spoils_cut(cell[f[0]], cell[f[1]], cell[f[2]], beyond, to)) return false;
                     const bool stays =
-                        beyond == own && wall.is_within(bench.options.tolerance_mm, (1.0 / 3) * (p + q + r));
+                        still > 0 && beyond == own && wall.is_within(still, (1.0 / 3) * (p + q + r));
                     if (!stays && distance() > std::max(before, most)) return false;
                 }
             }
         }
     }
     return true;
+}
+
+// Whether a third region lies at the cell: there facets between two of them may be far from the field's
+// interfaces of both.
+bool is_at_junction(const Workbench& bench, std::uint32_t cell, Region to) {
+    for (int i = 0; i < 4; ++i) {
+        const Region region = bench.mesh.region(bench.mesh.neighbor(cell, i));
+        if (region != bench.mesh.region(cell) && region != to) return true;
+    }
+    return false;
 }
 
 // Those that come to the surface lie near the field's: the middles of facets may although a corner does not.
@@ -226,7 +238,8 @@ bool give_cell(Workbench& bench, std::uint32_t cell) {
         const Region to = bench.mesh.region(bench.mesh.neighbor(cell, i));
         if (to == own || (to != 0 && facets_between_regions(bench, cell, to) >= now)) continue;
         if (!keeps_surfaces(bench, cell, own, to) ||
-            !keeps_near(bench, std::array{cell}, to, bench.options.max_deviation_mm))
+            !keeps_near(bench, std::array{cell}, to, bench.options.max_deviation_mm,
+                        is_at_junction(bench, cell, to) ? bench.options.tolerance_mm : 0))
             continue;
         bench.mesh.set_region(cell, to);
         bench.changed.assign(1, cell);

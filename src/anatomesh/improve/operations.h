@@ -31,7 +31,8 @@ bool remove_facet(Workbench& bench, std::uint32_t cell, int facet);
 bool move_vertex(Workbench& bench, std::uint32_t v);
 
 // Gives a cell to a region beside it, where the surface of every structure concerned stays a disc and near
-// the field's interface: to the outside, or to where fewer of the cell's facets lie between two regions.
+// the field's interface, or, where three regions meet, within the tolerance of where it was: to the outside,
+// or to where fewer of the cell's facets lie between two regions.
 bool give_cell(Workbench& bench, std::uint32_t cell);
 
 // Whether a cell may be given to a region beside it so that the surface of every structure concerned stays a

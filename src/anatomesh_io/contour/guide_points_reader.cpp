@@ -18,17 +18,16 @@ namespace {
 
 constexpr std::string_view start_of_table = "x\ty\tz\tcontour type\t";
 constexpr std::size_t most_points = 5000;
+constexpr double most_steps = 4;  // of the median: an outline whose ends are so near to each other is closed
 
 using Points = std::vector<Vec3>;
 
 struct Curve {
     std::vector<std::uint32_t> order;
-    double longest_step = 0;
+    double longest_step = 0, median_step = 0;
+    double gap = 0;  // from its end to its start
 
-    // Whether its ends are no farther apart than its points elsewhere.
-    bool closes(const Points& points) const {
-        return length(points[order.front()] - points[order.back()]) <= 2 * longest_step;
-    }
+    double widest() const { return std::max(longest_step, gap); }
 };
 
 // Parents in the minimum spanning tree, the root its own.
@@ -91,12 +90,20 @@ Curve curve_of(const Points& points) {
     std::vector<std::uint32_t> came_from;
     const std::uint32_t one = farthest(points, neighbors, 0, came_from);
     std::uint32_t at = farthest(points, neighbors, one, came_from);
-    Curve curve{{at}, 0};
+    Curve curve;
+    curve.order = {at};
+    std::vector<double> steps;
     while (at != one) {
-        curve.longest_step = std::max(curve.longest_step, length(points[came_from[at]] - points[at]));
+        steps.push_back(length(points[came_from[at]] - points[at]));
         at = came_from[at];
         curve.order.push_back(at);
     }
+    if (steps.empty()) return curve;
+    curve.gap = length(points[curve.order.front()] - points[curve.order.back()]);
+    curve.longest_step = *std::max_element(steps.begin(), steps.end());
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    curve.median_step = *middle;
     return curve;
 }
 
@@ -127,6 +134,13 @@ class GuidePointsReader {
                                      std::to_string(left_out_) + " guide points lie beside their curve",
                                      {builder_.file(), {}, {}, {}, {}},
                                      "they were left out"});
+        if (unused_ > 0)
+            builder_.context().warn(
+                {"W-GPT-002",
+                 std::to_string(unused_) +
+                     " points of the septum fill no gap in the outline of the left ventricle",
+                 {builder_.file(), {}, {}, {}, {}},
+                 "it was left as it is there"});
         return Nothing{};
     }
 
@@ -138,6 +152,7 @@ class GuidePointsReader {
     struct Collected {
         std::set<std::array<double, 3>> points, lent;  // each once; those of a part of two surfaces
         bool is_short_axis = false, is_long_axis = false, is_marker = false;
+        bool has_outline = false, has_wall = false, has_septum = false;  // of points
     };
 
     Status read_lines() {
@@ -182,12 +197,17 @@ class GuidePointsReader {
         const bool is_marker =
             type.ends_with("_VALVE") || type.ends_with("_POINT") || type.ends_with("_INSERT");
         std::vector<std::string> surfaces{has_view ? type.substr(4) : type};
-        if (surfaces[0] == "RV_FREEWALL") surfaces = {"RV_ENDOCARDIAL"};
+        const bool is_wall = surfaces[0] == "RV_FREEWALL";
+        if (is_wall) surfaces = {"RV_ENDOCARDIAL"};
         const bool is_septum = surfaces[0] == "RV_SEPTUM";
         if (is_septum) surfaces = {"RV_ENDOCARDIAL", "LV_EPICARDIAL"};
+        if (type.ends_with("_VALVE")) valves_[slice].push_back({point[0], point[1], point[2]});
         for (const std::string& surface : surfaces) {
             Collected& curve = curves_[{surface, slice}];
             (is_septum && surface == surfaces[1] ? curve.lent : curve.points).insert(point);
+            curve.has_wall = curve.has_wall || is_wall;
+            curve.has_septum = curve.has_septum || is_septum;
+            curve.has_outline = curve.has_outline || !(is_wall || is_septum);
             curve.is_short_axis = curve.is_short_axis || is_short_axis;
             curve.is_long_axis = curve.is_long_axis || is_long_axis;
             curve.is_marker = is_marker;
@@ -220,15 +240,43 @@ class GuidePointsReader {
                      "choose one with --volume N"};
     }
 
-    // With those of the part that another surface lends, unless the others are a closed outline without them.
-    static Points points_of(const Collected& collected) {
+    // The points of a surface in a slice; with those of the part that another one lends where they fill a gap
+    // in its outline. Where that is closed, or the part is far from it, they belong to another wall.
+    Points points_of(const Collected& collected) {
         Points own, all;
         for (const auto& [x, y, z] : collected.points) own.push_back({x, y, z});
-        if (collected.lent.empty() || (own.size() > 2 && curve_of(own).closes(own))) return own;
+        if (collected.lent.empty()) return own;
         std::set<std::array<double, 3>> both = collected.points;
         both.insert(collected.lent.begin(), collected.lent.end());
         for (const auto& [x, y, z] : both) all.push_back({x, y, z});
-        return all;
+        if (own.size() < 3 || curve_of(all).widest() < curve_of(own).widest()) return all;
+        unused_ += all.size() - own.size();
+        return own;
+    }
+
+    // Whether the ends of a long-axis contour lie at a valve: nearer to one of its slice than half way to
+    // each other. Where the slice has none marked, it is not known better.
+    bool ends_at_valve(const std::string& slice, const Points& points, const Curve& curve) const {
+        const auto valves = valves_.find(slice);
+        if (valves == valves_.end()) return true;
+        for (const std::uint32_t end : {curve.order.front(), curve.order.back()}) {
+            double nearest = std::numeric_limits<double>::infinity();
+            for (const Vec3& valve : valves->second) nearest = std::min(nearest, length(points[end] - valve));
+            if (nearest > 0.5 * curve.gap) return false;
+        }
+        return true;
+    }
+
+    ContourKind kind_of(const Key& key, const Collected& collected, const Points& points,
+                        const Curve& curve) const {
+        if (curve.order.size() < 3) return ContourKind::open;
+        const bool has_part = collected.has_outline || collected.has_wall,
+                   is_whole = collected.has_outline || (collected.has_wall && collected.has_septum);
+        if (collected.is_short_axis && has_part) return ContourKind::closed_planar;
+        if (has_part && curve.gap <= most_steps * curve.median_step) return ContourKind::closed_planar;
+        return collected.is_long_axis && is_whole && ends_at_valve(key.slice, points, curve)
+                   ? ContourKind::open_at_valve
+                   : ContourKind::open;
     }
 
     Status add(const Key& key, const Collected& collected, std::uint32_t structure) {
@@ -239,11 +287,8 @@ class GuidePointsReader {
         if (!collected.is_marker && points.size() > 2) {
             Curve curve = curve_of(points);
             left_out_ += points.size() - curve.order.size();
-            const bool is_closed = collected.is_short_axis || curve.closes(points);
+            kind = kind_of(key, collected, points, curve);
             order = std::move(curve.order);
-            kind = is_closed && order.size() > 2 ? ContourKind::closed_planar
-                   : collected.is_long_axis      ? ContourKind::open_at_valve
-                                                 : ContourKind::open;
         }
         ANATOMESH_CHECK_STATUS(builder_.begin_contour(structure, kind, -1, "slice " + key.slice));
         for (const std::uint32_t p : order) {
@@ -266,7 +311,8 @@ class GuidePointsReader {
     RawBuilder& builder_;
     std::map<Key, Collected> curves_;
     std::set<std::uint64_t> times_;
-    std::uint64_t left_out_ = 0;
+    std::map<std::string, Points> valves_;  // by slice
+    std::uint64_t left_out_ = 0, unused_ = 0;
 };
 
 }  // namespace

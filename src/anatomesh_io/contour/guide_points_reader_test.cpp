@@ -49,7 +49,7 @@ TEST(GuidePoints, curves_come_back_in_order_and_long_axes_are_open_at_their_valv
     RunContext context;
     const auto raw =
         read(columns + arc("SAX_LV_ENDOCARDIAL", 1, 0, turn) + arc("LAX_LV_ENDOCARDIAL", 2, 0.5, turn - 0.5) +
-                 line({0, 0, 3}, "MITRAL_VALVE", 2) + line({5, 0, 3}, "MITRAL_VALVE", 2),
+                 line({17, 9, 16}, "MITRAL_VALVE", 2) + line({17, -9, 16}, "MITRAL_VALVE", 2),
              context);
     ASSERT_TRUE(raw.ok()) << to_line(raw.error());
     ASSERT_EQ(raw.value().structures.size(), 2u);
@@ -89,6 +89,47 @@ TEST(GuidePoints, a_closed_outline_has_no_use_for_the_septum) {
     EXPECT_EQ(raw.value().contours[0].point_count, 126u);
     EXPECT_EQ(raw.value().structures[1].name, "RV_ENDOCARDIAL");
     EXPECT_EQ(raw.value().contours[1].point_count, 12u);
+    ASSERT_EQ(context.warnings.size(), 1u);
+    EXPECT_EQ(context.warnings[0].code, "W-GPT-002");
+}
+
+// A four-chamber view: the free wall from the valve to the apex, the septum back, between the two the valve.
+TEST(GuidePoints, a_long_axis_takes_the_septum_and_stays_open_at_the_valve) {
+    RunContext context;
+    const double valve = 1.0;
+    for (const bool marked : {false, true}) {
+        std::string text = columns + arc("LAX_LV_EPICARDIAL", 2, valve, 3.6, 40) +
+                           arc("LAX_RV_SEPTUM", 2, 3.6, turn, 40) + arc("SAX_LV_EPICARDIAL", 1, 0, turn);
+        if (marked)
+            text += line({40 * std::cos(valve), 40 * std::sin(valve), 16}, "MITRAL_VALVE", 2) +
+                    line({40, 0, 16}, "MITRAL_VALVE", 2);
+        const auto raw = read(text, context);
+        ASSERT_TRUE(raw.ok()) << to_line(raw.error());
+        ASSERT_EQ(raw.value().structures[0].name, "LV_EPICARDIAL");
+        const auto long_axis =
+            std::find_if(raw.value().contours.begin(), raw.value().contours.end(),
+                         [](const RawContour& c) { return c.structure == 0 && c.name == "slice 2"; });
+        ASSERT_NE(long_axis, raw.value().contours.end());
+        EXPECT_EQ(long_axis->kind, ContourKind::open_at_valve);
+        EXPECT_EQ(long_axis->point_count, 52u + 54u);
+    }
+    EXPECT_TRUE(context.warnings.empty());
+}
+
+// Beside their valve, or walls alone, they are not closed.
+TEST(GuidePoints, what_does_not_end_at_a_valve_or_is_a_wall_alone_stays_open) {
+    RunContext context;
+    const auto raw = read(columns + arc("LAX_LV_ENDOCARDIAL", 2, 1, turn, 40) +
+                              line({-40, 0, 16}, "MITRAL_VALVE", 2) + line({-35, 9, 16}, "MITRAL_VALVE", 2) +
+                              arc("LAX_RV_FREEWALL", 3, 1, turn, 40) + arc("SAX_RV_SEPTUM", 4, 0, 2, 40),
+                          context);
+    ASSERT_TRUE(raw.ok()) << to_line(raw.error());
+    std::size_t open = 0;
+    for (const RawContour& contour : raw.value().contours) {
+        open += contour.kind == ContourKind::open;
+        EXPECT_TRUE(contour.kind == ContourKind::open || contour.kind == ContourKind::point);
+    }
+    EXPECT_EQ(open, 4u);
 }
 
 TEST(GuidePoints, G26_time_frames_are_chosen) {
