@@ -1,6 +1,8 @@
 #include "anatomesh/reconcile/contradictions.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,22 +17,44 @@ namespace {
 
 constexpr double at_bound_share = 1e-3;   // of the bound: a contour so near to it cannot move further
 constexpr double least_left_share = 0.1;  // of the bound: slices that differ by less are warned of
+constexpr double beside_line = 2;         // bounds: of a moved point from the other slice's plane
 
 std::string ways_out(const ReconcileOptions& options) {
     return std::string("leave a slice out, ") + (options.align ? "" : "shift slices with --align, ") +
            "raise the bound with --max-disagreement, or keep every vertex with --reconcile 0";
 }
 
-Error contradiction(const ContourSet& set, const WorstPlace& worst, const ReconcileOptions& options,
-                    const std::string& where, const std::string& which) {
+Place place_of(const ContourSet& set, const WorstPlace& worst) {
     Place place = place_of_slice(set, worst.a, worst.distance_mm);
     const Structure& structure = set.structures[worst.structure];
     place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+    return place;
+}
+
+Error contradiction(const ContourSet& set, const WorstPlace& worst, const ReconcileOptions& options,
+                    const std::string& where, const std::string& which) {
     return Error{ErrorKind::geometry, "E-RCN-001",
                  names_of(set, worst.a, worst.b) + " contradict each other by " + brief(worst.distance_mm) +
                      " mm" + where + brief(options.max_disagreement_mm) + " mm; " +
                      std::to_string(worst.places) + which + set.slices[worst.culprit].name,
-                 std::move(place), ways_out(options)};
+                 place_of(set, worst), ways_out(options)};
+}
+
+// A point that moved so far.
+struct MovedFar {
+    std::uint32_t slice = 0, structure = 0;
+    Vec3 at;
+};
+
+std::vector<MovedFar> moved_by(const ContourSet& set, const DrawnPlaces& drawn, double least_mm) {
+    std::vector<MovedFar> moved;
+    for (const Contour& contour : set.contours) {
+        for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+            if (length(set.points[k] - drawn.at[k]) >= least_mm)
+                moved.push_back({contour.slice, contour.structure, set.points[k]});
+        }
+    }
+    return moved;
 }
 
 }  // namespace
@@ -48,33 +72,46 @@ Status check_bound(const ContourSet& set, std::span<const LineComparison> compar
     return Nothing{};
 }
 
-Status check_what_is_left(const ContourSet& set, std::span<const LineComparison> comparisons,
-                          std::span<const SliceMovement> movements, const ReconcileOptions& options) {
+Status check_what_is_left(const ContourSet& set, const DrawnPlaces& drawn,
+                          std::span<const LineComparison> comparisons, const ReconcileOptions& options) {
     const double bound = options.max_disagreement_mm;
-    const auto at_bound = [&](std::uint32_t slice) {
-        return movements[slice].max_mm >= (1 - at_bound_share) * bound;
+    const std::vector<MovedFar> moved = moved_by(set, drawn, (1 - at_bound_share) * bound);
+    const auto has_moved = [&](std::uint32_t slice, std::uint32_t structure, std::uint32_t other) {
+        return std::any_of(moved.begin(), moved.end(), [&](const MovedFar& m) {
+            return m.slice == slice && m.structure == structure &&
+                   std::abs(set.slices[other].plane.signed_distance(m.at)) <= beside_line * bound;
+        });
     };
-    PairDisagreement worst;
-    std::uint64_t pairs = 0;
+    WorstPlace worst;
     std::vector<std::uint64_t> pairs_of(set.slices.size(), 0);
-    for (const PairDisagreement& pair : disagreements(comparisons)) {
-        if (pair.difference_mm <= least_left_share * bound) continue;
-        if (!at_bound(pair.slice_a) && !at_bound(pair.slice_b)) continue;
-        ++pairs;
-        ++pairs_of[pair.slice_a];
-        ++pairs_of[pair.slice_b];
-        if (pair.difference_mm > worst.difference_mm) worst = pair;
+    for (std::uint32_t structure = 0; structure < set.structures.size() && !moved.empty(); ++structure) {
+        std::vector<LineComparison> of_structure;
+        std::copy_if(comparisons.begin(), comparisons.end(), std::back_inserter(of_structure),
+                     [&](const LineComparison& c) { return c.structure == structure; });
+        for (const PairDisagreement& pair : disagreements(of_structure)) {
+            if (pair.difference_mm <= least_left_share * bound) continue;
+            const std::uint32_t a = pair.slice_a, b = pair.slice_b;
+            if (!has_moved(a, structure, b) && !has_moved(b, structure, a)) continue;
+            ++worst.places;
+            ++pairs_of[a];
+            ++pairs_of[b];
+            if (pair.difference_mm <= worst.distance_mm) continue;
+            worst.a = a;
+            worst.b = b;
+            worst.structure = structure;
+            worst.distance_mm = pair.difference_mm;
+        }
     }
-    if (pairs == 0) return Nothing{};
+    if (worst.places == 0) return Nothing{};
     const auto most = std::max_element(pairs_of.begin(), pairs_of.end()) - pairs_of.begin();
-    return Error{
-        ErrorKind::geometry, "E-RCN-003",
-        names_of(set, worst.slice_a, worst.slice_b) + " still differ along " + brief(worst.difference_mm) +
-            " mm of the line where their planes cross when contours have moved by as much as they "
-            "may, " +
-            brief(bound) + " mm; " + std::to_string(pairs) + " such pairs, most of them with slice " +
-            set.slices[static_cast<std::size_t>(most)].name,
-        place_of_slice(set, worst.slice_a, worst.difference_mm), ways_out(options)};
+    worst.culprit = static_cast<std::uint32_t>(most);
+    return Error{ErrorKind::geometry, "E-RCN-003",
+                 names_of(set, worst.a, worst.b) + " still differ along " + brief(worst.distance_mm) +
+                     " mm of the line where their planes cross when contours have moved by as much as they "
+                     "may, " +
+                     brief(bound) + " mm; " + std::to_string(worst.places) +
+                     " such pairs, most of them with slice " + set.slices[worst.culprit].name,
+                 place_of(set, worst), ways_out(options)};
 }
 
 }  // namespace anatomesh

@@ -5,6 +5,7 @@
 
 #include "anatomesh/base/result.h"
 #include "anatomesh/contour/contour_set.h"
+#include "anatomesh/reconcile/drawn_places.h"
 #include "anatomesh/reconcile/line_ends.h"
 #include "anatomesh/reconcile/reconcile.h"
 
@@ -15,10 +16,11 @@ namespace anatomesh {
 Status check_bound(const ContourSet& set, std::span<const LineComparison> comparisons,
                    const ReconcileOptions& options);
 
-// After that; `movements` by slice. Errors: geometry E-RCN-003 two slices still differ, by more than a tenth
-// of the bound, although a contour of theirs moved by all of it: to agree it would have to move further. The
-// worst are named, and what to do. O(pairs).
-Status check_what_is_left(const ContourSet& set, std::span<const LineComparison> comparisons,
-                          std::span<const SliceMovement> movements, const ReconcileOptions& options);
+// After that. Errors: geometry E-RCN-003 two slices still differ about a structure, by more than a tenth of
+// the bound, although a contour of it in one of them moved by all of the bound within two bounds of the
+// other's plane: to agree it would have to move further. The worst are named, and what to do. `drawn`: of the
+// set's points. O(structures * (ends + pairs * points that moved so far)).
+Status check_what_is_left(const ContourSet& set, const DrawnPlaces& drawn,
+                          std::span<const LineComparison> comparisons, const ReconcileOptions& options);
 
 }  // namespace anatomesh

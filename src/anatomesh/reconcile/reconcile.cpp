@@ -76,7 +76,8 @@ class Reconciler {
         if (options_.reconcile) {
             ANATOMESH_CHECK_STATUS(check_bound(set_, comparisons_, options_));
             ANATOMESH_CHECK_STATUS(make_agree());
-            ANATOMESH_CHECK_STATUS(check_what_is_left(set_, comparisons_, stats_.movements, options_));
+            if (context_.cancelled()) return cancelled_error();
+            ANATOMESH_CHECK_STATUS(check_what_is_left(set_, drawn_, comparisons_, options_));
         }
         if (context_.cancelled()) return cancelled_error();
         note_difference_after();
