@@ -270,6 +270,14 @@ class SliceLines : public LedContours {
         return taken;
     }
 
+    // Of two segments, whose vertices are `edges`.
+    struct Crossing {
+        std::array<Edge, 2> edges;  // the smaller first, in both
+        std::array<Beside, 2> sides;
+        Vec3 middle;
+        Vec2 at;
+    };
+
     // Segments of different structures that cross in the plane and pass each other in space, for their points
     // lie off it by what a file rounded away, are led through the point in the middle between them, so that
     // both can be edges of one mesh. Not beside their ends. Says whether there were any.
@@ -293,20 +301,21 @@ class SliceLines : public LedContours {
                    std::tie(y.edges, y.sides[0].loop, y.sides[0].segment, y.sides[1].loop);
         });
         std::vector<Beside> taken;
+        const auto first_made = static_cast<std::uint32_t>(points_.size());
+        std::uint32_t vertex = no_vertex;
         for (std::size_t n = 0; n < found.size(); ++n) {
-            // Loops that share a segment are led through the same point.
-            if (n == 0 || found[n].edges != found[n - 1].edges) {
-                points_.push_back(found[n].middle);
-                at_.push_back(found[n].at);
-            }
+            // Loops that share a segment are led through the same point, and so are those that cross beside
+            // each other.
+            if (n == 0 || found[n].edges != found[n - 1].edges) vertex = made_near(found[n], first_made);
             for (Beside side : found[n].sides) {
-                side.vertex = static_cast<std::uint32_t>(points_.size() - 1);
+                side.vertex = vertex;
                 taken.push_back(side);
             }
         }
-        const auto key = [](const Beside& b) { return std::tuple(b.loop, b.segment, b.along, b.vertex); };
-        std::sort(taken.begin(), taken.end(),
-                  [&](const Beside& x, const Beside& y) { return key(x) < key(y); });
+        const auto key = [](const Beside& b) { return std::tuple(b.loop, b.segment, b.vertex); };
+        std::sort(taken.begin(), taken.end(), [&](const Beside& x, const Beside& y) {
+            return std::tuple(key(x), x.along) < std::tuple(key(y), y.along);
+        });
         taken.erase(std::unique(taken.begin(), taken.end(),
                                 [&](const Beside& x, const Beside& y) { return key(x) == key(y); }),
                     taken.end());
@@ -314,13 +323,15 @@ class SliceLines : public LedContours {
         return !found.empty();
     }
 
-    // Of two segments, whose vertices are `edges`.
-    struct Crossing {
-        std::array<Edge, 2> edges;  // the smaller first, in both
-        std::array<Beside, 2> sides;
-        Vec3 middle;
-        Vec2 at;
-    };
+    // The first of those made that is nearer than the width, or a new one.
+    std::uint32_t made_near(const Crossing& crossing, std::uint32_t first_made) {
+        for (std::uint32_t v = first_made; v < points_.size(); ++v) {
+            if (length(points_[v] - crossing.middle) < width_) return v;
+        }
+        points_.push_back(crossing.middle);
+        at_.push_back(crossing.at);
+        return static_cast<std::uint32_t>(points_.size() - 1);
+    }
 
     std::optional<Crossing> skew_crossing(Place first, Place second) const {
         Crossing crossing;
@@ -346,7 +357,8 @@ class SliceLines : public LedContours {
             crossing.edges[k] = {std::min(ends[k][0], ends[k][1]), std::max(ends[k][0], ends[k][1])};
             crossing.sides[k] = {no_vertex, places[k][0], places[k][1], shares[k], 0};
         }
-        if (!(length(passing[1] - passing[0]) > least_skew * shortest)) return {};
+        const double apart = length(passing[1] - passing[0]);
+        if (!(apart > least_skew * shortest) || 0.5 * apart >= width_) return {};
         if (crossing.edges[1] < crossing.edges[0]) {
             std::swap(crossing.edges[0], crossing.edges[1]);
             std::swap(crossing.sides[0], crossing.sides[1]);

@@ -295,6 +295,24 @@ TEST(ShareLines, contours_that_cross_beside_each_other_in_space_meet) {
     }
 }
 
+// Three that cross nearly in one point: one vertex for all, and no edge as short as they are apart.
+TEST(ShareLines, contours_that_cross_beside_one_point_share_a_vertex) {
+    for (const double apart : {0.0, 1e-9, 1e-7, 1e-3}) {
+        ContourSet set = slice_of({{0, {{-5, -5}, {0, -5}, {0, 5}, {-5, 5}}},
+                                   {1, {{-4, -4}, {6 + apart, 6}, {-4, 6}}},
+                                   {2, {{-3, 0}, {4, 0}, {4, 8}, {-3, 8}}}});
+        // The second passes by the first's and the third's crossing at (0, 0).
+        for (std::size_t n = 0; n < set.points.size(); ++n) set.points[n].z += 0.008 * (n % 3);
+        share_lines(set, {});
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto points = set.points_of(set.contours[c]);
+            for (std::size_t n = 0; n < points.size(); ++n)
+                EXPECT_GT(length(points[(n + 1) % points.size()] - points[n]), 0.05) << apart;
+            EXPECT_TRUE(is_simple(flat(set, c)));
+        }
+    }
+}
+
 // Not beside the end of a segment: a contour that ends there goes through it by itself.
 TEST(ShareLines, crossings_beside_a_vertex_get_none) {
     ContourSet set =
