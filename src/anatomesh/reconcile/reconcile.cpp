@@ -30,6 +30,7 @@
 #include "anatomesh/reconcile/silences.h"
 #include "anatomesh/reconcile/split_at_ends.h"
 #include "anatomesh/reconcile/stray_slices.h"
+#include "anatomesh/reconcile/true_planes.h"
 
 namespace anatomesh {
 
@@ -70,6 +71,7 @@ class Reconciler {
             ANATOMESH_CHECK_STATUS(align());
         }
         drawn_ = drawn_places(set_);
+        if (options_.reconcile) make_planes_true(set_);
         compare();
         stats_.pairs = disagreements(comparisons_);
         summarize(comparisons_, stats_);
