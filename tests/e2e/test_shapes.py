@@ -397,6 +397,35 @@ class RoundedCoordinates(harness.TestCase):
         self.assertGreater(missed, 0)
 
 
+class RoundedAboutAnAxis(harness.TestCase):
+    """An ellipsoid by planes about an axis beside its centre, in a file of two decimals, with and without the planes."""
+
+    def test_one_piece_without_handles(self):
+        sys.path.insert(0, str(harness.SOURCE / "bench"))
+        self.addCleanup(sys.path.remove, str(harness.SOURCE / "bench"))
+        from about_axis import write_set
+        write_set(self.folder / "exact.json", 36, 30, 2, 0.2, 3)
+        document = json.loads((self.folder / "exact.json").read_text())
+        for part in document["slices"]:
+            for contour in part["contours"]:
+                contour["points"] = [[round(v, 2) for v in point] for point in contour["points"]]
+        self.write("planes.json", document)
+        for part in document["slices"]:
+            del part["plane"]
+        self.write("none.json", document)
+        for name in ("planes.json", "none.json"):
+            self.run_program("model", name, "-o", "model.vtu", "--contours", "kept.json", "--quiet")
+            report = json.loads((self.folder / "model.report.json").read_text())
+            structure = report["structures"][0]
+            self.assertEqual((structure["components"], structure["genus"]), (1, 0), name)
+            missed = structure["contour_segments"] - structure["contour_segments_on_surface"]
+            self.assertLess(missed, 0.005 * structure["contour_segments"], name)
+            self.assertLess(report["quality"]["radius_edge"]["max"], 100, name)
+            # What was rounded is made good by no more than that and what a contour is led along the surface.
+            self.assertLess(report["crossing_slices"]["max_movement_mm"], 0.2, name)
+            self.run_program("check", "model.vtu", "--contours", "kept.json")
+
+
 class CheckAndCompare(harness.TestCase):
     def setUp(self):
         super().setUp()
