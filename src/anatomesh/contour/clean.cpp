@@ -11,6 +11,7 @@
 #include <set>
 #include <utility>
 
+#include "anatomesh/contour/close_at_valve.h"
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/contour/plane_grouping.h"
 #include "anatomesh/contour/resolve.h"
@@ -26,7 +27,6 @@ namespace {
 constexpr double coordinate_bound_mm = 1e7;
 constexpr double least_span_mm = 1;   // of all contours: below it the unit is most likely not the millimetre
 constexpr double no_width_mm = 1e-6;  // a contour nowhere wider than this has no area
-constexpr double most_at_valve = 0.5;  // of what is drawn of a chamber: wider is no valve
 
 // Shortest text that reads back as the same number, with a decimal point.
 std::string text(double number) {
@@ -205,8 +205,8 @@ class Cleaner {
 
     std::uint32_t rank_of(std::uint32_t raw) const { return rank_[raw_.contours[raw].structure]; }
 
-    // Whether an open polyline's gap is small: at most the option, and a quarter of the drawn length; at a
-    // valve at most half of that.
+    // Whether an open polyline's gap is small: at most the option, and a quarter of the drawn length; or that
+    // of a valve.
     bool closes(std::uint32_t c) {
         const std::span<const Vec3> points = points_of(raw_.contours[c]);
         double drawn = 0;
@@ -218,21 +218,38 @@ class Cleaner {
             result_.log[c].rule = "open, closed over " + brief(gap) + " mm";
             return true;
         }
-        if (raw_.contours[c].kind == ContourKind::open_at_valve && gap <= most_at_valve * drawn) {
-            note(c, "W-CON-029", "a contour open at a heart's valve", brief(gap) + " mm",
-                 "closed by a straight edge across the valve");
-            result_.log[c].rule = "open at the valve, closed over " + brief(gap) + " mm";
-            return true;
-        }
+        if (raw_.contours[c].kind == ContourKind::open_at_valve && closes_at_valve(c)) return true;
         note(c, "W-CON-005", "an open contour bounds nothing", "gap " + brief(gap) + " mm",
              "left out of the surface");
         drop(c, "open");
         return false;
     }
 
+    bool closes_at_valve(std::uint32_t c) {
+        std::vector<std::span<const Vec3>> others;
+        for (const RawContour& other : raw_.contours) {
+            const bool is_closed = other.kind == ContourKind::closed_planar && other.point_count > 2;
+            if (is_closed && other.structure == raw_.contours[c].structure)
+                others.push_back(points_of(other));
+        }
+        std::optional<ValveClosing> closing = close_at_valve(points_of(raw_.contours[c]), others);
+        if (!closing) return false;
+        const bool is_straight = closing->between.empty();
+        note(c, "W-CON-029", "a contour open at a heart's valve", brief(closing->gap_mm) + " mm",
+             is_straight ? std::string("closed by a straight edge across the valve")
+                         : "closed beyond the valve, where others of the structure go on for " +
+                               brief(closing->beyond_mm) + " mm");
+        result_.log[c].rule = "open at the valve, closed over " + brief(closing->gap_mm) + " mm" +
+                              (is_straight ? "" : ", " + brief(closing->beyond_mm) + " mm beyond it");
+        closing_[c] = std::move(closing->between);
+        return true;
+    }
+
     Status add_candidate(std::uint32_t c) {
         const std::span<const Vec3> points = points_of(raw_.contours[c]);
         Candidate candidate{c, {points.begin(), points.end()}};
+        if (const auto closing = closing_.find(c); closing != closing_.end())
+            candidate.points.insert(candidate.points.end(), closing->second.begin(), closing->second.end());
         std::size_t repeated = drop_repeated_points(candidate.points);
         if (candidate.points.size() == 1) {
             return Error{ErrorKind::input, "E-CON-004", "all points of a contour are equal", place_of(c),
@@ -584,6 +601,7 @@ class Cleaner {
     std::vector<std::string> names_;                     // per slice
     std::vector<std::vector<std::string>> given_names_;  // per slice: of the planes in the file, sorted
     std::vector<char> repaired_;                         // per raw contour
+    std::map<std::uint32_t, std::vector<Vec3>> closing_;  // by raw contour: what comes after its points
     std::vector<RingNote> notes_;
     CleanResult result_;
 };
