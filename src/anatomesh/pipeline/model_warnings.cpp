@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "anatomesh/contour/message_text.h"
+#include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/number_text.h"
 
 namespace anatomesh {
@@ -186,6 +187,31 @@ void warn_of_difference(const ModelReport& report, double size_mm, const std::st
                   place, "kept; a smaller --size keeps thin parts"});
 }
 
+// Cells that contours force to be so flat that nobody can compute with them; those that nothing forces are
+// refused.
+void warn_of_flat_cells(const ModelReport& report, const std::string& file, RunContext& context) {
+    std::size_t count = 0;
+    const ListedCell* worst = nullptr;
+    for (const ListedCell& cell : report.listed_cells) {
+        const bool flat = !(cell.value <= certificate_gross_radius_edge) ||
+                          cell.min_dihedral_deg < certificate_gross_dihedral_deg;
+        if (!flat || cell.forced_by.empty()) continue;
+        ++count;
+        if (!worst || cell.min_dihedral_deg < worst->min_dihedral_deg) worst = &cell;
+    }
+    if (!worst) return;
+    context.warn({"W-PIP-014",
+                  std::to_string(count) + (count == 1 ? " tetrahedron has" : " tetrahedra have") +
+                      " a radius-edge ratio above " + brief(certificate_gross_radius_edge) +
+                      " or an angle below " + brief(certificate_gross_dihedral_deg) +
+                      " degrees, for contours leave them no room; the flattest is named",
+                  {file, "", "", worst->forced_by,
+                   brief(worst->min_dihedral_deg) + " degrees at " + brief(worst->at[0]) + " " +
+                       brief(worst->at[1]) + " " + brief(worst->at[2])},
+                  "kept, and listed in the report (listed_cells); a solver will not take them: draw these "
+                  "vertices apart, or together"});
+}
+
 }  // namespace
 
 void warn_of_model(const ModelReport& report, double size_mm, const std::string& file, RunContext& context) {
@@ -196,6 +222,7 @@ void warn_of_model(const ModelReport& report, double size_mm, const std::string&
     warn_of_distance(report, size_mm, file, context);
     warn_of_joints(report, size_mm, file, context);
     warn_of_difference(report, size_mm, file, context);
+    warn_of_flat_cells(report, file, context);
 }
 
 void warn_of_thin_structures(const ContourSet& contours, const std::vector<double>& thickness, double size_mm,

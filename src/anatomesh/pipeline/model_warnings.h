@@ -20,7 +20,8 @@ namespace anatomesh {
 // shells; W-PIP-008 a surface further from the field than half of `size_mm`, the model's edge length, or than
 // the field tells distances; W-PIP-009 two surfaces in one that the field has more than half of it apart;
 // W-PIP-010 a part in the field or the model alone, deeper than half of it; W-PIP-013 contours that follow
-// the surface. `file`: of the contours.
+// the surface; W-PIP-014 cells that contours force to be beyond what the certificate calls gross. `file`: of
+// the contours.
 void warn_of_model(const ModelReport& report, double size_mm, const std::string& file, RunContext& context);
 
 // Of the field alone, by structure. Warning: W-PIP-011 what lies between the slices has another volume than

@@ -32,6 +32,24 @@ TEST(ModelWarnings, a_surface_far_from_the_field) {
     EXPECT_EQ(warnings_of_distance(3, true, 0), 0u);  // not measured
 }
 
+TEST(ModelWarnings, cells_that_contours_force_to_be_flat) {
+    ModelReport report;
+    report.listed_cells = {{5, 1e6, 0.3, {1, 2, 3}, "contour vertices 1 and 2 0.000 mm apart"},
+                           {7, 90, 0.06, {1, 2, 3}, "contour vertices 3 and 4 0.01 mm apart"},
+                           {8, 3, 0.01, {4, 5, 6}, "contour vertices 5 and 6 0.000 mm apart"}};
+    RunContext context;
+    warn_of_model(report, 4, "file", context);
+    ASSERT_EQ(context.warnings.size(), 1u);
+    EXPECT_EQ(context.warnings[0].code, "W-PIP-014");
+    EXPECT_EQ(context.warnings[0].message.substr(0, 17), "2 tetrahedra have");
+    EXPECT_EQ(context.warnings[0].place.value, "0.01 degrees at 4 5 6");
+    report.listed_cells.erase(report.listed_cells.begin());
+    report.listed_cells.pop_back();
+    RunContext sound;
+    warn_of_model(report, 4, "file", sound);
+    EXPECT_TRUE(sound.warnings.empty());
+}
+
 TEST(ModelWarnings, segments_that_are_missed) {
     const auto warned = [](const std::vector<std::uint64_t>& missed, std::uint64_t contradicted = 0) {
         ModelReport report;
