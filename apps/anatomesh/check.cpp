@@ -175,9 +175,10 @@ WallOptions walls_of(const ModelFile& model, const InputOptions& options) {
 Status run_check(CheckOptions options, Session& session) {
     options.contours.limits = session.limits;
     if (options.contours.input.empty() &&
-        (!options.contours.frame.empty() || !options.contours.structures.empty() ||
+        (!options.contours.frame.empty() || options.contours.volume || !options.contours.structures.empty() ||
          !options.contours.cleaning_given.empty())) {
         const std::string option = !options.contours.frame.empty() ? "--frame"
+                                   : options.contours.volume       ? "--volume"
                                    : !options.contours.structures.empty()
                                        ? "--structure"
                                        : options.contours.cleaning_given.front();
@@ -257,6 +258,9 @@ Work declare_check(CLI::App& verb) {
              "Contours that the model must follow: their vertices, their regions, the volume that they tell");
     add_choice(verb, "--frame", options->contours.frame, {"LPS", "RAS"},
                "Axes of the coordinates in a contour file that does not say");
+    add_optional_count(
+        verb, "--volume", options->contours.volume, 0,
+        "Which volume of an image that holds several, from 0, or which time frame of guide points");
     add_texts(
         verb, "--structure", options->contours.structures, "NAME",
         "Structure of the contours to compare with, by name or number; may be repeated (default: all that "

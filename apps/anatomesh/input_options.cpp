@@ -9,7 +9,6 @@ namespace anatomesh {
 namespace {
 
 constexpr double largest_value = 1e15;
-constexpr std::uint32_t largest_count = 1'000'000;
 
 Threshold threshold_of(const std::string& text) {
     const std::size_t colon = text.find(':');
@@ -23,20 +22,6 @@ Threshold threshold_of(const std::string& text) {
                                    fmt::format("in '{}' the upper value is below the lower", text));
     }
     return threshold;
-}
-
-// add_count and its kin write to a plain value; an optional one is made when its option is met.
-template <class T>
-T& made(std::optional<T>& value) {
-    return value ? *value : value.emplace();
-}
-
-void add_optional_count(CLI::App& verb, const std::string& name, std::optional<std::uint32_t>& target,
-                        std::uint32_t low, const std::string& description) {
-    const auto read = [name, &target, low](const std::string& text) {
-        made(target) = strict_count(name, text, low, largest_count);
-    };
-    verb.add_option_function<std::string>(name, read, description)->type_name("N");
 }
 
 }  // namespace

@@ -59,6 +59,14 @@ CLI::Option* add_count(CLI::App& app, const std::string& name, std::uint32_t& ta
     return app.add_option_function<std::string>(name, read, description)->type_name("N");
 }
 
+void add_optional_count(CLI::App& app, const std::string& name, std::optional<std::uint32_t>& target,
+                        std::uint32_t low, const std::string& description) {
+    const auto read = [name, &target, low](const std::string& text) {
+        target = strict_count(name, text, low, largest_count);
+    };
+    app.add_option_function<std::string>(name, read, description)->type_name("N");
+}
+
 CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& target,
                         const std::vector<std::string>& choices, const std::string& description) {
     const auto read = [name, &target, choices](const std::string& text) {

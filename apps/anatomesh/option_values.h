@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,12 @@ CLI::Option* add_number(CLI::App& app, const std::string& name, double& target, 
 // A whole number in [low, high], digits only.
 CLI::Option* add_count(CLI::App& app, const std::string& name, std::uint32_t& target, std::uint32_t low,
                        std::uint32_t high, const std::string& description);
+
+inline constexpr std::uint32_t largest_count = 1'000'000;
+
+// A count up to that, and nothing where it is not given.
+void add_optional_count(CLI::App& app, const std::string& name, std::optional<std::uint32_t>& target,
+                        std::uint32_t low, const std::string& description);
 
 // One of several words.
 CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& target,

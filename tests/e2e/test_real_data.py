@@ -64,6 +64,7 @@ class HeartGuidePoints(harness.JudgedTestCase):
             self.assertEqual(report["crossing_slices"]["difference_after_mm"], 0)
             here = missed_segments(self.folder)
             missed, total = missed + here[0], total + here[1]
+            self.run_program("check", "model.vtu", "--contours", folder / f"GPFile_{frame:03d}.txt", "--volume", frame)
         self.assertGreater(total, 4000)
         self.assertEqual(missed, 0)
 

@@ -19,7 +19,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double enough_less = 0.5;               // of the wrong share
-constexpr std::uint64_t most_places = 10'000;     // thousands more are of slices that contradict each other
+constexpr std::uint64_t most_vain = 10'000;       // places: so many are of slices that contradict each other
 constexpr double least_wrong_of_crossing = 1e-6;  // share of what is drawn: less is not mended there
 constexpr double worth_a_price = 7e-4;            // the share of what is drawn that is wrong
 constexpr std::array heights{0.05, -0.05, 0.1,  -0.1,
@@ -103,14 +103,18 @@ class Mender {
 
     // Within the first so many bounds; `waiting` grows by the cells to be looked at again.
     void mend_all(std::vector<std::uint32_t>& waiting, std::size_t count) {
-        for (std::size_t n = 0; n < waiting.size() && stats_.places_found < most_places; ++n) {
+        std::uint64_t vain = 0;
+        for (std::size_t n = 0; n < waiting.size() && vain < most_vain; ++n) {
             if (context_.cancelled()) return;
             const std::uint32_t c = waiting[n];
             for (int i = suspect_facet(c, 0); i < 4; i = suspect_facet(c, i + 1)) {
                 if (!(wrong_at(c, i) > least_wrong_)) continue;
                 ++stats_.places_found;
-                if ((count > 1 && areas_.largest_cut_at(c, i) < worth_a_price) || !mend(c, i, count))
+                if (count > 1 && areas_.largest_cut_at(c, i) < worth_a_price) continue;
+                if (!mend(c, i, count)) {
+                    ++vain;
                     continue;
+                }
                 stats_.changed.insert(stats_.changed.end(), bench_.changed.begin(), bench_.changed.end());
                 note_change();
                 for (const std::uint32_t changed : bench_.changed) {

@@ -34,9 +34,10 @@ struct MendStats {
 // `apex_mm`, or than it was, and a new vertex stays within the cells at its facet; the surfaces of all
 // structures keep their topology and their contours. Same result every time. Complexity: O(cells),
 // where these are not parallel times their number, and its square at each facet that is wrong. After 10,000
-// places the rest stays as it is: where slices contradict each other and are kept so, no surface can have all
-// their cuts. Errors: none; a cancelled run stops. `look`: the cells whose facets are looked at, in any
-// order, repeats and such that are gone allowed; null: all.
+// places in vain the rest stays as it is, and of places at a price after as many: where slices contradict
+// each other and are kept so, no surface can have all their cuts. Errors: none; a cancelled run stops.
+// `look`: the cells whose facets are looked at, in any order, repeats and such that are gone allowed; null:
+// all.
 MendStats mend_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine, const RunContext& context,
                     const std::vector<std::uint32_t>* look = nullptr);
 

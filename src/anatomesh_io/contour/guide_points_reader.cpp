@@ -185,7 +185,7 @@ class GuidePointsReader {
         }
         const auto time = parse_integer<std::uint64_t>(fields[6].substr(0, fields[6].find('.')));
         if (!time) return failure("E-GPT-002", "a time frame that is no whole number", number, fields[6]);
-        times_.insert(*time);
+        ++times_[*time];
         if (time_frame_ && *time != *time_frame_) return Nothing{};
         return collect(std::string(fields[3]), std::string(fields[4]), point, number);
     }
@@ -225,12 +225,13 @@ class GuidePointsReader {
         const bool is_there = !time_frame_ || times_.contains(*time_frame_);
         if (is_there && (time_frame_ || times_.size() < 2)) return Nothing{};
         std::string list;
-        for (const std::uint64_t time : times_) {
+        for (const auto& [time, points] : times_) {
             if (list.size() > 60) {
-                list += " ... " + std::to_string(*times_.rbegin());
+                list += " ... " + std::to_string(times_.rbegin()->first);
                 break;
             }
-            list += (list.empty() ? "" : ", ") + std::to_string(time);
+            list += (list.empty() ? "" : ", ") + std::to_string(time) + " (" + std::to_string(points) +
+                    (points == 1 ? " point)" : " points)");
         }
         return Error{ErrorKind::input,
                      "E-GPT-003",
@@ -310,7 +311,7 @@ class GuidePointsReader {
     std::optional<std::uint64_t> time_frame_;
     RawBuilder& builder_;
     std::map<Key, Collected> curves_;
-    std::set<std::uint64_t> times_;
+    std::map<std::uint64_t, std::uint64_t> times_;  // and how many points
     std::map<std::string, Points> valves_;  // by slice
     std::uint64_t left_out_ = 0, unused_ = 0;
 };

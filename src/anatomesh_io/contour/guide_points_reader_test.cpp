@@ -136,8 +136,8 @@ TEST(GuidePoints, G26_time_frames_are_chosen) {
     RunContext context;
     const std::string text =
         columns + arc("SAX_LV_ENDOCARDIAL", 1, 0, turn) + arc("SAX_LV_ENDOCARDIAL", 1, 0, turn, 15, 3);
-    EXPECT_TRUE(fails(read(text, context), "E-GPT-003", "0, 3"));
-    EXPECT_TRUE(fails(read(text, context, 1), "E-GPT-003", "0, 3"));
+    EXPECT_TRUE(fails(read(text, context), "E-GPT-003", "0 (126 points), 3 (126 points)"));
+    EXPECT_TRUE(fails(read(text, context, 1), "E-GPT-003", "0 (126 points), 3 (126 points)"));
     const auto raw = read(text, context, 3);
     ASSERT_TRUE(raw.ok());
     for (const Vec3& p : raw.value().points) EXPECT_NEAR(std::hypot(p.x, p.y), 15, 1e-4);
