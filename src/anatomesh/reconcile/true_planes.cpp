@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "anatomesh/geom/box.h"
 #include "anatomesh/reconcile/line_ends.h"
 
 namespace anatomesh {
@@ -30,7 +31,8 @@ bool runs_through(const Plane& plane, const Axis& axis) {
                        [&](Vec3 p) { return std::abs(plane.signed_distance(p)) <= beside_mm; });
 }
 
-std::optional<Axis> common_line(const ContourSet& set, const Plane& p, const Plane& q) {
+// As far as the box of all contours reaches along it.
+std::optional<Axis> common_line(const Box3& box, const Plane& p, const Plane& q) {
     const Vec3 way = cross(p.normal, q.normal);
     const double sine = length(way);
     if (sine < least_sine) return std::nullopt;
@@ -39,7 +41,9 @@ std::optional<Axis> common_line(const ContourSet& set, const Plane& p, const Pla
     const Vec3 at = p.origin - (q.signed_distance(p.origin) / dot(across, q.normal)) * across;
     const Vec3 direction = (1 / sine) * way;
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const Vec3& x : set.points) {
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3 x{(corner & 1 ? box.high : box.low).x, (corner & 2 ? box.high : box.low).y,
+                     (corner & 4 ? box.high : box.low).z};
         low = std::min(low, dot(x - at, direction));
         high = std::max(high, dot(x - at, direction));
     }
@@ -57,12 +61,14 @@ std::vector<std::uint32_t> planes_through(const ContourSet& set, const Axis& axi
 
 // The line through which most planes run, of those of some slices and all others.
 std::optional<Axis> axis_of_most(const ContourSet& set) {
+    Box3 box;
+    for (const Vec3& p : set.points) box.extend(p);
     std::optional<Axis> best;
     std::size_t most = std::max(least_planes - 1, set.slices.size() / 2);
     const auto firsts = std::min<std::uint32_t>(most_firsts, static_cast<std::uint32_t>(set.slices.size()));
     for (std::uint32_t a = 0; a < firsts; ++a) {
         for (std::uint32_t b = a + 1; b < set.slices.size(); ++b) {
-            const std::optional<Axis> axis = common_line(set, set.slices[a].plane, set.slices[b].plane);
+            const std::optional<Axis> axis = common_line(box, set.slices[a].plane, set.slices[b].plane);
             if (!axis) continue;
             const std::size_t count = planes_through(set, *axis).size();
             if (count <= most) continue;
