@@ -116,6 +116,17 @@ LedContours::Edge LedContours::drawn_segment(const LedContour& loop, std::size_t
     return {loop.origin[a], loop.origin[b]};
 }
 
+LedContours::PlacedSegments LedContours::segments_of_all() const {
+    PlacedSegments all;
+    for (std::uint32_t l = 0; l < loops_.size(); ++l) {
+        for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n) {
+            all.segments.push_back({at_[loops_[l].vertices[n]], at_[loops_[l].next_of(n)]});
+            all.places.push_back({l, n});
+        }
+    }
+    return all;
+}
+
 std::vector<LedContours::Edge> LedContours::owned() const {
     std::vector<Edge> pairs;
     for (const LedContour& loop : loops_) {

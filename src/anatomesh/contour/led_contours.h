@@ -9,6 +9,7 @@
 
 #include "anatomesh/contour/contour_set.h"
 #include "anatomesh/contour/led_stats.h"
+#include "anatomesh/contour/segment_index.h"
 
 namespace anatomesh {
 
@@ -66,6 +67,13 @@ class LedContours {
     // In lengths of the segment, 0 at a and 1 at b, beyond them too.
     static double along(Vec2 p, Vec2 a, Vec2 b) { return dot(p - a, b - a) / dot(b - a, b - a); }
     static bool has(const Edge& e, std::uint32_t v) { return e[0] == v || e[1] == v; }
+
+    // Every segment of every loop, in their order, and where it is.
+    struct PlacedSegments {
+        std::vector<Segment2> segments;
+        std::vector<Place> places;
+    };
+    PlacedSegments segments_of_all() const;
 
     // Which structure has which vertex: (structure, vertex), sorted.
     std::vector<Edge> owned() const;

@@ -282,16 +282,10 @@ class SliceLines : public LedContours {
     // lie off it by what a file rounded away, are led through the point in the middle between them, so that
     // both can be edges of one mesh. Not beside their ends. Says whether there were any.
     bool meet_at_crossings() {
-        std::vector<Segment2> segments;
-        std::vector<Place> at;
-        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
-            for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n) {
-                segments.push_back({at_[loops_[l].vertices[n]], at_[loops_[l].next_of(n)]});
-                at.push_back({l, n});
-            }
-        }
+        PlacedSegments placed = segments_of_all();
+        const std::vector<Place>& at = placed.places;
         std::vector<Crossing> found;
-        SegmentIndex(std::move(segments)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
+        SegmentIndex(std::move(placed.segments)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
             if (loops_[at[i][0]].structure == loops_[at[j][0]].structure) return true;
             if (const auto crossing = skew_crossing(at[i], at[j])) found.push_back(*crossing);
             return true;

@@ -85,16 +85,10 @@ class SliceSlivers : public LedContours {
 
     // Of loops of different structures, by loops and along the first, each once.
     std::vector<Meeting> meetings() const {
-        std::vector<Segment2> segments;
-        std::vector<Place> places;
-        for (std::uint32_t l = 0; l < loops_.size(); ++l) {
-            for (std::uint32_t n = 0; n < loops_[l].vertices.size(); ++n) {
-                segments.push_back({at_[loops_[l].vertices[n]], at_[loops_[l].next_of(n)]});
-                places.push_back({l, n});
-            }
-        }
+        PlacedSegments placed = segments_of_all();
+        const std::vector<Place>& places = placed.places;
         std::vector<Meeting> all;
-        SegmentIndex(std::move(segments)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
+        SegmentIndex(std::move(placed.segments)).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
             if (loops_[places[i][0]].structure != loops_[places[j][0]].structure)
                 add_meetings(places[i], places[j], all);
             return true;
