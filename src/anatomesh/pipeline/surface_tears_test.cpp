@@ -8,8 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include "anatomesh/mesh/cube_solid_for_test.h"
 #include "anatomesh/mesh/tet_mesh.h"
-#include "anatomesh/pipeline/cube_solid_for_test.h"
 #include "anatomesh/sample/drawing_for_test.h"
 
 namespace anatomesh {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/sweep.h"
 #include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/mesh/small_handles.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/sample/sample_points.h"
 
@@ -19,6 +21,7 @@ namespace {
 
 constexpr double tears_below = 2;  // a structure this many sizes thick in the mean has no walls that tear
 constexpr double finer = 0.7;      // size to try
+constexpr double small_reach = 1.5;  // sizes within which a handle is the mesh's own
 
 // By structure, whether a slice shows several contours of it: they follow one another.
 std::vector<std::uint8_t> shown_in_several(const ContourSet& contours) {
@@ -105,6 +108,50 @@ std::span<const Tear> of_structure(const std::vector<Tear>& all, std::uint32_t s
     return {first, last};
 }
 
+// The slice of the structure's contour point that is nearest to a place.
+std::uint32_t nearest_slice(const ContourSet& contours, std::uint32_t structure, Vec3 place) {
+    std::uint32_t slice = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Contour& contour : contours.contours) {
+        if (contour.structure != structure) continue;
+        for (const Vec3& p : contours.points_of(contour)) {
+            if (const double square = squared_length(p - place); square < least) {
+                least = square;
+                slice = contour.slice;
+            }
+        }
+    }
+    return slice;
+}
+
+// How many contours of a structure lie wholly among some vertices: drawings of what is there.
+std::uint32_t drawn_within(const TornModel& model, std::uint32_t structure,
+                           std::span<const std::uint32_t> vertices) {
+    std::uint32_t count = 0;
+    for (const Contour& contour : model.contours.contours) {
+        const auto own = model.vertex_of.subspan(contour.first_point, contour.point_count);
+        count += contour.structure == structure && std::all_of(own.begin(), own.end(), [&](std::uint32_t v) {
+                     return std::binary_search(vertices.begin(), vertices.end(), v);
+                 });
+    }
+    return count;
+}
+
+std::vector<UntoldJoint> small_ones(const TornModel& model, std::span<const std::vector<Triangle>> surfaces) {
+    std::vector<UntoldJoint> joints;
+    for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
+        if (surfaces[s].empty() || model.structures[model.structure_of[s]].genus <= 0) continue;
+        for (const SmallHandles& part :
+             small_handles(model.mesh.points, surfaces[s], small_reach * model.size_mm)) {
+            const std::uint32_t drawn = drawn_within(model, s, part.vertices);
+            if (drawn >= part.handles) continue;
+            const Vec3 place = model.mesh.points[part.middle];
+            joints.push_back({s, nearest_slice(model.contours, s, place), part.handles - drawn, place});
+        }
+    }
+    return joints;
+}
+
 }  // namespace
 
 ModelTears find_tears(const TornModel& model, int threads) {
@@ -133,6 +180,7 @@ ModelTears find_tears(const TornModel& model, int threads) {
         const ContourEdges edges = edges_of_contours(model);
         tears.between_planes =
             untold_joints(model.mesh.points, surfaces, edges.found, edges.missed, contours, model.vertex_of);
+        tears.small = small_ones(model, surfaces);
     }
     return tears;
 }
@@ -142,6 +190,8 @@ void warn_of_tears(const ModelTears& tears, const ContourSet& contours, double s
         // What sees more of them.
         Told told = told_of(of_structure(tears.of_slices, s), contours);
         if (Told other = told_of(of_structure(tears.between_planes, s)); other.count > told.count)
+            told = std::move(other);
+        if (Told other = told_of(of_structure(tears.small, s)); other.count > told.count)
             told = std::move(other);
         if (told.count == 0) continue;
         const Structure& structure = contours.structures[s];

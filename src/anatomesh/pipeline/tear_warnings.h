@@ -28,11 +28,13 @@ struct TornModel {
 struct ModelTears {
     std::vector<SurfaceTear> of_slices;
     std::vector<UntoldJoint> between_planes;  // where planes cross
+    std::vector<UntoldJoint> small;           // there, handles of about an edge length
 };
 
 // The tears of surface_tears() that are sure to be none of the field's own: of structures twice as thick in
 // the mean as the edge length those alone that go on from end to end, and where parts branch or vanish no
-// joints. Of planes that are no sweep also untold_joints(). Requires: surfaces that are closed manifolds.
+// joints. Of planes that are no sweep also untold_joints(), and those small_handles() within one and a half
+// edge lengths that no whole contour is drawn beside. Requires: surfaces that are closed manifolds.
 ModelTears find_tears(const TornModel& model, int threads);
 
 // W-PIP-004, once for each structure. `tears`: as find_tears() gives them.

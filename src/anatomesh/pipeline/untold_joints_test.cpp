@@ -7,8 +7,8 @@
 #include <map>
 #include <numeric>
 
+#include "anatomesh/mesh/cube_solid_for_test.h"
 #include "anatomesh/mesh/tet_mesh.h"
-#include "anatomesh/pipeline/cube_solid_for_test.h"
 
 namespace anatomesh {
 namespace {
