@@ -265,6 +265,7 @@ Work declare_check(CLI::App& verb) {
         verb, "--structure", options->contours.structures, "NAME",
         "Structure of the contours to compare with, by name or number; may be repeated (default: all that "
         "the model has)");
+    add_without_option(verb, options->contours);
     add_cleaning_options(verb, options->contours);
     for (const char* name : {"--same-line", "--close-slivers", "--close-gaps"}) {
         CLI::Option* const option = verb.get_option(name);

@@ -148,6 +148,12 @@ void add_threshold_option(CLI::App& verb, InputOptions& options) {
         ->type_name("LO[:HI]");
 }
 
+void add_without_option(CLI::App& verb, InputOptions& options) {
+    add_texts(verb, "--without", options.without, "SLICE",
+              "Slice to leave out, by its name in messages, like 'plane 9', 'z = -12.5' or 'k = 40'; may be "
+              "repeated");
+}
+
 void add_keep_largest_option(CLI::App& verb, InputOptions& options) {
     add_optional_count(verb, "--keep-largest", options.keep_largest, 1,
                        "Keep the N largest connected pieces of each structure of the whole image");
@@ -156,6 +162,7 @@ void add_keep_largest_option(CLI::App& verb, InputOptions& options) {
 void add_selection_options(CLI::App& verb, InputOptions& options) {
     add_texts(verb, "--structure", options.structures, "NAME",
               "Structure to take, by name or number; may be repeated (default: all)");
+    add_without_option(verb, options);
     add_threshold_option(verb, options);
     add_keep_largest_option(verb, options);
     add_optional_count(verb, "--every", options.every, 1, "Keep every Nth slice");

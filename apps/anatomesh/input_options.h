@@ -39,6 +39,7 @@ struct InputOptions {
     std::vector<std::string> structures;
     std::optional<Threshold> threshold;
     std::optional<std::uint32_t> keep_largest;
+    std::vector<std::string> without;  // slices
     std::optional<std::uint32_t> every;
     std::uint32_t offset = 0;
     std::optional<double> epsilon_mm;  // 0: exact
@@ -61,11 +62,12 @@ void add_reading_options(CLI::App& verb, InputOptions& options);
 // --close-slivers, --close-gaps, --plane-repair, --keyhole, --max-repair.
 void add_cleaning_options(CLI::App& verb, InputOptions& options);
 
-// Which part of it, and how closely: --structure, --threshold, --keep-largest, --every, --offset, --epsilon,
-// --min-area.
+// Which part of it, and how closely: --structure, --without, --threshold, --keep-largest, --every, --offset,
+// --epsilon, --min-area.
 void add_selection_options(CLI::App& verb, InputOptions& options);
 
-// Two of these alone.
+// Three of these alone.
+void add_without_option(CLI::App& verb, InputOptions& options);
 void add_threshold_option(CLI::App& verb, InputOptions& options);
 void add_keep_largest_option(CLI::App& verb, InputOptions& options);
 

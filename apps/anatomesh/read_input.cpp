@@ -246,8 +246,8 @@ Status trace_layer(const LabelMap& labels, const GreyImage* grey, const InputOpt
 }
 
 // Requires: at least one layer.
-InputContours traced_contours(std::vector<TraceResult> layers, const InputOptions& options,
-                              std::vector<InputReport> files) {
+Result<InputContours> traced_contours(std::vector<TraceResult> layers, const InputOptions& options,
+                                      std::vector<InputReport> files) {
     InputContours result;
     result.files = std::move(files);
     result.hole_rule = "a pixel of no structure inside one is a hole";
@@ -259,6 +259,7 @@ InputContours traced_contours(std::vector<TraceResult> layers, const InputOption
         sets.push_back(std::move(layer.kept));
     }
     result.kept = merge_layers(std::move(sets));
+    ANATOMESH_TRY(result.kept, without_slices(std::move(result.kept), options.without));
     const double pixel = result.kept.pixel_mm;
     result.options.emplace_back("min_area_mm2",
                                 number_text(options.min_area_mm2.value_or(4 * pixel * pixel)));
@@ -387,7 +388,9 @@ Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& op
     const RawContours raw =
         chosen.size() < all.structures.size() ? chosen_contours(all, chosen) : std::move(all);
     ANATOMESH_CHECK_STATUS(check_spaces(raw, options, context));
-    ANATOMESH_TRY(CleanResult cleaned, clean_contours(raw, options.cleaning, context));
+    CleanOptions cleaning = options.cleaning;
+    cleaning.without = options.without;
+    ANATOMESH_TRY(CleanResult cleaned, clean_contours(raw, cleaning, context));
 
     InputContours result;
     result.files = std::move(input.files);
@@ -455,6 +458,8 @@ std::vector<std::pair<std::string, std::string>> used_options(const InputOptions
     used.emplace_back("structure", options.structures.empty()
                                        ? "all"
                                        : fmt::format("{}", fmt::join(options.structures, ", ")));
+    if (!options.without.empty())
+        used.emplace_back("without", fmt::format("{}", fmt::join(options.without, ", ")));
     if (options.threshold) {
         const bool open = options.threshold->high == std::numeric_limits<double>::infinity();
         used.emplace_back("threshold", number_text(options.threshold->low) +

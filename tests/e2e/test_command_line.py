@@ -118,6 +118,17 @@ class WrongCommands(harness.TestCase):
                       ["--dump", "cul=a.vtu"], ["--dump", "cull"], ["--dump", "cull="]):
             self.assert_refused(["model", "ball.json", "-o", "a.vtu", *words], 2, words[-2] if words[-2] != "2" else "--offset")
 
+    def test_P03_slices_that_there_are_not_or_all_of_them(self):
+        self.assert_refused(["model", "ball.json", "-o", "a.vtu", "--without", "z = 99"], 2, "E-CON-010", "there are: ")
+        self.image("labels.nrrd", [0] * 21 + [1] * 22 + [0] * 21,
+                   "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspace: LPS\nspace directions: (1,0,0) (0,1,0) "
+                   "(0,0,1)\nspace origin: (0,0,0)\nencoding: raw\n\n")
+        self.assert_refused(["contours", "labels.nrrd", "-o", "a.json", "--without", "k = 3"], 2, "E-CON-010", "there are: ")
+        self.assert_refused(["contours", "labels.nrrd", "-o", "a.json", "--min-area", "0", "--without", "k = 1", "--without", "k=2"], 2, "E-CON-011")
+        self.run_program("contours", "labels.nrrd", "-o", "a.json", "--min-area", "0", "--without", "k = 1", "--quiet")
+        slices = json.loads((self.folder / "a.json").read_text())["slices"]
+        self.assertEqual([s["name"] for s in slices], ["k = 2"])
+
     def test_P03_options_that_do_not_apply(self):
         for words in (["--threshold", "5"], ["--keep-largest", "1"], ["--min-area", "3"]):
             self.assert_refused(["model", "ball.json", "-o", "a.vtu", *words], 2, "E-CMD-008", words[0])

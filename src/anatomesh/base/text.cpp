@@ -10,4 +10,10 @@ std::string lower_case(std::string_view text) {
     return lower;
 }
 
+std::string lowered_without_blanks(std::string_view text) {
+    std::string result = lower_case(text);
+    std::erase_if(result, [](char c) { return c == ' ' || c == '\t'; });
+    return result;
+}
+
 }  // namespace anatomesh

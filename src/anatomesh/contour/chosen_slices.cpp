@@ -1,8 +1,17 @@
 #include "anatomesh/contour/chosen_slices.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "anatomesh/base/text.h"
+
 namespace anatomesh {
+
+namespace {
+
+constexpr std::size_t most_listed = 40;  // names in a message
+
+}  // namespace
 
 ContourSet chosen_slices(const ContourSet& set, std::span<const std::uint32_t> slices) {
     ContourSet part = set;
@@ -22,6 +31,55 @@ ContourSet chosen_slices(const ContourSet& set, std::span<const std::uint32_t> s
         part.slices.push_back(std::move(slice));
     }
     return part;
+}
+
+Result<std::vector<std::uint8_t>> named_slices(std::span<const std::vector<std::string>> names,
+                                               std::span<const std::string> wanted, const std::string& file) {
+    std::vector<std::uint8_t> is_named(names.size(), 0);
+    for (const std::string& text : wanted) {
+        bool found = false;
+        const auto is_meant = [&, one = lowered_without_blanks(text)](const std::string& name) {
+            return lowered_without_blanks(name) == one;
+        };
+        for (std::size_t s = 0; s < names.size(); ++s) {
+            if (!std::any_of(names[s].begin(), names[s].end(), is_meant)) continue;
+            is_named[s] = 1;
+            found = true;
+        }
+        if (found) continue;
+        std::string list;
+        for (std::size_t s = 0; s < std::min(names.size(), most_listed); ++s)
+            list += (s > 0 ? ", " : "") + names[s].front();
+        if (names.size() > most_listed) list += ", ...";
+        return Error{ErrorKind::usage,
+                     "E-CON-010",
+                     "there is no such slice",
+                     {file, text, "", "", ""},
+                     "there are: " + list};
+    }
+    return is_named;
+}
+
+Result<ContourSet> without_slices(ContourSet set, std::span<const std::string> names) {
+    if (names.empty()) return set;
+    std::vector<std::vector<std::string>> all;
+    for (const Slice& slice : set.slices) all.push_back({slice.name});
+    ANATOMESH_TRY(const std::vector<std::uint8_t> is_named, named_slices(all, names, set.source));
+    std::vector<std::uint32_t> others;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        if (!is_named[s]) others.push_back(s);
+    }
+    ContourSet part = chosen_slices(set, others);
+    if (part.contours.empty()) return no_slice_left(set.source);
+    return part;
+}
+
+Error no_slice_left(const std::string& file) {
+    return {ErrorKind::usage,
+            "E-CON-011",
+            "no slice with a contour is left",
+            {file, "", "", "", ""},
+            "leave out fewer slices"};
 }
 
 }  // namespace anatomesh

@@ -11,6 +11,8 @@
 #include <set>
 #include <utility>
 
+#include "anatomesh/base/text.h"
+#include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/contour/close_at_valve.h"
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/contour/plane_grouping.h"
@@ -39,15 +41,6 @@ std::string text(double number) {
 
 std::string structure_text(const Structure& structure) {
     return structure.name.empty() ? std::to_string(structure.number) : structure.name;
-}
-
-std::string lowered_without_blanks(const std::string& name) {
-    std::string result;
-    for (char c : name) {
-        if (c == ' ' || c == '\t') continue;
-        result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    }
-    return result;
 }
 
 // A raw contour on its way: without repeated points, turned to its canonical start and direction.
@@ -86,6 +79,7 @@ class Cleaner {
         drop_repeats();
         fit_tolerances();
         group();
+        ANATOMESH_CHECK_STATUS(leave_out_slices());
         ANATOMESH_CHECK_STATUS(resolve_slices());
         return finish();
     }
@@ -321,7 +315,9 @@ class Cleaner {
     void name_slices() {
         std::vector<std::set<std::string>> given(groups_.slices.size());
         for (std::size_t c = 0; c < candidates_.size(); ++c) {
-            const std::int32_t plane = raw_.contours[candidates_[c].raw].plane;
+            const RawContour& contour = raw_.contours[candidates_[c].raw];
+            const std::int32_t plane = contour.plane;
+            if (plane < 0 && !contour.slice.empty()) given[groups_.slice_of[c]].insert(contour.slice);
             if (plane >= 0 && static_cast<std::size_t>(plane) < raw_.plane_names.size() &&
                 !raw_.plane_names[plane].empty()) {
                 given[groups_.slice_of[c]].insert(raw_.plane_names[plane]);
@@ -336,6 +332,23 @@ class Cleaner {
                              : axis >= 0       ? std::string(1, "xyz"[axis]) + " = " + text(position)
                                                : "plane " + std::to_string(s));
         }
+    }
+
+    // Those that the user names, before anything in them can be refused.
+    Status leave_out_slices() {
+        if (options_.without.empty()) return Nothing{};
+        std::vector<std::vector<std::string>> all = given_names_;
+        for (std::size_t s = 0; s < all.size(); ++s) all[s].insert(all[s].begin(), names_[s]);
+        ANATOMESH_TRY(const std::vector<std::uint8_t> is_named,
+                      named_slices(all, options_.without, raw_.source));
+        for (std::size_t s = 0; s < members_.size(); ++s) {
+            if (!is_named[s]) continue;
+            for (const std::uint32_t c : members_[s]) drop(candidates_[c].raw, "slice left out");
+            members_[s].clear();
+        }
+        const bool any =
+            std::any_of(members_.begin(), members_.end(), [](const auto& m) { return !m.empty(); });
+        return any ? Status(Nothing{}) : Status(no_slice_left(raw_.source));
     }
 
     // Moves points that are too far off their slice's plane onto it. `range` is how far the others spread

@@ -48,6 +48,8 @@ struct CleanOptions {
     HoleRule holes = HoleRule::even_odd;
     // Contours that contradict each other on a plane given twice: unite them instead of refusing.
     bool unite_repeated_planes = false;
+    // Names of slices that are left out as if they were not drawn; named_slices() of chosen_slices.h.
+    std::vector<std::string> without;
 };
 
 // How one contour of the input was read. One entry per raw contour, in input order: the log that travels into
@@ -83,7 +85,7 @@ struct CleanResult {
 // separation_mm: a shared vertex would make every surface non-manifold. Every repair is counted and warned
 // about, with its displacement and area; above its bound it is an error. Contours that span less than 1 mm in
 // all are most likely in another unit: there the tolerances (plane, group, corridor, separation, weld) shrink
-// with the span, so that nothing is lost. Errors: E-CON-001..009, warnings: W-CON-001..026. Complexity: O(n
+// with the span, so that nothing is lost. Errors: E-CON-001..011, warnings: W-CON-001..026. Complexity: O(n
 // log n) per slice in its points, plus the crossings found.
 Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context);
 

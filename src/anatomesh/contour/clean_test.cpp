@@ -805,5 +805,37 @@ TEST(Clean, cancelled_run_says_so) {
     EXPECT_EQ(clean_contours(file.raw, {}, context).error().code, "E-RUN-001");
 }
 
+TEST(Clean, leaves_out_the_slices_that_are_named) {
+    File file, rest;
+    const Points broken{{0, 0, 20}, {10, 10, 20}, {10, 0, 20}, {0, 10, 20}};  // crosses itself
+    file.add(square(0, 0, 10, 10)).add(broken).add(square(1, 1, 10, 30));
+    rest.add(square(0, 0, 10, 10)).add(square(1, 1, 10, 30));
+    EXPECT_FALSE(clean(file).ok());
+    CleanOptions options;
+    for (const char* name : {"z = 20.0", "Z=20.0"}) {
+        options.without = {name};
+        const Cleaned cleaned = clean(file, options);
+        ASSERT_TRUE(cleaned.ok()) << cleaned.result.error().message;
+        EXPECT_TRUE(same(cleaned.kept(), clean(rest).kept()));
+        EXPECT_EQ(cleaned.result.value().log[1].rule, "dropped: slice left out");
+    }
+    options.without = {"z = 21.0"};
+    EXPECT_EQ(clean(file, options).code(), "E-CON-010");
+    options.without = {"z = 10.0", "z = 20.0", "z = 30.0"};
+    EXPECT_EQ(clean(file, options).code(), "E-CON-011");
+}
+
+TEST(Clean, slices_are_called_as_in_the_file_where_it_gives_no_plane) {
+    File file;
+    file.add(square(0, 0, 10, 10)).add(square(0, 0, 10, 30)).add(square(0, 20, 10, 30));
+    file.raw.contours[1].slice = "7";
+    const Cleaned cleaned = clean(file);
+    EXPECT_EQ(cleaned.kept().slices[0].name, "z = 10.0");
+    EXPECT_EQ(cleaned.kept().slices[1].name, "7");
+    CleanOptions options;
+    options.without = {"7"};
+    EXPECT_EQ(clean(file, options).kept().slices.size(), 1u);
+}
+
 }  // namespace
 }  // namespace anatomesh

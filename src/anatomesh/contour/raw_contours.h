@@ -29,6 +29,7 @@ struct RawContour {
     // Contours of different spaces can't be put together without a registration: a number for each frame of
     // reference that the file names, 0 where it names none.
     std::uint32_t space = 0;
+    std::string slice = {};  // what the file calls its slice where it gives no plane; may be empty
 };
 
 struct RawContours {

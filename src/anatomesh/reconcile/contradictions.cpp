@@ -20,7 +20,8 @@ constexpr double least_left_share = 0.1;  // of the bound: slices that differ by
 constexpr double beside_line = 2;         // bounds: of a moved point from the other slice's plane
 
 std::string ways_out(const ReconcileOptions& options) {
-    return std::string("leave a slice out, ") + (options.align ? "" : "shift slices with --align, ") +
+    return std::string("leave a slice out with --without, ") +
+           (options.align ? "" : "shift slices with --align, ") +
            "raise the bound with --max-disagreement, or keep every vertex with --reconcile 0";
 }
 

@@ -176,7 +176,7 @@ class Reconciler {
                     "the slice agrees with those that it crosses only when it is shifted by more than " +
                         brief(options_.max_disagreement_mm) + " mm",
                     place_of_slice(set_, s, length(total[s])),
-                    "leave the slice out, or raise the bound with --max-disagreement"};
+                    "leave the slice out with --without, or raise the bound with --max-disagreement"};
             }
         }
         return Nothing{};

@@ -291,7 +291,7 @@ class GuidePointsReader {
             kind = kind_of(key, collected, points, curve);
             order = std::move(curve.order);
         }
-        ANATOMESH_CHECK_STATUS(builder_.begin_contour(structure, kind, -1, "slice " + key.slice));
+        ANATOMESH_CHECK_STATUS(builder_.begin_contour(structure, kind, -1, "slice " + key.slice, key.slice));
         for (const std::uint32_t p : order) {
             ANATOMESH_CHECK_STATUS(builder_.add_point(points[p]));
         }

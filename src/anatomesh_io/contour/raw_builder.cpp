@@ -120,7 +120,7 @@ Result<std::uint32_t> RawBuilder::add_plane(Vec3 origin, Vec3 normal, std::strin
 }
 
 Status RawBuilder::begin_contour(std::uint32_t structure, ContourKind kind, std::int32_t plane,
-                                 std::string name) {
+                                 std::string name, std::string slice) {
     if (raw_.contours.size() >= limits_.contours)
         return over_limit("E-CIO-002", "contours", limits_.contours, {file(), {}, {}, {}, {}});
     raw_.contours.push_back({.structure = structure,
@@ -129,7 +129,8 @@ Status RawBuilder::begin_contour(std::uint32_t structure, ContourKind kind, std:
                              .point_count = 0,
                              .plane = plane,
                              .name = std::move(name),
-                             .space = space});
+                             .space = space,
+                             .slice = std::move(slice)});
     return Nothing{};
 }
 

@@ -50,7 +50,9 @@ class RawBuilder {
     // A normal within rounding of length 1 is kept to the last bit, any other is scaled to it.
     Result<std::uint32_t> add_plane(Vec3 origin, Vec3 normal, std::string name, const Place& place);
 
-    Status begin_contour(std::uint32_t structure, ContourKind kind, std::int32_t plane, std::string name);
+    // `slice`: what the file calls it, where it gives no plane.
+    Status begin_contour(std::uint32_t structure, ContourKind kind, std::int32_t plane, std::string name,
+                         std::string slice = {});
     // An error when the open contour may not have `count` further points.
     Status expect_points(std::uint64_t count);
     Status add_point(Vec3 point);
