@@ -172,15 +172,51 @@ WallOptions walls_of(const ModelFile& model, const InputOptions& options) {
     return walls;
 }
 
+// The parts of "A, B"; nothing for "all".
+std::vector<std::string> listed(const std::vector<std::string>& values) {
+    std::vector<std::string> parts;
+    if (values.empty() || values.front() == "all") return parts;
+    const std::string& text = values.front();
+    for (std::size_t from = 0, to = 0; to != std::string::npos; from = to + 2) {
+        to = text.find(", ", from);
+        parts.push_back(text.substr(from, to - from));
+    }
+    return parts;
+}
+
+// What of the contours the model was made of, as its file says, where the command does not and they have it:
+// other structures, and other slices, have a part in how planes are found and slices made to agree.
+Result<InputContours> contours_as_taken(OpenedInput opened, const InputOptions& given, const ModelFile& model,
+                                        RunContext& context) {
+    InputOptions told = given;
+    if (opened.contours && told.structures.empty())
+        told.structures = listed(options_of(model.description, "structure"));
+    if (told.without.empty()) told.without = listed(options_of(model.description, "without"));
+    if (told.structures == given.structures && told.without == given.without)
+        return contours_of(std::move(opened), given, context);
+    RunContext apart;
+    apart.threads = context.threads;
+    apart.cancel = context.cancel;
+    Result<InputContours> taken = contours_of(opened, told, apart);
+    if (!taken.ok()) {
+        const std::string& code = taken.error().code;
+        const bool has_not = code == "E-CMD-005" || code == "E-CON-010" || code == "E-CON-011";
+        if (has_not) return contours_of(std::move(opened), given, context);
+    }
+    for (Warning& warning : apart.warnings) context.warn(std::move(warning));
+    return taken;
+}
+
 Status run_check(CheckOptions options, Session& session) {
     options.contours.limits = session.limits;
     if (options.contours.input.empty() &&
         (!options.contours.frame.empty() || options.contours.volume || !options.contours.structures.empty() ||
-         !options.contours.cleaning_given.empty())) {
-        const std::string option = !options.contours.frame.empty() ? "--frame"
-                                   : options.contours.volume       ? "--volume"
-                                   : !options.contours.structures.empty()
-                                       ? "--structure"
+         !options.contours.without.empty() || !options.contours.cleaning_given.empty())) {
+        const std::string option = !options.contours.frame.empty()        ? "--frame"
+                                   : options.contours.volume              ? "--volume"
+                                   : !options.contours.structures.empty() ? "--structure"
+                                   : !options.contours.without.empty()
+                                       ? "--without"
                                        : options.contours.cleaning_given.front();
         return Error{ErrorKind::usage,
                      "E-CMD-008",
@@ -198,7 +234,8 @@ Status run_check(CheckOptions options, Session& session) {
         // Traced contours share their walls already.
         const WallOptions walls = opened.contours ? walls_of(model, options.contours) : WallOptions{0, 0, 0};
         const bool share_first = opened.contours && walls_are_given(options.contours);
-        ANATOMESH_TRY(contours, contours_of(std::move(opened), options.contours, session.context));
+        ANATOMESH_TRY(contours,
+                      contours_as_taken(std::move(opened), options.contours, model, session.context));
         ANATOMESH_TRY(ContoursOfModel both, contours_of_model(std::move(contours->kept), model, walls, share_first,
                                                               options.contours.input, session.context));
         contours->kept = std::move(both.drawn);

@@ -53,10 +53,11 @@ ContourSet without_others(const ContourSet& contours, const ModelFile& model) {
 struct Prepared {
     ContourSet kept;
     std::vector<std::string> steps;
+    bool gave_overlaps = false;
 };
 
 std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& description, RunContext& apart) {
-    Prepared done{std::move(kept), {}};
+    Prepared done{std::move(kept), {}, false};
     const auto says = [&](const char* name, const char* value) {
         const std::vector<std::string> values = options_of(description, name);
         return !values.empty() && values.front() == value;
@@ -81,9 +82,14 @@ std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& descrip
         if (!order.ok()) return std::nullopt;
         Result<PriorityResult> given = give_overlaps(done.kept, order.value(), apart);
         if (!given.ok()) return std::nullopt;
-        done.kept = std::move(given).value().kept;
-        done.steps.push_back(
-            fmt::format("overlaps were given to the first of {} (priority)", fmt::join(names, ", ")));
+        const std::vector<GivenOverlap>& overlaps = given.value().given;
+        done.gave_overlaps = std::any_of(overlaps.begin(), overlaps.end(),
+                                         [](const GivenOverlap& each) { return each.slices > 0; });
+        if (done.gave_overlaps) {
+            done.kept = std::move(given).value().kept;
+            done.steps.push_back(
+                fmt::format("overlaps were given to the first of {} (priority)", fmt::join(names, ", ")));
+        }
     }
     if (done.steps.empty()) return std::nullopt;
     return done;
@@ -126,6 +132,7 @@ struct Candidate {
     ContourSet kept;
     std::vector<std::string> steps;
     std::vector<Warning> warnings;
+    bool gave_overlaps = false;
 };
 
 // Those that follow from the contours given. Models of single structures are made of contours that all of
@@ -144,11 +151,12 @@ std::vector<Candidate> candidates(const ContourSet& given, const ModelFile& mode
             ContourSet drawn = all_together ? given : own;
             if (shared) {
                 share_walls(drawn, *walls, sharing);
-                all.push_back({without_others(drawn, model), {}, sharing.warnings});
+                all.push_back({without_others(drawn, model), {}, sharing.warnings, false});
             }
             std::optional<Prepared> done = prepared(std::move(drawn), model.description, apart);
             if (done)
-                all.push_back({without_others(done->kept, model), std::move(done->steps), sharing.warnings});
+                all.push_back({without_others(done->kept, model), std::move(done->steps), sharing.warnings,
+                               done->gave_overlaps});
         }
     }
     return all;
@@ -218,11 +226,15 @@ Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& mode
     Missed least = before;
     const Candidate* taken = nullptr;
     std::vector<Candidate> others;
-    if (before > Missed{0, 0}) others = candidates(kept, model, share_first ? nullptr : &walls, context);
+    // An outline in another one is all there as it was drawn, and still none of what the other became.
+    const bool may_give = !options_of(model.description, "priority").empty();
+    if (before > Missed{0, 0} || may_give)
+        others = candidates(kept, model, share_first ? nullptr : &walls, context);
     if (context.cancelled()) return cancelled_error();
     for (const Candidate& other : others) {
         const Missed here = missed_of(other.kept);
-        if (here >= least) continue;
+        const bool gives_more = other.gave_overlaps && (taken == nullptr || !taken->gave_overlaps);
+        if (here > least || (here == least && !gives_more)) continue;
         least = here;
         taken = &other;
     }

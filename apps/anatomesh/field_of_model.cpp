@@ -99,6 +99,13 @@ Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& co
         in_range(number_of(model.description, "max_gap_spacings"), 1, 1e6, rules.max_gap_spacings);
     rules.slice_thickness_mm = in_range(number_of(model.description, "slice_thickness_mm"), 0, 1000, 0);
 
+    FieldOfModel best;
+    if (option_of(model.description, "overlaps") && !contours.overlapping) {
+        best.note =
+            "what lies between the slices is told by the contours as they were drawn, before overlaps were "
+            "given to the first structure (priority); these are not";
+        return best;
+    }
     const std::optional<std::vector<std::size_t>> match = same_structures(model, contours);
     std::vector<double> by_mesh;
     if (has_volume(model.mesh))
@@ -109,7 +116,6 @@ Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& co
     const bool told_to_exclude = option_of(model.description, "priority").has_value();
     if (model.description.structures.size() > 1 && (told_to_exclude || !has_overlaps(model)))
         exclusions = {true, false};
-    FieldOfModel best;
     bool exclude = false;
     double least = HUGE_VAL;
     for (std::size_t n = 0; n < ways.size() * exclusions.size() && least > near_enough; ++n) {

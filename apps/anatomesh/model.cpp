@@ -325,6 +325,7 @@ Status give_to_first(InputContours& contours, const ModelVerbOptions& options, R
              "taken from it, as --priority says"});
     }
     contours.kept = std::move(result.kept);
+    if (contours.kept.overlapping) contours.options.emplace_back("overlaps", "nested");
     return Nothing{};
 }
 

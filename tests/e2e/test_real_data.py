@@ -74,6 +74,17 @@ class HeartGuidePoints(harness.JudgedTestCase):
         self.assertGreater(total, 4000)
         self.assertEqual(missed, 0)
 
+    def test_the_wall_of_the_left_ventricle_is_whole(self):
+        for frame in (5, 18):
+            file = harness.data("heart_cmr", "cine_25_frames") / f"GPFile_{frame:03d}.txt"
+            self.judged(file, "--volume", str(frame), "--structure", "LV_ENDOCARDIAL", "--structure", "LV_EPICARDIAL",
+                        "--priority", "LV_ENDOCARDIAL")
+            report = json.loads((self.folder / "model.report.json").read_text())
+            for structure in report["structures"]:
+                self.assertEqual(structure["genus"], 0, structure["name"])
+                self.assertLessEqual(structure["components"], 2, structure["name"])  # the chamber may be closed
+            self.run_program("check", "model.vtu", "--contours", file, "--volume", frame)
+
 
 class Spine(harness.JudgedTestCase):
     def test_contour_list(self):

@@ -46,6 +46,27 @@ class Overlaps(harness.TestCase):
         self.assertAlmostEqual(model.volume(1) / (3 * (whole - common)), 1, delta=0.03)
         self.assertEqual(set(np.unique(model.structure)), {1, 2})
 
+    def test_a_thin_wall_round_a_chamber_is_whole_however_far_it_moves(self):
+        shape = shapes.Shape({1: "chamber", 2: "wall"}, 4)
+        for k in range(9):
+            shape.add_slice(4.0 * k, [(1, shapes.circle(10, 40, (4.0 * k, 0.0))), (2, shapes.circle(12.5, 48, (4.0 * k, 0.0)))])
+        self.write("pipe.json", shape.document())
+        result = self.run_program("model", "pipe.json", "-o", "pipe.vtu", "--priority", "chamber", "--contours", "used.json")
+        self.assertNotIn("W-PIP-004", result.err)
+        report = json.loads((self.folder / "pipe.report.json").read_text())
+        self.assertEqual([(s["components"], s["genus"]) for s in report["structures"]], [(1, 0), (1, 1)])
+        self.assertEqual([clause["state"] for clause in report["certificate"]], ["kept"] * 6)
+        # Between the slices the wall is what is between both outlines: of circles that shear, the same area.
+        model = judge.Model(self.folder / "pipe.vtu")
+        self.assertAlmostEqual(model.volume(1) / (math.pi * 100 * 36), 1, delta=0.02)
+        self.assertAlmostEqual(model.volume(2) / (math.pi * (12.5**2 - 100) * 36), 1, delta=0.02)
+        checked = self.run_program("check", "pipe.vtu", "--contours", "pipe.json", "--json").json()
+        self.assertEqual([checked["certificate"][n]["state"] for n in (0, 1, 2, 3, 5)], ["kept"] * 5)
+        # The contours that are left do not tell of it.
+        checked = self.run_program("check", "pipe.vtu", "--contours", "used.json", "--json").json()
+        self.assertEqual(checked["certificate"][0]["state"], "kept")
+        self.assertIn("before overlaps were given", checked["certificate"][5]["evidence"])
+
     def test_priority_where_nothing_overlaps_is_told(self):
         shape = shapes.Shape({1: "left", 2: "right"}, 3)
         for z in range(0, 12, 3):

@@ -30,6 +30,18 @@ ContourSet chosen_slices(const ContourSet& set, std::span<const std::uint32_t> s
         }
         part.slices.push_back(std::move(slice));
     }
+    if (set.overlapping) {
+        OverlappingContours overlapping{*set.overlapping};
+        std::vector<std::uint32_t> same;
+        for (std::uint32_t s = 0; s < overlapping.drawn.slices.size(); ++s) {
+            if (std::any_of(slices.begin(), slices.end(), [&](std::uint32_t chosen) {
+                    return set.slices[chosen].name == overlapping.drawn.slices[s].name;
+                }))
+                same.push_back(s);
+        }
+        overlapping.drawn = chosen_slices(overlapping.drawn, same);
+        part.overlapping = std::make_shared<const OverlappingContours>(std::move(overlapping));
+    }
     return part;
 }
 

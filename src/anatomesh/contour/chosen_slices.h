@@ -11,8 +11,8 @@
 
 namespace anatomesh {
 
-// Of the set; structures keep their numbers, also those that are no longer drawn. Slices come in the order
-// given. Complexity: O(points).
+// Of the set, and of what overlapped in it; structures keep their numbers, also those that are no longer
+// drawn. Slices come in the order given. Complexity: O(points).
 ContourSet chosen_slices(const ContourSet& set, std::span<const std::uint32_t> slices);
 
 // By slice, whether one of its `names` is one of those wanted; case and blanks do not count. Error: usage

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,6 +31,8 @@ struct Contour {
     std::uint32_t first_point = 0, point_count = 0;
 };
 
+struct OverlappingContours;
+
 // In what axes the coordinates are. Millimetres in every case.
 enum class Frame : std::uint8_t { lps, unknown };
 
@@ -50,6 +53,9 @@ struct ContourSet {
     bool drawn = true;         // true: somebody drew them (keep every vertex); false: traced from voxels
     double pixel_mm = 0;       // in-plane pixel size of the source image; 0 when unknown
     std::string source;        // the file, as the user named it
+    // Where one structure lies in another one and took its place there (contour/priority.h): what was drawn,
+    // which tells what lies between the slices. Else null.
+    std::shared_ptr<const OverlappingContours> overlapping = nullptr;
 
     std::span<const Vec3> points_of(const Contour& contour) const {
         return {points.data() + contour.first_point, contour.point_count};
@@ -62,6 +68,12 @@ struct ContourSet {
         for (const Vec3& point : points) all.extend(point);
         return all;
     }
+};
+
+// A set of structures that overlap, of which the first in `order` keeps what it has in common with others.
+struct OverlappingContours {
+    ContourSet drawn;                  // on the same slices, and on those where nothing is left
+    std::vector<std::uint32_t> order;  // all its structures
 };
 
 // Whether all planes have the same normal up to sign, within the angle that moves the outermost point of the

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <span>
 
 #include "anatomesh/contour/arrangement.h"
 #include "anatomesh/contour/boundary_loops.h"
@@ -16,6 +17,8 @@ namespace {
 
 constexpr double sliver_width_mm = 1e-3;
 constexpr std::size_t most_edges = 20'000'000;
+constexpr double least_given_mm2 = 1e-6;  // on a slice
+constexpr double nested_share = 0.5;      // of the smaller of two: so much of it in the other
 
 // One slice: an arrangement of all its contours, and which structure owns each of its faces.
 class SlicePartition {
@@ -38,10 +41,10 @@ class SlicePartition {
         return true;
     }
 
-    // Adds what the structure keeps; returns how much of its area it does not.
-    double add_region(std::uint32_t structure, std::int32_t plane, RawContours& raw) const {
+    // Adds what the structure keeps to `raw`, and the area of its region in that of each owner to `owned_by`.
+    void add_region(std::uint32_t structure, std::int32_t plane, RawContours& raw,
+                    std::span<double> owned_by) const {
         std::vector<BoundaryEdge> boundary;
-        double drawn = 0, kept = 0;
         for (const Arrangement::Edge& edge : graph_->edges) {
             const Vec2 origin = graph_->at[0];
             const double under = 0.5 * cross(graph_->at[edge.a] - origin, graph_->at[edge.b] - origin);
@@ -49,8 +52,8 @@ class SlicePartition {
                        right = owners_[edge.right].owner == structure;
             if (left != right)
                 boundary.push_back(left ? BoundaryEdge{edge.a, edge.b} : BoundaryEdge{edge.b, edge.a});
-            kept += under * (left - right);
-            drawn += under * (draws(edge.left, structure) - draws(edge.right, structure));
+            if (draws(edge.left, structure)) owned_by[owners_[edge.left].owner] += under;
+            if (draws(edge.right, structure)) owned_by[owners_[edge.right].owner] -= under;
         }
         std::sort(boundary.begin(), boundary.end(), [](const BoundaryEdge& p, const BoundaryEdge& q) {
             return p.from != q.from ? p.from < q.from : p.to < q.to;
@@ -68,7 +71,6 @@ class SlicePartition {
             for (const std::uint32_t edge : loop) raw.points.push_back(graph_->points[boundary[edge].from]);
             raw.contours.push_back(contour);
         }
-        return drawn - kept;
     }
 
   private:
@@ -96,9 +98,9 @@ class SlicePartition {
         }
         return face;
     }
-    int draws(std::uint32_t face, std::uint32_t structure) const {
-        return static_cast<int>(
-            std::count(owners_[face].drawn.begin(), owners_[face].drawn.end(), structure));
+    bool draws(std::uint32_t face, std::uint32_t structure) const {
+        const std::vector<std::uint32_t>& drawn = owners_[face].drawn;
+        return std::find(drawn.begin(), drawn.end(), structure) != drawn.end();
     }
 
     const ContourSet& set_;
@@ -116,6 +118,20 @@ std::vector<std::uint32_t> ranks_of(const std::vector<std::uint32_t>& order, std
     return rank;
 }
 
+// Whether some structure has half of its area in another one, or half of that one's. `in_owner`: the area of
+// each, then of those that own it.
+bool is_nested(std::size_t count, std::span<const double> in_owner) {
+    std::vector<double> area(count, 0);
+    for (std::size_t n = 0; n < in_owner.size(); ++n) area[n / count] += in_owner[n];
+    for (std::size_t n = 0; n < in_owner.size(); ++n) {
+        const std::size_t s = n / count, owner = n % count;
+        if (s != owner && in_owner[n] > least_given_mm2 &&
+            in_owner[n] >= nested_share * std::min(area[s], area[owner]))
+            return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<std::uint32_t>& order,
@@ -128,6 +144,9 @@ Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<st
     raw.frame = set.frame;
     raw.pixel_mm = set.pixel_mm;
     raw.source = set.source;
+    const std::size_t count = set.structures.size();
+    std::vector<double> owned_by(count),
+        in_owner(count * count, 0);  // on all slices; by structure, then owner
     for (std::uint32_t k = 0; k < set.slices.size(); ++k) {
         raw.planes.push_back(set.slices[k].plane);
         raw.plane_names.push_back(set.slices[k].name);
@@ -142,8 +161,14 @@ Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<st
                          "give no order of the structures"};
         }
         for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
-            const double given = partition.add_region(s, static_cast<std::int32_t>(k), raw);
-            if (given <= 1e-6) continue;
+            std::fill(owned_by.begin(), owned_by.end(), 0.0);
+            partition.add_region(s, static_cast<std::int32_t>(k), raw, owned_by);
+            double given = 0;
+            for (std::uint32_t t = 0; t < count; ++t) {
+                in_owner[s * count + t] += owned_by[t];
+                if (t != s) given += owned_by[t];
+            }
+            if (given <= least_given_mm2) continue;
             result.given[s].area_mm2 += given;
             ++result.given[s].slices;
         }
@@ -152,6 +177,13 @@ Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<st
     result.kept = std::move(cleaned.kept);
     result.kept.exclusive = true;
     result.kept.drawn = set.drawn;
+    if (is_nested(count, in_owner)) {
+        OverlappingContours overlapping{set, std::vector<std::uint32_t>(rank.size())};
+        for (std::uint32_t s = 0; s < rank.size(); ++s) overlapping.order[s] = s;
+        std::sort(overlapping.order.begin(), overlapping.order.end(),
+                  [&](std::uint32_t a, std::uint32_t b) { return rank[a] < rank[b]; });
+        result.kept.overlapping = std::make_shared<const OverlappingContours>(std::move(overlapping));
+    }
     return result;
 }
 

@@ -6,6 +6,7 @@
 
 #include "anatomesh/field/crossed_field.h"
 #include "anatomesh/field/general_field.h"
+#include "anatomesh/field/nested_field.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/swept_field.h"
 
@@ -22,6 +23,7 @@ Result<std::shared_ptr<const StructureField>> make_structure_field(const Contour
                      {set.source, "", "", "", ""},
                      "choose a structure that has contours"};
     }
+    if (set.overlapping) return make_nested_field(set, options, context);
     if (is_parallel(set)) return make_parallel_field(set, options, context);
     if (std::optional<Sweep> sweep = Sweep::of(set))
         return make_swept_field(std::move(*sweep), set, options, context);

@@ -12,6 +12,11 @@ ContourSet relative_to(Vec3 origin, ContourSet set) {
         Plane& plane = slice.plane;
         plane.origin = dot(plane.origin - origin, plane.normal) * plane.normal;
     }
+    if (set.overlapping) {
+        OverlappingContours moved{*set.overlapping};
+        moved.drawn = relative_to(origin, std::move(moved.drawn));
+        set.overlapping = std::make_shared<const OverlappingContours>(std::move(moved));
+    }
     return set;
 }
 

@@ -240,10 +240,20 @@ inline std::vector<Plane> random_planes(Random& random, Planes kind, double radi
     return planes;
 }
 
+// What comes between what the planes cut and the file.
+enum class Spoiling {
+    none,
+    rounded,      // coordinates of few decimals, and planes that are not said
+    out_of_place  // every plane by a movement of its own, as a patient breathes and a probe is tracked
+};
+inline constexpr int spoilings = 3;
+inline constexpr std::array<const char*, spoilings> spoiling_names{"", ", rounded", ", out of place"};
+
 // One case: the truth, and the contours as a file would give them.
 struct Case {
     std::string name;
     Planes planes = Planes::parallel;
+    Spoiling spoiling = Spoiling::none;
     Arrangement arrangement = Arrangement::one;
     Sampling sampling;
     double radius = 0, spacing = 0;
@@ -251,12 +261,54 @@ struct Case {
     RawContours drawn;
 };
 
-// The same drawings twice: the first half with few planes, the other with half as many again.
-inline constexpr std::uint32_t coarse_cases = 500, all_cases = 2 * coarse_cases;
+// To hundredths of a millimetre.
+inline void round_off(RawContours& drawn) {
+    const auto rounded = [](double value) { return std::round(100 * value) / 100; };
+    for (Vec3& p : drawn.points) p = {rounded(p.x), rounded(p.y), rounded(p.z)};
+    for (RawContour& contour : drawn.contours) {
+        contour.slice = drawn.plane_names[static_cast<std::size_t>(contour.plane)];
+        contour.plane = -1;
+    }
+    drawn.planes.clear();
+    drawn.plane_names.clear();
+}
+
+// By up to 0.8 mm along each axis and 0.8 degrees about each axis through the middle of its points.
+inline void put_out_of_place(RawContours& drawn, Random& random) {
+    constexpr double most_mm = 0.8, most_angle = 0.8 * std::numbers::pi / 180;
+    const auto any = [&](double most) {
+        return Vec3{random.between(-most, most), random.between(-most, most), random.between(-most, most)};
+    };
+    for (std::size_t k = 0; k < drawn.planes.size(); ++k) {
+        std::vector<Vec3*> points;
+        for (const RawContour& contour : drawn.contours) {
+            if (contour.plane != static_cast<std::int32_t>(k)) continue;
+            for (std::uint32_t n = 0; n < contour.point_count; ++n)
+                points.push_back(&drawn.points[contour.first_point + n]);
+        }
+        Vec3 middle;
+        for (const Vec3* p : points) middle += (1 / static_cast<double>(points.size())) * *p;
+        const Vec3 shift = any(most_mm), turn = any(most_angle);
+        const double angle = length(turn);
+        const Vec3 axis = (1 / angle) * turn;
+        const auto turned = [&](Vec3 v) {  // Rodrigues
+            return std::cos(angle) * v + std::sin(angle) * cross(axis, v) +
+                   ((1 - std::cos(angle)) * dot(axis, v)) * axis;
+        };
+        Plane& plane = drawn.planes[k];
+        plane = make_plane(middle + turned(plane.origin - middle) + shift, turned(plane.normal));
+        for (Vec3* p : points) *p = middle + turned(*p - middle) + shift;
+    }
+}
+
+// The same drawings four times: with few planes, with half as many again, and the first as files may give
+// them: rounded, and out of place.
+inline constexpr std::uint32_t coarse_cases = 500, exact_cases = 2 * coarse_cases,
+                               all_cases = 4 * coarse_cases;
 
 inline Case random_case(std::uint32_t case_number) {
     const std::uint32_t number = case_number % coarse_cases;
-    const bool fine = case_number >= coarse_cases;
+    const bool fine = case_number >= coarse_cases && case_number < exact_cases;
     Random random(1000 + number);
     Case made;
     made.planes = static_cast<Planes>(number % plane_sets);
@@ -272,6 +324,9 @@ inline Case random_case(std::uint32_t case_number) {
     made.name = "case " + std::to_string(case_number) + ": " + plane_set_names[number % plane_sets] + ", " +
                 arrangement_names[number / plane_sets % arrangements] +
                 (made.sampling.sparse ? ", sparse" : "") + (made.sampling.alike ? "" : ", by several hands");
+    if (case_number >= exact_cases)
+        made.spoiling = case_number < exact_cases + coarse_cases ? Spoiling::rounded : Spoiling::out_of_place;
+    made.name += spoiling_names[static_cast<std::size_t>(made.spoiling)];
     made.structures = random_structures(random, made.arrangement, made.radius, made.spacing);
     made.drawn.planes = random_planes(random, made.planes, made.radius, made.spacing);
     for (std::size_t s = 0; s < made.structures.size(); ++s) {
@@ -294,6 +349,11 @@ inline Case random_case(std::uint32_t case_number) {
                 made.drawn.points.insert(made.drawn.points.end(), loop.begin(), loop.end());
             }
         }
+    }
+    if (made.spoiling == Spoiling::rounded) round_off(made.drawn);
+    if (made.spoiling == Spoiling::out_of_place) {
+        Random of_places(5000 + number);
+        put_out_of_place(made.drawn, of_places);
     }
     return made;
 }

@@ -1,0 +1,151 @@
+// Chambers in walls, drawn as two outlines, of which the chamber keeps what both have.
+#include "anatomesh/field/nested_field.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "anatomesh/contour/chosen_slices.h"
+#include "anatomesh/contour/priority.h"
+#include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/volume.h"
+#include "anatomesh/field/voxel_topology_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+// A pipe that moves `step` mm from each slice to the next, 4 mm apart; its wall as thick as given, or a solid
+// rod of its own beside it that does not overlap.
+ContourSet pipe(double step, double wall, bool with_planes_across = false) {
+    SetBuilder builder;
+    for (int k = 0; k < 9; ++k) {
+        builder.slice(make_plane({0, 0, 4.0 * k}, {0, 0, 1}));
+        builder.ring(0, circle({step * k, 0}, 10, 40));
+        builder.ring(1, circle({step * k, 0}, 10 + wall, 48));
+    }
+    if (with_planes_across) {
+        // The plane of the axis, to where the stack ends.
+        builder.slice(make_plane({0, 0, 0}, {0, 1, 0}));
+        const Plane& plane = builder.set.slices.back().plane;
+        const auto outline = [&](double radius) {
+            const double low = -0.5 * step, high = 8.5 * step;
+            Ring ring{plane.to_plane({low - radius, 0, -2}), plane.to_plane({low + radius, 0, -2}),
+                      plane.to_plane({high + radius, 0, 34}), plane.to_plane({high - radius, 0, 34})};
+            return area_of(ring) > 0 ? ring : reversed(ring);
+        };
+        builder.ring(0, outline(10));
+        builder.ring(1, outline(10 + wall));
+    }
+    for (std::size_t s = 0; s < builder.set.slices.size(); ++s)
+        builder.set.slices[s].name = "slice " + std::to_string(s);
+    return builder.set;
+}
+
+ContourSet given(const ContourSet& drawn, const std::vector<std::uint32_t>& order) {
+    RunContext context;
+    return give_overlaps(drawn, order, context).value().kept;
+}
+
+std::shared_ptr<const StructureField> field_of(const ContourSet& set) {
+    RunContext context;
+    return make_structure_field(set, {}, context).value();
+}
+
+// The field of one structure alone.
+class Alone final : public StructureField {
+  public:
+    Alone(const StructureField& field, std::uint32_t structure) : field_(field), structure_(structure) {}
+    double value(std::uint32_t, Vec3 p) const override { return field_.value(structure_, p); }
+    void values_near(Vec3, std::vector<Near>&) const override {}
+    void members(Vec3, std::vector<std::uint32_t>&) const override {}
+    double interface_distance(Vec3) const override { return 0; }
+    double union_value(Vec3 p) const override { return field_.union_value(p); }
+    double slice_spacing() const override { return field_.slice_spacing(); }
+    double clamp() const override { return field_.clamp(); }
+    Box3 box() const override { return field_.box(); }
+
+  private:
+    const StructureField& field_;
+    std::uint32_t structure_;
+};
+
+TEST(NestedField, a_wall_has_no_holes_however_thin_it_is_and_far_it_moves) {
+    for (const bool across : {false, true}) {
+        for (const double step : {0.0, 2.0, 4.0, 6.0}) {
+            for (const double wall : {2.0, 3.0}) {
+                const ContourSet set = given(pipe(step, wall, across), {0});
+                ASSERT_TRUE(set.overlapping);
+                const auto field = field_of(set);
+                const Topology topology = Voxels(Alone(*field, 1), 0.55).topology();
+                EXPECT_EQ(topology, (Topology{1, 1, 0})) << step << " " << wall << " " << across;
+            }
+        }
+    }
+}
+
+TEST(NestedField, queries_agree_with_each_other_and_structures_exclude_each_other) {
+    const ContourSet drawn = pipe(3, 2, true);
+    for (const std::vector<std::uint32_t>& order : {std::vector<std::uint32_t>{0}, {0, 1}}) {
+        const auto field = field_of(given(drawn, order)), whole = field_of(drawn);
+        EXPECT_TRUE(field->exclusive());
+        std::mt19937 random(1);
+        std::uniform_real_distribution<double> x(-15, 40), y(-15, 15), z(-4, 36);
+        for (int n = 0; n < 4000; ++n) {
+            const Vec3 p{x(random), y(random), z(random)};
+            std::vector<std::uint32_t> members, again;
+            field->members(p, members);
+            EXPECT_LE(members.size(), 1u);
+            const double distance = field->members_and_distance(p, again);
+            EXPECT_EQ(members, again);
+            EXPECT_EQ(distance, field->interface_distance(p));
+            std::vector<StructureField::Near> near;
+            field->values_near(p, near);
+            for (const StructureField::Near& one : near)
+                EXPECT_EQ(one.value, field->value(one.structure, p)) << one.structure;
+            for (std::uint32_t s = 0; s < 2; ++s) {
+                const bool inside = field->value(s, p) < 0;
+                EXPECT_EQ(inside, members == std::vector<std::uint32_t>{s});
+                EXPECT_EQ(field->value_within(s, p, 0) < 0, inside);
+            }
+            EXPECT_EQ(field->value(0, p), whole->value(0, p));
+            EXPECT_EQ(field->union_value(p), whole->union_value(p));
+            EXPECT_EQ(field->union_value(p) < 0, !members.empty());
+        }
+    }
+}
+
+TEST(NestedField, volumes_are_those_drawn_less_those_before) {
+    RunContext context;
+    const ContourSet drawn = pipe(3, 3), set = given(drawn, {0});
+    const auto whole = field_volumes(*field_of(drawn), 2, {}, context).value();
+    const auto parts = field_volumes(*field_of(set), 2, {}, context).value();
+    EXPECT_NEAR(parts[0].by_field, whole[0].by_field, 2e-3 * whole[0].by_field);
+    EXPECT_NEAR(parts[1].by_field, whole[1].by_field - whole[0].by_field, 2e-3 * parts[1].by_field);
+    EXPECT_NEAR(parts[0].by_slices, whole[0].by_slices, 1e-9 * whole[0].by_slices);
+    EXPECT_NEAR(parts[1].by_slices, whole[1].by_slices - whole[0].by_slices, 1e-9 * whole[1].by_slices);
+}
+
+TEST(NestedField, structures_side_by_side_stay_a_partition) {
+    SetBuilder builder;
+    for (int k = 0; k < 5; ++k) {
+        builder.slice(make_plane({0, 0, 4.0 * k}, {0, 0, 1}));
+        builder.ring(0, circle({0, 0}, 10, 40));
+        builder.ring(1, circle({18, 0}, 10, 40, 0.1));
+    }
+    EXPECT_FALSE(given(builder.set, {0}).overlapping);
+}
+
+TEST(NestedField, of_some_slices_is_of_those_of_what_was_drawn) {
+    const ContourSet set = given(pipe(3, 3), {0});
+    const std::vector<std::uint32_t> some{0, 2, 4, 5, 6, 7};
+    const ContourSet part = chosen_slices(set, some);
+    ASSERT_TRUE(part.overlapping);
+    ASSERT_EQ(part.overlapping->drawn.slices.size(), some.size());
+    for (std::size_t n = 0; n < some.size(); ++n)
+        EXPECT_EQ(part.overlapping->drawn.slices[n].name, set.slices[some[n]].name);
+}
+
+}  // namespace
+}  // namespace anatomesh
