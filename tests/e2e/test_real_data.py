@@ -74,6 +74,17 @@ class HeartGuidePoints(harness.JudgedTestCase):
         self.assertGreater(total, 4000)
         self.assertEqual(missed, 0)
 
+    def test_slices_that_contradict_the_others_can_be_left_out(self):
+        file = harness.data("contours", "heart_cmr_lv_epi_patient_1.csl")
+        refused = self.run_program("model", file, "-o", "model.vtu", expect=4)
+        self.assertIn("E-CON-007", refused.err)
+        self.judged(file, "--without", "13", "--without", "17", "--without", "18", "--max-disagreement", "20")
+        report = json.loads((self.folder / "model.report.json").read_text())
+        self.assertEqual([clause["state"] for clause in report["certificate"]], ["kept"] * 6)
+        self.assertEqual(report["structures"][0]["genus"], 0)
+        self.assertEqual(sum(c["rule"] == "dropped: slice left out" for c in report["contour_log"]), 3)
+        self.run_program("check", "model.vtu", "--contours", file)  # its file says which
+
     def test_the_wall_of_the_left_ventricle_is_whole(self):
         for frame in (5, 18):
             file = harness.data("heart_cmr", "cine_25_frames") / f"GPFile_{frame:03d}.txt"

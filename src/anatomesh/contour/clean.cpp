@@ -312,16 +312,19 @@ class Cleaner {
         name_slices();
     }
 
+    // What the file calls the plane of a contour; may be empty.
+    std::string given_name(std::uint32_t raw) const {
+        const RawContour& contour = raw_.contours[raw];
+        if (contour.plane < 0) return contour.slice;
+        const auto plane = static_cast<std::size_t>(contour.plane);
+        return plane < raw_.plane_names.size() ? raw_.plane_names[plane] : "";
+    }
+
     void name_slices() {
         std::vector<std::set<std::string>> given(groups_.slices.size());
         for (std::size_t c = 0; c < candidates_.size(); ++c) {
-            const RawContour& contour = raw_.contours[candidates_[c].raw];
-            const std::int32_t plane = contour.plane;
-            if (plane < 0 && !contour.slice.empty()) given[groups_.slice_of[c]].insert(contour.slice);
-            if (plane >= 0 && static_cast<std::size_t>(plane) < raw_.plane_names.size() &&
-                !raw_.plane_names[plane].empty()) {
-                given[groups_.slice_of[c]].insert(raw_.plane_names[plane]);
-            }
+            const std::string name = given_name(candidates_[c].raw);
+            if (!name.empty()) given[groups_.slice_of[c]].insert(name);
         }
         for (std::size_t s = 0; s < groups_.slices.size(); ++s) {
             const Plane& plane = groups_.slices[s];
@@ -334,21 +337,40 @@ class Cleaner {
         }
     }
 
-    // Those that the user names, before anything in them can be refused.
+    // Those that the user names, before anything in them can be refused; of several planes of the file that
+    // are one slice that alone which is called so.
     Status leave_out_slices() {
         if (options_.without.empty()) return Nothing{};
-        std::vector<std::vector<std::string>> all = given_names_;
-        for (std::size_t s = 0; s < all.size(); ++s) all[s].insert(all[s].begin(), names_[s]);
+        std::vector<std::vector<std::string>> all;
+        for (std::size_t s = 0; s < members_.size(); ++s) {
+            all.push_back(given_names_[s]);
+            if (all.back().size() < 2) all.back().insert(all.back().begin(), names_[s]);
+        }
         ANATOMESH_TRY(const std::vector<std::uint8_t> is_named,
                       named_slices(all, options_.without, raw_.source));
+        bool any = false;
         for (std::size_t s = 0; s < members_.size(); ++s) {
-            if (!is_named[s]) continue;
-            for (const std::uint32_t c : members_[s]) drop(candidates_[c].raw, "slice left out");
-            members_[s].clear();
+            const auto stays = [&](std::uint32_t c) {
+                return !is_named[s] ||
+                       (given_names_[s].size() > 1 && !is_without(given_name(candidates_[c].raw)));
+            };
+            std::vector<std::uint32_t> left;
+            for (const std::uint32_t c : members_[s]) {
+                if (stays(c))
+                    left.push_back(c);
+                else
+                    drop(candidates_[c].raw, "slice left out");
+            }
+            members_[s] = std::move(left);
+            any = any || !members_[s].empty();
         }
-        const bool any =
-            std::any_of(members_.begin(), members_.end(), [](const auto& m) { return !m.empty(); });
         return any ? Status(Nothing{}) : Status(no_slice_left(raw_.source));
+    }
+
+    bool is_without(const std::string& name) const {
+        return std::any_of(options_.without.begin(), options_.without.end(), [&](const std::string& one) {
+            return lowered_without_blanks(one) == lowered_without_blanks(name);
+        });
     }
 
     // Moves points that are too far off their slice's plane onto it. `range` is how far the others spread
@@ -431,7 +453,7 @@ class Cleaner {
             if (rings.empty()) continue;
             auto resolved = resolve_rings(std::move(rings), groups_.slices[s], exclusive_or, options_,
                                           [&](std::uint32_t raw) { return place_in(s, raw); });
-            if (!resolved.ok()) return std::move(resolved).error();
+            if (!resolved.ok()) return with_planes(std::move(resolved).error(), s);
             take(std::move(resolved).value(), structure);
         }
         if (groups_.spread_mm[s] > range + 1e-9) {
@@ -439,6 +461,15 @@ class Cleaner {
         }
         close_slice();
         return Nothing{};
+    }
+
+    // With the names of a slice's planes, by which one can be left out.
+    Error with_planes(Error error, std::uint32_t s) const {
+        if (error.code != "E-CON-007" || given_names_[s].size() < 2) return error;
+        error.next_step += "; its planes: ";
+        for (std::size_t n = 0; n < given_names_[s].size(); ++n)
+            error.next_step += (n > 0 ? ", \"" : "\"") + given_names_[s][n] + "\"";
+        return error;
     }
 
     void warn_of_spread(std::uint32_t s) {

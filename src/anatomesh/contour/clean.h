@@ -48,7 +48,8 @@ struct CleanOptions {
     HoleRule holes = HoleRule::even_odd;
     // Contours that contradict each other on a plane given twice: unite them instead of refusing.
     bool unite_repeated_planes = false;
-    // Names of slices that are left out as if they were not drawn; named_slices() of chosen_slices.h.
+    // Names of slices that are left out as if they were not drawn; named_slices() of chosen_slices.h. Of
+    // several planes of a file that are one slice that alone which is called so.
     std::vector<std::string> without;
 };
 

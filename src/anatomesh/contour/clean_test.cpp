@@ -519,7 +519,7 @@ TEST(Clean, C23_plane_given_twice) {
     const Cleaned question = clean(nested);
     ASSERT_EQ(question.code(), "E-CON-007");
     EXPECT_EQ(question.result.error().place.contour, "1");
-    EXPECT_NE(question.result.error().message.find("of plane 1 lies inside contour 0 of plane 0"),
+    EXPECT_NE(question.result.error().message.find("lies inside contour 0, of the other one"),
               std::string::npos);
     const Cleaned whole = clean(nested, united);
     EXPECT_KEPT(whole);
@@ -823,6 +823,28 @@ TEST(Clean, leaves_out_the_slices_that_are_named) {
     EXPECT_EQ(clean(file, options).code(), "E-CON-010");
     options.without = {"z = 10.0", "z = 20.0", "z = 30.0"};
     EXPECT_EQ(clean(file, options).code(), "E-CON-011");
+}
+
+TEST(Clean, of_a_plane_that_is_given_twice_one_can_be_left_out) {
+    File file;
+    file.raw.planes = {make_plane({0, 0, 10}, {0, 0, 1}), make_plane({0, 0, 10}, {0, 0, 1}),
+                       make_plane({0, 0, 20}, {0, 0, 1})};
+    file.raw.plane_names = {"16", "17", "18"};
+    file.add(square(0, 0, 10, 10), 0, ContourKind::closed_planar, 0)
+        .add(square(4, 4, 12, 10), 0, ContourKind::closed_planar, 1)
+        .add(square(0, 0, 10, 20), 0, ContourKind::closed_planar, 2);
+    EXPECT_EQ(clean(file).code(), "E-CON-007");
+    EXPECT_NE(clean(file).result.error().next_step.find("its planes: \"16\", \"17\""), std::string::npos);
+    CleanOptions options;
+    options.without = {"17"};
+    const Cleaned first = clean(file, options);
+    ASSERT_TRUE(first.ok()) << first.result.error().message;
+    EXPECT_NEAR(first.area(), 100, 1e-9);
+    EXPECT_EQ(first.result.value().log[1].rule, "dropped: slice left out");
+    options.without = {"16"};
+    EXPECT_NEAR(clean(file, options).area(), 144, 1e-9);
+    options.without = {"16", "17"};
+    EXPECT_EQ(clean(file, options).kept().slices.size(), 1u);
 }
 
 TEST(Clean, slices_are_called_as_in_the_file_where_it_gives_no_plane) {

@@ -213,11 +213,10 @@ class Resolver {
                 place.value = brief(all - common) + " mm2";
                 return Error{ErrorKind::geometry, "E-CON-007",
                              "a plane is given twice and its contours contradict each other: contour " +
-                                 place_of_(rings_[q].source).contour + " of plane " +
-                                 std::to_string(rings_[q].plane) + " and this one of plane " +
-                                 std::to_string(rings_[r].plane),
+                                 place_of_(rings_[q].source).contour + " and this one",
                              std::move(place),
-                             "remove one of the two planes, or unite them with --unite-repeated-planes"};
+                             "leave one of the two planes out with --without, or unite them with "
+                             "--unite-repeated-planes"};
             }
         }
         return false;
@@ -264,16 +263,15 @@ class Resolver {
             const auto parent = static_cast<std::uint32_t>(fate.parent);
             if (rings_[r].plane < 0 || rings_[parent].plane < 0 || rings_[r].plane == rings_[parent].plane)
                 continue;
-            const std::string message = "a plane is given twice: this contour of plane " +
-                                        std::to_string(rings_[r].plane) + " lies inside contour " +
-                                        place_of_(rings_[parent].source).contour + " of plane " +
-                                        std::to_string(rings_[parent].plane);
+            const std::string message = "a plane is given twice: this contour lies inside contour " +
+                                        place_of_(rings_[parent].source).contour + ", of the other one";
             const std::string value = brief(fate.area_mm2) + " mm2";
             if (fate.level % 2 == 1) {
                 Place place = place_of_(rings_[r].source);
                 place.value = value;
                 return Error{ErrorKind::geometry, "E-CON-007", message, std::move(place),
-                             "unite the two with --unite-repeated-planes or remove one of the planes; if it "
+                             "unite the two with --unite-repeated-planes or leave one of the planes out with "
+                             "--without; if it "
                              "is a hole, put both contours on one plane"};
             }
             note(rings_[r].source, "W-CON-022", message, value,

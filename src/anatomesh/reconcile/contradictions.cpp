@@ -19,8 +19,9 @@ constexpr double at_bound_share = 1e-3;   // of the bound: a contour so near to 
 constexpr double least_left_share = 0.1;  // of the bound: slices that differ by less are warned of
 constexpr double beside_line = 2;         // bounds: of a moved point from the other slice's plane
 
-std::string ways_out(const ReconcileOptions& options) {
-    return std::string("leave a slice out with --without, ") +
+// `culprit`: the slice that is in most of the contradictions.
+std::string ways_out(const ReconcileOptions& options, const std::string& culprit) {
+    return "leave a slice out, first --without \"" + culprit + "\", " +
            (options.align ? "" : "shift slices with --align, ") +
            "raise the bound with --max-disagreement, or keep every vertex with --reconcile 0";
 }
@@ -38,7 +39,7 @@ Error contradiction(const ContourSet& set, const WorstPlace& worst, const Reconc
                  names_of(set, worst.a, worst.b) + " contradict each other by " + brief(worst.distance_mm) +
                      " mm" + where + brief(options.max_disagreement_mm) + " mm; " +
                      std::to_string(worst.places) + which + set.slices[worst.culprit].name,
-                 place_of(set, worst), ways_out(options)};
+                 place_of(set, worst), ways_out(options, set.slices[worst.culprit].name)};
 }
 
 // A point that moved so far.
@@ -112,7 +113,7 @@ Status check_what_is_left(const ContourSet& set, const DrawnPlaces& drawn,
                      "may, " +
                      brief(bound) + " mm; " + std::to_string(worst.places) +
                      " such pairs, most of them with slice " + set.slices[worst.culprit].name,
-                 place_of(set, worst), ways_out(options)};
+                 place_of(set, worst), ways_out(options, set.slices[worst.culprit].name)};
 }
 
 }  // namespace anatomesh
