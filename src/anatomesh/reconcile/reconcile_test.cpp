@@ -339,6 +339,35 @@ TEST(Reconcile, C25_slices_that_differ_when_contours_moved_by_all_of_the_bound_a
     EXPECT_NE(error.find("slices 0 and "), std::string::npos) << error;
     for (const auto& [shift, bound] : {std::pair{4.0, 10.0}, std::pair{2.0, 6.0}})
         EXPECT_EQ(refused(stacks(shift), within(bound)), "") << shift;
+
+    // Beside a ball on the same slices that they agree on: the one that they do not is named.
+    const auto with_another = [&](const ContourSet& set, std::uint32_t own) {
+        std::mt19937 random(22);
+        ContourSet both;
+        both.structures = {{1, "first", {}}, {2, "second", {}}};
+        for (const Slice& slice : set.slices) {
+            const ContourSet other = drawn_ball(20, {slice.plane}, {0, 0, 60}, random);
+            Slice at{slice.plane, static_cast<std::uint32_t>(both.contours.size()), 2, slice.name};
+            for (const std::uint32_t structure : {0u, 1u}) {
+                const auto points = structure == own ? set.points_of(set.contours_of(slice)[0])
+                                                     : std::span<const Vec3>(other.points);
+                both.contours.push_back({structure, static_cast<std::uint32_t>(both.slices.size()),
+                                         static_cast<std::uint32_t>(both.points.size()),
+                                         static_cast<std::uint32_t>(points.size())});
+                for (const Vec3& p : points)
+                    both.points.push_back(structure == own ? p : p + Vec3{0, 100, 0});
+            }
+            both.slices.push_back(at);
+        }
+        return both;
+    };
+    for (const std::uint32_t own : {0u, 1u}) {
+        const std::string line = refused(with_another(stacks(4), own), within(6));
+        EXPECT_EQ(line.substr(0, 9), "E-RCN-003") << line;
+        EXPECT_NE(line.find(own == 0 ? "structure first" : "structure second"), std::string::npos) << line;
+        EXPECT_NE(line.find("--without \""), std::string::npos) << line;
+        EXPECT_EQ(refused(with_another(stacks(4), own), within(10)), "");
+    }
 }
 
 TEST(Reconcile, C25_regions_of_another_size_are_refused_above_the_bound) {
