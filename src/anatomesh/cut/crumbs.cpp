@@ -1,6 +1,8 @@
 #include "anatomesh/cut/crumbs.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 #include <vector>
 
 #include "anatomesh/base/parallel.h"
@@ -29,7 +31,8 @@ class CrumbSearch {
         state_[cell] = State::in_piece;
         const bool whole = grow();
         for (const std::uint32_t c : piece_) state_[c] = State::known;
-        return whole && has_one_neighbor();
+        if (whole) find_beyond();
+        return whole && !beyond_.empty();
     }
 
     // Whether the cell alone does not rule a crumb that begins with it out.
@@ -38,7 +41,9 @@ class CrumbSearch {
     }
 
     const std::vector<std::uint32_t>& piece() const { return piece_; }
-    Region beyond() const { return beyond_; }
+
+    // The regions round the piece, that with the largest area in common first.
+    const std::vector<Region>& beyond() const { return beyond_; }
 
   private:
     enum class State : std::uint8_t { unknown, in_piece, known };
@@ -79,18 +84,35 @@ class CrumbSearch {
         return true;
     }
 
-    bool has_one_neighbor() {
-        bool any = false;
+    void find_beyond() {
+        std::vector<std::pair<Region, double>> areas;
         for (const std::uint32_t c : piece_) {
             for (int i = 0; i < 4; ++i) {
                 const std::uint32_t next = neighbors_[4 * std::size_t{c} + i];
                 if (!differs(next, c)) continue;
-                if (any && mesh_.regions[next] != beyond_) return false;
-                beyond_ = mesh_.regions[next];
-                any = true;
+                const Region region = mesh_.regions[next];
+                const auto known = std::find_if(areas.begin(), areas.end(),
+                                                [&](const auto& each) { return each.first == region; });
+                if (known != areas.end()) {
+                    known->second += facet_area(c, i);
+                } else {
+                    areas.push_back({region, facet_area(c, i)});
+                }
             }
         }
-        return any;
+        std::sort(areas.begin(), areas.end(), [](const auto& a, const auto& b) {
+            return a.second != b.second ? a.second > b.second : a.first < b.first;
+        });
+        beyond_.clear();
+        for (const auto& [region, area] : areas) beyond_.push_back(region);
+    }
+
+    double facet_area(std::uint32_t c, int opposite) const {
+        std::array<Vec3, 3> p;
+        for (std::size_t k = 0, n = 0; k < 4; ++k) {
+            if (k != static_cast<std::size_t>(opposite)) p[n++] = mesh_.points[mesh_.cells[c][k]];
+        }
+        return 0.5 * length(cross(p[1] - p[0], p[2] - p[0]));
     }
 
     const TetMesh& mesh_;
@@ -99,13 +121,34 @@ class CrumbSearch {
     double most_mm3_;
     std::vector<State> state_;
     std::vector<std::uint32_t> piece_;
-    Region beyond_ = 0;
+    std::vector<Region> beyond_;
 };
+
+bool are_sound(const TetMesh& mesh, const std::vector<std::uint32_t>& cells, StarAnalyzer& stars) {
+    return std::all_of(cells.begin(), cells.end(), [&](std::uint32_t c) {
+        const Cell& cell = mesh.cells[c];
+        return std::all_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return stars.defect(v) == 0; });
+    });
+}
+
+// Whether the piece took one of the regions round it.
+bool is_given(TetMesh& mesh, const std::vector<std::uint32_t>& piece, const std::vector<Region>& beyond,
+              StarAnalyzer* stars) {
+    if (beyond.size() > 1 && stars == nullptr) return false;
+    const Region own = mesh.regions[piece.front()];
+    for (const Region region : beyond) {
+        for (const std::uint32_t c : piece) mesh.regions[c] = region;
+        if (beyond.size() == 1 || are_sound(mesh, piece, *stars)) return true;
+    }
+    for (const std::uint32_t c : piece) mesh.regions[c] = own;
+    return false;
+}
 
 }  // namespace
 
 CrumbStats give_crumbs_away(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                            std::span<const std::uint8_t> given, const CrumbOptions& options, int threads) {
+                            std::span<const std::uint8_t> given, const CrumbOptions& options, int threads,
+                            StarAnalyzer* stars) {
     CrumbStats stats;
     CrumbSearch search(mesh, neighbors, given, options.most_mm3);
     const std::vector<std::uint32_t> cells = parallel_collect<std::uint32_t>(
@@ -118,7 +161,7 @@ CrumbStats give_crumbs_away(TetMesh& mesh, std::span<const std::uint32_t> neighb
         });
     for (const std::uint32_t c : cells) {
         if (!search.found(c)) continue;
-        for (const std::uint32_t member : search.piece()) mesh.regions[member] = search.beyond();
+        if (!is_given(mesh, search.piece(), search.beyond(), stars)) continue;
         ++stats.pieces;
         stats.cells += search.piece().size();
     }

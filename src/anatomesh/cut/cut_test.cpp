@@ -316,7 +316,7 @@ std::vector<Piece> pieces_of(const TetMesh& mesh, const std::vector<std::uint8_t
 // Specks and cavities of no contour go to what is round them; manifolds stay, and marked vertices keep
 // theirs.
 TEST(Cut, crumbs_are_given_away) {
-    std::uint64_t crumbs = 0, marked_crumbs = 0;
+    std::uint64_t crumbs = 0, marked_crumbs = 0, between_several = 0;
     for (std::uint32_t seed = 1; seed <= 20; ++seed) {
         const bool two = seed % 2 == 0;
         Case random = two ? random_case(seed, 80, {{}, {}, {}, {0}, {0}, {0}, {0, 1}, {1}})
@@ -345,10 +345,26 @@ TEST(Cut, crumbs_are_given_away) {
             EXPECT_EQ(stats.pieces, static_cast<std::uint64_t>(before)) << seed;
         }
         EXPECT_EQ(small(true), marked_before) << seed;
+        if (two) {  // those between several regions
+            std::vector<CellNeighbors> across(random.mesh.cells.size());
+            for (std::size_t c = 0; c < across.size(); ++c)
+                std::copy_n(neighbors.begin() + static_cast<std::ptrdiff_t>(4 * c), 4, across[c].begin());
+            const VertexStars stars(random.mesh.cells, random.mesh.points.size());
+            const ContourOwners owners;
+            StarAnalyzer analyzer(random.mesh.cells, across, stars, random.mesh.regions,
+                                  random.registry.table(), owners);
+            const auto left = small(false);
+            const CrumbStats more = give_crumbs_away(random.mesh, neighbors, marks, {most}, 1, &analyzer);
+            expect_manifold(random, 2);
+            EXPECT_LE(small(false), left - static_cast<std::ptrdiff_t>(more.pieces)) << seed;
+            EXPECT_EQ(small(true), marked_before) << seed;
+            between_several += more.pieces;
+        }
         crumbs += stats.pieces;
         marked_crumbs += static_cast<std::uint64_t>(marked_before);
     }
     EXPECT_GT(crumbs, 20u);
+    EXPECT_GT(between_several, 5u);
     EXPECT_GT(marked_crumbs, 5u);
 }
 
