@@ -172,37 +172,25 @@ WallOptions walls_of(const ModelFile& model, const InputOptions& options) {
     return walls;
 }
 
-// The parts of "A, B"; nothing for "all".
-std::vector<std::string> listed(const std::vector<std::string>& values) {
-    std::vector<std::string> parts;
-    if (values.empty() || values.front() == "all") return parts;
-    const std::string& text = values.front();
-    for (std::size_t from = 0, to = 0; to != std::string::npos; from = to + 2) {
-        to = text.find(", ", from);
-        parts.push_back(text.substr(from, to - from));
-    }
-    return parts;
-}
-
 // What of the contours the model was made of, as its file says, where the command does not and they have it:
 // other structures, and other slices, have a part in how planes are found and slices made to agree.
 Result<InputContours> contours_as_taken(OpenedInput opened, const InputOptions& given, const ModelFile& model,
                                         RunContext& context) {
     InputOptions told = given;
-    if (opened.contours && told.structures.empty())
-        told.structures = listed(options_of(model.description, "structure"));
-    if (told.without.empty()) told.without = listed(options_of(model.description, "without"));
+    if (opened.contours && told.structures.empty()) {
+        told.structures = options_of(model.description, "structure");
+        if (told.structures == std::vector<std::string>{"all"}) told.structures.clear();
+    }
+    if (told.without.empty()) told.without = options_of(model.description, "without");
     if (told.structures == given.structures && told.without == given.without)
         return contours_of(std::move(opened), given, context);
     RunContext apart;
     apart.threads = context.threads;
     apart.cancel = context.cancel;
     Result<InputContours> taken = contours_of(opened, told, apart);
-    if (!taken.ok()) {
-        const std::string& code = taken.error().code;
-        const bool has_not = code == "E-CMD-005" || code == "E-CON-010" || code == "E-CON-011";
-        if (has_not) return contours_of(std::move(opened), given, context);
-    }
+    // These contours are of another file, or what model --contours wrote.
+    if (!taken.ok() && taken.error().kind == ErrorKind::usage)
+        return contours_of(std::move(opened), given, context);
     for (Warning& warning : apart.warnings) context.warn(std::move(warning));
     return taken;
 }

@@ -234,7 +234,10 @@ Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& mode
     for (const Candidate& other : others) {
         const Missed here = missed_of(other.kept);
         const bool gives_more = other.gave_overlaps && (taken == nullptr || !taken->gave_overlaps);
-        if (here > least || (here == least && !gives_more)) continue;
+        // Of an outline in another one both have what is missed.
+        const bool is_nested = gives_more && !options_of(model.description, "overlaps").empty();
+        if (!is_nested && (here > least || (here == least && !gives_more))) continue;
+        if (taken != nullptr && taken->gave_overlaps && !other.gave_overlaps) continue;
         least = here;
         taken = &other;
     }
@@ -247,8 +250,10 @@ Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& mode
                  "the contours are not those that the model was made of, and became so as its file says: " +
                      fmt::format("{}", fmt::join(taken->steps, ", then ")),
                  {file, "", "", "",
-                  fmt::format("{} vertices and {} segments not the model's before, {} and {} after",
-                              before.first, before.second, least.first, least.second)},
+                  before == least
+                      ? ""
+                      : fmt::format("{} vertices and {} segments not the model's before, {} and {} after",
+                                    before.first, before.second, least.first, least.second)},
                  "checked against the contours as moved; model --contours writes them"});
         }
     }

@@ -121,6 +121,7 @@ Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& co
     for (std::size_t n = 0; n < ways.size() * exclusions.size() && least > near_enough; ++n) {
         rules.caps = ways[n / exclusions.size()];
         ContourSet set = contours;
+        if (!option_of(model.description, "overlaps")) set.overlapping.reset();  // made by an earlier program
         set.exclusive = exclusions[n % exclusions.size()];
         // Its warnings were said when the model was made.
         RunContext apart;

@@ -455,11 +455,9 @@ std::vector<std::pair<std::string, std::string>> used_options(const InputOptions
             matrix += (matrix.empty() ? "" : " ") + number_text(value);
         used.emplace_back("image_to_probe", matrix);
     }
-    used.emplace_back("structure", options.structures.empty()
-                                       ? "all"
-                                       : fmt::format("{}", fmt::join(options.structures, ", ")));
-    if (!options.without.empty())
-        used.emplace_back("without", fmt::format("{}", fmt::join(options.without, ", ")));
+    if (options.structures.empty()) used.emplace_back("structure", "all");
+    for (const std::string& name : options.structures) used.emplace_back("structure", name);
+    for (const std::string& name : options.without) used.emplace_back("without", name);
     if (options.threshold) {
         const bool open = options.threshold->high == std::numeric_limits<double>::infinity();
         used.emplace_back("threshold", number_text(options.threshold->low) +

@@ -31,15 +31,9 @@ ContourSet chosen_slices(const ContourSet& set, std::span<const std::uint32_t> s
         part.slices.push_back(std::move(slice));
     }
     if (set.overlapping) {
-        OverlappingContours overlapping{*set.overlapping};
-        std::vector<std::uint32_t> same;
-        for (std::uint32_t s = 0; s < overlapping.drawn.slices.size(); ++s) {
-            if (std::any_of(slices.begin(), slices.end(), [&](std::uint32_t chosen) {
-                    return set.slices[chosen].name == overlapping.drawn.slices[s].name;
-                }))
-                same.push_back(s);
-        }
-        overlapping.drawn = chosen_slices(overlapping.drawn, same);
+        OverlappingContours overlapping{{}, set.overlapping->order};
+        for (const ContourSet& level : set.overlapping->levels)
+            overlapping.levels.push_back(chosen_slices(level, slices));
         part.overlapping = std::make_shared<const OverlappingContours>(std::move(overlapping));
     }
     return part;
@@ -50,13 +44,16 @@ Result<std::vector<std::uint8_t>> named_slices(std::span<const std::vector<std::
     std::vector<std::uint8_t> is_named(names.size(), 0);
     for (const std::string& text : wanted) {
         bool found = false;
-        const auto is_meant = [&, one = lowered_without_blanks(text)](const std::string& name) {
-            return lowered_without_blanks(name) == one;
-        };
-        for (std::size_t s = 0; s < names.size(); ++s) {
-            if (!std::any_of(names[s].begin(), names[s].end(), is_meant)) continue;
-            is_named[s] = 1;
-            found = true;
+        for (const bool exactly : {true, false}) {
+            const auto is_meant = [&](const std::string& name) {
+                return exactly ? name == text : lowered_without_blanks(name) == lowered_without_blanks(text);
+            };
+            for (std::size_t s = 0; s < names.size(); ++s) {
+                if (!std::any_of(names[s].begin(), names[s].end(), is_meant)) continue;
+                is_named[s] = 1;
+                found = true;
+            }
+            if (found) break;
         }
         if (found) continue;
         std::string list;

@@ -15,7 +15,8 @@ namespace anatomesh {
 // drawn. Slices come in the order given. Complexity: O(points).
 ContourSet chosen_slices(const ContourSet& set, std::span<const std::uint32_t> slices);
 
-// By slice, whether one of its `names` is one of those wanted; case and blanks do not count. Error: usage
+// By slice, whether one of its `names` is one of those wanted; case and blanks do not count where none is the
+// same with them. Error: usage
 // E-CON-010 no slice is called so, with the names that there are.
 Result<std::vector<std::uint8_t>> named_slices(std::span<const std::vector<std::string>> names,
                                                std::span<const std::string> wanted, const std::string& file);

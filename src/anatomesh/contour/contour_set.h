@@ -53,8 +53,8 @@ struct ContourSet {
     bool drawn = true;         // true: somebody drew them (keep every vertex); false: traced from voxels
     double pixel_mm = 0;       // in-plane pixel size of the source image; 0 when unknown
     std::string source;        // the file, as the user named it
-    // Where one structure lies in another one and took its place there (contour/priority.h): what was drawn,
-    // which tells what lies between the slices. Else null.
+    // Where structures lie in others and overlaps were given to the first (contour/priority.h): what was
+    // drawn, which tells what lies between the slices. Else null.
     std::shared_ptr<const OverlappingContours> overlapping = nullptr;
 
     std::span<const Vec3> points_of(const Contour& contour) const {
@@ -70,10 +70,11 @@ struct ContourSet {
     }
 };
 
-// A set of structures that overlap, of which the first in `order` keeps what it has in common with others.
+// Structures that overlap, of which the first keeps what it has in common with others: those that lie in
+// none, those that lie in these, and so on.
 struct OverlappingContours {
-    ContourSet drawn;                  // on the same slices, and on those where nothing is left
-    std::vector<std::uint32_t> order;  // all its structures
+    std::vector<ContourSet> levels;  // each of structures that exclude each other, on the slices of the whole
+    std::vector<std::int32_t> order;  // the numbers of all structures, the first first
 };
 
 // Whether all planes have the same normal up to sign, within the angle that moves the outermost point of the

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <span>
 
 #include "anatomesh/contour/arrangement.h"
 #include "anatomesh/contour/boundary_loops.h"
+#include "anatomesh/contour/choose_structures.h"
 #include "anatomesh/contour/clean.h"
 #include "anatomesh/geom/polygon.h"
 
@@ -19,6 +19,27 @@ constexpr double sliver_width_mm = 1e-3;
 constexpr std::size_t most_edges = 20'000'000;
 constexpr double least_given_mm2 = 1e-6;  // on a slice
 constexpr double nested_share = 0.5;      // of the smaller of two: so much of it in the other
+constexpr double most_shared = 0.1;       // of its outline, of what lies in another one: along the other's
+
+// What any two structures have in common, over all slices: area, and length of outlines.
+class Relations {
+  public:
+    explicit Relations(std::size_t count)
+        : count_(count), common_(count * count, 0), shared_(count * count, 0) {}
+    double& common(std::size_t s, std::size_t t) { return common_[s * count_ + t]; }
+    double& shared(std::size_t s, std::size_t t) { return shared_[s * count_ + t]; }
+    double common(std::size_t s, std::size_t t) const { return common_[s * count_ + t]; }
+    double shared(std::size_t s, std::size_t t) const { return shared_[s * count_ + t]; }
+
+  private:
+    std::size_t count_;
+    std::vector<double> common_, shared_;
+};
+
+bool are_one(const Plane& p, const Plane& q) {
+    constexpr double same_mm = 0.01, same_turn = 1e-4;
+    return length(p.normal - q.normal) < same_turn && std::abs(p.signed_distance(q.origin)) < same_mm;
+}
 
 // One slice: an arrangement of all its contours, and which structure owns each of its faces.
 class SlicePartition {
@@ -41,9 +62,9 @@ class SlicePartition {
         return true;
     }
 
-    // Adds what the structure keeps to `raw`, and the area of its region in that of each owner to `owned_by`.
-    void add_region(std::uint32_t structure, std::int32_t plane, RawContours& raw,
-                    std::span<double> owned_by) const {
+    // Adds what the structure keeps to `raw`; returns how much of its area it does not.
+    double add_region(std::uint32_t structure, std::int32_t plane, RawContours& raw) const {
+        double drawn = 0, kept = 0;
         std::vector<BoundaryEdge> boundary;
         for (const Arrangement::Edge& edge : graph_->edges) {
             const Vec2 origin = graph_->at[0];
@@ -52,8 +73,8 @@ class SlicePartition {
                        right = owners_[edge.right].owner == structure;
             if (left != right)
                 boundary.push_back(left ? BoundaryEdge{edge.a, edge.b} : BoundaryEdge{edge.b, edge.a});
-            if (draws(edge.left, structure)) owned_by[owners_[edge.left].owner] += under;
-            if (draws(edge.right, structure)) owned_by[owners_[edge.right].owner] -= under;
+            kept += under * (left - right);
+            drawn += under * (draws(edge.left, structure) - draws(edge.right, structure));
         }
         std::sort(boundary.begin(), boundary.end(), [](const BoundaryEdge& p, const BoundaryEdge& q) {
             return p.from != q.from ? p.from < q.from : p.to < q.to;
@@ -70,6 +91,27 @@ class SlicePartition {
             contour.name = slice_.name;
             for (const std::uint32_t edge : loop) raw.points.push_back(graph_->points[boundary[edge].from]);
             raw.contours.push_back(contour);
+        }
+        return drawn - kept;
+    }
+
+    void add_to(Relations& relations) const {
+        for (const Arrangement::Edge& edge : graph_->edges) {
+            const Vec2 origin = graph_->at[0], a = graph_->at[edge.a] - origin,
+                       b = graph_->at[edge.b] - origin;
+            const double under = 0.5 * cross(a, b);
+            for (const auto& [face, sign] : {std::pair{edge.left, 1}, std::pair{edge.right, -1}}) {
+                for (const std::uint32_t s : owners_[face].drawn) {
+                    for (const std::uint32_t t : owners_[face].drawn) relations.common(s, t) += sign * under;
+                }
+            }
+            std::vector<std::uint32_t> bounded;
+            for (std::uint32_t s = 0; s < rank_.size(); ++s) {
+                if (draws(edge.left, s) != draws(edge.right, s)) bounded.push_back(s);
+            }
+            for (const std::uint32_t s : bounded) {
+                for (const std::uint32_t t : bounded) relations.shared(s, t) += length(b - a);
+            }
         }
     }
 
@@ -118,35 +160,97 @@ std::vector<std::uint32_t> ranks_of(const std::vector<std::uint32_t>& order, std
     return rank;
 }
 
-// Whether some structure has half of its area in another one, or half of that one's. `in_owner`: the area of
-// each, then of those that own it.
-bool is_nested(std::size_t count, std::span<const double> in_owner) {
-    std::vector<double> area(count, 0);
-    for (std::size_t n = 0; n < in_owner.size(); ++n) area[n / count] += in_owner[n];
-    for (std::size_t n = 0; n < in_owner.size(); ++n) {
-        const std::size_t s = n / count, owner = n % count;
-        if (s != owner && in_owner[n] > least_given_mm2 &&
-            in_owner[n] >= nested_share * std::min(area[s], area[owner]))
-            return true;
+// The slices of `part` among those of `whole`, of which it has some, in the same order; the others empty.
+ContourSet on_all_slices(const ContourSet& part, const ContourSet& whole) {
+    ContourSet all = part;
+    all.slices.clear();
+    all.contours.clear();
+    std::size_t next = 0;
+    for (const Slice& slice : whole.slices) {
+        const auto first = static_cast<std::uint32_t>(all.contours.size());
+        const auto number = static_cast<std::uint32_t>(all.slices.size());
+        const bool is_here = next < part.slices.size() && part.slices[next].name == slice.name &&
+                             are_one(part.slices[next].plane, slice.plane);
+        all.slices.push_back({is_here ? part.slices[next].plane : slice.plane, first, 0, slice.name});
+        if (!is_here) continue;
+        for (Contour contour : part.contours_of(part.slices[next])) {
+            contour.slice = number;
+            all.contours.push_back(contour);
+            ++all.slices.back().contour_count;
+        }
+        ++next;
     }
-    return false;
+    return next == part.slices.size() ? all : part;
 }
 
-}  // namespace
+// By structure, how many others it lies in, one in another. A structure lies in a larger one that has half of
+// its area or more, if their outlines are apart.
+std::vector<std::uint32_t> levels_of(const Relations& relations, std::size_t count) {
+    std::vector<std::uint32_t> by_area(count), level(count, 0);
+    std::iota(by_area.begin(), by_area.end(), 0u);
+    std::stable_sort(by_area.begin(), by_area.end(), [&](std::uint32_t s, std::uint32_t t) {
+        return relations.common(s, s) > relations.common(t, t);
+    });
+    for (std::size_t n = 0; n < count; ++n) {
+        const std::uint32_t s = by_area[n];
+        for (std::size_t m = 0; m < n; ++m) {
+            const std::uint32_t outer = by_area[m];
+            const double common = relations.common(s, outer);
+            if (common > least_given_mm2 && common >= nested_share * relations.common(s, s) &&
+                relations.shared(s, outer) <= most_shared * relations.shared(s, s))
+                level[s] = std::max(level[s], level[outer] + 1);
+        }
+    }
+    return level;
+}
 
-Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<std::uint32_t>& order,
-                                     RunContext& context) {
-    const std::vector<std::uint32_t> rank = ranks_of(order, set.structures.size());
-    PriorityResult result;
-    result.given.resize(set.structures.size());
+Result<ContourSet> given_on_slices(const ContourSet& set, const std::vector<std::uint32_t>& rank,
+                                   std::vector<GivenOverlap>& given, Relations* relations,
+                                   RunContext& context);
+
+// Nothing where no structure lies in another one.
+Result<std::shared_ptr<const OverlappingContours>> overlapping_contours(
+    const ContourSet& set, const std::vector<std::uint32_t>& rank, const Relations& relations,
+    const RunContext& context) {
+    const std::size_t count = set.structures.size();
+    const std::vector<std::uint32_t> level_of = levels_of(relations, count);
+    const std::uint32_t highest = *std::max_element(level_of.begin(), level_of.end());
+    if (highest == 0) return std::shared_ptr<const OverlappingContours>();
+    OverlappingContours overlapping;
+    std::vector<std::uint32_t> order(count);
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return rank[a] < rank[b]; });
+    for (const std::uint32_t s : order) overlapping.order.push_back(set.structures[s].number);
+    for (std::uint32_t level = 0; level <= highest; ++level) {
+        std::vector<std::uint32_t> own, own_rank;
+        for (std::uint32_t s = 0; s < count; ++s) {
+            if (level_of[s] != level) continue;
+            own.push_back(s);
+            own_rank.push_back(rank[s]);
+        }
+        ContourSet part = choose_structures(set, own);
+        if (own.size() > 1) {
+            RunContext apart;  // what is said of the whole set is said of it
+            apart.cancel = context.cancel;
+            std::vector<GivenOverlap> given(own.size());
+            ANATOMESH_TRY(part, given_on_slices(part, own_rank, given, nullptr, apart));
+            part = on_all_slices(part, set);
+        }
+        part.exclusive = own.size() > 1;
+        overlapping.levels.push_back(std::move(part));
+    }
+    return std::make_shared<const OverlappingContours>(std::move(overlapping));
+}
+
+Result<ContourSet> given_on_slices(const ContourSet& set, const std::vector<std::uint32_t>& rank,
+                                   std::vector<GivenOverlap>& given, Relations* relations,
+                                   RunContext& context) {
     RawContours raw;
     raw.structures = set.structures;
     raw.frame = set.frame;
     raw.pixel_mm = set.pixel_mm;
     raw.source = set.source;
-    const std::size_t count = set.structures.size();
-    std::vector<double> owned_by(count),
-        in_owner(count * count, 0);  // on all slices; by structure, then owner
     for (std::uint32_t k = 0; k < set.slices.size(); ++k) {
         raw.planes.push_back(set.slices[k].plane);
         raw.plane_names.push_back(set.slices[k].name);
@@ -160,30 +264,32 @@ Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<st
                          {set.source, set.slices[k].name, "", "", ""},
                          "give no order of the structures"};
         }
+        if (relations != nullptr) partition.add_to(*relations);
         for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
-            std::fill(owned_by.begin(), owned_by.end(), 0.0);
-            partition.add_region(s, static_cast<std::int32_t>(k), raw, owned_by);
-            double given = 0;
-            for (std::uint32_t t = 0; t < count; ++t) {
-                in_owner[s * count + t] += owned_by[t];
-                if (t != s) given += owned_by[t];
-            }
-            if (given <= least_given_mm2) continue;
-            result.given[s].area_mm2 += given;
-            ++result.given[s].slices;
+            const double area = partition.add_region(s, static_cast<std::int32_t>(k), raw);
+            if (area <= least_given_mm2) continue;
+            given[s].area_mm2 += area;
+            ++given[s].slices;
         }
     }
     ANATOMESH_TRY(CleanResult cleaned, clean_contours(raw, {}, context));
-    result.kept = std::move(cleaned.kept);
-    result.kept.exclusive = true;
-    result.kept.drawn = set.drawn;
-    if (is_nested(count, in_owner)) {
-        OverlappingContours overlapping{set, std::vector<std::uint32_t>(rank.size())};
-        for (std::uint32_t s = 0; s < rank.size(); ++s) overlapping.order[s] = s;
-        std::sort(overlapping.order.begin(), overlapping.order.end(),
-                  [&](std::uint32_t a, std::uint32_t b) { return rank[a] < rank[b]; });
-        result.kept.overlapping = std::make_shared<const OverlappingContours>(std::move(overlapping));
-    }
+    ContourSet kept = std::move(cleaned.kept);
+    kept.exclusive = true;
+    kept.drawn = set.drawn;
+    return kept;
+}
+
+}  // namespace
+
+Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<std::uint32_t>& order,
+                                     RunContext& context) {
+    const std::vector<std::uint32_t> rank = ranks_of(order, set.structures.size());
+    PriorityResult result;
+    result.given.resize(set.structures.size());
+    Relations relations(set.structures.size());
+    ANATOMESH_TRY(result.kept, given_on_slices(set, rank, result.given, &relations, context));
+    result.kept = on_all_slices(result.kept, set);
+    ANATOMESH_TRY(result.kept.overlapping, overlapping_contours(set, rank, relations, context));
     return result;
 }
 

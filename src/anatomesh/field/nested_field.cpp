@@ -17,23 +17,42 @@ namespace {
 constexpr double lattice_share = 5;  // of the points that a volume by itself takes
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
+using Fields = std::vector<std::shared_ptr<const StructureField>>;
+
+// A structure as it was drawn.
+struct Drawn {
+    std::uint32_t level = 0, index = 0;  // in the level's contours
+    std::uint32_t own = none;            // in the set; none where nothing of it is left
+};
+
 class NestedField final : public StructureField {
   public:
-    NestedField(std::shared_ptr<const StructureField> drawn, std::shared_ptr<const StructureField> of_slices,
-                const ContourSet& set)
-        : drawn_(std::move(drawn)), of_slices_(std::move(of_slices)) {
+    // `of_levels`: by level; `of_slices`: of what is left, null where planes are not parallel.
+    NestedField(Fields of_levels, std::shared_ptr<const StructureField> of_slices, const ContourSet& set)
+        : levels_(std::move(of_levels)), of_slices_(std::move(of_slices)), rank_of_(levels_.size()) {
         const OverlappingContours& all = *set.overlapping;
-        order_ = all.order;
-        rank_.resize(order_.size());
-        for (std::uint32_t r = 0; r < all.order.size(); ++r) rank_[all.order[r]] = r;
-        own_.assign(all.drawn.structures.size(), none);
-        for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
-            const auto same = std::find_if(
-                all.drawn.structures.begin(), all.drawn.structures.end(),
-                [&](const Structure& structure) { return structure.number == set.structures[s].number; });
-            assert(same != all.drawn.structures.end());
-            drawn_structure_.push_back(static_cast<std::uint32_t>(same - all.drawn.structures.begin()));
-            own_[drawn_structure_.back()] = s;
+        const auto place_of = [](const std::vector<Structure>& structures, std::int32_t number) {
+            const auto same = std::find_if(structures.begin(), structures.end(),
+                                           [&](const Structure& each) { return each.number == number; });
+            return same == structures.end() ? none : static_cast<std::uint32_t>(same - structures.begin());
+        };
+        for (std::uint32_t level = 0; level < levels_.size(); ++level) {
+            rank_of_[level].assign(all.levels[level].structures.size(), none);
+            clamp_ = std::max(clamp_, levels_[level]->clamp());
+        }
+        rank_.assign(set.structures.size(), none);
+        for (std::uint32_t rank = 0; rank < all.order.size(); ++rank) {
+            Drawn drawn;
+            for (std::uint32_t level = 0; level < levels_.size(); ++level) {
+                const std::uint32_t index = place_of(all.levels[level].structures, all.order[rank]);
+                if (index == none) continue;
+                drawn.level = level;
+                drawn.index = index;
+                rank_of_[level][index] = rank;
+            }
+            drawn.own = place_of(set.structures, all.order[rank]);
+            if (drawn.own != none) rank_[drawn.own] = rank;
+            drawn_.push_back(drawn);
         }
     }
 
@@ -42,78 +61,94 @@ class NestedField final : public StructureField {
     }
 
     double value_within(std::uint32_t structure, Vec3 p, double reach) const override {
-        const std::uint32_t drawn = drawn_structure_[structure];
-        double value = drawn_->value_within(drawn, p, reach);
-        for (std::uint32_t other = 0; other < rank_.size(); ++other) {
-            if (rank_[other] < rank_[drawn]) value = std::max(value, -drawn_->value_within(other, p, reach));
+        const Drawn& drawn = drawn_[rank_[structure]];
+        double value = levels_[drawn.level]->value_within(drawn.index, p, reach);
+        for (std::uint32_t rank = 0; rank < rank_[structure]; ++rank) {
+            const Drawn& other = drawn_[rank];
+            if (other.level != drawn.level && is_drawn(rank))
+                value = std::max(value, -levels_[other.level]->value_within(other.index, p, reach));
         }
         return value;
     }
 
     void values_near(Vec3 p, std::vector<Near>& near) const override {
-        std::vector<Near> all;
-        drawn_->values_near(p, all);
         const auto first = static_cast<std::ptrdiff_t>(near.size());
+        const std::vector<Near> all = near_by_rank(p);
         for (const Near& one : all) {
-            if (own_[one.structure] != none) near.push_back({own_[one.structure], left_of(one, all)});
+            const std::uint32_t own = drawn_[one.structure].own;
+            if (own != none) near.push_back({own, left_of(one, all)});
         }
         std::sort(near.begin() + first, near.end(),
                   [](const Near& a, const Near& b) { return a.structure < b.structure; });
     }
 
     void members(Vec3 p, std::vector<std::uint32_t>& out) const override {
-        drawn_->members(p, out);
-        keep_first(out);
+        std::uint32_t least = none;
+        for (std::uint32_t level = 0; level < levels_.size(); ++level) {
+            levels_[level]->members(p, out);
+            for (const std::uint32_t index : out) least = std::min(least, rank_of_[level][index]);
+        }
+        out.clear();
+        if (least != none && drawn_[least].own != none) out.push_back(drawn_[least].own);
     }
 
     double interface_distance(Vec3 p) const override {
-        std::vector<std::uint32_t> members;
-        return members_and_distance(p, members);
-    }
-
-    double members_and_distance(Vec3 p, std::vector<std::uint32_t>& out) const override {
-        std::vector<Near> near;
-        drawn_->values_near(p, near);
-        out.clear();
-        double distance = clamp();
-        for (const Near& one : near) {
-            distance = std::min(distance, std::abs(left_of(one, near)));
-            if (one.value < 0) out.push_back(one.structure);
-        }
-        keep_first(out);
+        const std::vector<Near> all = near_by_rank(p);
+        double distance = clamp_;
+        for (const Near& one : all) distance = std::min(distance, std::abs(left_of(one, all)));
         return distance;
     }
 
-    bool exclusive() const override { return true; }
-    double union_value(Vec3 p) const override { return drawn_->union_value(p); }
-    ParallelPlanes flat_ends() const override { return drawn_->flat_ends(); }
-    double slice_spacing() const override { return drawn_->slice_spacing(); }
-    double clamp() const override { return drawn_->clamp(); }
-    Box3 box() const override { return drawn_->box(); }
-    Box3 box_of(std::uint32_t structure) const override {
-        return drawn_->box_of(drawn_structure_[structure]);
+    double members_and_distance(Vec3 p, std::vector<std::uint32_t>& out) const override {
+        members(p, out);
+        return interface_distance(p);
     }
+
+    bool exclusive() const override { return true; }
+    double union_value(Vec3 p) const override {
+        double least = clamp_;
+        for (const auto& level : levels_) least = std::min(least, level->union_value(p));
+        return least;
+    }
+    ParallelPlanes flat_ends() const override { return levels_.front()->flat_ends(); }
+    double slice_spacing() const override { return levels_.front()->slice_spacing(); }
+    double clamp() const override { return clamp_; }
+    Box3 box() const override {
+        Box3 box;
+        for (const auto& level : levels_) {
+            if (level->box().empty()) continue;
+            box.extend(level->box().low);
+            box.extend(level->box().high);
+        }
+        return box;
+    }
+    Box3 box_of(std::uint32_t structure) const override { return box_as_drawn(rank_[structure]); }
     bool slices_may_differ(Vec3 p, double radius) const override {
-        return drawn_->slices_may_differ(p, radius);
+        return std::any_of(levels_.begin(), levels_.end(),
+                           [&](const auto& level) { return level->slices_may_differ(p, radius); });
     }
 
     // Of each as drawn, less what those before it keep of it: shares of theirs, counted on a lattice. Plain
     // slice integration is of the areas that are left.
     Result<std::vector<StructureVolume>> volumes(std::uint32_t count, const VolumeOptions& options,
                                                  RunContext& context) const override {
-        const auto all = static_cast<std::uint32_t>(rank_.size());
-        ANATOMESH_TRY(const std::vector<StructureVolume> whole, drawn_->volumes(all, options, context));
-        std::vector<double> left(all);
-        for (std::uint32_t s = 0; s < all; ++s) left[s] = whole[s].by_field;
-        for (const std::uint32_t owner : order_) {
-            const std::vector<double> shares = shares_of(owner, options, context);
-            if (context.cancelled()) return cancelled_error();
-            for (std::uint32_t s = 0; s < all; ++s) {
-                if (rank_[s] > rank_[owner]) left[s] -= shares[s] * left[owner];
+        std::vector<double> left(drawn_.size(), 0);
+        for (std::uint32_t level = 0; level < levels_.size(); ++level) {
+            const auto structures = static_cast<std::uint32_t>(rank_of_[level].size());
+            ANATOMESH_TRY(const std::vector<StructureVolume> whole,
+                          levels_[level]->volumes(structures, options, context));
+            for (std::uint32_t s = 0; s < structures; ++s) {
+                if (rank_of_[level][s] != none) left[rank_of_[level][s]] = whole[s].by_field;
             }
         }
+        for (std::uint32_t owner = 0; owner < drawn_.size(); ++owner) {
+            const std::vector<double> shares = shares_of(owner, options, context);
+            if (context.cancelled()) return cancelled_error();
+            for (std::uint32_t rank = owner + 1; rank < drawn_.size(); ++rank)
+                left[rank] -= shares[rank] * left[owner];
+        }
         std::vector<StructureVolume> volumes(count, {0, std::numeric_limits<double>::quiet_NaN()});
-        for (std::uint32_t s = 0; s < count; ++s) volumes[s].by_field = left[drawn_structure_[s]];
+        for (std::uint32_t s = 0; s < count; ++s) volumes[s].by_field = left[rank_[s]];
         if (!of_slices_) return volumes;
         ANATOMESH_TRY(const std::vector<StructureVolume> plain, of_slices_->volumes(count, options, context));
         for (std::uint32_t s = 0; s < count; ++s) volumes[s].by_slices = plain[s].by_slices;
@@ -121,70 +156,85 @@ class NestedField final : public StructureField {
     }
 
   private:
-    // What of it those before it leave.
+    bool is_drawn(std::uint32_t rank) const {
+        return rank_of_[drawn_[rank].level].size() > drawn_[rank].index &&
+               rank_of_[drawn_[rank].level][drawn_[rank].index] == rank;
+    }
+
+    Box3 box_as_drawn(std::uint32_t rank) const {
+        return levels_[drawn_[rank].level]->box_of(drawn_[rank].index);
+    }
+
+    // What was drawn, by rank.
+    std::vector<Near> near_by_rank(Vec3 p) const {
+        std::vector<Near> all;
+        for (std::uint32_t level = 0; level < levels_.size(); ++level) {
+            const std::size_t first = all.size();
+            levels_[level]->values_near(p, all);
+            for (std::size_t n = first; n < all.size(); ++n)
+                all[n].structure = rank_of_[level][all[n].structure];
+        }
+        return all;
+    }
+
+    // What of it those before it leave; those of its level exclude it already.
     double left_of(const Near& one, const std::vector<Near>& all) const {
         double value = one.value;
         for (const Near& other : all) {
-            if (rank_[other.structure] < rank_[one.structure]) value = std::max(value, -other.value);
+            if (other.structure < one.structure &&
+                drawn_[other.structure].level != drawn_[one.structure].level)
+                value = std::max(value, -other.value);
         }
         return value;
     }
 
-    // By structure as drawn: how much of what the owner keeps lies in it.
+    // By rank: how much of what the owner keeps lies in structures of other levels.
     std::vector<double> shares_of(std::uint32_t owner, const VolumeOptions& options,
                                   const RunContext& context) const {
-        const Box3 box = drawn_->box_of(owner);
-        std::vector<double> shares(rank_.size(), 0);
-        const bool is_last = rank_[owner] + 1 == rank_.size();
-        if (box.empty() || is_last) return shares;
+        std::vector<double> shares(drawn_.size(), 0);
+        const Box3 box = box_as_drawn(owner);
+        if (box.empty() || owner + 1 == drawn_.size()) return shares;
         const Vec3 size = box.high - box.low;
         const double points = options.points_in_all / lattice_share;
         const auto layers =
             static_cast<std::size_t>(std::ceil(size.z / std::cbrt(size.x * size.y * size.z / points)));
-        std::vector<std::vector<std::uint64_t>> counts(layers, std::vector<std::uint64_t>(rank_.size(), 0));
+        std::vector<std::vector<std::uint64_t>> counts(layers, std::vector<std::uint64_t>(drawn_.size(), 0));
         parallel_for(layers, 1, context.threads, [&](std::size_t begin, std::size_t end) {
-            std::vector<std::uint32_t> members;
+            std::vector<std::uint32_t> ranks, members;
             for (std::size_t k = begin; k < end && !context.cancelled(); ++k) {
                 const double z =
                     box.low.z + (static_cast<double>(k) + 0.5) * size.z / static_cast<double>(layers);
                 const Box2 layer{{box.low.x, box.low.y}, {box.high.x, box.high.y}};
                 lattice_integral(layer, points / static_cast<double>(layers), k, [&](Vec2 q, double) {
-                    drawn_->members({q.x, q.y, z}, members);
-                    if (!members.empty() && first_of(members) == owner) {
-                        for (const std::uint32_t s : members) ++counts[k][s];
+                    ranks.clear();
+                    for (std::uint32_t level = 0; level < levels_.size(); ++level) {
+                        levels_[level]->members({q.x, q.y, z}, members);
+                        for (const std::uint32_t index : members) ranks.push_back(rank_of_[level][index]);
+                    }
+                    if (!ranks.empty() && *std::min_element(ranks.begin(), ranks.end()) == owner) {
+                        for (const std::uint32_t rank : ranks) ++counts[k][rank];
                     }
                     return 0.0;
                 });
             }
         });
-        std::vector<std::uint64_t> sum(rank_.size(), 0);
+        std::vector<std::uint64_t> sum(drawn_.size(), 0);
         for (const auto& layer : counts) {
-            for (std::size_t s = 0; s < sum.size(); ++s) sum[s] += layer[s];
+            for (std::size_t rank = 0; rank < sum.size(); ++rank) sum[rank] += layer[rank];
         }
-        for (std::size_t s = 0; s < sum.size(); ++s) {
-            if (sum[owner] > 0) shares[s] = static_cast<double>(sum[s]) / static_cast<double>(sum[owner]);
+        for (std::size_t rank = 0; rank < sum.size(); ++rank) {
+            if (sum[owner] > 0)
+                shares[rank] = static_cast<double>(sum[rank]) / static_cast<double>(sum[owner]);
         }
         return shares;
     }
 
-    std::uint32_t first_of(const std::vector<std::uint32_t>& members) const {
-        return *std::min_element(members.begin(), members.end(),
-                                 [&](std::uint32_t a, std::uint32_t b) { return rank_[a] < rank_[b]; });
-    }
-
-    // Of structures as drawn the first, as one of the set.
-    void keep_first(std::vector<std::uint32_t>& members) const {
-        if (members.empty()) return;
-        const std::uint32_t first = first_of(members);
-        members.clear();
-        if (own_[first] != none) members.push_back(own_[first]);
-    }
-
-    std::shared_ptr<const StructureField> drawn_;
-    std::shared_ptr<const StructureField> of_slices_;  // of what is left; null where planes are not parallel
-    std::vector<std::uint32_t> order_;                 // of structures as drawn
-    std::vector<std::uint32_t> rank_, own_;            // by structure as drawn; own_: of the set, or none
-    std::vector<std::uint32_t> drawn_structure_;       // by structure of the set
+    Fields levels_;
+    std::shared_ptr<const StructureField> of_slices_;
+    std::vector<Drawn> drawn_;                         // by rank
+    std::vector<std::vector<std::uint32_t>> rank_of_;  // by level, then structure of it
+    std::vector<std::uint32_t> rank_;                  // by structure of the set
+    double clamp_ = 0;
 };
 
 }  // namespace
@@ -192,8 +242,19 @@ class NestedField final : public StructureField {
 Result<std::shared_ptr<const StructureField>> make_nested_field(const ContourSet& set,
                                                                 const FieldOptions& options,
                                                                 RunContext& context) {
-    ANATOMESH_TRY(std::shared_ptr<const StructureField> drawn,
-                  make_structure_field(set.overlapping->drawn, options, context));
+    Fields levels;
+    for (const ContourSet& level : set.overlapping->levels) {
+        if (level.contours.empty()) {
+            return Error{ErrorKind::geometry,
+                         "E-FLD-001",
+                         "there are no contours",
+                         {set.source, "", "", "", ""},
+                         "choose a structure that has contours"};
+        }
+        ANATOMESH_TRY(std::shared_ptr<const StructureField> field,
+                      make_structure_field(level, options, context));
+        levels.push_back(std::move(field));
+    }
     std::shared_ptr<const StructureField> of_slices;
     if (is_parallel(set)) {
         RunContext apart;  // what it would warn of is no part of the field
@@ -202,7 +263,7 @@ Result<std::shared_ptr<const StructureField>> make_nested_field(const ContourSet
         ANATOMESH_TRY(of_slices, make_parallel_field(set, options, apart));
     }
     return std::shared_ptr<const StructureField>(
-        std::make_shared<NestedField>(std::move(drawn), std::move(of_slices), set));
+        std::make_shared<NestedField>(std::move(levels), std::move(of_slices), set));
 }
 
 }  // namespace anatomesh

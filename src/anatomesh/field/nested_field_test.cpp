@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "anatomesh/contour/choose_structures.h"
 #include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/contour/priority.h"
 #include "anatomesh/field/field_fixtures.h"
@@ -88,7 +89,9 @@ TEST(NestedField, a_wall_has_no_holes_however_thin_it_is_and_far_it_moves) {
 TEST(NestedField, queries_agree_with_each_other_and_structures_exclude_each_other) {
     const ContourSet drawn = pipe(3, 2, true);
     for (const std::vector<std::uint32_t>& order : {std::vector<std::uint32_t>{0}, {0, 1}}) {
-        const auto field = field_of(given(drawn, order)), whole = field_of(drawn);
+        const auto field = field_of(given(drawn, order)),
+                   inner = field_of(choose_structures(drawn, std::vector<std::uint32_t>{0})),
+                   outer = field_of(choose_structures(drawn, std::vector<std::uint32_t>{1}));
         EXPECT_TRUE(field->exclusive());
         std::mt19937 random(1);
         std::uniform_real_distribution<double> x(-15, 40), y(-15, 15), z(-4, 36);
@@ -109,8 +112,9 @@ TEST(NestedField, queries_agree_with_each_other_and_structures_exclude_each_othe
                 EXPECT_EQ(inside, members == std::vector<std::uint32_t>{s});
                 EXPECT_EQ(field->value_within(s, p, 0) < 0, inside);
             }
-            EXPECT_EQ(field->value(0, p), whole->value(0, p));
-            EXPECT_EQ(field->union_value(p), whole->union_value(p));
+            EXPECT_EQ(field->value(0, p), inner->value(0, p));
+            EXPECT_EQ(field->value(1, p), std::max(outer->value(0, p), -inner->value(0, p)));
+            EXPECT_NEAR(field->union_value(p), std::min(outer->value(0, p), inner->value(0, p)), 1e-6);
             EXPECT_EQ(field->union_value(p) < 0, !members.empty());
         }
     }
@@ -142,9 +146,11 @@ TEST(NestedField, of_some_slices_is_of_those_of_what_was_drawn) {
     const std::vector<std::uint32_t> some{0, 2, 4, 5, 6, 7};
     const ContourSet part = chosen_slices(set, some);
     ASSERT_TRUE(part.overlapping);
-    ASSERT_EQ(part.overlapping->drawn.slices.size(), some.size());
-    for (std::size_t n = 0; n < some.size(); ++n)
-        EXPECT_EQ(part.overlapping->drawn.slices[n].name, set.slices[some[n]].name);
+    for (const ContourSet& level : part.overlapping->levels) {
+        ASSERT_EQ(level.slices.size(), some.size());
+        for (std::size_t n = 0; n < some.size(); ++n)
+            EXPECT_EQ(level.slices[n].name, set.slices[some[n]].name);
+    }
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ ContourSet relative_to(Vec3 origin, ContourSet set) {
     }
     if (set.overlapping) {
         OverlappingContours moved{*set.overlapping};
-        moved.drawn = relative_to(origin, std::move(moved.drawn));
+        for (ContourSet& level : moved.levels) level = relative_to(origin, std::move(level));
         set.overlapping = std::make_shared<const OverlappingContours>(std::move(moved));
     }
     return set;
