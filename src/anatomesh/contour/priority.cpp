@@ -236,6 +236,8 @@ Result<std::shared_ptr<const OverlappingContours>> overlapping_contours(
             std::vector<GivenOverlap> given(own.size());
             ANATOMESH_TRY(part, given_on_slices(part, own_rank, given, nullptr, apart));
             part = on_all_slices(part, set);
+            if (part.slices.size() != set.slices.size())  // planes so near that they became one
+                return std::shared_ptr<const OverlappingContours>();
         }
         part.exclusive = own.size() > 1;
         overlapping.levels.push_back(std::move(part));
@@ -289,7 +291,9 @@ Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<st
     Relations relations(set.structures.size());
     ANATOMESH_TRY(result.kept, given_on_slices(set, rank, result.given, &relations, context));
     result.kept = on_all_slices(result.kept, set);
-    ANATOMESH_TRY(result.kept.overlapping, overlapping_contours(set, rank, relations, context));
+    if (result.kept.slices.size() == set.slices.size()) {
+        ANATOMESH_TRY(result.kept.overlapping, overlapping_contours(set, rank, relations, context));
+    }
     return result;
 }
 

@@ -137,5 +137,35 @@ TEST(Priority, nothing_is_lost_and_nothing_is_twice) {
     }
 }
 
+TEST(Priority, what_lies_in_another_one_stays_as_drawn_level_by_level) {
+    const ContourSet set = kept({{0, square({0, 0}, {30, 30})},
+                                 {1, square({5, 5}, {25, 25})},
+                                 {2, square({8, 8}, {14, 22})},
+                                 {3, square({40, 0}, {50, 30})},
+                                 {4, square({30, 0}, {40, 30})}});
+    const PriorityResult result = given(set, {2, 1});
+    ASSERT_TRUE(result.kept.overlapping);
+    const OverlappingContours& overlapping = *result.kept.overlapping;
+    EXPECT_EQ(overlapping.order, (std::vector<std::int32_t>{3, 2, 1, 4, 5}));
+    ASSERT_EQ(overlapping.levels.size(), 3u);
+    EXPECT_EQ(overlapping.levels[0].structures.size(), 3u);
+    EXPECT_TRUE(overlapping.levels[0].exclusive);
+    EXPECT_EQ(overlapping.levels[1].structures[0].name, "S2");
+    EXPECT_EQ(overlapping.levels[2].structures[0].name, "S3");
+    for (const ContourSet& level : overlapping.levels) EXPECT_EQ(level.slices.size(), 1u);
+    EXPECT_DOUBLE_EQ(area_of(overlapping.levels[0], 0), 900);
+    EXPECT_DOUBLE_EQ(area_of(overlapping.levels[1], 0), 400);
+    EXPECT_DOUBLE_EQ(area_of(result.kept, 1), 400 - 84);
+}
+
+TEST(Priority, what_runs_along_another_ones_outline_or_beside_it_does_not_lie_in_it) {
+    // Along a side of it; two that overlap in less than half; one and itself.
+    for (const auto& [low, high] :
+         {std::pair{Vec2{0, 5}, Vec2{10, 25}}, {Vec2{22, 5}, Vec2{42, 25}}, {Vec2{0, 0}, Vec2{30, 30}}}) {
+        const ContourSet set = kept({{0, square({0, 0}, {30, 30})}, {1, square(low, high)}});
+        EXPECT_FALSE(given(set, {1}).kept.overlapping);
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh

@@ -27,32 +27,36 @@ struct Drawn {
 
 class NestedField final : public StructureField {
   public:
-    // `of_levels`: by level; `of_slices`: of what is left, null where planes are not parallel.
-    NestedField(Fields of_levels, std::shared_ptr<const StructureField> of_slices, const ContourSet& set)
-        : levels_(std::move(of_levels)), of_slices_(std::move(of_slices)), rank_of_(levels_.size()) {
+    // `of_levels`: by level, null where it has no contour; `of_slices`: of what is left, null where planes
+    // are not parallel.
+    NestedField(const Fields& of_levels, std::shared_ptr<const StructureField> of_slices,
+                const ContourSet& set)
+        : of_slices_(std::move(of_slices)) {
         const OverlappingContours& all = *set.overlapping;
         const auto place_of = [](const std::vector<Structure>& structures, std::int32_t number) {
             const auto same = std::find_if(structures.begin(), structures.end(),
                                            [&](const Structure& each) { return each.number == number; });
             return same == structures.end() ? none : static_cast<std::uint32_t>(same - structures.begin());
         };
-        for (std::uint32_t level = 0; level < levels_.size(); ++level) {
-            rank_of_[level].assign(all.levels[level].structures.size(), none);
-            clamp_ = std::max(clamp_, levels_[level]->clamp());
-        }
+        drawn_.resize(all.order.size());
         rank_.assign(set.structures.size(), none);
-        for (std::uint32_t rank = 0; rank < all.order.size(); ++rank) {
-            Drawn drawn;
-            for (std::uint32_t level = 0; level < levels_.size(); ++level) {
-                const std::uint32_t index = place_of(all.levels[level].structures, all.order[rank]);
+        for (std::uint32_t rank = 0; rank < drawn_.size(); ++rank) {
+            drawn_[rank].own = place_of(set.structures, all.order[rank]);
+            if (drawn_[rank].own != none) rank_[drawn_[rank].own] = rank;
+        }
+        for (std::size_t n = 0; n < of_levels.size(); ++n) {
+            if (!of_levels[n]) continue;
+            const auto level = static_cast<std::uint32_t>(levels_.size());
+            levels_.push_back(of_levels[n]);
+            clamp_ = std::max(clamp_, of_levels[n]->clamp());
+            rank_of_.emplace_back(all.levels[n].structures.size(), none);
+            for (std::uint32_t rank = 0; rank < drawn_.size(); ++rank) {
+                const std::uint32_t index = place_of(all.levels[n].structures, all.order[rank]);
                 if (index == none) continue;
-                drawn.level = level;
-                drawn.index = index;
+                drawn_[rank].level = level;
+                drawn_[rank].index = index;
                 rank_of_[level][index] = rank;
             }
-            drawn.own = place_of(set.structures, all.order[rank]);
-            if (drawn.own != none) rank_[drawn.own] = rank;
-            drawn_.push_back(drawn);
         }
     }
 
@@ -62,10 +66,11 @@ class NestedField final : public StructureField {
 
     double value_within(std::uint32_t structure, Vec3 p, double reach) const override {
         const Drawn& drawn = drawn_[rank_[structure]];
+        if (drawn.level == none) return clamp_;
         double value = levels_[drawn.level]->value_within(drawn.index, p, reach);
         for (std::uint32_t rank = 0; rank < rank_[structure]; ++rank) {
             const Drawn& other = drawn_[rank];
-            if (other.level != drawn.level && is_drawn(rank))
+            if (other.level != drawn.level && other.level != none)
                 value = std::max(value, -levels_[other.level]->value_within(other.index, p, reach));
         }
         return value;
@@ -137,9 +142,7 @@ class NestedField final : public StructureField {
             const auto structures = static_cast<std::uint32_t>(rank_of_[level].size());
             ANATOMESH_TRY(const std::vector<StructureVolume> whole,
                           levels_[level]->volumes(structures, options, context));
-            for (std::uint32_t s = 0; s < structures; ++s) {
-                if (rank_of_[level][s] != none) left[rank_of_[level][s]] = whole[s].by_field;
-            }
+            for (std::uint32_t s = 0; s < structures; ++s) left[rank_of_[level][s]] = whole[s].by_field;
         }
         for (std::uint32_t owner = 0; owner < drawn_.size(); ++owner) {
             const std::vector<double> shares = shares_of(owner, options, context);
@@ -156,13 +159,9 @@ class NestedField final : public StructureField {
     }
 
   private:
-    bool is_drawn(std::uint32_t rank) const {
-        return rank_of_[drawn_[rank].level].size() > drawn_[rank].index &&
-               rank_of_[drawn_[rank].level][drawn_[rank].index] == rank;
-    }
-
     Box3 box_as_drawn(std::uint32_t rank) const {
-        return levels_[drawn_[rank].level]->box_of(drawn_[rank].index);
+        const Drawn& drawn = drawn_[rank];
+        return drawn.level == none ? Box3{} : levels_[drawn.level]->box_of(drawn.index);
     }
 
     // What was drawn, by rank.
@@ -245,11 +244,8 @@ Result<std::shared_ptr<const StructureField>> make_nested_field(const ContourSet
     Fields levels;
     for (const ContourSet& level : set.overlapping->levels) {
         if (level.contours.empty()) {
-            return Error{ErrorKind::geometry,
-                         "E-FLD-001",
-                         "there are no contours",
-                         {set.source, "", "", "", ""},
-                         "choose a structure that has contours"};
+            levels.push_back(nullptr);
+            continue;
         }
         ANATOMESH_TRY(std::shared_ptr<const StructureField> field,
                       make_structure_field(level, options, context));
@@ -263,7 +259,7 @@ Result<std::shared_ptr<const StructureField>> make_nested_field(const ContourSet
         ANATOMESH_TRY(of_slices, make_parallel_field(set, options, apart));
     }
     return std::shared_ptr<const StructureField>(
-        std::make_shared<NestedField>(std::move(levels), std::move(of_slices), set));
+        std::make_shared<NestedField>(levels, std::move(of_slices), set));
 }
 
 }  // namespace anatomesh

@@ -153,5 +153,54 @@ TEST(NestedField, of_some_slices_is_of_those_of_what_was_drawn) {
     }
 }
 
+// Neighbours that share a wall, and in one of them a lesion far from it.
+TEST(NestedField, neighbours_keep_their_wall_where_something_lies_in_one_of_them) {
+    SetBuilder builder;
+    for (int k = 0; k < 7; ++k) {
+        builder.slice(make_plane({0, 0, 4.0 * k}, {0, 0, 1}));
+        const double wall = 3 * std::sin(1.5 * k);
+        builder.ring(0, {{-20, -15}, {wall, -15}, {wall, 15}, {-20, 15}});
+        builder.ring(1, {{wall, -15}, {20, -15}, {20, 15}, {wall, 15}});
+        if (k >= 2 && k <= 4) builder.ring(2, circle({12, 0}, 4, 24));
+        builder.set.slices.back().name = "slice " + std::to_string(k);
+    }
+    const ContourSet set = given(builder.set, {2});
+    ASSERT_TRUE(set.overlapping);
+    EXPECT_EQ(set.overlapping->levels.size(), 2u);
+    const auto field = field_of(set);
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> x(-19, 19), y(-14, 14), z(0, 24);
+    std::vector<std::uint32_t> members;
+    for (int n = 0; n < 20000; ++n) {
+        field->members({x(random), y(random), z(random)}, members);
+        EXPECT_EQ(members.size(), 1u);
+    }
+    // Without the slices that have it, it is nowhere.
+    const std::vector<std::uint32_t> without{0, 1, 5, 6};
+    const auto rest = field_of(chosen_slices(set, without));
+    rest->members({12, 0, 12}, members);
+    EXPECT_NE(members, std::vector<std::uint32_t>{2});
+    EXPECT_GT(rest->value(2, {12, 0, 12}), 0);
+    RunContext context;
+    EXPECT_EQ(field_volumes(*rest, 3, {}, context).value()[2].by_field, 0);
+}
+
+TEST(NestedField, a_tumour_at_the_capsule_is_parted_from_its_organ_as_neighbours_are) {
+    SetBuilder builder;
+    for (int k = -3; k <= 3; ++k) {
+        builder.slice(make_plane({0, 0, 4.0 * k}, {0, 0, 1}));
+        const Ring whole = circle({0, 0}, std::sqrt(400.0 - 16.0 * k * k), 60);
+        Ring part;
+        for (const Vec2 p : whole) {
+            if (p.x >= 8) part.push_back(p);
+        }
+        std::sort(part.begin(), part.end(), [](Vec2 a, Vec2 b) { return a.y < b.y; });
+        builder.ring(0, whole);
+        builder.ring(1, part);
+        builder.set.slices.back().name = "slice " + std::to_string(k);
+    }
+    EXPECT_FALSE(given(builder.set, {1}).overlapping);
+}
+
 }  // namespace
 }  // namespace anatomesh
