@@ -362,7 +362,9 @@ class Builder {
     CrumbStats give_crumbs(std::span<const std::uint8_t> given) {
         const CrumbOptions options{crumb_share * std::pow(sample_->stats.size_mm, 3)};
         const RegionTable& table = mesh_->registry().table();
-        if (table.members.size() < 3)  // one region beside the outside
+        // Elsewhere what is between several regions is a wedge between outlines, whose cells would be no
+        // better.
+        if (!contours_.overlapping)
             return give_crumbs_away(model_.mesh, neighbors_, given, options, context_.threads);
         std::vector<CellNeighbors> neighbors(model_.mesh.cells.size());
         for (std::size_t c = 0; c < neighbors.size(); ++c)
