@@ -19,6 +19,7 @@ constexpr double sliver_width_mm = 1e-3;
 constexpr std::size_t most_edges = 20'000'000;
 constexpr double least_given_mm2 = 1e-6;  // on a slice
 constexpr double nested_share = 0.5;      // of the smaller of two: so much of it in the other
+constexpr double most_across = 0.02;      // of a structure's area: to one of another level beside it
 constexpr double most_shared = 0.1;       // of its outline, of what lies in another one: along the other's
 
 // What any two structures have in common, over all slices: area, and length of outlines.
@@ -183,25 +184,43 @@ ContourSet on_all_slices(const ContourSet& part, const ContourSet& whole) {
     return next == part.slices.size() ? all : part;
 }
 
-// By structure, how many others it lies in, one in another. A structure lies in a larger one that has half of
-// its area or more, if their outlines are apart.
-std::vector<std::uint32_t> levels_of(const Relations& relations, std::size_t count) {
-    std::vector<std::uint32_t> by_area(count), level(count, 0);
+// Whether a structure lies in a larger one, which comes after it, and leaves it room all round.
+bool lies_in(std::uint32_t s, std::uint32_t outer, const Relations& relations,
+             const std::vector<std::uint32_t>& rank) {
+    const double common = relations.common(s, outer);
+    return rank[s] < rank[outer] && relations.common(s, s) <= relations.common(outer, outer) &&
+           common > least_given_mm2 && common >= nested_share * relations.common(s, s) &&
+           relations.shared(s, outer) <= most_shared * relations.shared(s, s);
+}
+
+// By structure, how many others it lies in, one in another.
+std::vector<std::uint32_t> levels_of(const Relations& relations, const std::vector<std::uint32_t>& rank) {
+    std::vector<std::uint32_t> by_area(rank.size()), level(rank.size(), 0);
     std::iota(by_area.begin(), by_area.end(), 0u);
     std::stable_sort(by_area.begin(), by_area.end(), [&](std::uint32_t s, std::uint32_t t) {
         return relations.common(s, s) > relations.common(t, t);
     });
-    for (std::size_t n = 0; n < count; ++n) {
+    for (std::size_t n = 0; n < by_area.size(); ++n) {
         const std::uint32_t s = by_area[n];
         for (std::size_t m = 0; m < n; ++m) {
-            const std::uint32_t outer = by_area[m];
-            const double common = relations.common(s, outer);
-            if (common > least_given_mm2 && common >= nested_share * relations.common(s, s) &&
-                relations.shared(s, outer) <= most_shared * relations.shared(s, s))
-                level[s] = std::max(level[s], level[outer] + 1);
+            if (lies_in(s, by_area[m], relations, rank)) level[s] = std::max(level[s], level[by_area[m]] + 1);
         }
     }
     return level;
+}
+
+// Whether a structure gives much to one of another level that does not lie in it: what is left would be a
+// small difference of large volumes.
+bool gives_much_across(const Relations& relations, const std::vector<std::uint32_t>& rank,
+                       const std::vector<std::uint32_t>& level) {
+    for (std::uint32_t s = 0; s < rank.size(); ++s) {
+        for (std::uint32_t t = 0; t < rank.size(); ++t) {
+            if (rank[t] < rank[s] && level[t] != level[s] && !lies_in(t, s, relations, rank) &&
+                relations.common(s, t) > most_across * relations.common(s, s))
+                return true;
+        }
+    }
+    return false;
 }
 
 Result<ContourSet> given_on_slices(const ContourSet& set, const std::vector<std::uint32_t>& rank,
@@ -213,9 +232,10 @@ Result<std::shared_ptr<const OverlappingContours>> overlapping_contours(
     const ContourSet& set, const std::vector<std::uint32_t>& rank, const Relations& relations,
     const RunContext& context) {
     const std::size_t count = set.structures.size();
-    const std::vector<std::uint32_t> level_of = levels_of(relations, count);
+    const std::vector<std::uint32_t> level_of = levels_of(relations, rank);
     const std::uint32_t highest = *std::max_element(level_of.begin(), level_of.end());
-    if (highest == 0) return std::shared_ptr<const OverlappingContours>();
+    if (highest == 0 || gives_much_across(relations, rank, level_of))
+        return std::shared_ptr<const OverlappingContours>();
     OverlappingContours overlapping;
     std::vector<std::uint32_t> order(count);
     std::iota(order.begin(), order.end(), 0u);

@@ -26,13 +26,14 @@ struct PriorityResult {
 // exclude each other (`exclusive` is set); all drawn vertices that still bound something keep their
 // coordinates, and where contours crossed both have the crossing as a vertex; loops narrower than 1e-3 mm
 // that only crossings made are left out. The slices are those of the set. Where a structure has half of its
-// area or more in a larger one, with an outline of its own (a chamber in its wall, a tumour in its organ),
-// what was drawn stays beside (`overlapping`): of two outlines that move from slice to slice each tells where
-// it goes, but what is between them may not meet itself again on the next slice. Of its outline 10 % may run
-// along the other's: where more does, both surfaces would be one there, and what is between them crumbs.
-// Errors: geometry E-PRI-001 contours that cross too often, and those of clean_contours. A structure of which
-// nothing is left is left out and warned about (W-CON-001). Complexity: O((n + k) log n) a slice, k
-// crossings.
+// area or more in a larger one that comes after it, with an outline of its own (a chamber in its wall, a
+// tumour in its organ), what was drawn stays beside (`overlapping`): of two outlines that move from slice to
+// slice each tells where it goes, but what is between them may not meet itself again on the next slice. Of
+// its outline 10 % may run along the other's: where more does, both surfaces would be one there, and what is
+// between them crumbs; and no structure may give more than 2 % of its area to another one of these that does
+// not lie in it. Errors: geometry E-PRI-001 contours that cross too often, and those of clean_contours. A
+// structure of which nothing is left is left out and warned about (W-CON-001). Complexity: O((n + k) log n) a
+// slice, k crossings.
 Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<std::uint32_t>& order,
                                      RunContext& context);
 

@@ -167,5 +167,19 @@ TEST(Priority, what_runs_along_another_ones_outline_or_beside_it_does_not_lie_in
     }
 }
 
+// What an outer one leaves of an inner one, a little that sticks out, is no wall; nor is its volume known
+// well as a difference.
+TEST(Priority, what_lies_in_one_before_it_is_parted_from_it_as_neighbours_are) {
+    const ContourSet two = kept({{0, square({0, 0}, {30, 30})}, {1, square({20, 8}, {34, 22})}});
+    EXPECT_FALSE(given(two, {0}).kept.overlapping);
+    EXPECT_TRUE(given(two, {1}).kept.overlapping);
+    const ContourSet three =
+        kept({{0, square({0, 0}, {30, 30})}, {1, square({12, 5}, {34, 25})}, {2, square({20, 8}, {31, 22})}});
+    EXPECT_TRUE(given(three, {2, 1}).kept.overlapping);
+    for (const std::vector<std::uint32_t>& order :
+         {std::vector<std::uint32_t>{0}, {0, 1, 2}, {0, 2, 1}, {1, 0, 2}})
+        EXPECT_FALSE(given(three, order).kept.overlapping);
+}
+
 }  // namespace
 }  // namespace anatomesh

@@ -15,6 +15,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double lattice_share = 5;  // of the points that a volume by itself takes
+constexpr double hardly_any = 0.002;  // of a structure: so little of it outside another one, or in it
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
 using Fields = std::vector<std::shared_ptr<const StructureField>>;
@@ -190,11 +191,19 @@ class NestedField final : public StructureField {
     // By rank: how much of what the owner keeps lies in structures of other levels.
     std::vector<double> shares_of(std::uint32_t owner, const VolumeOptions& options,
                                   const RunContext& context) const {
+        const std::vector<double> shares = shares_by(owner, options.points_in_all / lattice_share, context);
+        const bool is_parted = std::any_of(shares.begin() + owner + 1, shares.end(), [](double share) {
+            return share > hardly_any && share < 1 - hardly_any;
+        });
+        return is_parted ? shares_by(owner, options.points_in_all, context) : shares;
+    }
+
+    // By so many points over the owner's box.
+    std::vector<double> shares_by(std::uint32_t owner, double points, const RunContext& context) const {
         std::vector<double> shares(drawn_.size(), 0);
         const Box3 box = box_as_drawn(owner);
         if (box.empty() || owner + 1 == drawn_.size()) return shares;
         const Vec3 size = box.high - box.low;
-        const double points = options.points_in_all / lattice_share;
         const auto layers =
             static_cast<std::size_t>(std::ceil(size.z / std::cbrt(size.x * size.y * size.z / points)));
         std::vector<std::vector<std::uint64_t>> counts(layers, std::vector<std::uint64_t>(drawn_.size(), 0));
