@@ -19,6 +19,7 @@ constexpr double sliver_width_mm = 1e-3;
 constexpr std::size_t most_edges = 20'000'000;
 constexpr double least_given_mm2 = 1e-6;  // on a slice
 constexpr double nested_share = 0.5;      // of the smaller of two: so much of it in the other
+constexpr double parallel_tolerance_mm = 0.01;
 constexpr double most_across = 0.02;      // of a structure's area: to one of another level beside it
 constexpr double most_shared = 0.1;       // of its outline, of what lies in another one: along the other's
 
@@ -234,7 +235,8 @@ Result<std::shared_ptr<const OverlappingContours>> overlapping_contours(
     const std::size_t count = set.structures.size();
     const std::vector<std::uint32_t> level_of = levels_of(relations, rank);
     const std::uint32_t highest = *std::max_element(level_of.begin(), level_of.end());
-    if (highest == 0 || gives_much_across(relations, rank, level_of))
+    if (highest == 0 || gives_much_across(relations, rank, level_of) ||
+        (highest + 1 < count && !all_parallel(set, parallel_tolerance_mm)))
         return std::shared_ptr<const OverlappingContours>();
     OverlappingContours overlapping;
     std::vector<std::uint32_t> order(count);

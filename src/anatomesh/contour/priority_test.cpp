@@ -181,5 +181,28 @@ TEST(Priority, what_lies_in_one_before_it_is_parted_from_it_as_neighbours_are) {
         EXPECT_FALSE(given(three, order).kept.overlapping);
 }
 
+TEST(Priority, on_slices_that_cross_all_must_lie_one_in_another) {
+    for (const bool beside : {false, true}) {
+        ContourSet set;
+        set.structures = {{1, "inner", {}}, {2, "outer", {}}};
+        if (beside) set.structures.push_back({3, "beside", {}});
+        for (const Vec3 normal : {Vec3{0, 0, 1}, Vec3{0, 1, 0}}) {
+            const Plane plane = make_plane({0, 0, 0}, normal);
+            set.slices.push_back({plane, static_cast<std::uint32_t>(set.contours.size()), 0,
+                                  std::to_string(set.slices.size())});
+            for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
+                const double low = s == 2 ? 40 : 10.0 * s, size = s == 0 ? 10 : 30;
+                set.contours.push_back({s, static_cast<std::uint32_t>(set.slices.size()) - 1,
+                                        static_cast<std::uint32_t>(set.points.size()), 4});
+                for (const Vec2 q :
+                     square({low - 20 * (s == 1), -size / 2}, {low - 20 * (s == 1) + size, size / 2}))
+                    set.points.push_back(plane.to_space(q));
+                ++set.slices.back().contour_count;
+            }
+        }
+        EXPECT_EQ(given(set, {0}).kept.overlapping != nullptr, !beside);
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh
