@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/cut/star.h"
 #include "anatomesh/mesh/quality.h"
 
 namespace anatomesh {
@@ -124,6 +126,21 @@ class CrumbSearch {
     std::vector<Region> beyond_;
 };
 
+// A mesh as the analyzer wants it.
+struct Stars {
+    Stars(const TetMesh& mesh, std::span<const std::uint32_t> flat, const RegionTable& regions, int threads)
+        : neighbors(mesh.cells.size()),
+          at(mesh.cells, mesh.points.size(), threads),
+          analyzer(mesh.cells, neighbors, at, mesh.regions, regions, owners) {
+        for (std::size_t c = 0; c < neighbors.size(); ++c)
+            std::copy_n(flat.begin() + static_cast<std::ptrdiff_t>(4 * c), 4, neighbors[c].begin());
+    }
+    std::vector<CellNeighbors> neighbors;
+    VertexStars at;
+    ContourOwners owners;  // no crumb has their vertices
+    StarAnalyzer analyzer;
+};
+
 bool are_sound(const TetMesh& mesh, const std::vector<std::uint32_t>& cells, StarAnalyzer& stars) {
     return std::all_of(cells.begin(), cells.end(), [&](std::uint32_t c) {
         const Cell& cell = mesh.cells[c];
@@ -148,7 +165,9 @@ bool is_given(TetMesh& mesh, const std::vector<std::uint32_t>& piece, const std:
 
 CrumbStats give_crumbs_away(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
                             std::span<const std::uint8_t> given, const CrumbOptions& options, int threads,
-                            StarAnalyzer* stars) {
+                            const RegionTable* regions) {
+    std::optional<Stars> stars;
+    if (regions != nullptr) stars.emplace(mesh, neighbors, *regions, threads);
     CrumbStats stats;
     CrumbSearch search(mesh, neighbors, given, options.most_mm3);
     const std::vector<std::uint32_t> cells = parallel_collect<std::uint32_t>(
@@ -161,7 +180,7 @@ CrumbStats give_crumbs_away(TetMesh& mesh, std::span<const std::uint32_t> neighb
         });
     for (const std::uint32_t c : cells) {
         if (!search.found(c)) continue;
-        if (!is_given(mesh, search.piece(), search.beyond(), stars)) continue;
+        if (!is_given(mesh, search.piece(), search.beyond(), stars ? &stars->analyzer : nullptr)) continue;
         ++stats.pieces;
         stats.cells += search.piece().size();
     }

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <span>
 
-#include "anatomesh/cut/star.h"
 #include "anatomesh/mesh/tet_mesh.h"
 
 namespace anatomesh {
@@ -19,19 +18,17 @@ struct CrumbStats {
 };
 
 // A crumb is a facet-connected piece of one region, the outside included, of at most `most_mm3` and 64 cells,
-// with no vertex of a contour (`given`, by vertex), none of whose facets are at the end of the mesh: a
-// cavity or a speck that is left of a place thinner than the cells. Where all its facets lie between it and
-// one other region it takes that. With `stars`, of the mesh and its regions, one between several takes the
-// one with which it shares the largest area of those that leave its vertices sound, if any: what is left of a
-// wall between a chamber and the outside. Guarantees: a
-// mesh whose vertices are all sound (star.h) stays so, since at every vertex of a crumb in one region the
-// crumb was one piece and the
-// region beyond the other, and elsewhere it is looked at; no contour vertex leaves its surface, nor a segment
-// that is a chain of its edges,
-// since the ends of that are contour vertices of the same piece of surface. Requires:
-// `neighbors` as cell_neighbors() gives them. Complexity: O(cells). Same result at any number of threads.
+// with no vertex of a contour (`given`, by vertex), none of whose facets are at the end of the mesh: a cavity
+// or a speck that is left of a place thinner than the cells. Where all its facets lie between it and one
+// other region it takes that. With `regions`, those of the mesh, one between several takes the one with which
+// it shares the largest area of those that leave its vertices sound, if any: what is left of a wall between a
+// chamber and the outside. Guarantees: a mesh whose vertices are all sound (star.h) stays so, since at every
+// vertex of a crumb in one region the crumb was one piece and the region beyond the other, and elsewhere it
+// is looked at; no contour vertex leaves its surface, nor a segment that is a chain of its edges, since the
+// ends of that are contour vertices of the same piece of surface. Requires: `neighbors` as cell_neighbors()
+// gives them. Complexity: O(cells). Same result at any number of threads.
 CrumbStats give_crumbs_away(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
                             std::span<const std::uint8_t> given, const CrumbOptions& options, int threads = 1,
-                            StarAnalyzer* stars = nullptr);
+                            const RegionTable* regions = nullptr);
 
 }  // namespace anatomesh

@@ -346,15 +346,9 @@ TEST(Cut, crumbs_are_given_away) {
         }
         EXPECT_EQ(small(true), marked_before) << seed;
         if (two) {  // those between several regions
-            std::vector<CellNeighbors> across(random.mesh.cells.size());
-            for (std::size_t c = 0; c < across.size(); ++c)
-                std::copy_n(neighbors.begin() + static_cast<std::ptrdiff_t>(4 * c), 4, across[c].begin());
-            const VertexStars stars(random.mesh.cells, random.mesh.points.size());
-            const ContourOwners owners;
-            StarAnalyzer analyzer(random.mesh.cells, across, stars, random.mesh.regions,
-                                  random.registry.table(), owners);
             const auto left = small(false);
-            const CrumbStats more = give_crumbs_away(random.mesh, neighbors, marks, {most}, 1, &analyzer);
+            const CrumbStats more =
+                give_crumbs_away(random.mesh, neighbors, marks, {most}, 1, &random.registry.table());
             expect_manifold(random, 2);
             EXPECT_LE(small(false), left - static_cast<std::ptrdiff_t>(more.pieces)) << seed;
             EXPECT_EQ(small(true), marked_before) << seed;

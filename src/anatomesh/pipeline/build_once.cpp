@@ -360,19 +360,11 @@ class Builder {
     }
 
     CrumbStats give_crumbs(std::span<const std::uint8_t> given) {
-        const CrumbOptions options{crumb_share * std::pow(sample_->stats.size_mm, 3)};
-        const RegionTable& table = mesh_->registry().table();
         // Elsewhere what is between several regions is a wedge between outlines, whose cells would be no
         // better.
-        if (!contours_.overlapping)
-            return give_crumbs_away(model_.mesh, neighbors_, given, options, context_.threads);
-        std::vector<CellNeighbors> neighbors(model_.mesh.cells.size());
-        for (std::size_t c = 0; c < neighbors.size(); ++c)
-            std::copy_n(neighbors_.begin() + static_cast<std::ptrdiff_t>(4 * c), 4, neighbors[c].begin());
-        const VertexStars stars = find_stars();
-        const ContourOwners owners;  // no crumb has their vertices
-        StarAnalyzer analyzer(model_.mesh.cells, neighbors, stars, model_.mesh.regions, table, owners);
-        return give_crumbs_away(model_.mesh, neighbors_, given, options, context_.threads, &analyzer);
+        const RegionTable* table = contours_.overlapping ? &mesh_->registry().table() : nullptr;
+        return give_crumbs_away(model_.mesh, neighbors_, given,
+                                {crumb_share * std::pow(sample_->stats.size_mm, 3)}, context_.threads, table);
     }
 
     // What the Delaunay mesh does not have, by exchanging cells.
