@@ -1,7 +1,7 @@
 # make            builds build/release/anatomesh
 # make demo       models a real CT skull into demo/ (installs what is missing)
 # make test       builds and runs all tests (installs what is missing)
-# make test-random  models and judges all 2000 random solids (about forty minutes)
+# make test-random  models and judges all 2000 random solids (an hour or so)
 # make fuzz SECONDS=600   fuzzes the readers of outside files, each so long
 # make install PREFIX=/usr/local
 # make bench | format | tidy | clean | dependencies
