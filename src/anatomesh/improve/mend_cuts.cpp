@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -148,7 +149,8 @@ class Mender {
             return std::any_of(vertices.begin(), vertices.end(),
                                [&](std::uint32_t v) { return move_unless_tried(v, bounds); }) ||
                    give(c, there, bounds) || give(other, here, bounds) || flip(c, i, bounds) ||
-                   collapse(c, i, bounds) || fill(c, i, bounds);
+                   collapse(c, i, bounds) || fill(c, i, bounds) ||
+                   (count > 1 && (lift_off(c, there, bounds) || lift_off(other, here, bounds)));
         });
     }
 
@@ -430,6 +432,82 @@ class Mender {
                 ++stats_.vertices_inserted;
                 return true;
             }
+        }
+        return false;
+    }
+
+    // The surface leaves a free vertex of the cell that lies beyond a plane, on to a new vertex this side of
+    // it: the vertex's cells of the cell's region are filled from there, those at the surface for the region
+    // `to`.
+    bool lift_off(std::uint32_t c, Region to, const Bounds& bounds) {
+        const Cell cell = bench_.mesh.cell(c);
+        return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
+            return (!bench_.fixed(v) || bench_.settled(v)) &&
+                   lift_off_vertex(v, bench_.mesh.region(c), to, bounds);
+        });
+    }
+
+    bool lift_off_vertex(std::uint32_t v, Region own, Region to, const Bounds& bounds) {
+        std::vector<std::uint32_t> star, cells, round;
+        bench_.mesh.star(v, star);
+        std::copy_if(star.begin(), star.end(), std::back_inserter(cells),
+                     [&](std::uint32_t c) { return bench_.mesh.region(c) == own; });
+        std::vector<Hole::CellFacet> at_surface;
+        for (const std::uint32_t c : cells) {
+            const Cell& cell = bench_.mesh.cell(c);
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t beyond = bench_.mesh.neighbor(c, i);
+                round.push_back(cell[i]);
+                // A facet that does not have the vertex stays between what it lies between.
+                if (cell[i] == v) continue;
+                if (beyond == no_cell) return false;
+                if (bench_.mesh.region(beyond) == own) continue;
+                if (bench_.mesh.region(beyond) != to) return false;
+                at_surface.push_back({c, i});
+            }
+        }
+        if (at_surface.empty()) return false;
+        const double before = areas_.wrong(cells);
+        if (!(before > least_wrong_)) return false;
+        sort_distinct(round);
+        return areas_.any_plane_at(round, [&](std::uint32_t k) {
+            const int side = areas_.side(v, k);
+            return (side <= 0 && lift_to(1, v, k, cells, at_surface, before, bounds)) ||
+                   (side >= 0 && lift_to(-1, v, k, cells, at_surface, before, bounds));
+        });
+    }
+
+    // To a place over the plane, or, with -1, under it.
+    bool lift_to(double over, std::uint32_t v, std::uint32_t k, const std::vector<std::uint32_t>& cells,
+                 const std::vector<Hole::CellFacet>& at_surface, double before, const Bounds& bounds) {
+        const Vec3 from = bench_.mesh.point(v), normal = areas_.plane(k).normal;
+        const double depth = areas_.plane(k).signed_distance(from);
+        double edges = 0;
+        for (const std::uint32_t c : cells) {
+            for (const std::uint32_t u : bench_.mesh.cell(c)) edges += length(bench_.mesh.point(u) - from);
+        }
+        const double edge = edges / (3.0 * static_cast<double>(cells.size()));
+        const Region own = bench_.mesh.region(cells.front()),
+                     to = bench_.mesh.region(
+                         bench_.mesh.neighbor(at_surface.front().first, at_surface.front().second));
+        const double most = bench_.options.apex_mm;
+        const auto may_lie = [&](Vec3& q) {
+            bench_.look_between(own, to);
+            return over * areas_.plane(k).signed_distance(q) > 0 && bench_.probe.distance(q, most) <= most;
+        };
+        const auto enough = [&](const Bar&) { return bounds.sine; };
+        for (const double share : lifts) {
+            const Vec3 p = from + (over * share * edge - depth) * normal;
+            const auto added = static_cast<std::uint32_t>(bench_.mesh.point_count());
+            bench_.mesh.begin_attempt();
+            const bool done =
+                Hole(bench_, cells, at_surface).fill(p, normal, bounds.ratio, enough, may_lie) &&
+                areas_.wrong(bench_.changed) <= enough_less * before;
+            bench_.mesh.end_attempt(done);
+            if (!done) continue;
+            bench_.settle(added);
+            ++stats_.vertices_inserted;
+            return true;
         }
         return false;
     }

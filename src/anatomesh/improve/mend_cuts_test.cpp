@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
+#include <utility>
 
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/improve/operations.h"
@@ -378,6 +380,76 @@ TEST(MendCuts, cells_that_rest_in_a_slice_on_leaning_ones_are_lifted) {
             if (mended.regions[c] == 0) continue;
             EXPECT_GE(least_sine(at(0), at(1), at(2), at(3)), listed_sine);
             EXPECT_LT(std::count_if(v.begin(), v.end(), [&](auto u) { return mended.points[u].z == z; }), 3);
+        }
+    }
+}
+
+// A vertex under a drawn slice, which cannot rise through it, for a cell of three corners there and one
+// hardly over it would be turned inside out; nor may cells be given, for their far corners are too far from
+// the surface.
+TEST(MendCuts, the_surface_leaves_a_vertex_that_cannot_cross_a_slice) {
+    constexpr double listed_sine = 0.1736;  // of 10 degrees
+    for (const double up : {1.0, -1.0}) {
+        for (const double depth : {0.25, 0.3, 0.4}) {
+            SCOPED_TRACE(up * depth);
+            constexpr std::uint32_t pit = 6, low = 7, high = 8, wedge = 9;
+            TetMesh mesh;
+            for (int n = 0; n < 6; ++n)
+                mesh.points.push_back(
+                    {std::cos(n * std::numbers::pi / 3), std::sin(n * std::numbers::pi / 3), 0});
+            mesh.points.insert(
+                mesh.points.end(),
+                {{0, 0, -up * depth}, {0, 0, -up * 1.5}, {0, 0, up * 1.5}, {0.45, 0.26, up * 0.01}});
+            mesh.points[3].z = up * 0.1;  // the surface passes through the slice on its way there
+            const auto add = [&](Cell c, Region region) {
+                const auto at = [&](std::size_t i) { return mesh.points[c[i]]; };
+                if (orient3d(at(0), at(1), at(2), at(3)) < 0) std::swap(c[0], c[1]);
+                mesh.cells.push_back(c);
+                mesh.regions.push_back(region);
+            };
+            for (std::uint32_t n = 0; n < 6; ++n) {
+                const std::uint32_t a = n, b = (n + 1) % 6;
+                add({pit, a, b, low}, 1);
+                if (n > 0) {
+                    add({pit, a, b, high}, 0);
+                    continue;
+                }
+                add({pit, a, b, wedge}, 0);
+                add({pit, a, wedge, high}, 0);
+                add({pit, wedge, b, high}, 0);
+                add({wedge, a, b, high}, 0);
+            }
+            const RegionTable table{{{}, {0}}};
+            std::vector<std::uint32_t> neighbors = cell_neighbors(mesh.cells, mesh.points.size());
+            std::vector<std::uint8_t> fixed(mesh.points.size(), 1);
+            fixed[pit] = fixed[wedge] = 0;
+            const std::vector<std::uint32_t> slice_of(mesh.points.size(), no_slice);
+            const std::vector<Plane> planes{make_plane({}, {0, 0, 1})};
+            const std::vector<double> weights{1};
+            const ContourOwners owners({}, mesh.points.size());
+            const fixtures::AnalyticField field({[&](Vec3 p) { return up * p.z - 0.1; }}, 10);
+            EditMesh edited(std::move(mesh), neighbors);
+            DihedralOptions options;
+            options.apex_mm = 0.08;
+            Workbench bench(edited, fixed, {}, field, 1, options);
+            bench.table = &table;
+            bench.goal = 0.3;
+            const DrawnSlices slices{&table, slice_of, &owners, planes, {}, weights, 1e-9};
+            const MendStats stats = mend_cuts(bench, slices, listed_sine, {});
+            EXPECT_EQ(stats.vertices_inserted, 1u);
+            EXPECT_EQ(stats.vertices_moved + stats.cells_given + stats.edges_flipped + stats.edges_collapsed,
+                      0u);
+            std::vector<std::uint32_t> all;
+            for (std::uint32_t c = 0; c < edited.cell_count(); ++c) {
+                if (edited.alive(c)) all.push_back(c);
+            }
+            EXPECT_EQ(SectionAreas(bench, slices).wrong(all), 0);
+            const TetMesh mended = std::move(edited).take(neighbors);
+            for (std::size_t c = 0; c < mended.cells.size(); ++c) {
+                const auto at = [&](std::size_t i) { return mended.points[mended.cells[c][i]]; };
+                ASSERT_EQ(orient3d(at(0), at(1), at(2), at(3)), 1);
+                if (mended.regions[c] == 1) EXPECT_GE(least_sine(at(0), at(1), at(2), at(3)), listed_sine);
+            }
         }
     }
 }
