@@ -134,6 +134,11 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
         fmt::format("Close straight corridors up to MM wide that a contour runs through to a hole, 0 to 10 "
                     "(default {})",
                     cleaning.keyhole_mm));
+    add("--close-loops", cleaning.loop_mm2, 0, 100, "MM2",
+        fmt::format("Close loops below MM2 that a contour makes by crossing itself, up to 0.05 % of its "
+                    "area: no holes "
+                    "or islands of their own, 0 to 100 (default {}; 0: as drawn)",
+                    cleaning.loop_mm2));
     add("--max-repair", cleaning.max_repair_area_share, 0, 1, "SHARE",
         fmt::format(
             "Refuse a contour of which more than this share of the area is ambiguous, 0 to 1 (default "

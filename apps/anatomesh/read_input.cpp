@@ -472,6 +472,7 @@ std::vector<std::pair<std::string, std::string>> used_options(const InputOptions
         used.emplace_back("unite_repeated_planes", cleaning.unite_repeated_planes ? "yes" : "no");
         used.emplace_back("closing_gap_mm", number_text(cleaning.closing_gap_mm));
         used.emplace_back("plane_repair_mm", number_text(cleaning.plane_repair_mm));
+        used.emplace_back("close_loops_mm2", number_text(cleaning.loop_mm2));
         used.emplace_back("max_repair_share", number_text(cleaning.max_repair_area_share));
     }
     return used;

@@ -156,7 +156,7 @@ class WrongCommands(harness.TestCase):
         for words in (["--use", "qform"], ["--assume-orientation", "RAS"], ["--volume", "0"]):
             self.assert_refused(["info", "ball.json", *words], 2, "E-CMD-008", words[0])
         for words in (["--use", "sform"], ["--assume-orientation", "RAS"], ["--holes", "filled"], ["--max-repair", "1"],
-                      ["--closing-gap", "1"], ["--close-gaps", "1"], ["--close-slivers", "1"], ["--same-line", "0.01"], ["--plane-repair", "1"], ["--keyhole", "1"], ["--unite-repeated-planes"]):
+                      ["--closing-gap", "1"], ["--close-loops", "1"], ["--close-gaps", "1"], ["--close-slivers", "1"], ["--same-line", "0.01"], ["--plane-repair", "1"], ["--keyhole", "1"], ["--unite-repeated-planes"]):
             self.assert_refused(["contours", "labels.nrrd", "-o", "a.json", *words], 2, "E-CMD-008", words[0])
         for words in (["--frame", "RAS"], ["--holes", "filled"]):
             self.assert_refused(["check", "ball.json", *words], 2, "E-CMD-008", words[0], "--contours")

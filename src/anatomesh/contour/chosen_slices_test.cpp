@@ -2,51 +2,67 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
+#include "anatomesh/contour/cleaned_for_test.h"
+
 namespace anatomesh {
 namespace {
 
-// A triangle on each of some slices.
-ContourSet stack(std::uint32_t count) {
-    ContourSet set;
-    set.structures = {{1, "one", {}}};
-    for (std::uint32_t s = 0; s < count; ++s) {
-        const double z = s;
-        set.slices.push_back({make_plane({0, 0, z}, {0, 0, 1}), s, 1, "k = " + std::to_string(s)});
-        set.contours.push_back({0, s, 3 * s, 3});
-        set.points.insert(set.points.end(), {{0, 0, z}, {1, 0, z}, {0, 1, z}});
+using namespace fixtures;
+
+TEST(ChosenSlices, leaves_out_the_slices_that_are_named) {
+    File file, rest;
+    const Points broken{{0, 0, 20}, {10, 10, 20}, {10, 0, 20}, {0, 10, 20}};  // crosses itself
+    file.add(square(0, 0, 10, 10)).add(broken).add(square(1, 1, 10, 30));
+    rest.add(square(0, 0, 10, 10)).add(square(1, 1, 10, 30));
+    EXPECT_FALSE(clean(file).ok());
+    CleanOptions options;
+    for (const char* name : {"z = 20.0", "Z=20.0"}) {
+        options.without = {name};
+        const Cleaned cleaned = clean(file, options);
+        ASSERT_TRUE(cleaned.ok()) << cleaned.result.error().message;
+        EXPECT_TRUE(same(cleaned.kept(), clean(rest).kept()));
+        EXPECT_EQ(cleaned.result.value().log[1].rule, "dropped: slice left out");
     }
-    return set;
+    options.without = {"z = 21.0"};
+    EXPECT_EQ(clean(file, options).code(), "E-CON-010");
+    options.without = {"z = 10.0", "z = 20.0", "z = 30.0"};
+    EXPECT_EQ(clean(file, options).code(), "E-CON-011");
 }
 
-TEST(WithoutSlices, the_others_stay_as_they_are) {
-    const ContourSet set = stack(5);
-    for (std::uint32_t left_out = 0; left_out < 5; ++left_out) {
-        const std::vector<std::string> names{"K=" + std::to_string(left_out)};
-        const ContourSet part = without_slices(set, names).value();
-        ASSERT_EQ(part.slices.size(), 4u);
-        std::uint32_t slice = 0;
-        for (std::uint32_t s = 0; s < 5; ++s) {
-            if (s == left_out) continue;
-            EXPECT_EQ(part.slices[slice].name, set.slices[s].name);
-            const auto points = part.points_of(part.contours_of(part.slices[slice])[0]);
-            EXPECT_EQ(points[1], (Vec3{1, 0, static_cast<double>(s)}));
-            ++slice;
-        }
-    }
-    EXPECT_EQ(without_slices(set, {}).value().slices.size(), 5u);
+TEST(ChosenSlices, of_a_plane_that_is_given_twice_one_can_be_left_out) {
+    File file;
+    file.raw.planes = {make_plane({0, 0, 10}, {0, 0, 1}), make_plane({0, 0, 10}, {0, 0, 1}),
+                       make_plane({0, 0, 20}, {0, 0, 1})};
+    file.raw.plane_names = {"16", "17", "18"};
+    file.add(square(0, 0, 10, 10), 0, ContourKind::closed_planar, 0)
+        .add(square(4, 4, 12, 10), 0, ContourKind::closed_planar, 1)
+        .add(square(0, 0, 10, 20), 0, ContourKind::closed_planar, 2);
+    EXPECT_EQ(clean(file).code(), "E-CON-007");
+    EXPECT_NE(clean(file).result.error().next_step.find("its planes: \"16\", \"17\""), std::string::npos);
+    CleanOptions options;
+    options.without = {"17"};
+    const Cleaned first = clean(file, options);
+    ASSERT_TRUE(first.ok()) << first.result.error().message;
+    EXPECT_NEAR(first.area(), 100, 1e-9);
+    EXPECT_EQ(first.result.value().log[1].rule, "dropped: slice left out");
+    options.without = {"16"};
+    EXPECT_NEAR(clean(file, options).area(), 144, 1e-9);
+    options.without = {"16", "17"};
+    EXPECT_EQ(clean(file, options).kept().slices.size(), 1u);
 }
 
-TEST(WithoutSlices, names_that_there_are_not_and_nothing_left_are_refused) {
-    const std::vector<std::string> other{"k = 1", "k = 7"};
-    const auto unknown = without_slices(stack(3), other);
-    ASSERT_FALSE(unknown.ok());
-    EXPECT_EQ(unknown.error().code, "E-CON-010");
-    EXPECT_EQ(unknown.error().place.slice, "k = 7");
-    EXPECT_EQ(unknown.error().next_step, "there are: k = 0, k = 1, k = 2");
-    const std::vector<std::string> all{"k = 0", "k = 1", "k = 2"};
-    EXPECT_EQ(without_slices(stack(3), all).error().code, "E-CON-011");
-    const auto many = without_slices(stack(100), std::vector<std::string>{"k = 100"}).error();
-    EXPECT_LT(many.next_step.size(), 500u);
+TEST(ChosenSlices, slices_are_called_as_in_the_file_where_it_gives_no_plane) {
+    File file;
+    file.add(square(0, 0, 10, 10)).add(square(0, 0, 10, 30)).add(square(0, 20, 10, 30));
+    file.raw.contours[1].slice = "7";
+    const Cleaned cleaned = clean(file);
+    EXPECT_EQ(cleaned.kept().slices[0].name, "z = 10.0");
+    EXPECT_EQ(cleaned.kept().slices[1].name, "7");
+    CleanOptions options;
+    options.without = {"7"};
+    EXPECT_EQ(clean(file, options).kept().slices.size(), 1u);
 }
 
 }  // namespace

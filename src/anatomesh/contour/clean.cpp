@@ -291,6 +291,7 @@ class Cleaner {
                                   &options_.corridor_mm, &options_.keyhole_mm, &options_.repeat_mm,
                                   &options_.doubtful_wall_mm, &options_.separation_mm, &options_.weld_mm})
             *tolerance *= scale;
+        options_.loop_mm2 *= scale * scale;
         context_.warn({"W-CON-023",
                        "all contours together span less than 1 mm: is the file in metres or centimetres?",
                        {raw_.source, "", "", "", brief(box.diagonal()) + " mm"},
@@ -655,6 +656,7 @@ class Cleaner {
 Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context) {
     assert(options.plane_tolerance_mm >= 0 && options.plane_repair_mm >= options.plane_tolerance_mm);
     assert(options.group_tolerance_mm >= 0 && options.closing_gap_mm >= 0);
+    assert(options.loop_mm2 >= 0 && options.keyhole_mm >= 0);
     assert(options.max_repair_area_share >= 0 && options.max_repair_area_share <= 1);
     return Cleaner(raw, options, context).run();
 }

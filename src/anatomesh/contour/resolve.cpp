@@ -19,6 +19,7 @@ namespace anatomesh {
 
 namespace {
 
+constexpr double loops_of_region = 5e-4;  // of a contour's largest ring: half of what a cut may be wrong by
 constexpr double no_share = 1e-9;  // of an area: rounding of the area itself
 constexpr std::size_t most_crossings = 4'000'000;
 
@@ -65,6 +66,7 @@ class Resolver {
         ANATOMESH_CHECK_STATUS(read_fates(*combined));
         ANATOMESH_CHECK_STATUS(check_nesting_across_planes(*combined));
         rings_ = std::move(combined->rings);
+        close_loops();
         ANATOMESH_CHECK_STATUS(separate());
         return finish(RingEdges(rings_));
     }
@@ -295,6 +297,7 @@ class Resolver {
                     std::move(place), "redraw the contour, or raise the bound with --max-repair"};
             }
             note(source, "W-CON-014", "the contour crosses itself", value, "read by the even-odd rule");
+            crossing_.insert(source);
             append(reading.rule, "self-crossing, even-odd");
             reading.area_change_mm2 += fate.ambiguous_area_mm2;
             reading.repaired = true;
@@ -333,6 +336,41 @@ class Resolver {
             note(first, "W-CON-019", "the contour overlaps others of its structure: " + others,
                  brief(area) + " mm2", "united");
         }
+    }
+
+    // What a slip of the pen cut off, or drew twice, joins what is round it: the smallest loops first.
+    void close_loops() {
+        std::vector<char> closed(rings_.size(), 0);
+        for (const std::uint32_t source : crossing_) {
+            std::vector<std::pair<double, std::size_t>> loops;  // area, ring
+            for (std::size_t r = 0; r < rings_.size(); ++r) {
+                if (rings_[r].source == source) loops.emplace_back(std::abs(signed_area(rings_[r].at)), r);
+            }
+            if (loops.size() < 2) continue;
+            std::sort(loops.begin(), loops.end());
+            const double most = loops_of_region * loops.back().first;
+            loops.pop_back();
+            double area = 0;
+            std::uint32_t count = 0, points = 0;
+            for (const auto& [own, r] : loops) {
+                if (own >= options_.loop_mm2 || area + own > most) break;
+                area += own;
+                ++count;
+                points += static_cast<std::uint32_t>(rings_[r].size());
+                closed[r] = 1;
+            }
+            if (count == 0) continue;
+            note(source, "W-CON-030",
+                 count == 1 ? "a small loop where the contour crosses itself"
+                            : std::to_string(count) + " small loops where the contour crosses itself",
+                 brief(area) + " mm2", "closed: no hole or island");
+            RingReading& reading = readings_[source];
+            append(reading.rule, std::to_string(count) + (count == 1 ? " loop closed" : " loops closed"));
+            reading.area_change_mm2 += area;
+            reading.points_kept -= std::min(reading.points_kept, points);
+        }
+        std::size_t r = 0;
+        std::erase_if(rings_, [&](const Ring&) { return closed[r++] != 0; });
     }
 
     Status separate() {
@@ -392,6 +430,7 @@ class Resolver {
     const CleanOptions& options_;
     const PlaceOfSource& place_of_;
     std::map<std::uint32_t, RingReading> readings_;  // by source
+    std::set<std::uint32_t> crossing_;               // sources that cross themselves
     std::vector<RingNote> notes_;
 };
 

@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "anatomesh/contour/cleaned_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+constexpr int steps = 40;
+
+// A circle of radius 20 whose line crosses itself `count` times: in loops as wide outside of it, or inside,
+// where what they enclose is drawn round twice. Each is a triangle of 0.375 squared widths.
+Points slipped(int count, double width, bool inside) {
+    Points points;
+    for (int n = 0; n < steps; ++n) {
+        const double angle = 2 * M_PI * n / steps;
+        const Vec3 out{std::cos(angle), std::sin(angle), 0}, along{-out.y, out.x, 0};
+        const Vec3 at = 20 * out + Vec3{0, 0, 10}, aside = (inside ? -width : width) * out;
+        points.push_back(at);
+        if (n % (steps / count) != 0) continue;
+        points.push_back(at + 1.5 * width * along);
+        points.push_back(at + 0.75 * width * along + aside);
+        points.push_back(at + 0.75 * width * along - 0.3 * aside);
+    }
+    return points;
+}
+
+TEST(CloseLoops, slips_of_the_pen_are_no_holes_and_no_islands) {
+    const double area = clean(File().add(circle(0, 0, 20, steps))).area();
+    for (const bool inside : {false, true}) {
+        for (const int count : {1, 4, 8}) {
+            for (const double width : {0.02, 0.1, 0.2}) {
+                SCOPED_TRACE(std::to_string(inside) + " " + std::to_string(count) + " " +
+                             std::to_string(width));
+                const File file = File().add(slipped(count, width, inside));
+                CleanOptions as_drawn;
+                as_drawn.loop_mm2 = 0;
+                const Cleaned all = clean(file, as_drawn), closed = clean(file);
+                ASSERT_TRUE(all.ok() && closed.ok());
+                EXPECT_EQ(all.kept().contours.size(), 1u + static_cast<std::size_t>(count));
+                EXPECT_EQ(all.count("W-CON-030"), 0u);
+                EXPECT_EQ(closed.kept().contours.size(), 1u);
+                EXPECT_EQ(closed.count("W-CON-030"), 1u);
+                EXPECT_EQ(closed.count("W-CON-020"), 0u);  // nothing is left that touches
+                EXPECT_NEAR(closed.area(), area, 2e-3 * area);
+                const ContourLog& log = closed.result.value().log[0];
+                EXPECT_NE(
+                    log.rule.find(std::to_string(count) + (count == 1 ? " loop closed" : " loops closed")),
+                    std::string::npos);
+                EXPECT_GT(log.area_change_mm2, 0);
+                EXPECT_LE(log.points_kept, closed.kept().points.size());
+            }
+        }
+    }
+}
+
+TEST(CloseLoops, what_is_not_small_stays_as_drawn) {
+    // Above the bound by area, though small for the contour.
+    const File large = File().add(slipped(1, 0.6, false));
+    EXPECT_EQ(clean(large).kept().contours.size(), 2u);
+    CleanOptions wider;
+    wider.loop_mm2 = 1;
+    EXPECT_EQ(clean(large, wider).kept().contours.size(), 1u);
+    // Below it, but a part of a contour as small: all is scaled.
+    Points small = slipped(1, 1.6, false);
+    for (Vec3& p : small) p = {0.02 * p.x, 0.02 * p.y, p.z};
+    File with_scale;
+    with_scale.add(small).add(circle(50, 0, 5, 30), 1);
+    const Cleaned kept = clean(with_scale);
+    ASSERT_TRUE(kept.ok());
+    EXPECT_EQ(kept.count("W-CON-030"), 0u);
+    // Contours of their own, which cross nothing, however small.
+    const Cleaned islands =
+        clean(File().add(circle(0, 0, 20, 60)).add(circle(30, 0, 0.1, 12)).add(circle(5, 0, 0.1, 12)));
+    EXPECT_EQ(islands.kept().contours.size(), 3u);
+}
+
+}  // namespace
+}  // namespace anatomesh
