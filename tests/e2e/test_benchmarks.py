@@ -101,6 +101,21 @@ class Scripts(harness.TestCase):
         self.assertLess(abs(segments / (2 * 18 * 2 * np.pi * 9.7) - 1), 0.1)
         self.assertLessEqual(missed, 0.001 * segments)
 
+    def test_varied(self):
+        self.write("ball.json", shapes.sphere(10.0, 2.0).document())
+        page = self.page("varied")
+        self.script("varied.py", "ball.json", "--program", harness.PROGRAM, "--update", page)
+        rows = {line.split(":")[0].strip("| "): line.strip("| ").split(" | ") for line in page.read_text().splitlines() if line.startswith("| ")}
+        self.assertEqual(len(rows), 7)
+        for kind in ("turned", "mirrored", "jittered", "shifted", "thinned", "halved"):
+            models, refused, segments, missed, cuts, broken = rows[kind][1:7]
+            self.assertEqual((models, refused, missed, cuts.split()[0], broken), ("1", "0", "0", "0", "0"), rows[kind])
+            self.assertGreater(int(segments.replace(",", "")), 100)
+        whole = [int(rows[kind][3].replace(",", "")) for kind in ("turned", "mirrored", "shifted")]
+        self.assertEqual(whole, [whole[0]] * 3)
+        self.assertLess(int(rows["halved"][3].replace(",", "")), whole[0])
+        self.assertIn("kinds are", self.script("varied.py", "ball.json", "--kinds", "upside", expect=2))
+
 
 class Accuracy(harness.TestCase):
     """The tables of bench/accuracy.py, of a ball whose surface is known."""
