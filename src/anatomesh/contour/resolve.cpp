@@ -338,6 +338,22 @@ class Resolver {
         }
     }
 
+    // Vertices of a loop that were drawn: those where the contour crosses itself are in another ring of it
+    // too.
+    std::uint32_t drawn_points(std::size_t loop, std::uint32_t source) const {
+        const auto less = [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); };
+        std::vector<Vec3> elsewhere;
+        for (std::size_t r = 0; r < rings_.size(); ++r) {
+            if (r != loop && rings_[r].source == source)
+                elsewhere.insert(elsewhere.end(), rings_[r].points.begin(), rings_[r].points.end());
+        }
+        std::sort(elsewhere.begin(), elsewhere.end(), less);
+        const std::vector<Vec3>& points = rings_[loop].points;
+        return static_cast<std::uint32_t>(std::count_if(points.begin(), points.end(), [&](Vec3 p) {
+            return !std::binary_search(elsewhere.begin(), elsewhere.end(), p, less);
+        }));
+    }
+
     // What a slip of the pen cut off, or drew twice, joins what is round it: the smallest loops first.
     void close_loops() {
         std::vector<char> closed(rings_.size(), 0);
@@ -356,7 +372,7 @@ class Resolver {
                 if (own >= options_.loop_mm2 || area + own > most) break;
                 area += own;
                 ++count;
-                points += static_cast<std::uint32_t>(rings_[r].size());
+                points += drawn_points(r, source);
                 closed[r] = 1;
             }
             if (count == 0) continue;
