@@ -338,20 +338,16 @@ class Resolver {
         }
     }
 
-    // Vertices of a loop that were drawn: those where the contour crosses itself are in another ring of it
-    // too.
-    std::uint32_t drawn_points(std::size_t loop, std::uint32_t source) const {
-        const auto less = [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); };
-        std::vector<Vec3> elsewhere;
-        for (std::size_t r = 0; r < rings_.size(); ++r) {
-            if (r != loop && rings_[r].source == source)
-                elsewhere.insert(elsewhere.end(), rings_[r].points.begin(), rings_[r].points.end());
+    static bool lies_before(Vec3 a, Vec3 b) { return lexicographic_less(a, b); }
+
+    // The vertices of all rings of a contour, sorted: those where it crosses itself are there twice.
+    std::vector<Vec3> points_of(std::uint32_t source) const {
+        std::vector<Vec3> points;
+        for (const Ring& ring : rings_) {
+            if (ring.source == source) points.insert(points.end(), ring.points.begin(), ring.points.end());
         }
-        std::sort(elsewhere.begin(), elsewhere.end(), less);
-        const std::vector<Vec3>& points = rings_[loop].points;
-        return static_cast<std::uint32_t>(std::count_if(points.begin(), points.end(), [&](Vec3 p) {
-            return !std::binary_search(elsewhere.begin(), elsewhere.end(), p, less);
-        }));
+        std::sort(points.begin(), points.end(), lies_before);
+        return points;
     }
 
     // What a slip of the pen cut off, or drew twice, joins what is round it: the smallest loops first.
@@ -364,6 +360,7 @@ class Resolver {
             }
             if (loops.size() < 2) continue;
             std::sort(loops.begin(), loops.end());
+            const std::vector<Vec3> all = points_of(source);
             const double most = loops_of_region * loops.back().first;
             loops.pop_back();
             double area = 0;
@@ -372,7 +369,11 @@ class Resolver {
                 if (own >= options_.loop_mm2 || area + own > most) break;
                 area += own;
                 ++count;
-                points += drawn_points(r, source);
+                const std::vector<Vec3>& loop = rings_[r].points;
+                points += static_cast<std::uint32_t>(std::count_if(loop.begin(), loop.end(), [&](Vec3 p) {
+                    const auto [first, last] = std::equal_range(all.begin(), all.end(), p, lies_before);
+                    return last - first == 1;
+                }));
                 closed[r] = 1;
             }
             if (count == 0) continue;
