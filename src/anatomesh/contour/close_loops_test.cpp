@@ -53,7 +53,7 @@ TEST(CloseLoops, slips_of_the_pen_are_no_holes_and_no_islands) {
                 EXPECT_NE(
                     log.rule.find(std::to_string(count) + (count == 1 ? " loop closed" : " loops closed")),
                     std::string::npos);
-                EXPECT_GT(log.area_change_mm2, 0);
+                EXPECT_NEAR(log.area_change_mm2, 0.375 * width * width * count, 1e-6);
                 const std::vector<Vec3>& kept = closed.kept().points;
                 EXPECT_EQ(log.points_kept, std::count_if(kept.begin(), kept.end(), [&](Vec3 p) {
                               return std::find(file.raw.points.begin(), file.raw.points.end(), p) !=

@@ -383,7 +383,7 @@ class Resolver {
                  brief(area) + " mm2", "closed: no hole or island");
             RingReading& reading = readings_[source];
             append(reading.rule, std::to_string(count) + (count == 1 ? " loop closed" : " loops closed"));
-            reading.area_change_mm2 += area;
+            // Their area is in what is ambiguous, and counted there.
             reading.points_kept -= std::min(reading.points_kept, points);
         }
         std::size_t r = 0;
