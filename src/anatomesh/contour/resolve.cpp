@@ -251,6 +251,15 @@ class Resolver {
                 reading.repaired = true;
             }
         }
+        // What other contours have a part in is no slip of the pen alone: a hole in a loop would be turned round.
+        for (const auto& [pair, area] : combined.common_mm2) {
+            if (!(area > 0)) continue;
+            crossing_.erase(rings_[pair.first].source);
+            crossing_.erase(rings_[pair.second].source);
+        }
+        for (std::uint32_t r = 0; r < rings_.size(); ++r) {
+            if (combined.fates[r].shares_edge) crossing_.erase(rings_[r].source);
+        }
         if (!exclusive_or_) read_groups(combined);
         return Nothing{};
     }
