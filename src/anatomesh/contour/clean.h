@@ -34,9 +34,8 @@ struct CleanOptions {
     // The same of a corridor with straight sides, ten times as long as it is wide, that leads to a hole: from
     // slice to slice it would be a slit, or a new tunnel where it turns. [0, 10]
     double keyhole_mm = 0.5;
-    // Loops that a contour makes by crossing itself are no holes or islands of their own if their area is
-    // below this, and, all of one contour together, below 0.05 % of its region: slips of the pen. mm^2. [0,
-    // 100]; 0: as drawn.
+    // Loops that a contour makes by crossing itself, slips of the pen, are no holes or islands of their own:
+    // below this, and where close_loops.h says so. mm^2. [0, 100]; 0: as drawn.
     double loop_mm2 = 0.1;
     // A contour that keeps this near to another of its structure in its slice, and nearer than half of their
     // mean edge length, repeats it: the smaller is dropped. [0, 1]

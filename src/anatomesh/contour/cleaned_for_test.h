@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "anatomesh/contour/clean.h"
+#include "anatomesh/contour/same_contours_for_test.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh::fixtures {
@@ -80,21 +81,6 @@ inline Cleaned clean(const File& file, const CleanOptions& options = {}) {
     RunContext context;
     auto result = clean_contours(file.raw, options, context);
     return {std::move(result), std::move(context.warnings)};
-}
-
-inline bool same(const ContourSet& a, const ContourSet& b) {
-    if (a.points != b.points || a.contours.size() != b.contours.size() ||
-        a.slices.size() != b.slices.size()) {
-        return false;
-    }
-    for (std::size_t c = 0; c < a.contours.size(); ++c) {
-        if (a.contours[c].structure != b.contours[c].structure ||
-            a.contours[c].slice != b.contours[c].slice ||
-            a.contours[c].first_point != b.contours[c].first_point) {
-            return false;
-        }
-    }
-    return true;
 }
 
 }  // namespace anatomesh::fixtures

@@ -79,10 +79,61 @@ TEST(CloseLoops, what_is_not_small_stays_as_drawn) {
     const Cleaned kept = clean(with_scale);
     ASSERT_TRUE(kept.ok());
     EXPECT_EQ(kept.count("W-CON-030"), 0u);
+    // A small loop beside a large one.
+    Points both = slipped(4, 0.2, false);
+    const Points wide = slipped(1, 0.6, false);
+    both.erase(both.begin(), both.begin() + 4);
+    both.insert(both.begin(), wide.begin(), wide.begin() + 4);
+    EXPECT_EQ(clean(File().add(both)).kept().contours.size(), 5u);
     // Contours of their own, which cross nothing, however small.
     const Cleaned islands =
         clean(File().add(circle(0, 0, 20, 60)).add(circle(30, 0, 0.1, 12)).add(circle(5, 0, 0.1, 12)));
     EXPECT_EQ(islands.kept().contours.size(), 3u);
+}
+
+// A contour of its own in a loop, outside of the large ring or in it, keeps its meaning, and the loop stays.
+TEST(CloseLoops, what_another_contour_draws_in_a_loop_stays_what_it_is) {
+    for (const bool inside : {false, true}) {
+        SCOPED_TRACE(inside);
+        const Points drawn = slipped(1, 0.5, inside);
+        const Vec3 crossing = 0.5 * (drawn[0] + drawn[1]),
+                   middle = (1.0 / 3) * (crossing + drawn[1] + drawn[2]);
+        const File file = File().add(drawn).add(circle(middle.x, middle.y, 0.03, 8));
+        const Cleaned run = clean(file);
+        ASSERT_TRUE(run.ok());
+        EXPECT_EQ(run.count("W-CON-030"), 0u);
+        CleanOptions as_drawn;
+        as_drawn.loop_mm2 = 0;
+        EXPECT_TRUE(same(run.kept(), clean(file, as_drawn).kept()));
+        EXPECT_EQ(run.kept().contours.size(), 3u);
+        // Beside the loop it is none of the loop's business.
+        const Cleaned beside = clean(File().add(drawn).add(circle(0, 0, 0.03, 8)));
+        EXPECT_EQ(beside.kept().contours.size(), 2u);
+        EXPECT_EQ(beside.count("W-CON-030"), 1u);
+        EXPECT_LT(beside.area(), clean(File().add(drawn)).area());  // still a hole
+    }
+}
+
+// What two contours enclose together is a hole however small, whether or not one of them has a loop
+// elsewhere.
+TEST(CloseLoops, a_pocket_between_contours_is_no_loop) {
+    // An arch on the circle, 0.04 mm2 of light under it.
+    const Points arch{{-1, 19, 10},  {-0.1, 19, 10}, {-0.1, 20.2, 10}, {0.1, 20.2, 10},
+                      {0.1, 19, 10}, {1, 19, 10},    {1, 21, 10},      {-1, 21, 10}};
+    CleanOptions as_drawn;
+    as_drawn.loop_mm2 = 0;
+    const Points slip = slipped(1, 0.2, false);
+    const Cleaned plain = clean(File().add(circle(0, 0, 20, steps)).add(arch)),
+                  closed = clean(File().add(slip).add(arch)),
+                  all = clean(File().add(slip).add(arch), as_drawn);
+    ASSERT_TRUE(plain.ok() && closed.ok() && all.ok());
+    EXPECT_EQ(plain.kept().contours.size(), 2u);  // the outline of both, and the pocket
+    EXPECT_EQ(closed.kept().contours.size(), 2u);
+    EXPECT_EQ(closed.count("W-CON-030"), 1u);
+    EXPECT_EQ(all.kept().contours.size(), 3u);
+    const std::vector<Vec3>& kept = closed.kept().points;
+    const auto drawn = [&](Vec3 p) { return std::find(slip.begin(), slip.end(), p) != slip.end(); };
+    EXPECT_EQ(closed.result.value().log[0].points_kept, std::count_if(kept.begin(), kept.end(), drawn));
 }
 
 }  // namespace

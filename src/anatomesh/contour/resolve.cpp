@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "anatomesh/contour/close_loops.h"
 #include "anatomesh/contour/combine.h"
 #include "anatomesh/contour/doubled_rings.h"
 #include "anatomesh/contour/message_text.h"
@@ -19,7 +20,6 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double loops_of_region = 5e-4;  // of a contour's largest ring: half of what a cut may be wrong by
 constexpr double no_share = 1e-9;  // of an area: rounding of the area itself
 constexpr std::size_t most_crossings = 4'000'000;
 
@@ -47,8 +47,13 @@ class Resolver {
     Result<Resolved> run() {
         open_corridors();
         drop_doubled();
-        const RingEdges edges(rings_);
-        if (!several_planes() && keep_apart(edges, rings_)) {
+        RingEdges edges(rings_);
+        bool apart = keep_apart(edges, rings_);
+        if (!apart && close_loops_of_all()) {
+            edges = RingEdges(rings_);
+            apart = keep_apart(edges, rings_);
+        }
+        if (!several_planes() && apart) {
             read_nesting(nest(edges, rings_));
             return finish(edges);
         }
@@ -66,7 +71,6 @@ class Resolver {
         ANATOMESH_CHECK_STATUS(read_fates(*combined));
         ANATOMESH_CHECK_STATUS(check_nesting_across_planes(*combined));
         rings_ = std::move(combined->rings);
-        close_loops();
         ANATOMESH_CHECK_STATUS(separate());
         return finish(RingEdges(rings_));
     }
@@ -131,6 +135,29 @@ class Resolver {
         }
         std::size_t r = 0;
         std::erase_if(rings_, [&](const Ring&) { return dropped[r++] != 0; });
+    }
+
+    // Each contour by itself, so that what others do beside a loop is no part of it. Whether there was one.
+    bool close_loops_of_all() {
+        for (Ring& ring : rings_) {
+            std::optional<ClosedLoops> closed = close_loops(
+                ring, rings_, plane_, rule(), options_.max_repair_area_share, {options_.loop_mm2});
+            if (!closed) continue;
+            note(ring.source, "W-CON-030",
+                 closed->loops == 1
+                     ? "the contour crosses itself in a small loop"
+                     : "the contour crosses itself in " + std::to_string(closed->loops) + " small loops",
+                 brief(closed->area_mm2) + " mm2", "closed: no hole or island");
+            RingReading& reading = readings_[ring.source];
+            append(reading.rule,
+                   std::to_string(closed->loops) + (closed->loops == 1 ? " loop closed" : " loops closed"));
+            reading.area_change_mm2 += closed->area_mm2;
+            reading.points_kept -= closed->points_dropped;
+            reading.repaired = true;
+            crossings_[ring.source] = closed->crossings;
+            ring = std::move(closed->ring);
+        }
+        return !crossings_.empty();
     }
 
     // A hole that follows its outline everywhere: a thin wall, or the outline drawn twice? Only the user can
@@ -228,7 +255,7 @@ class Resolver {
         for (std::uint32_t r = 0; r < rings_.size(); ++r) {
             const RingFate& fate = combined.fates[r];
             RingReading& reading = readings_[rings_[r].source];
-            reading.points_kept = fate.points_kept;
+            reading.points_kept = fate.points_kept - std::min(fate.points_kept, crossings_[rings_[r].source]);
             ANATOMESH_CHECK_STATUS(read_self(r, fate, reading));
             if (exclusive_or_) {
                 append(reading.rule, "exclusive or");
@@ -250,15 +277,6 @@ class Resolver {
                      "joined along it");
                 reading.repaired = true;
             }
-        }
-        // What other contours have a part in is no slip of the pen alone: a hole in a loop would be turned round.
-        for (const auto& [pair, area] : combined.common_mm2) {
-            if (!(area > 0)) continue;
-            crossing_.erase(rings_[pair.first].source);
-            crossing_.erase(rings_[pair.second].source);
-        }
-        for (std::uint32_t r = 0; r < rings_.size(); ++r) {
-            if (combined.fates[r].shares_edge) crossing_.erase(rings_[r].source);
         }
         if (!exclusive_or_) read_groups(combined);
         return Nothing{};
@@ -306,7 +324,6 @@ class Resolver {
                     std::move(place), "redraw the contour, or raise the bound with --max-repair"};
             }
             note(source, "W-CON-014", "the contour crosses itself", value, "read by the even-odd rule");
-            crossing_.insert(source);
             append(reading.rule, "self-crossing, even-odd");
             reading.area_change_mm2 += fate.ambiguous_area_mm2;
             reading.repaired = true;
@@ -345,58 +362,6 @@ class Resolver {
             note(first, "W-CON-019", "the contour overlaps others of its structure: " + others,
                  brief(area) + " mm2", "united");
         }
-    }
-
-    static bool lies_before(Vec3 a, Vec3 b) { return lexicographic_less(a, b); }
-
-    // The vertices of all rings of a contour, sorted: those where it crosses itself are there twice.
-    std::vector<Vec3> points_of(std::uint32_t source) const {
-        std::vector<Vec3> points;
-        for (const Ring& ring : rings_) {
-            if (ring.source == source) points.insert(points.end(), ring.points.begin(), ring.points.end());
-        }
-        std::sort(points.begin(), points.end(), lies_before);
-        return points;
-    }
-
-    // What a slip of the pen cut off, or drew twice, joins what is round it: the smallest loops first.
-    void close_loops() {
-        std::vector<char> closed(rings_.size(), 0);
-        for (const std::uint32_t source : crossing_) {
-            std::vector<std::pair<double, std::size_t>> loops;  // area, ring
-            for (std::size_t r = 0; r < rings_.size(); ++r) {
-                if (rings_[r].source == source) loops.emplace_back(std::abs(signed_area(rings_[r].at)), r);
-            }
-            if (loops.size() < 2) continue;
-            std::sort(loops.begin(), loops.end());
-            const std::vector<Vec3> all = points_of(source);
-            const double most = loops_of_region * loops.back().first;
-            loops.pop_back();
-            double area = 0;
-            std::uint32_t count = 0, points = 0;
-            for (const auto& [own, r] : loops) {
-                if (own >= options_.loop_mm2 || area + own > most) break;
-                area += own;
-                ++count;
-                const std::vector<Vec3>& loop = rings_[r].points;
-                points += static_cast<std::uint32_t>(std::count_if(loop.begin(), loop.end(), [&](Vec3 p) {
-                    const auto [first, last] = std::equal_range(all.begin(), all.end(), p, lies_before);
-                    return last - first == 1;
-                }));
-                closed[r] = 1;
-            }
-            if (count == 0) continue;
-            note(source, "W-CON-030",
-                 count == 1 ? "a small loop where the contour crosses itself"
-                            : std::to_string(count) + " small loops where the contour crosses itself",
-                 brief(area) + " mm2", "closed: no hole or island");
-            RingReading& reading = readings_[source];
-            append(reading.rule, std::to_string(count) + (count == 1 ? " loop closed" : " loops closed"));
-            // Their area is in what is ambiguous, and counted there.
-            reading.points_kept -= std::min(reading.points_kept, points);
-        }
-        std::size_t r = 0;
-        std::erase_if(rings_, [&](const Ring&) { return closed[r++] != 0; });
     }
 
     Status separate() {
@@ -456,7 +421,7 @@ class Resolver {
     const CleanOptions& options_;
     const PlaceOfSource& place_of_;
     std::map<std::uint32_t, RingReading> readings_;  // by source
-    std::set<std::uint32_t> crossing_;               // sources that cross themselves
+    std::map<std::uint32_t, std::uint32_t> crossings_;  // vertices that closing loops gave a source
     std::vector<RingNote> notes_;
 };
 

@@ -13,9 +13,12 @@
 #include <vector>
 
 #include "anatomesh/contour/contour_laws_test.h"
+#include "anatomesh/contour/same_contours_for_test.h"
 
 namespace anatomesh {
 namespace {
+
+using fixtures::same;
 
 constexpr double pi = std::numbers::pi;
 
@@ -75,18 +78,6 @@ TraceOptions everything() {
     options.epsilon_mm = 0;
     options.min_area_mm2 = 0;
     return options;
-}
-
-bool same(const ContourSet& a, const ContourSet& b) {
-    if (a.points != b.points || a.contours.size() != b.contours.size()) return false;
-    for (std::size_t c = 0; c < a.contours.size(); ++c) {
-        if (a.contours[c].structure != b.contours[c].structure ||
-            a.contours[c].slice != b.contours[c].slice ||
-            a.contours[c].first_point != b.contours[c].first_point) {
-            return false;
-        }
-    }
-    return true;
 }
 
 TEST(Trace, circles_are_met_to_a_fiftieth_of_a_pixel) {
