@@ -14,7 +14,7 @@ import tempfile
 
 import numpy as np
 
-from common import SOURCE, command, count, keep, machine, run, table
+from common import add_programs, columns, command, count, machine, programs_of, run, show, table
 
 # Planes; R and distance of the vertices, mm; distance of the axis from the middle, shares of R; seeds.
 SETS = [(18, 10, 1, 0, (1, 2)), (18, 20, 1, 0.3, (1, 2)), (24, 20, 3, 0.2, (1, 2)), (36, 20, 1, 0.2, (1, 2, 3, 4)),
@@ -65,12 +65,10 @@ def measured(program, folder, path):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", type=pathlib.Path, default=SOURCE / "build/release/anatomesh")
-    parser.add_argument("--beside", type=pathlib.Path, help="another program, after the first on each set")
+    add_programs(parser)
     parser.add_argument("--sets", type=int, default=len(SETS), help="so many of the rows")
-    parser.add_argument("--update", type=pathlib.Path, metavar="PAGE", help="put the table between its markers in PAGE")
     arguments = parser.parse_args()
-    programs = [program.resolve() for program in (arguments.program, arguments.beside) if program]
+    programs = programs_of(arguments)
     how, rows = f"{machine()}{command()}", []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -86,13 +84,8 @@ def main():
                         f"{own[:, 4].mean():.2f}"]
             rows.append(row)
     head = ["planes", "R, mm; vertices, mm apart; axis from the middle", "sets", "segments"]
-    for n in range(len(programs)):
-        which = "" if len(programs) == 1 else " (first)" if n == 0 else " (beside)"
-        head += [f"missed{which}, the worst set", "s, median", "angles below 10", "above ratio 2, %"]
-    text = table(head, rows)
-    print(text)
-    if arguments.update:
-        keep(arguments.update, "about an axis", f"{how}\n{text}")
+    head += columns(programs, "missed{}, the worst set", "s, median", "angles below 10", "above ratio 2, %")
+    show(arguments, "about an axis", how, table(head, rows))
 
 
 if __name__ == "__main__":

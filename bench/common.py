@@ -109,6 +109,30 @@ def count(value):
     return f"{value:,.0f}"
 
 
+def add_programs(parser):
+    """Which program is measured, which other one beside it in turns, and the page that keeps the table."""
+    parser.add_argument("--program", type=pathlib.Path, default=SOURCE / "build/release/anatomesh")
+    parser.add_argument("--beside", type=pathlib.Path, help="another program, after the first on each input")
+    parser.add_argument("--update", type=pathlib.Path, metavar="PAGE", help="put the table between its markers in PAGE")
+
+
+def programs_of(arguments):
+    return [program.resolve() for program in (arguments.program, arguments.beside) if program]
+
+
+def columns(programs, first, *others):
+    """Heads of the columns of each program; the first one says which it is, where there are two."""
+    names = [""] if len(programs) == 1 else [" (first)", " (beside)"]
+    return [head for name in names for head in (first.format(name), *others)]
+
+
+def show(arguments, name, how, text):
+    """Prints a table, and puts it into the page if that is asked for."""
+    print(text)
+    if arguments.update:
+        keep(arguments.update, name, f"{how}\n{text}")
+
+
 def first_line(words):
     try:
         return subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout.splitlines()[0].strip()

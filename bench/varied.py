@@ -11,13 +11,12 @@ A model must not get worse because a patient lies askew. Contours are taken as t
 import argparse
 import json
 import pathlib
-import re
 import subprocess
 import tempfile
 
 import numpy as np
 
-from common import DATA, SKULL_OPTIONS, SOURCE, Failure, command, count, keep, machine, note, run, skull, table
+from common import DATA, SKULL_OPTIONS, Failure, add_programs, columns, command, count, machine, note, programs_of, run, show, skull, table
 
 KINDS = {"turned": "by any angles, and moved by up to 0.6 m", "mirrored": "and 0.7 times as large",
          "jittered": "every second point, moved by 0.12 mm (standard deviation) in its plane",
@@ -90,24 +89,22 @@ def built(program, folder, path):
     segments = sum(each["contour_segments"] for each in report["structures"])
     missed = segments - sum(each["contour_segments_on_surface"] for each in report["structures"])
     state = {each["clause"]: each["state"] for each in report["certificate"]}
-    evidence = next(each["evidence"] for each in report["certificate"] if each["clause"] == 2)
-    off, cuts = re.search(r"above 0\.1 % in ([\d,]+) of ([\d,]+) cuts", evidence).groups()
-    return [segments, missed, int(cuts.replace(",", "")), int(off.replace(",", "")), list(state.values()).count("broken"),
+    cuts = [cut for cut in report["cuts"] if cut["drawn_mm2"] > 0]
+    off = [cut for cut in cuts if cut["difference_mm2"] > 0.001 * cut["drawn_mm2"]]
+    return [segments, missed, len(cuts), len(off), list(state.values()).count("broken"),
             state[2] == "kept", state[4] == "kept", seconds]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="*", metavar="FILE", type=pathlib.Path)
-    parser.add_argument("--program", type=pathlib.Path, default=SOURCE / "build/release/anatomesh")
-    parser.add_argument("--beside", type=pathlib.Path, help="another program, after the first on each")
+    add_programs(parser)
     parser.add_argument("--kinds", default=",".join(KINDS), help="of " + ", ".join(KINDS))
-    parser.add_argument("--update", type=pathlib.Path, metavar="PAGE", help="put the table between its markers in PAGE")
     arguments = parser.parse_args()
     kinds = arguments.kinds.split(",")
     if not set(kinds) <= set(KINDS):
         parser.error(f"kinds are {', '.join(KINDS)}")
-    programs = [program.resolve() for program in (arguments.program, arguments.beside) if program]
+    programs = programs_of(arguments)
     how, found = f"{machine()}{command()}", {kind: [] for kind in kinds}
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -118,10 +115,9 @@ def main():
                 figures = [built(program, folder, path) for program in programs]
                 note(f"{kind} {source}: {figures}")
                 found[kind].append(figures)
-    head, rows = ["contours", "models", "refused", "segments"], []
-    for n in range(len(programs)):
-        which = "" if len(programs) == 1 else " (first)" if n == 0 else " (beside)"
-        head += [f"missed{which}", "cuts off by over 0.1 %", "clauses broken", "clause 2 kept", "clause 4 kept", "s"]
+    head = ["contours", "models", "refused", "segments",
+            *columns(programs, "missed{}", "cuts off by over 0.1 %", "clauses broken", "clause 2 kept", "clause 4 kept", "s")]
+    rows = []
     for kind in kinds:
         both = np.array([figures for figures in found[kind] if None not in figures], float)  # by input, program and figure
         row = [f"{kind}: {KINDS[kind]}", str(len(both)), str(len(found[kind]) - len(both))]
@@ -130,10 +126,7 @@ def main():
         for own in sums:
             row += [count(own[1]), f"{count(own[3])} of {count(own[2])}", count(own[4]), count(own[5]), count(own[6]), f"{own[7]:.0f}"]
         rows.append(row)
-    text = table(head, rows)
-    print(text)
-    if arguments.update:
-        keep(arguments.update, "varied", f"{how}\n{text}")
+    show(arguments, "varied", how, table(head, rows))
 
 
 if __name__ == "__main__":
