@@ -40,7 +40,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         skin = pathlib.Path(folder, "skin.nrrd")
         subprocess.run([given.build / "anatomesh", "segment", skull, *SKIN, "-o", skin, "--quiet"], check=True, cwd=ROOT)
-        for kind, planes in (("fan", 36), ("axis", 36), ("axis", 60), ("stacks", 60), ("freehand", 60)):
+        for kind, planes in (("fan", 36), ("axis", 4), ("axis", 6), ("axis", 12), ("axis", 36), ("axis", 60), ("stacks", 60), ("freehand", 60)):
             row(skin, "--cut", kind, "--planes", planes, *(["--header"] if kind == "fan" else []))
 
     present = [given.data / "contours" / name for name in CROSSING if (given.data / "contours" / name).exists()]

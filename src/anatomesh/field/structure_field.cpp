@@ -8,6 +8,7 @@
 #include "anatomesh/field/general_field.h"
 #include "anatomesh/field/nested_field.h"
 #include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/rotational_field.h"
 #include "anatomesh/field/swept_field.h"
 
 namespace anatomesh {
@@ -27,6 +28,8 @@ Result<std::shared_ptr<const StructureField>> make_structure_field(const Contour
     if (is_parallel(set)) return make_parallel_field(set, options, context);
     if (std::optional<Sweep> sweep = Sweep::of(set))
         return make_swept_field(std::move(*sweep), set, options, context);
+    if (std::optional<RotationalSweep> sweep = RotationalSweep::of(set))
+        return make_rotational_field(std::move(*sweep), set, options, context);
     if (const std::optional<StackAndCrossing> slices = stack_and_crossing(set))
         return make_crossed_field(set, *slices, options, context);
     return make_general_field(set, options, context);

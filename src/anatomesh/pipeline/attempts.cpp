@@ -16,6 +16,7 @@ constexpr double least_gain = 0.005;       // of the segments
 constexpr double most_tangles = 4;         // times those of the other one
 constexpr double some_bad = 1e-3;          // of cells
 constexpr double unwarned_distance = 0.5;  // in edge lengths: warned of is what is further off (W-PIP-008)
+constexpr double as_far = 1.25;            // times the other one's distance
 
 bool lacks_fewer(const TryOutcome& one, const TryOutcome& other) {
     return one.missed <= fewer_missed * other.missed && one.missed <= other.missed - least_gain;
@@ -23,7 +24,8 @@ bool lacks_fewer(const TryOutcome& one, const TryOutcome& other) {
 
 }  // namespace
 
-NextTry Attempts::next(const TryOutcome& last) {
+NextTry Attempts::next(const TryOutcome& last, const TryOutcome* kept) {
+    if (kept && last.kept_contract && has_more_contours(*kept, last)) return NextTry::none;
     const bool refused = !last.kept_contract && last.size_matters;
     const bool small = last.kept_contract && last.cells < again_below;
     const bool torn = small && last.tore_walls;
@@ -56,7 +58,7 @@ bool has_more_contours(const TryOutcome& kept, const TryOutcome& other) {
     const double times =
         other.missed < most_tangles * kept.missed ? other.missed / kept.missed : most_tangles;
     return static_cast<double>(kept.tangles) <= times * static_cast<double>(other.tangles) &&
-           kept.bad <= some_bad && kept.farthest <= std::max(unwarned_distance, other.farthest);
+           kept.bad <= some_bad && kept.farthest <= std::max(unwarned_distance, as_far * other.farthest);
 }
 
 bool is_worse(const TryOutcome& later, const TryOutcome& kept) {

@@ -12,7 +12,7 @@
 // left ill-shaped cells, it is luck which, a few in tens of thousands: it is done again with slightly shorter
 // edges first, and given up only then; at once where more than a hundredth of the cells are ill-shaped though
 // nothing forces them. One of the models so made is taken after all where the one without lacks far more
-// segments (has_more_contours()).
+// segments (has_more_contours()): then none finer is tried.
 //
 // Guarantees: at most `most_finer` finer tries, `most_same` of one size, and `most_conforming` slightly
 // shorter ones. O(1).
@@ -53,8 +53,8 @@ class Attempts {
     // `size_given`: the edge length is the user's, and stays.
     explicit Attempts(bool size_given) : size_given_(size_given) {}
 
-    // `last`: of the latest try.
-    NextTry next(const TryOutcome& last);
+    // `last`: of the latest try; `kept`: of the model kept of those before, if there is one.
+    NextTry next(const TryOutcome& last, const TryOutcome* kept = nullptr);
 
     // Of the slightly finer tries so far.
     std::size_t slightly_finer() const { return conforming_; }
@@ -67,10 +67,11 @@ class Attempts {
     std::size_t finer_ = 0, same_ = 0, conforming_ = 0;
 };
 
-// Whether a model that conformed badly has so many more of its contours than another one, which did not conform,
-// that this is worth more than what is bad in it: single ill-shaped cells, and a surface off the field's by half an
-// edge length, or as far as the other's. Not where its surfaces have more times the components and handles in all
-// than the other one lacks times the segments, or more than four times.
+// Whether a model that conformed badly has so many more of its contours than another one, which did not
+// conform, that this is worth more than what is bad in it: single ill-shaped cells, and a surface off the
+// field's by half an edge length, or a quarter further than the other's. Not where its surfaces have more
+// times the components and handles in all than the other one lacks times the segments, or more than four
+// times.
 bool has_more_contours(const TryOutcome& kept, const TryOutcome& other);
 
 // Whether of two that conformed badly the later one is worse. Of those with few bad cells it is not, for it is finer,

@@ -152,10 +152,29 @@ TEST(Attempts, ContoursAreWorthSingleBadCellsButNoHandles) {
     EXPECT_TRUE(kept(with_contours(0.09, 4, 9e-4)));
     EXPECT_FALSE(kept(with_contours(0.09, 4, 2e-3))) << "more than single bad cells";
     EXPECT_FALSE(kept(with_contours(0.09, 4, 0, 0.6))) << "a spike that a warning tells of";
+    TryOutcome far = half_the_contours;
+    far.farthest = 0.52;
+    EXPECT_TRUE(has_more_contours(with_contours(0.09, 4, 0, 0.64), far));
+    EXPECT_FALSE(has_more_contours(with_contours(0.09, 4, 0, 0.66), far))
+        << "and more than the other one has";
     TryOutcome torn_walls = with_contours(0.09, 4);
     torn_walls.tore_walls = true;
     EXPECT_FALSE(kept(torn_walls));
     EXPECT_FALSE(has_more_contours(half_the_contours, half_the_contours)) << "did not conform";
+}
+
+TEST(Attempts, WhereTheModelThatIsKeptHasMoreContoursNoFinerOneIsTried) {
+    TryOutcome other = half_the_contours;
+    other.over_bound = ill_shaped.over_bound;
+    EXPECT_EQ(Attempts(false).next(other), NextTry::finer);
+    for (const double missed : {0.0, 0.14}) {
+        const TryOutcome kept = with_contours(missed, 4);
+        EXPECT_EQ(Attempts(false).next(other, &kept), NextTry::none) << missed;
+    }
+    const TryOutcome few = with_contours(0.16, 4);
+    EXPECT_EQ(Attempts(false).next(other, &few), NextTry::finer) << "hardly more contours";
+    const TryOutcome kept = with_contours(0, 4);
+    EXPECT_EQ(Attempts(false).next(broken, &kept), NextTry::finer) << "no model to take it for";
 }
 
 TEST(Attempts, WhereNothingIsGainedTheOneThatConformedIsNotKept) {

@@ -66,7 +66,7 @@ class Tries {
             BuiltOnce built = build(observer_);
             if (!built.model.ok() && built.model.error().kind == ErrorKind::cancelled)
                 return std::move(built.model);
-            const NextTry next = attempts.next(built.outcome);
+            const NextTry next = attempts.next(built.outcome, kept_ ? &kept_->outcome : nullptr);
             if (next == NextTry::none) {
                 if (kept_ && is_in_vain(*kept_, built, attempts)) return before_it();
                 // Where planes cross, contours force cells more than those between them do.

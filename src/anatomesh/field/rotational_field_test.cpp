@@ -1,0 +1,201 @@
+// Laws of the field of slices about an axis.
+#include "anatomesh/field/rotational_field.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "anatomesh/field/general_field.h"
+#include "anatomesh/field/rotational_fixtures_for_test.h"
+#include "anatomesh/field/voxel_topology_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+constexpr double pi = std::numbers::pi;
+
+std::shared_ptr<const StructureField> field_of(const ContourSet& set) {
+    EXPECT_TRUE(RotationalSweep::of(set));
+    RunContext context;
+    return make_structure_field(set, {}, context).value();
+}
+
+Vec3 random_direction(std::mt19937& random) {
+    std::normal_distribution<double> normal;
+    return normalized({normal(random), normal(random), normal(random)});
+}
+
+// From the middle of a solid to the field's surface along a direction, by halving.
+double surface_at(const StructureField& field, Vec3 middle, Vec3 direction, double most) {
+    double in = 0, out = most;
+    for (int k = 0; k < 40; ++k) {
+        const double half = 0.5 * (in + out);
+        (field.value(0, middle + half * direction) < 0 ? in : out) = half;
+    }
+    return in;
+}
+
+// Mean distance from the true surface along rays from the middle.
+double mean_error(const StructureField& field, const Ellipsoid& solid) {
+    std::mt19937 random(3);
+    double sum = 0;
+    constexpr int rays = 2000;
+    for (int k = 0; k < rays; ++k) {
+        const Vec3 direction = random_direction(random);
+        const double truth = 1 / (1 + Ellipsoid{{}, solid.half}.level(direction));
+        sum += std::abs(surface_at(field, solid.middle, direction, 80) - truth);
+    }
+    return sum / rays;
+}
+
+TEST(RotationalField, contours_are_where_it_is_zero_and_slices_as_they_are_drawn) {
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (const int planes : {3, 5, 12, 30}) {
+        for (const double beside : {0.0, 0.2}) {
+            const Plane axis = make_plane({3, -4, 2}, {unit(random), unit(random), 2});
+            const Ellipsoid solid{{}, {30, 22, 40}};
+            const std::vector<Plane> cut =
+                beside_their_places(in_any_order(planes_about(axis, planes), random), beside, 0, random);
+            const auto field = field_of(sections_of(solid, cut, 400));
+            for (const Plane& plane : cut) {
+                for (const Vec2 q : solid.section(plane, 400)) {
+                    const Vec3 p = plane.to_space(q);
+                    ASSERT_NEAR(field->value(0, p), 0, 1e-9);
+                }
+                for (int trial = 0; trial < 200; ++trial) {
+                    const Vec3 p = plane.to_space({45 * unit(random), 45 * unit(random)});
+                    if (std::abs(solid.level(p)) < 0.005) continue;
+                    ASSERT_EQ(field->value(0, p) < 0, solid.level(p) < 0) << planes << " " << beside;
+                }
+            }
+        }
+    }
+}
+
+TEST(RotationalField, a_solid_of_revolution_comes_back_from_few_slices) {
+    const Plane axis = make_plane({5, 1, -2}, {0.3, 0.2, 1});
+    for (const int planes : {3, 4, 6, 9}) {
+        SetBuilder builder;
+        for (const Plane& plane : planes_about(axis, planes)) {
+            builder.slice(plane);
+            const Vec2 out = plane.to_plane(axis.origin + cross(plane.normal, axis.normal));
+            for (const double side : {-1.0, 1.0}) builder.ring(0, circle(side * 30 * out, 8, 80));
+        }
+        const auto field = field_of(builder.set);
+        std::mt19937 random(4);
+        std::uniform_real_distribution<double> unit(-1, 1);
+        for (int trial = 0; trial < 4000; ++trial) {
+            const double a = pi * unit(random), b = pi * unit(random);
+            for (const double off : {-0.2, 0.2}) {
+                const double radius = 30 + (8 + off) * std::cos(b);
+                const Vec3 p = axis.origin + (radius * std::cos(a)) * axis.u +
+                               (radius * std::sin(a)) * axis.v + ((8 + off) * std::sin(b)) * axis.normal;
+                ASSERT_EQ(field->value(0, p) < 0, off < 0) << planes << " " << a << " " << b;
+            }
+        }
+        EXPECT_EQ(Voxels(*field, 1.5).topology(), (Topology{1, 1, 0}));
+    }
+}
+
+TEST(RotationalField, is_nearer_to_the_truth_than_planes_in_any_position_are) {
+    const Plane axis = make_plane({4, 2, 0}, {0.1, 0.2, 1});
+    const Ellipsoid solid{{}, {30, 22, 40}};
+    for (const int planes : {3, 4, 6, 9, 13, 18}) {
+        const ContourSet set = sections_of(solid, planes_about(axis, planes), 200);
+        RunContext context;
+        const auto general = make_general_field(set, {}, context).value();
+        const double error = mean_error(*field_of(set), solid), before = mean_error(*general, solid);
+        EXPECT_LT(error, 0.8 * before) << planes << ": " << error << " " << before;
+    }
+}
+
+TEST(RotationalField, C21_a_thin_ring_that_leans_is_in_one_piece) {
+    // Of 3 mm, round an axis that leans by 40 degrees against the probe's.
+    const Plane axis = make_plane({}, {0, 0, 1});
+    const Plane ring = make_plane({}, {std::sin(40 * pi / 180), 0, std::cos(40 * pi / 180)});
+    const auto distance = [&](Vec3 p) {
+        const Vec2 across = ring.to_plane(p);
+        return length(Vec2{length(across) - 30, ring.signed_distance(p)}) - 3;
+    };
+    SetBuilder builder;
+    for (const Plane& plane : planes_about(axis, 18)) {
+        builder.slice(plane);
+        const Vec3 way = normalized(cross(plane.normal, ring.normal));
+        for (const double side : {-30.0, 30.0}) {
+            const Vec2 centre = plane.to_plane(side * way);
+            Ring contour;
+            for (Vec2 out : circle({}, 1, 48)) {
+                double in = 0, far = 20;
+                for (int k = 0; k < 50; ++k) {
+                    const double half = 0.5 * (in + far);
+                    (distance(plane.to_space(centre + half * out)) < 0 ? in : far) = half;
+                }
+                contour.push_back(centre + in * out);
+            }
+            builder.ring(0, contour);
+        }
+    }
+    EXPECT_EQ(Voxels(*field_of(builder.set), 0.8).topology(), (Topology{1, 1, 0}));
+}
+
+TEST(RotationalField, structures_that_share_a_wall_leave_no_gap_and_do_not_overlap) {
+    // The two halves of a ball, and a third round both.
+    constexpr int corners = 90;
+    const Plane axis = make_plane({}, {0, 0, 1});
+    SetBuilder builder(true);
+    for (const Plane& plane : planes_about(axis, 10)) {
+        builder.slice(plane);
+        for (const bool upper : {true, false}) {
+            Ring half;
+            for (int k = 0; k <= corners; ++k) {
+                const double angle = pi * k / corners + (upper ? 0 : pi);
+                const Vec3 side = cross(axis.normal, plane.normal);
+                half.push_back(
+                    plane.to_plane(20 * std::cos(angle) * side + 20 * std::sin(angle) * axis.normal));
+            }
+            if (area_of(half) < 0) half = reversed(half);
+            builder.ring(upper ? 0 : 1, half);
+        }
+    }
+    const auto field = field_of(builder.set);
+    ASSERT_TRUE(field->exclusive());
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    std::vector<std::uint32_t> members;
+    for (int trial = 0; trial < 20000; ++trial) {
+        const Vec3 p{21 * unit(random), 21 * unit(random), 21 * unit(random)};
+        field->members(p, members);
+        const double radius = length(p);
+        if (std::abs(radius - 20) < 0.3) continue;
+        ASSERT_EQ(members.size(), radius < 20 ? 1u : 0u) << p.x << " " << p.y << " " << p.z;
+        if (members.empty()) continue;
+        EXPECT_LE(field->value(members[0], p), 0);
+        EXPECT_GE(field->value(1 - members[0], p), 0);
+        if (std::abs(p.z) > 0.01) {
+            EXPECT_EQ(members[0], p.z > 0 ? 0u : 1u);
+        }
+    }
+}
+
+TEST(RotationalField, box_holds_what_bulges_between_the_slices) {
+    // Wide in directions that no plane runs in.
+    const Plane axis = make_plane({}, {0, 0, 1});
+    for (const int planes : {3, 4, 7}) {
+        const ContourSet set = sections_of({{}, {30, 30, 10}}, planes_about(axis, planes), 120);
+        const auto field = field_of(set);
+        const Box3 box = field->box(), own = field->box_of(0);
+        for (int k = 0; k < 720; ++k) {
+            const double angle = pi * k / 360;
+            const Vec3 p{29.5 * std::cos(angle), 29.5 * std::sin(angle), 0};
+            EXPECT_LT(field->value(0, p), 0) << planes << " " << angle;
+            EXPECT_TRUE(box.contains(p) && own.contains(p));
+        }
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh

@@ -1,0 +1,67 @@
+// RotationalSweep: slices about an axis, straightened into parallel ones.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "anatomesh/contour/contour_set.h"
+
+namespace anatomesh {
+
+// A probe that is turned about its own axis gives slices that all run through this axis (rotational scanning:
+// Fenster, Downey and Cardinal, Phys. Med. Biol. 46, 2001). Each is two half-planes, and these
+// follow one another all round as the slices of a stack do: in the coordinates (distance from the axis, way
+// along it, angle times the contours' mean distance from it) they are parallel. Each slice comes twice, the
+// second time half a turn later, from behind; both times with all its contours, so that distances go on
+// across the axis.
+//
+// Guarantees: all points of a slice's contours on a half-plane have that half-plane's z, exactly, and the x
+// and y of its frame; continuous where the half-planes are apart. Immutable.
+class RotationalSweep {
+  public:
+    // Nothing unless there are three slices or more; no two neighbours lean by more than 90 degrees against
+    // each other, nor by more than 2.5 times the median; and their planes run by the line nearest to all of
+    // them so closely that neighbours cross each other within half the contours' mean distance from it only.
+    // Requires: a contour. Complexity: O(points + slices log slices).
+    static std::optional<RotationalSweep> of(const ContourSet& set);
+
+    double radius(Vec3 p) const;  // distance from the axis
+
+    // Where neighbours are at least half as far apart as their angle says.
+    double apart_from() const { return apart_from_; }
+
+    // Between neighbours, the median. Radians.
+    double angle() const { return median_angle_; }
+
+    // Requires, for what is guaranteed: radius(p) >= apart_from(). Complexity: logarithmic in the slices.
+    Vec3 straight(Vec3 p) const;
+
+    // The set in straight coordinates: its slices all round, and some of them again before and after.
+    ContourSet straight(const ContourSet& set) const;
+
+    // A box that holds every point whose straight coordinates lie within `reach` of those of contours in
+    // `box`. Requires: `box` holds the contours.
+    Box3 around(const Box3& box, double reach) const;
+
+  private:
+    struct HalfPlane {
+        Plane plane;          // u away from the axis, v along it, the normal towards the next one
+        double low, high;     // of its slice's points, along the normal
+        double angle;         // from that of the first, [0, 2 pi)
+        std::uint32_t slice;  // of the set
+        bool behind;          // its normal is opposite to the slice's
+    };
+
+    void add_half_planes(const ContourSet& set, std::uint32_t s);
+    bool put_in_order();
+    double angle_of(Vec3 p) const;
+    double height(std::ptrdiff_t place) const;  // straight; before and after the first turn too
+
+    Vec3 origin_, direction_;             // of the axis
+    std::vector<HalfPlane> half_planes_;  // by angle
+    double mean_radius_ = 0, apart_from_ = 0;
+    double least_angle_ = 0, median_angle_ = 0, widest_angle_ = 0;
+};
+
+}  // namespace anatomesh

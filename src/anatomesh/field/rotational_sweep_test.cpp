@@ -1,0 +1,173 @@
+// Laws of slices about an axis, on families of axes and of planes that run through them or beside them.
+#include "anatomesh/field/rotational_sweep.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "anatomesh/field/rotational_fixtures_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+constexpr double pi = std::numbers::pi;
+
+struct Scan {
+    Plane axis;  // the normal of this frame
+    ContourSet set;
+};
+
+std::vector<Scan> scans() {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    std::vector<Scan> made;
+    for (const int planes : {3, 4, 7, 12, 18, 45}) {
+        const Plane axis = make_plane({10 * unit(random), 10 * unit(random), 10 * unit(random)},
+                                      {unit(random), unit(random), 2 + unit(random)});
+        const Ellipsoid solid{axis.origin + Vec3{4 * unit(random), 4 * unit(random), 0}, {30, 22, 40}};
+        made.push_back({axis, sections_of(solid, in_any_order(planes_about(axis, planes), random), 60)});
+    }
+    return made;
+}
+
+double signed_area(const ContourSet& set, const Contour& contour) {
+    const Plane& plane = set.slices[contour.slice].plane;
+    Ring ring;
+    for (const Vec3& p : set.points_of(contour)) ring.push_back(plane.to_plane(p));
+    return area_of(ring);
+}
+
+TEST(RotationalSweep, every_half_plane_gets_a_height_of_its_own_and_keeps_its_shape) {
+    for (const auto& [axis, set] : scans()) {
+        const auto sweep = RotationalSweep::of(set);
+        ASSERT_TRUE(sweep);
+        const ContourSet straight = sweep->straight(set);
+        EXPECT_GE(straight.slices.size(), 2 * set.slices.size());
+        for (std::size_t s = 0; s < straight.slices.size(); ++s) {
+            const double height = straight.slices[s].plane.origin.z;
+            if (s > 0) {
+                EXPECT_GT(height, straight.slices[s - 1].plane.origin.z);
+            }
+            for (const Contour& contour : straight.contours_of(straight.slices[s])) {
+                EXPECT_EQ(contour.slice, s);
+                for (const Vec3& p : straight.points_of(contour)) ASSERT_EQ(p.z, height);
+                // One contour a slice: the same area, on the same side.
+                const double area = signed_area(straight, contour);
+                EXPECT_TRUE(std::any_of(set.contours.begin(), set.contours.end(), [&](const Contour& drawn) {
+                    return std::abs(signed_area(set, drawn) - area) < 1e-9 * area;
+                }));
+            }
+        }
+    }
+}
+
+TEST(RotationalSweep, points_of_contours_come_where_their_contours_are) {
+    for (const auto& [axis, set] : scans()) {
+        const auto sweep = RotationalSweep::of(set);
+        ASSERT_TRUE(sweep);
+        const ContourSet straight = sweep->straight(set);
+        for (const Vec3& p : set.points) {
+            const Vec3 q = sweep->straight(p);
+            EXPECT_GE(q.x, 0);
+            ASSERT_EQ(std::count(straight.points.begin(), straight.points.end(), q), 1);
+        }
+    }
+}
+
+TEST(RotationalSweep, straight_coordinates_are_cylindrical_about_one_axis) {
+    std::mt19937 random(6);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (const auto& [axis, set] : scans()) {
+        const auto sweep = RotationalSweep::of(set);
+        ASSERT_TRUE(sweep);
+        EXPECT_LT(sweep->apart_from(), 1e-9);
+        EXPECT_NEAR(sweep->angle(), pi / static_cast<double>(set.slices.size()), 1e-9);
+        const double along =
+            sweep->straight(axis.origin + axis.normal + axis.u).y - sweep->straight(axis.origin + axis.u).y;
+        EXPECT_NEAR(std::abs(along), 1, 1e-9);
+        for (int trial = 0; trial < 50; ++trial) {
+            const double radius = 20 + 19 * unit(random), start = pi * unit(random), z = 30 * unit(random);
+            const auto at = [&](double angle) {
+                return sweep->straight(axis.origin + z * axis.normal + radius * std::cos(angle) * axis.u +
+                                       radius * std::sin(angle) * axis.v);
+            };
+            const double y = at(start).y;
+            int back = 0;  // where the turn begins again
+            for (int step = 0; step < 72; ++step) {
+                const Vec3 from = at(start + step * pi / 36), to = at(start + (step + 1) * pi / 36);
+                EXPECT_NEAR(from.x, radius, 1e-9);
+                EXPECT_NEAR(from.y, y, 1e-9);
+                EXPECT_NE(from.z, to.z);
+                back += (to.z < from.z) == (along > 0);
+            }
+            EXPECT_TRUE(back == 1 || back == 71) << back;
+        }
+    }
+}
+
+TEST(RotationalSweep, slices_that_do_not_follow_each_other_all_round_are_none) {
+    const Plane axis = make_plane({1, 2, 3}, {0.2, -0.1, 1});
+    const Ellipsoid solid{{}, {30, 22, 40}};
+    const auto is_sweep = [&](const std::vector<Plane>& planes) {
+        return RotationalSweep::of(sections_of(solid, planes, 60)).has_value();
+    };
+    const std::vector<Plane> all = planes_about(axis, 12);
+    EXPECT_TRUE(is_sweep(all));
+    EXPECT_FALSE(is_sweep({all[0], all[6]}));
+    std::vector<Plane> some = all;
+    some.erase(some.begin() + 4);
+    EXPECT_TRUE(is_sweep(some));  // one missing
+    some.erase(some.begin() + 4);
+    EXPECT_FALSE(is_sweep(some));                            // two beside each other
+    EXPECT_FALSE(is_sweep({all.begin(), all.begin() + 7}));  // a fan
+    std::vector<Plane> stacks;
+    for (double h = -15; h <= 15; h += 5) {
+        stacks.push_back(make_plane({0, 0, h}, {0, 0, 1}));
+        EXPECT_EQ(is_sweep(stacks), false);
+    }
+    for (double h = -15; h <= 15; h += 5) stacks.push_back(make_plane({h, 0, 0}, {1, 0, 0}));
+    EXPECT_FALSE(is_sweep(stacks));
+    std::vector<Plane> across = all;
+    across.push_back(make_plane(axis.origin, axis.normal));
+    EXPECT_FALSE(is_sweep(across));
+    std::mt19937 random(8);
+    EXPECT_FALSE(is_sweep(beside_their_places(all, 4, 0, random)));
+}
+
+TEST(RotationalSweep, planes_that_run_beside_the_axis_are_one_from_where_they_are_apart) {
+    std::mt19937 random(9);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    const Plane axis = make_plane({1, 2, 3}, {0.2, -0.1, 1});
+    for (const int planes : {4, 8, 12, 20}) {
+        const double beside = 1.0 / planes;
+        const ContourSet set =
+            sections_of({{}, {30, 22, 40}},
+                        beside_their_places(in_any_order(planes_about(axis, planes), random), beside,
+                                            beside / 40, random),
+                        90);
+        const auto sweep = RotationalSweep::of(set);
+        ASSERT_TRUE(sweep) << planes;
+        EXPECT_GT(sweep->apart_from(), beside);
+        const ContourSet straight = sweep->straight(set);
+        for (const Contour& contour : set.contours) {
+            const Plane& plane = set.slices[contour.slice].plane;
+            for (const Vec3& p : set.points_of(contour)) {
+                if (sweep->radius(p) < sweep->apart_from()) continue;
+                const Vec3 q = sweep->straight(p);
+                ASSERT_EQ(std::count(straight.points.begin(), straight.points.end(), q), 1);
+                // The same from both sides, but where the turn begins.
+                const Vec3 before = sweep->straight(p - 1e-7 * plane.normal),
+                           after = sweep->straight(p + 1e-7 * plane.normal);
+                if (std::abs(before.z - after.z) > 1) continue;
+                EXPECT_LT(length(before - q), 1e-5);
+                EXPECT_LT(length(after - q), 1e-5);
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh
