@@ -13,8 +13,8 @@ namespace anatomesh {
 namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
-constexpr std::size_t fewest_slices = 3;
-constexpr double most_angle = turn / 4, most_of_median = 2.5;  // between neighbours
+constexpr std::size_t fewest_slices = 2;
+constexpr double most_angle = turn * 110 / 360, most_of_median = 2.5;  // between neighbours
 constexpr double least_angle = 1e-3;                           // less is one plane
 constexpr double most_crossing = 0.5;   // of the mean radius: up to there neighbours may cross
 constexpr std::ptrdiff_t repeated = 4;  // half-planes before the first turn and after it

@@ -20,7 +20,7 @@ namespace anatomesh {
 // and y of its frame; continuous where the half-planes are apart. Immutable.
 class RotationalSweep {
   public:
-    // Nothing unless there are three slices or more; no two neighbours lean by more than 90 degrees against
+    // Nothing unless there are two slices or more; no two neighbours lean by more than 110 degrees against
     // each other, nor by more than 2.5 times the median; and their planes run by the line nearest to all of
     // them so closely that neighbours cross each other within half the contours' mean distance from it only.
     // Requires: a contour. Complexity: O(points + slices log slices).

@@ -24,7 +24,7 @@ std::vector<Scan> scans() {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> unit(-1, 1);
     std::vector<Scan> made;
-    for (const int planes : {3, 4, 7, 12, 18, 45}) {
+    for (const int planes : {2, 3, 4, 7, 12, 18, 45}) {
         const Plane axis = make_plane({10 * unit(random), 10 * unit(random), 10 * unit(random)},
                                       {unit(random), unit(random), 2 + unit(random)});
         const Ellipsoid solid{axis.origin + Vec3{4 * unit(random), 4 * unit(random), 0}, {30, 22, 40}};
@@ -116,7 +116,10 @@ TEST(RotationalSweep, slices_that_do_not_follow_each_other_all_round_are_none) {
     };
     const std::vector<Plane> all = planes_about(axis, 12);
     EXPECT_TRUE(is_sweep(all));
-    EXPECT_FALSE(is_sweep({all[0], all[6]}));
+    EXPECT_TRUE(is_sweep({all[0], all[6]}));
+    EXPECT_TRUE(is_sweep({all[0], all[5]}));
+    EXPECT_FALSE(is_sweep({all[0], all[4]}));  // 120 degrees from the one to the other, from behind
+    EXPECT_FALSE(is_sweep({all[0]}));
     std::vector<Plane> some = all;
     some.erase(some.begin() + 4);
     EXPECT_TRUE(is_sweep(some));  // one missing
