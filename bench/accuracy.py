@@ -40,7 +40,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         skin = pathlib.Path(folder, "skin.nrrd")
         subprocess.run([given.build / "anatomesh", "segment", skull, *SKIN, "-o", skin, "--quiet"], check=True, cwd=ROOT)
-        for kind, planes in (("fan", 36), ("axis", 4), ("axis", 6), ("axis", 12), ("axis", 36), ("axis", 60), ("stacks", 60), ("freehand", 60)):
+        about_axis = [("axis", planes) for planes in (3, 6, 12, 18, 36, 60)]
+        for kind, planes in (("fan", 36), *about_axis, ("stacks", 60), ("freehand", 60)):
             row(skin, "--cut", kind, "--planes", planes, *(["--header"] if kind == "fan" else []))
 
     present = [given.data / "contours" / name for name in CROSSING if (given.data / "contours" / name).exists()]
