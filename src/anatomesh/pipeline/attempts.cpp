@@ -61,6 +61,11 @@ bool has_more_contours(const TryOutcome& kept, const TryOutcome& other) {
            kept.bad <= some_bad && kept.farthest <= std::max(unwarned_distance, as_far * other.farthest);
 }
 
+bool is_hardly_bad(const TryOutcome& kept) {
+    return kept.conformed_badly && !kept.tore_walls && kept.bad <= Attempts::few_bad &&
+           (!kept.astray || kept.farthest <= unwarned_distance);
+}
+
 bool is_worse(const TryOutcome& later, const TryOutcome& kept) {
     if (later.astray != kept.astray) return later.astray;
     if (later.astray) {

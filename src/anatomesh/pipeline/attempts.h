@@ -74,6 +74,11 @@ class Attempts {
 // times.
 bool has_more_contours(const TryOutcome& kept, const TryOutcome& other);
 
+// Whether a model that conformed badly is hardly bad: with few bad cells, no torn walls, and a surface off
+// the field's by half an edge length at most. One that does not conform lacks a tenth of the segments and
+// more where planes are dense, and takes several tries: none is made for this.
+bool is_hardly_bad(const TryOutcome& kept);
+
 // Whether of two that conformed badly the later one is worse. Of those with few bad cells it is not, for it is finer,
 // unless both go astray and it alone by more than half an edge length, or both or none so far and the first has more
 // contours, or as many and fewer components and handles.

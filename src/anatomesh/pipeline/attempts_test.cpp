@@ -177,6 +177,24 @@ TEST(Attempts, WhereTheModelThatIsKeptHasMoreContoursNoFinerOneIsTried) {
     EXPECT_EQ(Attempts(false).next(broken, &kept), NextTry::finer) << "no model to take it for";
 }
 
+TEST(Attempts, WhatIsHardlyBadIsNotTriedWithoutItsContours) {
+    for (const bool astray : {false, true}) {
+        TryOutcome kept = with_contours(0.01, 4, 1e-4, 0.5);
+        kept.astray = astray;
+        EXPECT_TRUE(is_hardly_bad(kept));
+        TryOutcome worse = kept;
+        worse.bad = 2e-4;
+        EXPECT_FALSE(is_hardly_bad(worse));
+        worse = kept;
+        worse.tore_walls = true;
+        EXPECT_FALSE(is_hardly_bad(worse));
+        worse = kept;
+        worse.farthest = 0.51;
+        EXPECT_EQ(is_hardly_bad(worse), !astray) << "a spike that a warning tells of";
+    }
+    EXPECT_FALSE(is_hardly_bad(good)) << "nothing is bad";
+}
+
 TEST(Attempts, WhereNothingIsGainedTheOneThatConformedIsNotKept) {
     for (const double missed : {0.0, 0.0001, 0.004}) {
         TryOutcome other = half_the_contours;

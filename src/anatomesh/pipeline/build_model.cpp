@@ -74,9 +74,7 @@ class Tries {
                 return evened(std::move(built));
             }
             const Warning again = prepare(next, attempts.slightly_finer(), std::move(built));
-            if (!trial_.may_conform && kept_ && kept_->outcome.conformed_badly && !kept_->outcome.astray &&
-                !kept_->outcome.tore_walls && kept_->outcome.bad <= Attempts::few_bad)
-                return conforming_one();
+            if (!trial_.may_conform && kept_ && is_hardly_bad(kept_->outcome)) return conforming_one();
             context_.warn(again);
         }
     }
