@@ -76,28 +76,48 @@ TEST(RotationalField, C27_contours_are_where_it_is_zero_and_slices_as_they_are_d
     }
 }
 
+// A ring about an axis, on planes that show both of its sides, or that beside which they were drawn.
+ContourSet ring_about(const Plane& axis, const std::vector<Plane>& planes, bool both_sides) {
+    SetBuilder builder;
+    for (const Plane& plane : planes) {
+        builder.slice(plane);
+        const Vec2 out = plane.to_plane(axis.origin + cross(plane.normal, axis.normal));
+        builder.ring(0, circle(30 * out, 8, 80));
+        if (both_sides) builder.ring(0, circle(-30 * out, 8, 80));
+    }
+    return builder.set;
+}
+
+void expect_ring(const StructureField& field, const Plane& axis) {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    for (int trial = 0; trial < 4000; ++trial) {
+        const double a = pi * unit(random), b = pi * unit(random);
+        for (const double off : {-0.2, 0.2}) {
+            const double radius = 30 + (8 + off) * std::cos(b);
+            const Vec3 p = axis.origin + (radius * std::cos(a)) * axis.u + (radius * std::sin(a)) * axis.v +
+                           ((8 + off) * std::sin(b)) * axis.normal;
+            ASSERT_EQ(field.value(0, p) < 0, off < 0) << a << " " << b;
+        }
+    }
+    EXPECT_EQ(Voxels(field, 1.5).topology(), (Topology{1, 1, 0}));
+}
+
 TEST(RotationalField, C27_C30_a_solid_of_revolution_comes_back_from_few_slices) {
     const Plane axis = make_plane({5, 1, -2}, {0.3, 0.2, 1});
     for (const int planes : {2, 3, 4, 6, 9}) {
-        SetBuilder builder;
-        for (const Plane& plane : planes_about(axis, planes)) {
-            builder.slice(plane);
-            const Vec2 out = plane.to_plane(axis.origin + cross(plane.normal, axis.normal));
-            for (const double side : {-1.0, 1.0}) builder.ring(0, circle(side * 30 * out, 8, 80));
-        }
-        const auto field = field_of(builder.set);
-        std::mt19937 random(4);
-        std::uniform_real_distribution<double> unit(-1, 1);
-        for (int trial = 0; trial < 4000; ++trial) {
-            const double a = pi * unit(random), b = pi * unit(random);
-            for (const double off : {-0.2, 0.2}) {
-                const double radius = 30 + (8 + off) * std::cos(b);
-                const Vec3 p = axis.origin + (radius * std::cos(a)) * axis.u +
-                               (radius * std::sin(a)) * axis.v + ((8 + off) * std::sin(b)) * axis.normal;
-                ASSERT_EQ(field->value(0, p) < 0, off < 0) << planes << " " << a << " " << b;
-            }
-        }
-        EXPECT_EQ(Voxels(*field, 1.5).topology(), (Topology{1, 1, 0}));
+        SCOPED_TRACE(planes);
+        expect_ring(*field_of(ring_about(axis, planes_about(axis, planes), true)), axis);
+    }
+}
+
+TEST(RotationalField, C27_slices_that_are_drawn_on_one_side_of_the_axis_say_nothing_of_the_other) {
+    const Plane axis = make_plane({5, 1, -2}, {0.3, 0.2, 1});
+    for (const int planes : {5, 7, 9, 15}) {  // an odd number: no two of them in one plane
+        SCOPED_TRACE(planes);
+        std::vector<Plane> all_round;
+        for (int k = 0; k < planes; ++k) all_round.push_back(plane_about(axis, 2 * pi * k / planes));
+        expect_ring(*field_of(ring_about(axis, all_round, false)), axis);
     }
 }
 

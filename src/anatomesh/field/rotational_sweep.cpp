@@ -17,6 +17,8 @@ constexpr std::size_t fewest_slices = 2;
 constexpr double most_angle = turn * 110 / 360, most_of_median = 2.5;  // between neighbours
 constexpr double least_angle = 1e-3;                           // less is one plane
 constexpr double most_crossing = 0.5;   // of the mean radius: up to there neighbours may cross
+constexpr double least_reach = 0.25;    // of half-planes, of the median one
+constexpr double rounding = 1e-6;       // of the mean radius
 constexpr std::ptrdiff_t repeated = 4;  // half-planes before the first turn and after it
 
 // The point nearest to all planes, in the sense of least squares, across `direction` from `near`.
@@ -60,7 +62,7 @@ std::optional<RotationalSweep> RotationalSweep::of(const ContourSet& set) {
         }
         sweep.add_half_planes(set, s);
     }
-    if (!sweep.put_in_order()) return std::nullopt;
+    if (!sweep.leave_out_empty() || !sweep.put_in_order()) return std::nullopt;
     sweep.apart_from_ = 4 * beside / sweep.least_angle_;
     if (!(sweep.apart_from_ <= most_crossing * sweep.mean_radius_)) return std::nullopt;
     return sweep;
@@ -69,7 +71,7 @@ std::optional<RotationalSweep> RotationalSweep::of(const ContourSet& set) {
 void RotationalSweep::add_half_planes(const ContourSet& set, std::uint32_t s) {
     const Plane& drawn = set.slices[s].plane;
     for (const bool behind : {false, true}) {
-        HalfPlane half{{}, 0, 0, 0, s, behind};
+        HalfPlane half{{}, 0, 0, 0, s, behind, 0};
         half.plane.normal = behind ? -1.0 * drawn.normal : drawn.normal;
         half.plane.origin = origin_ - drawn.signed_distance(origin_) * drawn.normal;
         half.plane.v = normalized(direction_ - dot(direction_, drawn.normal) * drawn.normal);
@@ -79,10 +81,23 @@ void RotationalSweep::add_half_planes(const ContourSet& set, std::uint32_t s) {
             for (const Vec3& p : set.points_of(contour)) {
                 half.low = std::min(half.low, half.plane.signed_distance(p));
                 half.high = std::max(half.high, half.plane.signed_distance(p));
+                half.reach = std::max(half.reach, half.plane.to_plane(p).x);
             }
         }
         half_planes_.push_back(half);
     }
+}
+
+// Half-planes on which nothing is drawn. Returns whether all others are drawn far out: one with little on it
+// may be half of a slice that was drawn on its other half alone, and tell nothing of what is further out.
+bool RotationalSweep::leave_out_empty() {
+    const double nothing = rounding * mean_radius_;
+    std::erase_if(half_planes_, [&](const HalfPlane& half) { return half.reach <= nothing; });
+    if (half_planes_.empty()) return false;
+    std::vector<double> reaches;
+    for (const HalfPlane& half : half_planes_) reaches.push_back(half.reach);
+    std::sort(reaches.begin(), reaches.end());
+    return reaches.front() >= least_reach * reaches[reaches.size() / 2];
 }
 
 double RotationalSweep::angle_of(Vec3 p) const {

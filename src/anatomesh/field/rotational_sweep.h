@@ -10,19 +10,20 @@
 namespace anatomesh {
 
 // A probe that is turned about its own axis gives slices that all run through this axis (rotational scanning:
-// Fenster, Downey and Cardinal, Phys. Med. Biol. 46, 2001). Each is two half-planes, and these
-// follow one another all round as the slices of a stack do: in the coordinates (distance from the axis, way
-// along it, angle times the contours' mean distance from it) they are parallel. Each slice comes twice, the
-// second time half a turn later, from behind; both times with all its contours, so that distances go on
-// across the axis.
+// Fenster, Downey and Cardinal, Phys. Med. Biol. 46, 2001). Each is two half-planes, and these follow one
+// another all round as the slices of a stack do: in the coordinates (distance from the axis, way along it,
+// angle times the contours' mean distance from it) they are parallel. Each slice comes twice, the second time
+// half a turn later, from behind; both times with all its contours, so that distances go on across the axis.
+// A half-plane on which nothing is drawn says nothing, and is left out.
 //
 // Guarantees: all points of a slice's contours on a half-plane have that half-plane's z, exactly, and the x
 // and y of its frame; continuous where the half-planes are apart. Immutable.
 class RotationalSweep {
   public:
-    // Nothing unless there are two slices or more; no two neighbours lean by more than 110 degrees against
-    // each other, nor by more than 2.5 times the median; and their planes run by the line nearest to all of
-    // them so closely that neighbours cross each other within half the contours' mean distance from it only.
+    // Nothing unless there are two slices or more; what is drawn on half-planes reaches a quarter as far out
+    // on each as in the median, or nowhere; no two neighbours lean by more than 110 degrees against each
+    // other, nor by more than 2.5 times the median; and their planes run by the line nearest to all of them
+    // so closely that neighbours cross each other within half the contours' mean distance from it only.
     // Requires: a contour. Complexity: O(points + slices log slices).
     static std::optional<RotationalSweep> of(const ContourSet& set);
 
@@ -51,9 +52,11 @@ class RotationalSweep {
         double angle;         // from that of the first, [0, 2 pi)
         std::uint32_t slice;  // of the set
         bool behind;          // its normal is opposite to the slice's
+        double reach;         // of its slice's points, along u
     };
 
     void add_half_planes(const ContourSet& set, std::uint32_t s);
+    bool leave_out_empty();
     bool put_in_order();
     double angle_of(Vec3 p) const;
     double height(std::ptrdiff_t place) const;  // straight; before and after the first turn too

@@ -140,6 +140,19 @@ TEST(RotationalSweep, slices_that_do_not_follow_each_other_all_round_are_none) {
     EXPECT_FALSE(is_sweep(beside_their_places(all, 4, 0, random)));
 }
 
+TEST(RotationalSweep, half_planes_on_which_next_to_nothing_is_drawn_leave_it_open) {
+    const Plane axis = make_plane({}, {0, 0, 1});
+    // How far the axis lies inside an outline of 20 mm round.
+    const auto is_sweep = [&](double inside) {
+        const Ellipsoid solid{{20 - inside, 0, 0}, {20, 20, 20}};
+        return RotationalSweep::of(sections_of(solid, planes_about(axis, 12), 90)).has_value();
+    };
+    EXPECT_TRUE(is_sweep(20));
+    EXPECT_TRUE(is_sweep(12));
+    EXPECT_FALSE(is_sweep(2));
+    EXPECT_FALSE(is_sweep(-2)) << "they show it on one side";
+}
+
 TEST(RotationalSweep, planes_that_run_beside_the_axis_are_one_from_where_they_are_apart) {
     std::mt19937 random(9);
     std::uniform_real_distribution<double> unit(-1, 1);
