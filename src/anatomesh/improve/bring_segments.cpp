@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/improve/cell_judge.h"
 #include "anatomesh/improve/section_areas.h"
 #include "anatomesh/improve/sides_at.h"
 #include "anatomesh/improve/surface_sheets.h"
 #include "anatomesh/improve/thicken_sheet.h"
-#include "anatomesh/mesh/cell_shape.h"
 
 namespace anatomesh {
 
@@ -41,10 +41,9 @@ class Bringer {
             const ImproveCells& improve)
         : bench_(bench),
           owners_(*drawn.owners),
-          drawn_(drawn),
           sides_(bench),
+          judge_(bench, drawn, least_sine),
           most_more_share_(most_more),
-          least_sine_(least_sine),
           improve_(improve) {
         if (!drawn.planes.empty()) areas_.emplace(bench, drawn);
     }
@@ -62,7 +61,7 @@ class Bringer {
         std::erase_if(all,
                       [&](std::uint32_t c) { return !bench_.mesh.alive(c) || bench_.mesh.region(c) == 0; });
         most_more_ = static_cast<std::size_t>(most_more_share_ * static_cast<double>(all.size()));
-        above_bound_ = those_above_bound(std::move(all));
+        above_bound_ = judge_.those_above_bound(std::move(all));
         for (int round = 0; round < rounds && !chains.empty(); ++round) {
             const std::size_t before = chains.size();
             std::erase_if(chains, [&](TriedChain& chain) {
@@ -120,9 +119,9 @@ class Bringer {
         const std::size_t improved_before = improved_,
                           most_here = most_more_ > 0 ? most_improved_at_last : most_improved;
         for (const Sheet& sheet : sheets) {
-            for (const bool wide : {true, false}) {
+            for (const SheetReach reach : {SheetReach::wide, SheetReach::joined}) {
                 for (const double thickness : thicknesses) {
-                    const Outcome outcome = attempt(chain, sheet, own, wide, thickness, most_more);
+                    const Outcome outcome = attempt(chain, sheet, own, reach, thickness, most_more);
                     ++tried_;
                     if (outcome == Outcome::done) return true;
                     if (outcome == Outcome::unsound) break;
@@ -134,12 +133,12 @@ class Bringer {
         return false;
     }
 
-    Outcome attempt(const Chain& chain, const Sheet& sheet, Region own, bool wide, double thickness,
+    Outcome attempt(const Chain& chain, const Sheet& sheet, Region own, SheetReach reach, double thickness,
                     std::size_t most_more) {
         const DihedralStats stats = bench_.stats;
         bench_.mesh.begin_attempt();
         std::optional<ThickenedSheet> made =
-            thicken_sheet(bench_, owners_, chain, sheet, own, wide, thickness, areas_ ? &*areas_ : nullptr);
+            thicken_sheet(bench_, owners_, chain, sheet, own, reach, thickness, areas_ ? &*areas_ : nullptr);
         if (!made || made->wrong_of_cuts > most_of_cuts) {
             bench_.mesh.end_attempt(false);
             return made ? Outcome::bad_cut : Outcome::unsound;
@@ -155,11 +154,11 @@ class Bringer {
         std::vector<std::uint32_t> above_bound = above_bound_;
         above_bound.insert(above_bound.end(), changed.begin(), changed.end());
         sort_distinct(above_bound);
-        above_bound = those_above_bound(std::move(above_bound));
+        above_bound = judge_.those_above_bound(std::move(above_bound));
         const std::size_t more = above_bound.size() - std::min(above_bound.size(), above_bound_.size());
         bool good = sides_.on_surface(chain.vertices, chain.structure) &&
                     std::all_of(changed.begin(), changed.end(),
-                                [&](std::uint32_t c) { return is_good(c) && is_near(c); });
+                                [&](std::uint32_t c) { return judge_.is_good(c) && judge_.is_near(c); });
         if (good && made->parts_cells) {
             least_more_ = std::min(least_more_, more);
             good = more <= most_more;
@@ -176,54 +175,10 @@ class Bringer {
         return good ? Outcome::done : Outcome::bad_cells;
     }
 
-    std::vector<std::uint32_t> those_above_bound(std::vector<std::uint32_t> cells) const {
-        const double most = bench_.options.max_radius_edge;
-        std::erase_if(cells, [&](std::uint32_t c) {
-            if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return true;
-            const Cell& v = bench_.mesh.cell(c);
-            return drawn_.are_crowded(v) ||
-                   !(squared_radius_edge(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
-                                         bench_.mesh.point(v[2]), bench_.mesh.point(v[3])) > most * most);
-        });
-        return cells;
-    }
-
-    bool is_good(std::uint32_t c) const {
-        if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return true;
-        const Cell& v = bench_.mesh.cell(c);
-        const bool crowded = drawn_.are_crowded(v);
-        const CellMeasures m = measure_cell(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
-                                            bench_.mesh.point(v[2]), bench_.mesh.point(v[3]));
-        const double most = crowded ? most_crowded_ratio : bench_.options.last_radius_edge;
-        return m.least_sine() >= (crowded ? least_crowded_sine : least_sine_) &&
-               m.squared_ratio <= most * most;
-    }
-
-    // What of the cell lies on interfaces lies near the field's.
-    bool is_near(std::uint32_t c) {
-        if (!bench_.mesh.alive(c)) return true;
-        const Cell& cell = bench_.mesh.cell(c);
-        const double most = bench_.options.apex_mm;
-        for (int i = 0; i < 4; ++i) {
-            const std::uint32_t other = bench_.mesh.neighbor(c, i);
-            if (other == no_cell || bench_.mesh.region(other) == bench_.mesh.region(c)) continue;
-            bench_.look_between(bench_.mesh.region(c), bench_.mesh.region(other));
-            const auto& f = facet_vertices[i];
-            if (bench_.facet_distance(bench_.mesh.point(cell[f[0]]), bench_.mesh.point(cell[f[1]]),
-                                      bench_.mesh.point(cell[f[2]])) > most)
-                return false;
-            for (const int k : f) {
-                if (!bench_.fixed(cell[k]) && bench_.probe.distance(bench_.mesh.point(cell[k]), most) > most)
-                    return false;
-            }
-        }
-        return true;
-    }
-
     Workbench& bench_;
     const ContourOwners& owners_;
-    const DrawnSlices& drawn_;
     SidesAt sides_;
+    CellJudge judge_;
     std::optional<SectionAreas> areas_;
     std::size_t improved_ = 0;  // in vain
     std::size_t tried_ = 0;
@@ -232,7 +187,6 @@ class Bringer {
     std::size_t least_more_ = no_limit;       // that it did
     std::vector<std::uint32_t> above_bound_;  // cells inside; rising
     std::vector<std::uint32_t> changed_;      // cells, for the chains that were brought
-    double least_sine_;
     const ImproveCells& improve_;
 };
 

@@ -2,23 +2,17 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
+#include "anatomesh/improve/cell_judge.h"
 #include "anatomesh/improve/workbench.h"
 
 namespace anatomesh {
-
-// Of cells at vertices that contours crowd: within what the certificate allows there (100, 0.05 degrees).
-inline constexpr double most_crowded_ratio = 50, least_crowded_sine = 0.01;
 
 struct BringStats {
     std::uint64_t found = 0, brought = 0;  // pieces
     std::vector<std::uint32_t> changed;    // cells that were made or reshaped, some of which may be gone
 };
-
-// Improves the shapes of these cells; returns the cells that it made or reshaped, some of which may be gone.
-using ImproveCells = std::function<std::vector<std::uint32_t>(std::vector<std::uint32_t>)>;
 
 // A piece that is an edge of the mesh, but with cells of one side of its structure alone round it, lies where
 // what is drawn is a fin or a slit thinner than the cells. A sheet of facets is sought that such pieces, one
@@ -35,7 +29,7 @@ using ImproveCells = std::function<std::vector<std::uint32_t>(std::vector<std::u
 // or piece leaves the surface of its structure, if cuts by slices get worse, if an interface there is
 // farther than the workbench's `apex_mm` from the field's, or if a cell changed inside has an angle whose
 // sine is below `least_sine` or a ratio above the workbench's last bound - where contours crowd it
-// (drawn.crowded), as they force it to, the bounds above -; where cells were parted, also if those above its
+// (drawn.crowded), as they force it to, those of cell_judge.h -; where cells were parted, also if those above its
 // first bound become more by over `most_more` of the cells inside: ways at no such price are tried first, and
 // cheap ones before dear ones. Pieces that were brought are fixed and kept
 // no more (workbench.h); `improve` may put vertices on them.

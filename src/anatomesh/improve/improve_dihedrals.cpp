@@ -12,6 +12,8 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/bring_segments.h"
+#include "anatomesh/improve/carve_cuts.h"
+#include "anatomesh/improve/cell_judge.h"
 #include "anatomesh/improve/flip_surface_edges.h"
 #include "anatomesh/improve/follow_surface.h"
 #include "anatomesh/improve/lift_facets.h"
@@ -121,6 +123,7 @@ class Climber {
         queue_ = {};
         bring_pieces(std::max(least, listed_degrees), most_for_segment);
         mend_worst_cuts(context);
+        carve(std::max(least, listed_degrees), context);
         follow(std::max(least, listed_degrees), context);
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
@@ -303,14 +306,26 @@ class Climber {
         for (std::size_t cut = 0; cut < weights.size(); ++cut) {
             if (areas.sums()[cut] <= at_last_.least_wrong) weights[cut] = 0;
         }
-        at_last_.weights = weights;
+        const std::span<const double> before = std::exchange(at_last_.weights, weights);
         const MendStats mended =
             mend_cuts(bench_, at_last_, std::sin(listed_degrees * radians_per_degree), context);
         bench_.stats.cuts_found += mended.places_found;
         bench_.stats.cuts_mended += mended.vertices_moved + mended.cells_given + mended.edges_flipped +
                                     mended.edges_collapsed + mended.vertices_inserted;
         watched_.insert(watched_.end(), mended.changed.begin(), mended.changed.end());
-        at_last_.weights = {};
+        at_last_.weights = before;
+    }
+
+    // What cuts that are still wrong have too much or too little.
+    void carve(double least_degrees, const RunContext& context) {
+        std::vector<std::uint32_t> watched = std::exchange(watched_, {});
+        const CarveStats carved = carve_cuts(
+            bench_, at_last_.planes.empty() ? drawn_ : at_last_, std::sin(least_degrees * radians_per_degree),
+            [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context);
+        bench_.stats.cuts_found += carved.patches_found;
+        bench_.stats.cuts_mended += carved.patches_carved;
+        watched_ = std::move(watched);
+        watched_.insert(watched_.end(), carved.changed.begin(), carved.changed.end());
     }
 
     // Contours whose segments no edges of the surface run along after all.

@@ -10,6 +10,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double rounding = 1 + 1e-9;
+constexpr double least_share = 1e-6;  // of what is drawn, that a section counts from
 
 double triangle_area(Vec3 a, Vec3 b, Vec3 c) {
     return 0.5 * length(cross(b - a, c - a));
@@ -85,7 +86,7 @@ std::uint32_t SectionAreas::plane_of(std::span<const std::uint32_t> vertices) co
 // Structures that are in the regions and not drawn in the plane at p, or drawn there and in neither.
 double SectionAreas::wrong_part(double area, Region here, Region there, std::uint32_t k, Vec3 p) {
     if (only_ != no_slice && k != only_) return 0;
-    if (!drawn_.extents.empty() && !drawn_.extents[k].contains(plane(k).to_plane(p))) return 0;
+    if (!speaks_of(k, p)) return 0;
     const std::vector<std::uint32_t>&one = drawn_.table->members[here], &other = drawn_.table->members[there],
           &seen = bench_.probe.members(p);
     both_.clear();
@@ -115,12 +116,12 @@ double SectionAreas::wrong_sections(std::uint32_t c) {
     return sum;
 }
 
-double SectionAreas::wrong_section(std::uint32_t c, std::uint32_t k) {
+SectionAreas::Piece SectionAreas::section(std::uint32_t c, std::uint32_t k) const {
     const Cell& cell = bench_.mesh.cell(c);
     std::array<int, 4> sides{};
     for (std::size_t i = 0; i < 4; ++i) sides[i] = side(cell[i], k);
     const auto [low, high] = std::minmax_element(sides.begin(), sides.end());
-    if (*low >= 0 || *high <= 0) return 0;
+    if (*low >= 0 || *high <= 0) return {};
     // Corners in the plane, then those on edges: from each vertex below to those above, there and back.
     std::array<Vec3, 4> corners;
     std::size_t count = 0;
@@ -143,8 +144,46 @@ double SectionAreas::wrong_section(std::uint32_t c, std::uint32_t k) {
     for (std::size_t n = 0; n < count; ++n) middle = middle + (1 / static_cast<double>(count)) * corners[n];
     double area = triangle_area(corners[0], corners[1], corners[2]);
     if (count == 4) area += triangle_area(corners[0], corners[2], corners[3]);
+    return {area, middle};
+}
+
+double SectionAreas::wrong_section(std::uint32_t c, std::uint32_t k) {
+    const Piece piece = section(c, k);
     const Region region = bench_.mesh.region(c);
-    return wrong_part(area, region, region, k, middle);
+    return piece.area > 0 ? wrong_part(piece.area, region, region, k, piece.middle) : 0;
+}
+
+SectionAreas::Piece SectionAreas::facet_in(std::uint32_t k, std::uint32_t c, int i) const {
+    const Cell& cell = bench_.mesh.cell(c);
+    const auto& f = facet_vertices[i];
+    if (bench_.mesh.neighbor(c, i) == no_cell) return {};
+    for (const int n : f) {
+        if (side(cell[n], k) != 0) return {};
+    }
+    const Vec3 p = bench_.mesh.point(cell[f[0]]), q = bench_.mesh.point(cell[f[1]]),
+               r = bench_.mesh.point(cell[f[2]]);
+    return {triangle_area(p, q, r), (1.0 / 3) * (p + q + r)};
+}
+
+std::vector<SectionAreas::Section> SectionAreas::wrong_sections_of(std::uint32_t structure, std::uint32_t k,
+                                                                   std::span<const std::uint32_t> cells) {
+    std::vector<Section> found;
+    const double weight = drawn_.weights[structure * drawn_.planes.size() + k];
+    const auto look = [&](const Piece& piece, std::uint32_t here, std::uint32_t there, int facet) {
+        if (!(piece.area * weight > least_share) || !speaks_of(k, piece.middle)) return;
+        const bool has = drawn_.table->contains(bench_.mesh.region(here), structure) ||
+                         drawn_.table->contains(bench_.mesh.region(there), structure);
+        const std::vector<std::uint32_t>& seen = bench_.probe.members(piece.middle);
+        if (std::binary_search(seen.begin(), seen.end(), structure) != has) found.push_back({here, facet, piece.area * weight, piece.middle});
+    };
+    for (const std::uint32_t c : cells) {
+        look(section(c, k), c, c, 4);
+        for (int i = 0; i < 4; ++i) {
+            const std::uint32_t other = bench_.mesh.neighbor(c, i);
+            if (c < other && other != no_cell) look(facet_in(k, c, i), c, other, i);
+        }
+    }
+    return found;
 }
 
 double SectionAreas::wrong_facet(Vec3 a, Vec3 b, Vec3 c, std::uint32_t k, Region here, Region there) {

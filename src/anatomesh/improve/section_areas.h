@@ -69,6 +69,18 @@ class SectionAreas {
     double wrong_in_plane(std::uint32_t cell, int facet);
     double wrong_facet(Vec3 a, Vec3 b, Vec3 c, std::uint32_t plane, Region here, Region there);
 
+    // A section of a cell by a plane, or, with a facet below 4, a facet in it.
+    struct Section {
+        std::uint32_t cell;
+        int facet;
+        double share;  // of what is drawn
+        Vec3 middle;
+    };
+    // Of some cells those sections by a plane that a structure has and are not drawn as it, or the other way
+    // round, rising; facets in the plane once. Those too small to count are left out.
+    std::vector<Section> wrong_sections_of(std::uint32_t structure, std::uint32_t plane,
+                                           std::span<const std::uint32_t> cells);
+
     // Sums what is wrong by cuts, of structures by planes. Requires: of each facet in a plane that is wrong
     // both cells.
     void sum_cuts(std::span<const std::uint32_t> cells);
@@ -100,6 +112,18 @@ class SectionAreas {
     double wrong_sections(std::uint32_t cell);
     double wrong_section(std::uint32_t cell, std::uint32_t plane);
     double wrong_part(double area, Region here, Region there, std::uint32_t plane, Vec3 p);
+    bool speaks_of(std::uint32_t plane, Vec3 p) const {
+        return drawn_.extents.empty() || drawn_.extents[plane].contains(drawn_.planes[plane].to_plane(p));
+    }
+
+    struct Piece {  // of a plane
+        double area = 0;
+        Vec3 middle;
+    };
+    // Area 0 where the plane does not pass through the cell.
+    Piece section(std::uint32_t cell, std::uint32_t plane) const;
+    // Area 0 where the facet does not lie in the plane, or the mesh ends there.
+    Piece facet_in(std::uint32_t plane, std::uint32_t cell, int facet) const;
 
     Workbench& bench_;
     const DrawnSlices& drawn_;

@@ -11,7 +11,7 @@ SurfaceCount::SurfaceCount(Workbench& bench, const ContourOwners& owners,
                            std::span<const std::uint32_t> cells, Region to)
     : bench_(bench), cells_(cells.begin(), cells.end()) {
     std::vector<Region> regions{to};
-    std::vector<std::uint32_t> structures;
+    std::vector<std::uint32_t>& structures = structures_;
     for (const std::uint32_t c : cells_) {
         const Region from = bench.mesh.region(c);
         regions.push_back(from);

@@ -27,6 +27,9 @@ class SurfaceCount {
     // Of these, those of whole structures: of regions walls are made, which may be in any number of parts.
     std::span<const int> of_structures(const Figures& figures) const;
 
+    // These, one for each figure of them.
+    const std::vector<std::uint32_t>& structures() const { return structures_; }
+
     // Contour vertices and pieces on their surface when the object was made, and not any more.
     std::size_t newly_lost();
 
@@ -51,6 +54,7 @@ class SurfaceCount {
     Workbench& bench_;
     std::vector<std::uint32_t> cells_;
     std::vector<Body> bodies_;       // regions, then structures
+    std::vector<std::uint32_t> structures_;
     std::size_t region_bodies_ = 0;  // of these
     std::vector<std::uint32_t> vertices_;
     std::vector<Edge> edges_;

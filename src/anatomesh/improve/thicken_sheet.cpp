@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <iterator>
+#include <map>
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
@@ -15,19 +16,22 @@ namespace anatomesh {
 
 namespace {
 
+// On a way between cells at a vertex, in cells: of each edge of a contour, of a cell of another region.
+constexpr std::size_t price_of_contours = 4, price_of_others = 3;
 constexpr double middle = 0.5;  // where an edge between two vertices of a sheet is cut
 
 class Thickening {
   public:
     Thickening(Workbench& bench, const ContourOwners& owners, const Chain& chain, const Sheet& sheet,
-               Region own, bool wide)
+               Region own, SheetReach reach, const SheetInPlane* in_plane)
         : bench_(bench),
           owners_(owners),
           chain_(chain),
           sheet_(sheet),
           own_(own),
           side_(bench.table->contains(own, chain.structure)),
-          wide_(wide),
+          reach_(reach),
+          in_plane_(in_plane),
           sides_(bench),
           on_sheet_(sheet.vertices()),
           first_new_(static_cast<std::uint32_t>(bench.mesh.point_count())) {}
@@ -36,8 +40,9 @@ class Thickening {
         find_cells();
         if (!cut_edges(thickness)) return std::nullopt;
         std::vector<std::uint32_t> given = cells_between_cuts();
-        const std::optional<Region> to = region_across(given);
-        if (!to || !leave_one_part(given, *to, thickness)) return std::nullopt;
+        const std::optional<Region> to = in_plane_ ? std::optional(in_plane_->to) : region_across(given);
+        if (!to || given.empty() || !leave_one_part(given, *to, thickness)) return std::nullopt;
+        if (in_plane_ && !join_other_side(given, thickness)) return std::nullopt;
         note_changed(given);
         SurfaceCount count(bench_, owners_, given, *to);
         const SurfaceCount::Figures before = count.figures();
@@ -45,8 +50,7 @@ class Thickening {
         for (const std::uint32_t c : given) bench_.mesh.set_region(c, *to);
         if (areas) made_.wrong_of_cuts += areas->wrong(given);
         const SurfaceCount::Figures after = count.figures();
-        const bool sound = after.excess == 0 &&
-                           std::ranges::equal(count.of_structures(after), count.of_structures(before)) &&
+        const bool sound = after.excess == 0 && may_become(count, before, after) &&
                            count.newly_lost() == 0 && sides_.on_surface(chain_.vertices, chain_.structure);
         return sound ? std::optional(std::move(made_)) : std::nullopt;
     }
@@ -55,7 +59,14 @@ class Thickening {
     // As it was before edges were cut.
     struct CellBefore {
         Cell cell;
+        Region region;
         std::array<Vec3, 4> corners;
+
+        bool holds(Vec3 p) const {
+            const auto& q = corners;
+            return orient3d(p, q[1], q[2], q[3]) > 0 && orient3d(q[0], p, q[2], q[3]) > 0 &&
+                   orient3d(q[0], q[1], p, q[3]) > 0 && orient3d(q[0], q[1], q[2], p) > 0;
+        }
     };
 
     // A piece of the structure on the sheet's rim: of the chain, or of a contour that the surface has
@@ -64,6 +75,17 @@ class Thickening {
         const auto pieces = owners_.pieces_at(a);
         const ContourOwners::Piece piece{b, chain_.structure};
         return sheet_.has_on_rim(a, b) && std::find(pieces.begin(), pieces.end(), piece) != pieces.end();
+    }
+
+    // In a plane where the structure is not to be, or is, what it loses is a handle, or a tunnel, or it is parted.
+    bool may_become(const SurfaceCount& count, const SurfaceCount::Figures& before,
+                    const SurfaceCount::Figures& after) const {
+        const std::span<const int> was = count.of_structures(before), is = count.of_structures(after);
+        for (std::size_t n = 0; n < was.size(); ++n) {
+            const bool may_rise = in_plane_ && count.structures()[n] == chain_.structure;
+            if (is[n] != was[n] && !(may_rise && is[n] == was[n] + 2)) return false;
+        }
+        return true;
     }
 
     // Those of other regions stay, for the sake of the surfaces of other structures.
@@ -77,7 +99,11 @@ class Thickening {
         for (const auto& facet : sheet_.facets) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t a = facet[k], b = facet[(k + 1) % 3];
-                if (is_rim_piece(a, b) || !sides_.find_ring(a, b)) continue;
+                if (!sides_.find_ring(a, b)) continue;
+                if (is_rim_piece(a, b)) {
+                    if (in_plane_) add_beside(facet[(k + 2) % 3], cells);
+                    continue;
+                }
                 std::copy_if(bench_.ring.cells.begin(), bench_.ring.cells.end(), std::back_inserter(cells),
                              [&](std::uint32_t c) { return may_go(c); });
             }
@@ -85,8 +111,7 @@ class Thickening {
         sort_distinct(cells);
         for (const std::uint32_t c : cells) {
             const Cell& cell = bench_.mesh.cell(c);
-            cells_.push_back({cell, {}});
-            for (std::size_t i = 0; i < 4; ++i) cells_.back().corners[i] = bench_.mesh.point(cell[i]);
+            cells_.push_back(as_it_is(c));
             for (const std::uint32_t d : cell) {
                 for (const std::uint32_t x : cell) {
                     if (is_on(d) && (!is_on(x) || (d < x && !sheet_.has_edge(d, x))))
@@ -97,11 +122,51 @@ class Thickening {
         sort_distinct(edges_);
     }
 
+    CellBefore as_it_is(std::uint32_t c) const {
+        CellBefore is{bench_.mesh.cell(c), bench_.mesh.region(c), {}};
+        for (std::size_t i = 0; i < 4; ++i) is.corners[i] = bench_.mesh.point(is.cell[i]);
+        return is;
+    }
+
+    // Of the ring of a piece, from the sheet's facet to this vertex on both ways round: cells up to the other
+    // side of the structure, if that is reached before half a turn.
+    void add_beside(std::uint32_t sheet_vertex, std::vector<std::uint32_t>& cells) const {
+        const EdgeRing& ring = bench_.ring;
+        const std::size_t count = ring.cells.size();
+        const auto at = static_cast<std::size_t>(
+            std::find(ring.ring.begin(), ring.ring.end(), sheet_vertex) - ring.ring.begin());
+        if (at == count) return;
+        const Vec3 from = bench_.mesh.point(ring.a);
+        const Vec3 in = cross(in_plane_->normal, bench_.mesh.point(ring.b) - from);
+        const double inward = dot(in, bench_.mesh.point(sheet_vertex) - from);
+        for (const bool onward : {true, false}) {
+            std::vector<std::uint32_t> part;
+            bool over = false;
+            for (std::size_t n = 0; n < count; ++n) {
+                const std::size_t i = onward ? (at + n) % count : (at + 2 * count - 1 - n) % count;
+                const std::uint32_t c = ring.cells[i];
+                if (!may_go(c)) {
+                    if (sides_.has(c, chain_.structure) != side_)
+                        cells.insert(cells.end(), part.begin(), part.end());
+                    break;
+                }
+                part.push_back(c);
+                // Beyond the piece, where the next vertex is on the other side of the plane than those before.
+                const Vec3 next = bench_.mesh.point(ring.ring[onward ? (i + 1) % count : i]) - from;
+                const double height = dot(in_plane_->normal, next);
+                if (n > 0 && (height > 0) != over) break;
+                over = height > 0;
+                if (height == 0 && dot(in, next) * inward < 0) break;
+            }
+        }
+    }
+
     // But for those on the surface. False where a cell would not be positive.
     bool cut_edges(double thickness) {
         for (const auto& [d, x] : edges_) {
             if (!sides_.find_ring(d, x)) return false;
-            if (sides_.ring_is_mixed(chain_.structure)) {
+            if (sides_.ring_is_mixed(chain_.structure) &&
+                (reach_ < SheetReach::near || bench_.fixed_edge(d, x))) {
                 if (!is_on(x)) beside_.push_back(x);
                 continue;
             }
@@ -119,14 +184,10 @@ class Thickening {
     }
 
     std::vector<std::uint32_t> cells_between_cuts() {
-        std::vector<std::uint32_t> given, look = on_sheet_;
-        for (auto v = first_new_; v < bench_.mesh.point_count(); ++v) look.push_back(v);
-        for (const std::uint32_t v : look) {
-            bench_.mesh.star(v, bench_.star);
-            for (const std::uint32_t c : bench_.star) {
-                if (may_go(c) && lies_between_cuts(c)) given.push_back(c);
-            }
-        }
+        std::vector<std::uint32_t> given;
+        for_each_near([&](std::uint32_t c) {
+            if (may_go(c) && lies_between_cuts(c)) given.push_back(c);
+        });
         sort_distinct(given);
         return given;
     }
@@ -142,7 +203,7 @@ class Thickening {
         };
         std::for_each(given.begin(), given.end(), give);
         for (const std::uint32_t v : on_sheet_) {
-            const std::vector<std::vector<std::uint32_t>> parts = parts_at(v);
+            const std::vector<std::vector<std::uint32_t>> parts = parts_at(v, own_);
             if (parts.size() < 2) continue;
             made_.parts_cells = true;
             const auto stays = std::max_element(
@@ -151,7 +212,7 @@ class Thickening {
             for (auto part = parts.begin(); part != parts.end(); ++part) {
                 if (part != stays && !cut_near(v, *part, thickness)) return false;
             }
-            for (const std::vector<std::uint32_t>& part : parts_at(v)) {
+            for (const std::vector<std::uint32_t>& part : parts_at(v, own_)) {
                 if (std::find(part.begin(), part.end(), stays->front()) != part.end()) continue;
                 given.insert(given.end(), part.begin(), part.end());
                 std::for_each(part.begin(), part.end(), give);
@@ -162,14 +223,17 @@ class Thickening {
     }
 
     // Of the edges from the vertex those within the cells.
-    bool cut_near(std::uint32_t v, const std::vector<std::uint32_t>& cells, double thickness) {
+    bool cut_near(std::uint32_t v, const std::vector<std::uint32_t>& cells, double thickness,
+                  bool on_surface = false) {
         std::vector<std::uint32_t> ends;
         for (const std::uint32_t c : cells)
             ends.insert(ends.end(), bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
         sort_distinct(ends);
         std::erase(ends, v);
         return std::all_of(ends.begin(), ends.end(), [&](std::uint32_t x) {
-            return sides_.find_ring(v, x) && (sides_.ring_is_mixed(chain_.structure) || cut(v, x, thickness));
+            if (!sides_.find_ring(v, x)) return false;
+            const bool stays = on_surface ? bench_.fixed_edge(v, x) : sides_.ring_is_mixed(chain_.structure);
+            return stays || cut(v, x, thickness);
         });
     }
 
@@ -184,11 +248,133 @@ class Thickening {
         return {fixed, cells.size()};
     }
 
-    // The cells at a vertex that may go, in parts that facets join.
-    std::vector<std::vector<std::uint32_t>> parts_at(std::uint32_t v) {
+    // Where what is given meets the other side at a vertex of the sheet in no facet, cells between them go
+    // too, near the vertex: those of the shortest way, if there is one. False where a cell would not be positive.
+    bool join_other_side(std::vector<std::uint32_t>& given, double thickness) {
+        std::vector<CellBefore> goes;  // the given cells, whatever they are cut into
+        for (const std::uint32_t c : given) go(c, goes);
+        for (const std::uint32_t v : on_sheet_) {
+            const std::vector<std::vector<std::uint32_t>> parts = parts_at(v, in_plane_->to);
+            const auto first = std::find_if(parts.begin(), parts.end(), [&](const auto& part) {
+                return std::any_of(part.begin(), part.end(), [&](std::uint32_t c) { return find_in(c, goes); });
+            });
+            if (parts.size() < 2 || first == parts.end()) continue;
+            if (!give_near(v, way_between(v, *first), thickness, goes)) return false;
+            for (const Region region : regions_at(v)) {
+                if (region != in_plane_->to && !leave_one_part_at(v, region, thickness, goes)) return false;
+            }
+        }
+        std::vector<std::uint32_t> cells;
+        for_each_near([&](std::uint32_t c) {
+            if (bench_.mesh.region(c) == in_plane_->to && find_in(c, goes)) cells.push_back(c);
+        });
+        sort_distinct(cells);
+        for (const std::uint32_t c : cells) bench_.mesh.set_region(c, find_in(c, goes)->region);
+        given = std::move(cells);
+        return true;
+    }
+
+    void go(std::uint32_t c, std::vector<CellBefore>& goes) {
+        goes.push_back(as_it_is(c));
+        bench_.mesh.set_region(c, in_plane_->to);
+    }
+
+    // What of the cells is near their vertex; `goes` gets it. False where a cell would not be positive.
+    bool give_near(std::uint32_t v, const std::vector<std::uint32_t>& cells, double thickness,
+                   std::vector<CellBefore>& goes) {
+        std::vector<CellBefore> were;
+        for (const std::uint32_t c : cells) were.push_back(as_it_is(c));
+        if (!cut_near(v, cells, thickness, true)) return false;
+        std::vector<std::uint32_t> star;
+        bench_.mesh.star(v, star);
+        for (const std::uint32_t c : star) {
+            if (find_in(c, were)) go(c, goes);
+        }
+        return true;
+    }
+
+    // Of a region that a way parts there.
+    bool leave_one_part_at(std::uint32_t v, Region region, double thickness, std::vector<CellBefore>& goes) {
+        const std::vector<std::vector<std::uint32_t>> parts = parts_at(v, region);
+        const auto stays =
+            std::max_element(parts.begin(), parts.end(), [&](const auto& x, const auto& y) {
+                return worth_at(v, x) < worth_at(v, y);
+            });
+        for (auto part = parts.begin(); part != parts.end(); ++part) {
+            if (part != stays && !give_near(v, *part, thickness, goes)) return false;
+        }
+        return true;
+    }
+
+    std::vector<Region> regions_at(std::uint32_t v) {
+        std::vector<Region> regions;
+        bench_.mesh.star(v, bench_.star);
+        for (const std::uint32_t c : bench_.star) regions.push_back(bench_.mesh.region(c));
+        sort_distinct(regions);
+        return regions;
+    }
+
+    // Of all cells at vertices of the sheet and new ones; some more than once.
+    template <class Visit>
+    void for_each_near(const Visit& visit) {
+        std::vector<std::uint32_t> look = on_sheet_;
+        for (auto v = first_new_; v < bench_.mesh.point_count(); ++v) look.push_back(v);
+        for (const std::uint32_t v : look) {
+            bench_.mesh.star(v, bench_.star);
+            for (const std::uint32_t c : bench_.star) visit(c);
+        }
+    }
+
+    // Of cells at a vertex, those on the way from these to others of the other side: the cheapest one.
+    std::vector<std::uint32_t> way_between(std::uint32_t v, const std::vector<std::uint32_t>& from) {
+        constexpr std::size_t never = static_cast<std::size_t>(-1);
+        struct Step {
+            std::size_t cost = never;
+            std::uint32_t before = no_cell;
+        };
+        std::map<std::uint32_t, Step> steps;
+        bench_.mesh.star(v, bench_.star);
+        for (const std::uint32_t c : bench_.star) steps[c];
+        for (const std::uint32_t c : from) steps[c].cost = 0;
+        const auto is_across = [&](std::uint32_t c) { return bench_.mesh.region(c) == in_plane_->to; };
+        for (bool again = true; again;) {
+            again = false;
+            for (const auto& [c, step] : steps) {
+                if (step.cost == never || (step.cost > 0 && is_across(c))) continue;
+                for (int i = 0; i < 4; ++i) {
+                    const auto next = steps.find(bench_.mesh.neighbor(c, i));
+                    if (next == steps.end()) continue;
+                    const std::size_t price = is_across(next->first) ? 1 : price_at(v, next->first);
+                    if (price == 0 || step.cost + price >= next->second.cost) continue;
+                    next->second = {step.cost + price, c};
+                    again = true;
+                }
+            }
+        }
+        const std::pair<const std::uint32_t, Step>* end = nullptr;
+        for (const auto& entry : steps) {
+            const std::size_t cost = entry.second.cost;
+            if (is_across(entry.first) && cost > 0 && cost != never && (!end || cost < end->second.cost))
+                end = &entry;
+        }
+        std::vector<std::uint32_t> way;
+        if (!end) return way;
+        for (std::uint32_t c = end->second.before; !is_across(c); c = steps[c].before) way.push_back(c);
+        return way;
+    }
+
+    // 0: it must not go.
+    std::size_t price_at(std::uint32_t v, std::uint32_t c) const {
+        const bool is_own = may_go(c);
+        if (!is_own && reach_ != SheetReach::others) return 0;
+        return (is_own ? 1 : price_of_others) + price_of_contours * worth_at(v, {c})[0];
+    }
+
+    // The cells at a vertex of one region, in parts that facets join.
+    std::vector<std::vector<std::uint32_t>> parts_at(std::uint32_t v, Region region) {
         bench_.mesh.star(v, bench_.star);
         std::vector<std::uint32_t> left = bench_.star;
-        std::erase_if(left, [&](std::uint32_t c) { return !may_go(c); });
+        std::erase_if(left, [&](std::uint32_t c) { return bench_.mesh.region(c) != region; });
         std::vector<std::vector<std::uint32_t>> parts;
         while (!left.empty()) {
             std::vector<std::uint32_t> part{left.back()};
@@ -226,20 +412,26 @@ class Thickening {
 
     // That in which a cell lies.
     const CellBefore* cell_before(std::uint32_t c) const {
+        return find_in(c, cells_);
+    }
+
+    const CellBefore* find_in(std::uint32_t c, const std::vector<CellBefore>& cells) const {
+        const Vec3 p = centre_of(c);
+        const auto at = std::find_if(cells.begin(), cells.end(),
+                                     [&](const CellBefore& was) { return was.holds(p); });
+        return at == cells.end() ? nullptr : &*at;
+    }
+
+    Vec3 centre_of(std::uint32_t c) const {
         Vec3 p{};
         for (const std::uint32_t v : bench_.mesh.cell(c)) p = p + 0.25 * bench_.mesh.point(v);
-        const auto at = std::find_if(cells_.begin(), cells_.end(), [&](const CellBefore& was) {
-            const auto& q = was.corners;
-            return orient3d(p, q[1], q[2], q[3]) > 0 && orient3d(q[0], p, q[2], q[3]) > 0 &&
-                   orient3d(q[0], q[1], p, q[3]) > 0 && orient3d(q[0], q[1], q[2], p) > 0;
-        });
-        return at == cells_.end() ? nullptr : &*at;
+        return p;
     }
 
     // Whether what is given reaches to a vertex beside the sheet.
     bool stays(const CellBefore& was, std::uint32_t v) const {
         if (!std::binary_search(beside_.begin(), beside_.end(), v)) return false;
-        return wide_ || std::none_of(was.cell.begin(), was.cell.end(), [&](std::uint32_t d) {
+        return reach_ != SheetReach::joined || std::none_of(was.cell.begin(), was.cell.end(), [&](std::uint32_t d) {
                    return is_on(d) && std::binary_search(cut_.begin(), cut_.end(), std::array{d, v});
                });
     }
@@ -270,7 +462,9 @@ class Thickening {
     const Chain& chain_;
     const Sheet& sheet_;
     Region own_;
-    bool side_, wide_;
+    bool side_;
+    SheetReach reach_;
+    const SheetInPlane* in_plane_;
     SidesAt sides_;
     std::vector<std::uint32_t> on_sheet_, beside_;           // vertices
     std::vector<std::array<std::uint32_t, 2>> edges_, cut_;  // from a vertex of the sheet on
@@ -282,9 +476,9 @@ class Thickening {
 }  // namespace
 
 std::optional<ThickenedSheet> thicken_sheet(Workbench& bench, const ContourOwners& owners, const Chain& chain,
-                                            const Sheet& sheet, Region own, bool wide, double thickness,
-                                            SectionAreas* areas) {
-    return Thickening(bench, owners, chain, sheet, own, wide).run(thickness, areas);
+                                            const Sheet& sheet, Region own, SheetReach reach, double thickness,
+                                            SectionAreas* areas, const SheetInPlane* in_plane) {
+    return Thickening(bench, owners, chain, sheet, own, reach, in_plane).run(thickness, areas);
 }
 
 }  // namespace anatomesh

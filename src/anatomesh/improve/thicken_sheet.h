@@ -18,17 +18,29 @@ struct ThickenedSheet {
     bool parts_cells = false;            // of the chain's region, at a vertex of the sheet
 };
 
+// What a slice says where a sheet lies in its plane.
+struct SheetInPlane {
+    Vec3 normal;
+    Region to;  // of the other side of the chain's structure; where the sheet goes
+};
+
+// How far what goes reaches along the structure's surface: as far as to all vertices of it beside the sheet;
+// to those alone that edges of the surface join to all that a cell has of the sheet; or to where edges of the
+// surface are cut too, but those of contours; that and, at vertices, cells of other regions.
+enum class SheetReach { wide, joined, near, others };
+
 // The edges that lead off the sheet are cut, at `thickness` of their length from it, and what lies between
 // the cuts goes to the other side: a regular neighbourhood of the sheet (Rourke and Sanderson, Introduction
 // to Piecewise-Linear Topology, 1972, chapter 3) but for cells that have nothing of it but pieces on its rim.
-// `own`: the region in which the chain lies; cells of others stay. `wide`: as far as to all vertices of the
-// surface beside the sheet; else to those alone that edges of the surface join to all that a cell has of the
-// sheet. `areas`: those of a stack, or null.
+// `own`: the region in which the chain lies; cells of others stay. `areas`: those of a stack, or null. `in_plane`: null where the sheet lies in none. Else cells at pieces
+// on its rim go too, which lie between the sheet and the other side and not beyond the piece in the plane; and
+// the structure may be parted there, or lose a handle or a tunnel.
 // Returns nothing where a cell would not be positive, a surface not one disc at each vertex concerned, that
 // of a structure of another Euler characteristic, a contour vertex or piece off its surface, or the chain not
 // on it. What was done to the mesh then is the caller's to take back. Complexity: O(cells at the sheet).
 std::optional<ThickenedSheet> thicken_sheet(Workbench& bench, const ContourOwners& owners, const Chain& chain,
-                                            const Sheet& sheet, Region own, bool wide, double thickness,
-                                            SectionAreas* areas);
+                                            const Sheet& sheet, Region own, SheetReach reach, double thickness,
+                                            SectionAreas* areas,
+                                            const SheetInPlane* in_plane = nullptr);
 
 }  // namespace anatomesh

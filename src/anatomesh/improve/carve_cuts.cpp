@@ -1,0 +1,368 @@
+#include "anatomesh/improve/carve_cuts.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/geom/predicates.h"
+#include "anatomesh/improve/cell_judge.h"
+#include "anatomesh/improve/section_areas.h"
+#include "anatomesh/improve/sides_at.h"
+#include "anatomesh/improve/thicken_sheet.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double worth_carving = 7e-4;       // the share of what is drawn that is wrong
+constexpr double worth_a_patch = 5e-5;       // and of a patch
+constexpr double enough_less = 0.5;          // of a patch
+constexpr std::size_t most_cuts = 60;        // where more are wrong, slices contradict each other
+constexpr std::size_t most_sections = 200;   // of a cut
+constexpr std::size_t most_improved = 100;   // patches whose cells are worked on in vain
+constexpr std::size_t most_tried = 1000;     // patches, sound or not
+constexpr std::array nearness{0.25, 0.0};    // of a vertex that is taken for one of the patch, in edges
+constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
+
+constexpr std::array reaches{SheetReach::wide, SheetReach::joined, SheetReach::near, SheetReach::others};
+
+using Section = SectionAreas::Section;
+using Ends = std::array<std::uint32_t, 2>;  // of an edge, rising; twice the same: a vertex
+
+class Carver {
+  public:
+    Carver(Workbench& bench, const DrawnSlices& drawn, double least_sine, const ImproveCells& improve)
+        : bench_(bench),
+          drawn_(drawn),
+          areas_(bench, drawn),
+          sides_(bench),
+          judge_(bench, drawn, least_sine),
+          improve_(improve) {}
+
+    CarveStats run(const RunContext& context) {
+        sums_ = sums();
+        std::vector<std::size_t> cuts;
+        for (std::size_t cut = 0; cut < sums_.size(); ++cut) {
+            if (sums_[cut] > worth_carving) cuts.push_back(cut);
+        }
+        if (cuts.size() > most_cuts) return {};
+        for (const std::size_t cut : cuts) {
+            if (context.cancelled()) break;
+            carve_cut(cut);
+        }
+        return std::move(stats_);
+    }
+
+  private:
+    // Of one cut.
+    struct Patch {
+        std::uint32_t structure, plane;
+        Region own, to;
+        std::vector<Section> sections;
+        double wrong = 0;  // share of what is drawn
+    };
+
+    enum class Outcome { done, unsound, bad };
+
+    std::vector<std::uint32_t> all_cells() const {
+        std::vector<std::uint32_t> all(bench_.mesh.cell_count());
+        std::iota(all.begin(), all.end(), 0u);
+        std::erase_if(all, [&](std::uint32_t c) { return !bench_.mesh.alive(c); });
+        return all;
+    }
+
+    // What is wrong, by cuts.
+    std::vector<double> sums() {
+        areas_.sum_cuts(all_cells());
+        return {areas_.sums().begin(), areas_.sums().end()};
+    }
+
+    void carve_cut(std::size_t cut) {
+        const auto structure = static_cast<std::uint32_t>(cut / drawn_.planes.size()),
+                   plane = static_cast<std::uint32_t>(cut % drawn_.planes.size());
+        // A patch that is carved changes the cells of others.
+        for (bool again = true; again && sums_[cut] > worth_carving;) {
+            again = false;
+            for (const Patch& patch : patches(structure, plane)) {
+                if (patch.wrong < worth_a_patch) break;
+                if (improved_ >= most_improved || tried_ >= most_tried) return;
+                ++stats_.patches_found;
+                if (!carve(patch, cut)) continue;
+                ++stats_.patches_carved;
+                again = true;
+                break;
+            }
+        }
+    }
+
+    // Those from which more is wrong first.
+    std::vector<Patch> patches(std::uint32_t structure, std::uint32_t plane) {
+        std::vector<Section> left = areas_.wrong_sections_of(structure, plane, all_cells());
+        std::vector<Patch> patches;
+        if (left.size() > most_sections) return patches;
+        while (!left.empty()) {
+            Patch patch{structure, plane, region_of(left.front(), structure), 0, {left.front()}};
+            left.erase(left.begin());
+            for (std::size_t n = 0; n < patch.sections.size(); ++n) {
+                for (auto next = left.begin(); next != left.end();) {
+                    if (region_of(*next, structure) != patch.own ||
+                        !share_an_edge(patch.sections[n], *next, plane)) {
+                        ++next;
+                        continue;
+                    }
+                    patch.sections.push_back(*next);
+                    next = left.erase(next);
+                }
+            }
+            const std::optional<Region> to = region_drawn_at(patch.sections.front().middle);
+            if (!to || bench_.table->contains(*to, structure) == bench_.table->contains(patch.own, structure))
+                continue;
+            patch.to = *to;
+            for (const Section& section : patch.sections) patch.wrong += section.share;
+            patches.push_back(std::move(patch));
+        }
+        std::stable_sort(patches.begin(), patches.end(),
+                         [](const Patch& a, const Patch& b) { return a.wrong > b.wrong; });
+        return patches;
+    }
+
+    // That of all that is drawn there, if the mesh has one.
+    std::optional<Region> region_drawn_at(Vec3 p) {
+        const std::vector<std::uint32_t>& drawn = bench_.probe.members(p);
+        const auto& members = bench_.table->members;
+        const auto found = std::find(members.begin(), members.end(), drawn);
+        if (found == members.end()) return std::nullopt;
+        return static_cast<Region>(found - members.begin());
+    }
+
+    // The one that must not be there: of a facet that has the structure on one side, that side's.
+    Region region_of(const Section& section, std::uint32_t structure) const {
+        const Region here = bench_.mesh.region(section.cell);
+        if (section.facet == 4) return here;
+        const Region there = bench_.mesh.region(bench_.mesh.neighbor(section.cell, section.facet));
+        return bench_.table->contains(there, structure) ? there : here;
+    }
+
+    bool share_an_edge(const Section& one, const Section& other, std::uint32_t plane) const {
+        const std::vector<Ends> corners = corners_of(one, plane);
+        const std::vector<Ends> more = corners_of(other, plane);
+        return std::count_if(corners.begin(), corners.end(), [&](const Ends& corner) {
+                   return std::find(more.begin(), more.end(), corner) != more.end();
+               }) >= 2;
+    }
+
+    std::vector<Ends> corners_of(const Section& section, std::uint32_t plane) const {
+        const Cell& cell = bench_.mesh.cell(section.cell);
+        std::vector<Ends> corners;
+        for (int i = 0; i < 4; ++i) {
+            if (section.facet != i && areas_.side(cell[i], plane) == 0) corners.push_back({cell[i], cell[i]});
+        }
+        if (section.facet < 4) return corners;
+        for (const auto& [i, j] : cell_edges) {
+            if (areas_.side(cell[i], plane) * areas_.side(cell[j], plane) < 0)
+                corners.push_back({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
+        }
+        return corners;
+    }
+
+    bool carve(const Patch& patch, std::size_t cut) {
+        for (const double near : nearness) {
+            for (const SheetReach reach : reaches) {
+                for (const double thickness : thicknesses) {
+                    const Outcome outcome = attempt(patch, cut, near, reach, thickness);
+                    ++tried_;
+                    if (outcome == Outcome::done) return true;
+                    if (outcome == Outcome::unsound) break;
+                    if (++improved_ >= most_improved) return false;
+                }
+            }
+        }
+        return false;
+    }
+
+    Outcome attempt(const Patch& patch, std::size_t cut, double near, SheetReach reach, double thickness) {
+        const DihedralStats stats = bench_.stats;
+        bench_.mesh.begin_attempt();
+        const Outcome outcome = change(patch, cut, near, reach, thickness);
+        bench_.mesh.end_attempt(outcome == Outcome::done);
+        if (outcome != Outcome::done) bench_.stats = stats;
+        return outcome;
+    }
+
+    Outcome change(const Patch& patch, std::size_t cut, double near, SheetReach reach, double thickness) {
+        const Sheet sheet = sheet_of(patch, near);
+        const std::optional<std::uint32_t> end = vertex_on_surface(sheet, patch.structure);
+        if (!end) return Outcome::unsound;
+        const Chain chain{{*end}, patch.structure};
+        const SheetInPlane in_plane{areas_.plane(patch.plane).normal, patch.to};
+        std::optional<ThickenedSheet> made = thicken_sheet(bench_, *drawn_.owners, chain, sheet, patch.own,
+                                                           reach, thickness, nullptr, &in_plane);
+        if (!made) return Outcome::unsound;
+        std::vector<std::uint32_t> changed = std::move(made->changed);
+        const std::vector<std::uint32_t> improved = improve_(changed);
+        changed.insert(changed.end(), improved.begin(), improved.end());
+        sort_distinct(changed);
+        const bool good = std::all_of(changed.begin(), changed.end(), [&](std::uint32_t c) {
+            return judge_.is_good(c) && judge_.is_near(c);
+        });
+        if (!good) return Outcome::bad;
+        std::vector<double> after = sums();
+        for (std::size_t other = 0; other < after.size(); ++other) {
+            const double most = other == cut ? sums_[cut] - enough_less * patch.wrong
+                                             : std::max(sums_[other], worth_carving);
+            if (after[other] > most) return Outcome::bad;
+        }
+        sums_ = std::move(after);
+        stats_.changed.insert(stats_.changed.end(), changed.begin(), changed.end());
+        return Outcome::done;
+    }
+
+    // A cell that the plane passes through, as it was before its edges were cut.
+    struct CellBefore {
+        std::array<Vec3, 4> corners;
+
+        bool holds(Vec3 p) const {
+            const auto& q = corners;
+            return orient3d(p, q[1], q[2], q[3]) > 0 && orient3d(q[0], p, q[2], q[3]) > 0 &&
+                   orient3d(q[0], q[1], p, q[3]) > 0 && orient3d(q[0], q[1], q[2], p) > 0;
+        }
+    };
+
+    // Cuts the edges that pass through the patch. Vertices nearer to the plane than this share of such an edge
+    // are corners of the sheet; no facets, where an edge cannot be cut.
+    Sheet sheet_of(const Patch& patch, double near) {
+        const std::uint32_t k = patch.plane;
+        std::vector<CellBefore> passed;
+        std::vector<std::uint32_t> corners;
+        std::vector<Ends> edges;
+        Sheet sheet;
+        for (const Section& section : patch.sections) {
+            const Cell cell = bench_.mesh.cell(section.cell);
+            if (section.facet < 4) {
+                const auto& f = facet_vertices[section.facet];
+                sheet.facets.push_back({cell[f[0]], cell[f[1]], cell[f[2]]});
+                std::sort(sheet.facets.back().begin(), sheet.facets.back().end());
+                continue;
+            }
+            CellBefore was;
+            for (std::size_t i = 0; i < 4; ++i) was.corners[i] = bench_.mesh.point(cell[i]);
+            passed.push_back(was);
+            for (const Ends& corner : corners_of(section, k))
+                (corner[0] == corner[1]) ? corners.push_back(corner[0]) : edges.push_back(corner);
+        }
+        sort_distinct(edges);
+        add_near(corners, edges, k, near);
+        sort_distinct(corners);
+        const std::size_t corners_before = corners.size();
+        for (const auto& [a, b] : edges) {
+            if (std::binary_search(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(corners_before), a) ||
+                std::binary_search(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(corners_before), b))
+                continue;
+            const Vec3 p = bench_.mesh.point(a), q = bench_.mesh.point(b);
+            const double at_p = areas_.plane(k).signed_distance(p), at_q = areas_.plane(k).signed_distance(q);
+            if (!sides_.find_ring(a, b)) return {};
+            const std::uint32_t v = bench_.split_ring(p + at_p / (at_p - at_q) * (q - p));
+            if (v == no_cell) return {};
+            corners.push_back(v);
+        }
+        add_facets(sheet, corners, passed, k);
+        return sheet;
+    }
+
+    // The ends of edges that the plane is nearest to.
+    void add_near(std::vector<std::uint32_t>& corners, const std::vector<Ends>& edges, std::uint32_t k,
+                  double near) const {
+        for (const auto& [a, b] : edges) {
+            const double at_a = areas_.plane(k).signed_distance(bench_.mesh.point(a)),
+                         at_b = areas_.plane(k).signed_distance(bench_.mesh.point(b));
+            const double share = at_a / (at_a - at_b);
+            if (share < near) corners.push_back(a);
+            if (1 - share < near) corners.push_back(b);
+        }
+    }
+
+    // Those between corners, with cells over and under them, in cells that the plane passed through.
+    void add_facets(Sheet& sheet, std::vector<std::uint32_t> corners, const std::vector<CellBefore>& passed,
+                    std::uint32_t k) {
+        std::vector<std::uint32_t> cells;
+        for (const std::uint32_t v : corners) {
+            bench_.mesh.star(v, bench_.star);
+            cells.insert(cells.end(), bench_.star.begin(), bench_.star.end());
+        }
+        sort_distinct(cells);
+        sort_distinct(corners);
+        const auto is_corner = [&](std::uint32_t v) {
+            return std::binary_search(corners.begin(), corners.end(), v);
+        };
+        for (const std::uint32_t c : cells) {
+            const Cell& cell = bench_.mesh.cell(c);
+            if (std::none_of(passed.begin(), passed.end(),
+                             [&](const CellBefore& was) { return was.holds(centre_of(cell)); }))
+                continue;
+            for (int i = 0; i < 4; ++i) {
+                const auto& f = facet_vertices[i];
+                std::array facet{cell[f[0]], cell[f[1]], cell[f[2]]};
+                if (!std::all_of(facet.begin(), facet.end(), is_corner)) continue;
+                const std::uint32_t other = bench_.mesh.neighbor(c, i);
+                if (other == no_cell || over(cell[i], k) == over(apex_across(other, facet), k)) continue;
+                std::sort(facet.begin(), facet.end());
+                sheet.facets.push_back(facet);
+            }
+        }
+        std::sort(sheet.facets.begin(), sheet.facets.end());
+        sheet.facets.erase(std::unique(sheet.facets.begin(), sheet.facets.end()), sheet.facets.end());
+    }
+
+    bool over(std::uint32_t v, std::uint32_t k) const {
+        return areas_.plane(k).signed_distance(bench_.mesh.point(v)) > 0;
+    }
+
+    Vec3 centre_of(const Cell& cell) const {
+        Vec3 centre{};
+        for (const std::uint32_t v : cell) centre = centre + 0.25 * bench_.mesh.point(v);
+        return centre;
+    }
+
+    std::uint32_t apex_across(std::uint32_t c, const std::array<std::uint32_t, 3>& facet) const {
+        const Cell& cell = bench_.mesh.cell(c);
+        return *std::find_if(cell.begin(), cell.end(), [&](std::uint32_t v) {
+            return std::find(facet.begin(), facet.end(), v) == facet.end();
+        });
+    }
+
+    // One of the sheet's, of a contour if there is one.
+    std::optional<std::uint32_t> vertex_on_surface(const Sheet& sheet, std::uint32_t structure) {
+        std::optional<std::uint32_t> found;
+        for (const std::uint32_t v : sheet.vertices()) {
+            if (!sides_.on_surface(v, structure)) continue;
+            if (drawn_.owners->has(v, structure)) return v;
+            if (!found) found = v;
+        }
+        return found;
+    }
+
+    Workbench& bench_;
+    const DrawnSlices& drawn_;
+    SectionAreas areas_;
+    SidesAt sides_;
+    CellJudge judge_;
+    const ImproveCells& improve_;
+    std::vector<double> sums_;
+    std::size_t improved_ = 0, tried_ = 0;
+    CarveStats stats_;
+};
+
+}  // namespace
+
+CarveStats carve_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+                      const ImproveCells& improve, const RunContext& context) {
+    if (!drawn.table || !drawn.owners || drawn.planes.empty()) return {};
+    return Carver(bench, drawn, least_sine, improve).run(context);
+}
+
+}  // namespace anatomesh

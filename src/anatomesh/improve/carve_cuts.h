@@ -1,0 +1,35 @@
+// carve_cuts: what a cut by a slice's plane has too much or too little of a structure goes to its other side
+// as a whole.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/improve/cell_judge.h"
+#include "anatomesh/improve/workbench.h"
+
+namespace anatomesh {
+
+struct CarveStats {
+    std::uint64_t patches_found = 0, patches_carved = 0;
+    std::vector<std::uint32_t> changed;  // cells that were made or reshaped, some of which may be gone
+};
+
+// Where one cell after the other (mend_cuts.h) does not do: of each cut that comes near to the 0.1 % that it
+// may be wrong by, the sections of cells that are wrong, of one region and beside each other, are a patch in
+// the plane. The edges that pass through it are cut there - where a vertex is near, that is taken for one of
+// the patch -, so that the patch is a sheet of facets, and the sheet is thickened (thicken_sheet.h): its
+// regular neighbourhood goes to the other side of the structure. Then `improve` works on the shapes. All of
+// it is taken back if a surface, of a structure or a region, is not one disc at each vertex concerned, if
+// that of a structure has not the same Euler characteristic, if a contour vertex or piece leaves the surface
+// of its structure, if the cut does not lose half of what is wrong in it, or another one comes near to 0.1 %,
+// if an interface there is farther than the workbench's `apex_mm` from the field's, or if a changed cell
+// inside is worse than cell_judge.h allows.
+// Guarantees: all cells positive (checked exactly); no vertex moves but by `improve`. Same result every time.
+// Complexity: O(cells) for each cut concerned and each patch carved, and the shapes of the cells of a hundred
+// patches tried in vain at most. Errors: none; a cancelled run stops.
+CarveStats carve_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+                      const ImproveCells& improve, const RunContext& context);
+
+}  // namespace anatomesh
