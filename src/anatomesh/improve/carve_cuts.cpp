@@ -20,11 +20,13 @@ namespace anatomesh {
 namespace {
 
 constexpr double worth_carving = 7e-4;       // the share of what is drawn that is wrong
+constexpr double most_wrong = 1e-3;          // more is worth another topology
 constexpr double worth_a_patch = 5e-5;       // and of a patch
 constexpr double enough_less = 0.5;          // of a patch
 constexpr std::size_t most_cuts = 60;        // where more are wrong, slices contradict each other
 constexpr std::size_t most_sections = 200;   // of a cut
-constexpr std::size_t most_improved = 100;   // patches whose cells are worked on in vain
+constexpr std::size_t most_improved_here = 6;  // ways to carve a patch whose cells are worked on in vain
+constexpr std::size_t most_improved = 60;      // and of all
 constexpr std::size_t most_tried = 1000;     // patches, sound or not
 constexpr std::array nearness{0.25, 0.0};    // of a vertex that is taken for one of the patch, in edges
 constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
@@ -64,7 +66,8 @@ class Carver {
         std::uint32_t structure, plane;
         Region own, to;
         std::vector<Section> sections;
-        double wrong = 0;  // share of what is drawn
+        double wrong = 0;        // share of what is drawn
+        std::size_t pieces = 0;  // of the structure, or of what is outside it: of what is to go
     };
 
     enum class Outcome { done, unsound, bad };
@@ -126,9 +129,38 @@ class Carver {
             for (const Section& section : patch.sections) patch.wrong += section.share;
             patches.push_back(std::move(patch));
         }
+        for (Patch& patch : patches) patch.pieces = pieces_beside(patch);
         std::stable_sort(patches.begin(), patches.end(),
                          [](const Patch& a, const Patch& b) { return a.wrong > b.wrong; });
         return patches;
+    }
+
+    // In parts that facets join: of the cells on the patch's side of its structure.
+    std::size_t pieces_beside(const Patch& patch) const {
+        const bool has = bench_.table->contains(patch.own, patch.structure);
+        std::vector<std::uint8_t> seen(bench_.mesh.cell_count(), 0);
+        const auto take = [&](std::uint32_t c) {
+            if (c == no_cell || seen[c] || !bench_.mesh.alive(c) ||
+                bench_.table->contains(bench_.mesh.region(c), patch.structure) != has)
+                return false;
+            seen[c] = 1;
+            return true;
+        };
+        std::size_t count = 0;
+        std::vector<std::uint32_t> stack;
+        for (std::uint32_t seed = 0; seed < bench_.mesh.cell_count(); ++seed) {
+            if (!take(seed)) continue;
+            ++count;
+            stack.assign(1, seed);
+            while (!stack.empty()) {
+                const std::uint32_t c = stack.back();
+                stack.pop_back();
+                for (int i = 0; i < 4; ++i) {
+                    if (take(bench_.mesh.neighbor(c, i))) stack.push_back(bench_.mesh.neighbor(c, i));
+                }
+            }
+        }
+        return count;
     }
 
     // That of all that is drawn there, if the mesh has one.
@@ -171,6 +203,7 @@ class Carver {
     }
 
     bool carve(const Patch& patch, std::size_t cut) {
+        const std::size_t most = std::min(improved_ + most_improved_here, most_improved);
         for (const double near : nearness) {
             for (const SheetReach reach : reaches) {
                 for (const double thickness : thicknesses) {
@@ -178,7 +211,7 @@ class Carver {
                     ++tried_;
                     if (outcome == Outcome::done) return true;
                     if (outcome == Outcome::unsound) break;
-                    if (++improved_ >= most_improved) return false;
+                    if (++improved_ >= most) return false;
                 }
             }
         }
@@ -211,6 +244,9 @@ class Carver {
             return judge_.is_good(c) && judge_.is_near(c);
         });
         if (!good) return Outcome::bad;
+        // The own side of the structure may lose a handle for less than that it may fall into parts for.
+        if (made->parts_structure && sums_[cut] <= most_wrong && pieces_beside(patch) > patch.pieces)
+            return Outcome::bad;
         std::vector<double> after = sums();
         for (std::size_t other = 0; other < after.size(); ++other) {
             const double most = other == cut ? sums_[cut] - enough_less * patch.wrong

@@ -22,7 +22,8 @@ struct CarveStats {
 // the patch -, so that the patch is a sheet of facets, and the sheet is thickened (thicken_sheet.h): its
 // regular neighbourhood goes to the other side of the structure. Then `improve` works on the shapes. All of
 // it is taken back if a surface, of a structure or a region, is not one disc at each vertex concerned, if
-// that of a structure has not the same Euler characteristic, if a contour vertex or piece leaves the surface
+// that of a structure has another Euler characteristic - but two more, where a handle or a tunnel goes, or, for a
+// cut above 0.1 %, the structure falls into parts, as the slice has it -, if a contour vertex or piece leaves the surface
 // of its structure, if the cut does not lose half of what is wrong in it, or another one comes near to 0.1 %,
 // if an interface there is farther than the workbench's `apex_mm` from the field's, or if a changed cell
 // inside is worse than cell_judge.h allows.

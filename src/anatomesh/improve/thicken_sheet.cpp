@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <iterator>
 #include <map>
+#include <type_traits>
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
@@ -16,6 +17,7 @@ namespace anatomesh {
 
 namespace {
 
+constexpr std::size_t most_rounds = 3;  // over vertices where more than the sheet must go
 // On a way between cells at a vertex, in cells: of each edge of a contour, of a cell of another region.
 constexpr std::size_t price_of_contours = 4, price_of_others = 3;
 constexpr double middle = 0.5;  // where an edge between two vertices of a sheet is cut
@@ -42,7 +44,8 @@ class Thickening {
         std::vector<std::uint32_t> given = cells_between_cuts();
         const std::optional<Region> to = in_plane_ ? std::optional(in_plane_->to) : region_across(given);
         if (!to || given.empty() || !leave_one_part(given, *to, thickness)) return std::nullopt;
-        if (in_plane_ && !join_other_side(given, thickness)) return std::nullopt;
+        to_ = *to;
+        if ((in_plane_ || reach_ >= SheetReach::near) && !join_other_side(given, thickness)) return std::nullopt;
         note_changed(given);
         SurfaceCount count(bench_, owners_, given, *to);
         const SurfaceCount::Figures before = count.figures();
@@ -77,13 +80,13 @@ class Thickening {
         return sheet_.has_on_rim(a, b) && std::find(pieces.begin(), pieces.end(), piece) != pieces.end();
     }
 
-    // In a plane where the structure is not to be, or is, what it loses is a handle, or a tunnel, or it is parted.
     bool may_become(const SurfaceCount& count, const SurfaceCount::Figures& before,
-                    const SurfaceCount::Figures& after) const {
+                    const SurfaceCount::Figures& after) {
         const std::span<const int> was = count.of_structures(before), is = count.of_structures(after);
         for (std::size_t n = 0; n < was.size(); ++n) {
-            const bool may_rise = in_plane_ && count.structures()[n] == chain_.structure;
-            if (is[n] != was[n] && !(may_rise && is[n] == was[n] + 2)) return false;
+            if (is[n] == was[n]) continue;
+            if (!in_plane_ || count.structures()[n] != chain_.structure || is[n] != was[n] + 2) return false;
+            made_.parts_structure = true;
         }
         return true;
     }
@@ -248,35 +251,50 @@ class Thickening {
         return {fixed, cells.size()};
     }
 
-    // Where what is given meets the other side at a vertex of the sheet in no facet, cells between them go
-    // too, near the vertex: those of the shortest way, if there is one. False where a cell would not be positive.
+    // Where what is given meets the other side at a vertex in no facet, cells between them go too, near the
+    // vertex: those of the cheapest way, if there is one; and of what is parted there one part stays. False
+    // where a cell would not be positive.
     bool join_other_side(std::vector<std::uint32_t>& given, double thickness) {
         std::vector<CellBefore> goes;  // the given cells, whatever they are cut into
         for (const std::uint32_t c : given) go(c, goes);
-        for (const std::uint32_t v : on_sheet_) {
-            const std::vector<std::vector<std::uint32_t>> parts = parts_at(v, in_plane_->to);
-            const auto first = std::find_if(parts.begin(), parts.end(), [&](const auto& part) {
-                return std::any_of(part.begin(), part.end(), [&](std::uint32_t c) { return find_in(c, goes); });
-            });
-            if (parts.size() < 2 || first == parts.end()) continue;
-            if (!give_near(v, way_between(v, *first), thickness, goes)) return false;
-            for (const Region region : regions_at(v)) {
-                if (region != in_plane_->to && !leave_one_part_at(v, region, thickness, goes)) return false;
+        // Where cells go, there may be such vertices again.
+        for (std::size_t round = 0, before = 0; round < most_rounds && goes.size() > before; ++round) {
+            before = goes.size();
+            std::vector<std::uint32_t> vertices;
+            for (const std::uint32_t c : given)
+                vertices.insert(vertices.end(), bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
+            sort_distinct(vertices);
+            for (const std::uint32_t v : vertices) {
+                if (!join_at(v, thickness, goes)) return false;
             }
+            given.clear();
+            for_each_near([&](std::uint32_t c) {
+                if (bench_.mesh.region(c) == to_ && find_in(c, goes)) given.push_back(c);
+            });
+            sort_distinct(given);
         }
-        std::vector<std::uint32_t> cells;
-        for_each_near([&](std::uint32_t c) {
-            if (bench_.mesh.region(c) == in_plane_->to && find_in(c, goes)) cells.push_back(c);
-        });
-        sort_distinct(cells);
-        for (const std::uint32_t c : cells) bench_.mesh.set_region(c, find_in(c, goes)->region);
-        given = std::move(cells);
+        for (const std::uint32_t c : given) bench_.mesh.set_region(c, find_in(c, goes)->region);
         return true;
+    }
+
+    bool join_at(std::uint32_t v, double thickness, std::vector<CellBefore>& goes) {
+        const std::vector<std::vector<std::uint32_t>> parts = parts_at(v, to_);
+        const auto first = std::find_if(parts.begin(), parts.end(), [&](const auto& part) {
+            return std::any_of(part.begin(), part.end(), [&](std::uint32_t c) { return find_in(c, goes); });
+        });
+        if (first == parts.end()) return true;
+        if (parts.size() > 1 && !give_near(v, way_between(v, *first), thickness, goes)) return false;
+        const auto leave_one = [&](const auto& is) { return leave_one_part_at(v, is, thickness, goes); };
+        for (const Region region : regions_at(v)) {
+            if (region != to_ && !leave_one([&](auto c) { return bench_.mesh.region(c) == region; })) return false;
+        }
+        return leave_one([&](auto c) { return sides_.has(c, chain_.structure) == side_; }) &&
+               leave_one([&](auto c) { return bench_.mesh.region(c) != to_; });
     }
 
     void go(std::uint32_t c, std::vector<CellBefore>& goes) {
         goes.push_back(as_it_is(c));
-        bench_.mesh.set_region(c, in_plane_->to);
+        bench_.mesh.set_region(c, to_);
     }
 
     // What of the cells is near their vertex; `goes` gets it. False where a cell would not be positive.
@@ -293,9 +311,10 @@ class Thickening {
         return true;
     }
 
-    // Of a region that a way parts there.
-    bool leave_one_part_at(std::uint32_t v, Region region, double thickness, std::vector<CellBefore>& goes) {
-        const std::vector<std::vector<std::uint32_t>> parts = parts_at(v, region);
+    // Of the cells at the vertex that a way parts.
+    template <class Is>
+    bool leave_one_part_at(std::uint32_t v, const Is& is, double thickness, std::vector<CellBefore>& goes) {
+        const std::vector<std::vector<std::uint32_t>> parts = parts_at(v, is);
         const auto stays =
             std::max_element(parts.begin(), parts.end(), [&](const auto& x, const auto& y) {
                 return worth_at(v, x) < worth_at(v, y);
@@ -336,7 +355,7 @@ class Thickening {
         bench_.mesh.star(v, bench_.star);
         for (const std::uint32_t c : bench_.star) steps[c];
         for (const std::uint32_t c : from) steps[c].cost = 0;
-        const auto is_across = [&](std::uint32_t c) { return bench_.mesh.region(c) == in_plane_->to; };
+        const auto is_across = [&](std::uint32_t c) { return bench_.mesh.region(c) == to_; };
         for (bool again = true; again;) {
             again = false;
             for (const auto& [c, step] : steps) {
@@ -372,9 +391,16 @@ class Thickening {
 
     // The cells at a vertex of one region, in parts that facets join.
     std::vector<std::vector<std::uint32_t>> parts_at(std::uint32_t v, Region region) {
+        return parts_at(v, [&](std::uint32_t c) { return bench_.mesh.region(c) == region; });
+    }
+
+    // Those that are something.
+    template <class Is>
+        requires std::is_invocable_v<Is, std::uint32_t>
+    std::vector<std::vector<std::uint32_t>> parts_at(std::uint32_t v, const Is& is) {
         bench_.mesh.star(v, bench_.star);
         std::vector<std::uint32_t> left = bench_.star;
-        std::erase_if(left, [&](std::uint32_t c) { return bench_.mesh.region(c) != region; });
+        std::erase_if(left, [&](std::uint32_t c) { return !is(c); });
         std::vector<std::vector<std::uint32_t>> parts;
         while (!left.empty()) {
             std::vector<std::uint32_t> part{left.back()};
@@ -461,7 +487,7 @@ class Thickening {
     const ContourOwners& owners_;
     const Chain& chain_;
     const Sheet& sheet_;
-    Region own_;
+    Region own_, to_ = 0;
     bool side_;
     SheetReach reach_;
     const SheetInPlane* in_plane_;

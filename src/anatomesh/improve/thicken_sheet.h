@@ -16,6 +16,7 @@ struct ThickenedSheet {
     std::vector<std::uint32_t> changed;  // cells that were made or changed their region; rising
     double wrong_of_cuts = 0;            // that came of it, a share of what is drawn
     bool parts_cells = false;            // of the chain's region, at a vertex of the sheet
+    bool parts_structure = false;        // or takes a handle or a tunnel from it: in a plane alone
 };
 
 // What a slice says where a sheet lies in its plane.
@@ -26,15 +27,17 @@ struct SheetInPlane {
 
 // How far what goes reaches along the structure's surface: as far as to all vertices of it beside the sheet;
 // to those alone that edges of the surface join to all that a cell has of the sheet; or to where edges of the
-// surface are cut too, but those of contours; that and, at vertices, cells of other regions.
+// surface are cut too, but those of contours; that, and at vertices also cells of other regions.
 enum class SheetReach { wide, joined, near, others };
 
 // The edges that lead off the sheet are cut, at `thickness` of their length from it, and what lies between
 // the cuts goes to the other side: a regular neighbourhood of the sheet (Rourke and Sanderson, Introduction
 // to Piecewise-Linear Topology, 1972, chapter 3) but for cells that have nothing of it but pieces on its rim.
 // `own`: the region in which the chain lies; cells of others stay. `areas`: those of a stack, or null. `in_plane`: null where the sheet lies in none. Else cells at pieces
-// on its rim go too, which lie between the sheet and the other side and not beyond the piece in the plane; and
-// the structure may be parted there, or lose a handle or a tunnel.
+// on its rim go too, which lie between the sheet and the other side and not beyond the piece in the plane; and the
+// characteristic of the chain's structure may rise by two. In a
+// plane, and where it reaches no further than near, also, at vertices where what goes meets the other side in no
+// facet, what is between them.
 // Returns nothing where a cell would not be positive, a surface not one disc at each vertex concerned, that
 // of a structure of another Euler characteristic, a contour vertex or piece off its surface, or the chain not
 // on it. What was done to the mesh then is the caller's to take back. Complexity: O(cells at the sheet).
