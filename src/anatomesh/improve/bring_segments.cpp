@@ -25,8 +25,6 @@ constexpr std::size_t most_improved_at_last = 36;  // where some of these may be
 constexpr std::size_t most_improved_in_all = 100;
 constexpr std::size_t most_tried_in_all = 1000;    // sheets and thicknesses, sound or not
 constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
-constexpr std::array first_reaches{SheetReach::wide, SheetReach::joined},
-    last_reaches{SheetReach::near, SheetReach::others};
 constexpr double most_of_cuts = 3e-4;  // share of what is drawn by which cuts may get worse for a chain
 constexpr std::size_t no_limit = static_cast<std::size_t>(-1);
 constexpr int rounds = 4;  // over the chains: one may need that beside it
@@ -111,19 +109,17 @@ class Bringer {
         least_more_ = no_limit;
         if (try_all(chain, sheets, own, 0)) return true;
         const std::size_t least = least_more_;
-        if (least <= most_more_ && try_all(chain, sheets, own, least)) return true;
-        return most_more_share_ > 0 && try_all(chain, sheets, own, most_more_, last_reaches);
+        return least <= most_more_ && try_all(chain, sheets, own, least);
     }
 
     bool is_enough() const { return improved_ >= most_improved_in_all || tried_ >= most_tried_in_all; }
 
     // `most_more`: cells above the first bound that may come of it where cells are parted.
-    bool try_all(const Chain& chain, const std::vector<Sheet>& sheets, Region own, std::size_t most_more,
-                 std::span<const SheetReach> reaches = first_reaches) {
+    bool try_all(const Chain& chain, const std::vector<Sheet>& sheets, Region own, std::size_t most_more) {
         const std::size_t improved_before = improved_,
                           most_here = most_more_ > 0 ? most_improved_at_last : most_improved;
         for (const Sheet& sheet : sheets) {
-            for (const SheetReach reach : reaches) {
+            for (const SheetReach reach : {SheetReach::wide, SheetReach::joined}) {
                 for (const double thickness : thicknesses) {
                     const Outcome outcome = attempt(chain, sheet, own, reach, thickness, most_more);
                     ++tried_;

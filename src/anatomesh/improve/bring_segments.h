@@ -29,13 +29,12 @@ struct BringStats {
 // or piece leaves the surface of its structure, if cuts by slices get worse, if an interface there is
 // farther than the workbench's `apex_mm` from the field's, or if a cell changed inside has an angle whose
 // sine is below `least_sine` or a ratio above the workbench's last bound - where contours crowd it
-// (drawn.crowded), as they force it to, those of cell_judge.h -; where cells were parted, also if those above its
-// first bound become more by over `most_more` of the cells inside: ways at no such price are tried first, and
-// cheap ones before dear ones. Pieces that were brought are fixed and kept
-// no more (workbench.h); `improve` may put vertices on them.
-// Guarantees: all cells positive (checked exactly); no vertex moves but by `improve`. Same result every time.
-// Complexity: O(cells + pieces), and the shapes of the cells of a hundred sheets
-// tried in vain at most: ms to seconds. Errors: none.
+// (drawn.crowded), as they force it to, those of cell_judge.h -; where cells were parted, also if those above
+// its first bound become more by over `most_more` of the cells inside: ways at no such price are tried first,
+// and cheap ones before dear ones. Pieces that were brought are fixed and kept no more (workbench.h);
+// `improve` may put vertices on them. Guarantees: all cells positive (checked exactly); no vertex moves but
+// by `improve`. Same result every time. Complexity: O(cells + pieces), and the shapes of the cells of a
+// hundred sheets tried in vain at most: ms to seconds. Errors: none.
 BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine, double most_more,
                           const ImproveCells& improve);
 

@@ -19,16 +19,16 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double worth_carving = 7e-4;       // the share of what is drawn that is wrong
-constexpr double most_wrong = 1e-3;          // more is worth another topology
-constexpr double worth_a_patch = 5e-5;       // and of a patch
-constexpr double enough_less = 0.5;          // of a patch
-constexpr std::size_t most_cuts = 60;        // where more are wrong, slices contradict each other
-constexpr std::size_t most_sections = 200;   // of a cut
-constexpr std::size_t most_improved_here = 6;  // ways to carve a patch whose cells are worked on in vain
-constexpr std::size_t most_improved = 60;      // and of all
-constexpr std::size_t most_tried = 1000;     // patches, sound or not
-constexpr std::array nearness{0.25, 0.0};    // of a vertex that is taken for one of the patch, in edges
+constexpr double worth_carving = 7e-4;             // the share of what is drawn that is wrong
+constexpr double most_wrong = 1e-3;                // more is worth another topology
+constexpr double worth_a_patch = 5e-5;             // and of a patch
+constexpr double enough_less = 0.5;                // of a patch
+constexpr std::size_t most_cuts = 60;              // where more are wrong, slices contradict each other
+constexpr std::size_t most_sections = 200;         // of a cut
+constexpr std::size_t most_improved_here = 24;     // ways to carve a patch whose cells are worked on in vain
+constexpr std::size_t most_improved = 100;         // and of all
+constexpr std::size_t most_tried = 1000;           // patches, sound or not
+constexpr std::array nearness{0.25, 0.0};          // of a vertex that is taken for one of the patch, in edges
 constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
 
 constexpr std::array reaches{SheetReach::wide, SheetReach::joined, SheetReach::near, SheetReach::others};
@@ -91,8 +91,9 @@ class Carver {
         // A patch that is carved changes the cells of others.
         for (bool again = true; again && sums_[cut] > worth_carving;) {
             again = false;
-            for (const Patch& patch : patches(structure, plane)) {
+            for (Patch& patch : patches(structure, plane)) {
                 if (patch.wrong < worth_a_patch) break;
+                if (sums_[cut] <= most_wrong) patch.pieces = pieces_beside(patch);
                 if (improved_ >= most_improved || tried_ >= most_tried) return;
                 ++stats_.patches_found;
                 if (!carve(patch, cut)) continue;
@@ -129,7 +130,6 @@ class Carver {
             for (const Section& section : patch.sections) patch.wrong += section.share;
             patches.push_back(std::move(patch));
         }
-        for (Patch& patch : patches) patch.pieces = pieces_beside(patch);
         std::stable_sort(patches.begin(), patches.end(),
                          [](const Patch& a, const Patch& b) { return a.wrong > b.wrong; });
         return patches;
@@ -204,14 +204,16 @@ class Carver {
 
     bool carve(const Patch& patch, std::size_t cut) {
         const std::size_t most = std::min(improved_ + most_improved_here, most_improved);
-        for (const double near : nearness) {
-            for (const SheetReach reach : reaches) {
-                for (const double thickness : thicknesses) {
-                    const Outcome outcome = attempt(patch, cut, near, reach, thickness);
+        std::array<std::array<bool, reaches.size()>, nearness.size()> unsound{};  // at any thickness
+        for (const double thickness : thicknesses) {
+            for (std::size_t n = 0; n < nearness.size(); ++n) {
+                for (std::size_t r = 0; r < reaches.size(); ++r) {
+                    if (unsound[n][r]) continue;
+                    const Outcome outcome = attempt(patch, cut, nearness[n], reaches[r], thickness);
                     ++tried_;
                     if (outcome == Outcome::done) return true;
-                    if (outcome == Outcome::unsound) break;
-                    if (++improved_ >= most) return false;
+                    unsound[n][r] = outcome == Outcome::unsound;
+                    if (outcome == Outcome::bad && ++improved_ >= most) return false;
                 }
             }
         }
@@ -249,8 +251,8 @@ class Carver {
             return Outcome::bad;
         std::vector<double> after = sums();
         for (std::size_t other = 0; other < after.size(); ++other) {
-            const double most = other == cut ? sums_[cut] - enough_less * patch.wrong
-                                             : std::max(sums_[other], worth_carving);
+            const double most =
+                other == cut ? sums_[cut] - enough_less * patch.wrong : std::max(sums_[other], worth_carving);
             if (after[other] > most) return Outcome::bad;
         }
         sums_ = std::move(after);
@@ -269,8 +271,8 @@ class Carver {
         }
     };
 
-    // Cuts the edges that pass through the patch. Vertices nearer to the plane than this share of such an edge
-    // are corners of the sheet; no facets, where an edge cannot be cut.
+    // Cuts the edges that pass through the patch. Vertices nearer to the plane than this share of such an
+    // edge are corners of the sheet; no facets, where an edge cannot be cut.
     Sheet sheet_of(const Patch& patch, double near) {
         const std::uint32_t k = patch.plane;
         std::vector<CellBefore> passed;
@@ -296,8 +298,10 @@ class Carver {
         sort_distinct(corners);
         const std::size_t corners_before = corners.size();
         for (const auto& [a, b] : edges) {
-            if (std::binary_search(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(corners_before), a) ||
-                std::binary_search(corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(corners_before), b))
+            if (std::binary_search(corners.begin(),
+                                   corners.begin() + static_cast<std::ptrdiff_t>(corners_before), a) ||
+                std::binary_search(corners.begin(),
+                                   corners.begin() + static_cast<std::ptrdiff_t>(corners_before), b))
                 continue;
             const Vec3 p = bench_.mesh.point(a), q = bench_.mesh.point(b);
             const double at_p = areas_.plane(k).signed_distance(p), at_q = areas_.plane(k).signed_distance(q);

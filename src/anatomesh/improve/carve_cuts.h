@@ -22,14 +22,14 @@ struct CarveStats {
 // the patch -, so that the patch is a sheet of facets, and the sheet is thickened (thicken_sheet.h): its
 // regular neighbourhood goes to the other side of the structure. Then `improve` works on the shapes. All of
 // it is taken back if a surface, of a structure or a region, is not one disc at each vertex concerned, if
-// that of a structure has another Euler characteristic - but two more, where a handle or a tunnel goes, or, for a
-// cut above 0.1 %, the structure falls into parts, as the slice has it -, if a contour vertex or piece leaves the surface
-// of its structure, if the cut does not lose half of what is wrong in it, or another one comes near to 0.1 %,
-// if an interface there is farther than the workbench's `apex_mm` from the field's, or if a changed cell
-// inside is worse than cell_judge.h allows.
-// Guarantees: all cells positive (checked exactly); no vertex moves but by `improve`. Same result every time.
-// Complexity: O(cells) for each cut concerned and each patch carved, and the shapes of the cells of a hundred
-// patches tried in vain at most. Errors: none; a cancelled run stops.
+// that of a structure has another Euler characteristic - but two more, where a handle or a tunnel goes, or,
+// for a cut above 0.1 %, the structure falls into parts, as the slice has it -, if a contour vertex or piece
+// leaves the surface of its structure, if the cut does not lose half of what is wrong in it, or another one
+// comes near to 0.1 %, if an interface there is farther than the workbench's `apex_mm` from the field's, or
+// if a changed cell inside is worse than cell_judge.h allows. Guarantees: all cells positive (checked
+// exactly); no vertex moves but by `improve`. Same result every time. Complexity: O(cells) for each cut
+// concerned and each patch carved, and the shapes of the cells of a hundred patches tried in vain at most.
+// Errors: none; a cancelled run stops.
 CarveStats carve_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine,
                       const ImproveCells& improve, const RunContext& context);
 

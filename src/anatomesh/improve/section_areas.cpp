@@ -174,7 +174,8 @@ std::vector<SectionAreas::Section> SectionAreas::wrong_sections_of(std::uint32_t
         const bool has = drawn_.table->contains(bench_.mesh.region(here), structure) ||
                          drawn_.table->contains(bench_.mesh.region(there), structure);
         const std::vector<std::uint32_t>& seen = bench_.probe.members(piece.middle);
-        if (std::binary_search(seen.begin(), seen.end(), structure) != has) found.push_back({here, facet, piece.area * weight, piece.middle});
+        if (std::binary_search(seen.begin(), seen.end(), structure) != has)
+            found.push_back({here, facet, piece.area * weight, piece.middle});
     };
     for (const std::uint32_t c : cells) {
         look(section(c, k), c, c, 4);

@@ -45,7 +45,7 @@ class Thickening {
         const std::optional<Region> to = in_plane_ ? std::optional(in_plane_->to) : region_across(given);
         if (!to || given.empty() || !leave_one_part(given, *to, thickness)) return std::nullopt;
         to_ = *to;
-        if ((in_plane_ || reach_ >= SheetReach::near) && !join_other_side(given, thickness)) return std::nullopt;
+        if (in_plane_ && !join_other_side(given, thickness)) return std::nullopt;
         note_changed(given);
         SurfaceCount count(bench_, owners_, given, *to);
         const SurfaceCount::Figures before = count.figures();
@@ -53,8 +53,8 @@ class Thickening {
         for (const std::uint32_t c : given) bench_.mesh.set_region(c, *to);
         if (areas) made_.wrong_of_cuts += areas->wrong(given);
         const SurfaceCount::Figures after = count.figures();
-        const bool sound = after.excess == 0 && may_become(count, before, after) &&
-                           count.newly_lost() == 0 && sides_.on_surface(chain_.vertices, chain_.structure);
+        const bool sound = after.excess == 0 && may_become(count, before, after) && count.newly_lost() == 0 &&
+                           sides_.on_surface(chain_.vertices, chain_.structure);
         return sound ? std::optional(std::move(made_)) : std::nullopt;
     }
 
@@ -73,11 +73,17 @@ class Thickening {
     };
 
     // A piece of the structure on the sheet's rim: of the chain, or of a contour that the surface has
-    // already.
+    // already; or, there, of an edge of a contour that was cut since the owners were made. The bench has the
+    // edge's ring.
     bool is_rim_piece(std::uint32_t a, std::uint32_t b) const {
-        const auto pieces = owners_.pieces_at(a);
-        const ContourOwners::Piece piece{b, chain_.structure};
-        return sheet_.has_on_rim(a, b) && std::find(pieces.begin(), pieces.end(), piece) != pieces.end();
+        if (!sheet_.has_on_rim(a, b)) return false;
+        bool known = false;
+        for (const ContourOwners::Piece& piece : owners_.pieces_at(a)) {
+            if (piece.other != b) continue;
+            if (piece.structure == chain_.structure) return true;
+            known = true;
+        }
+        return !known && bench_.fixed_edge(a, b) && sides_.ring_is_mixed(chain_.structure);
     }
 
     bool may_become(const SurfaceCount& count, const SurfaceCount::Figures& before,
@@ -136,8 +142,8 @@ class Thickening {
     void add_beside(std::uint32_t sheet_vertex, std::vector<std::uint32_t>& cells) const {
         const EdgeRing& ring = bench_.ring;
         const std::size_t count = ring.cells.size();
-        const auto at = static_cast<std::size_t>(
-            std::find(ring.ring.begin(), ring.ring.end(), sheet_vertex) - ring.ring.begin());
+        const auto at = static_cast<std::size_t>(std::find(ring.ring.begin(), ring.ring.end(), sheet_vertex) -
+                                                 ring.ring.begin());
         if (at == count) return;
         const Vec3 from = bench_.mesh.point(ring.a);
         const Vec3 in = cross(in_plane_->normal, bench_.mesh.point(ring.b) - from);
@@ -154,7 +160,8 @@ class Thickening {
                     break;
                 }
                 part.push_back(c);
-                // Beyond the piece, where the next vertex is on the other side of the plane than those before.
+                // Beyond the piece, where the next vertex is on the other side of the plane than those
+                // before.
                 const Vec3 next = bench_.mesh.point(ring.ring[onward ? (i + 1) % count : i]) - from;
                 const double height = dot(in_plane_->normal, next);
                 if (n > 0 && (height > 0) != over) break;
@@ -286,7 +293,8 @@ class Thickening {
         if (parts.size() > 1 && !give_near(v, way_between(v, *first), thickness, goes)) return false;
         const auto leave_one = [&](const auto& is) { return leave_one_part_at(v, is, thickness, goes); };
         for (const Region region : regions_at(v)) {
-            if (region != to_ && !leave_one([&](auto c) { return bench_.mesh.region(c) == region; })) return false;
+            if (region != to_ && !leave_one([&](auto c) { return bench_.mesh.region(c) == region; }))
+                return false;
         }
         return leave_one([&](auto c) { return sides_.has(c, chain_.structure) == side_; }) &&
                leave_one([&](auto c) { return bench_.mesh.region(c) != to_; });
@@ -315,10 +323,9 @@ class Thickening {
     template <class Is>
     bool leave_one_part_at(std::uint32_t v, const Is& is, double thickness, std::vector<CellBefore>& goes) {
         const std::vector<std::vector<std::uint32_t>> parts = parts_at(v, is);
-        const auto stays =
-            std::max_element(parts.begin(), parts.end(), [&](const auto& x, const auto& y) {
-                return worth_at(v, x) < worth_at(v, y);
-            });
+        const auto stays = std::max_element(parts.begin(), parts.end(), [&](const auto& x, const auto& y) {
+            return worth_at(v, x) < worth_at(v, y);
+        });
         for (auto part = parts.begin(); part != parts.end(); ++part) {
             if (part != stays && !give_near(v, *part, thickness, goes)) return false;
         }
@@ -396,8 +403,8 @@ class Thickening {
 
     // Those that are something.
     template <class Is>
-        requires std::is_invocable_v<Is, std::uint32_t>
-    std::vector<std::vector<std::uint32_t>> parts_at(std::uint32_t v, const Is& is) {
+    requires std::is_invocable_v<Is, std::uint32_t> std::vector<std::vector<std::uint32_t>> parts_at(
+        std::uint32_t v, const Is& is) {
         bench_.mesh.star(v, bench_.star);
         std::vector<std::uint32_t> left = bench_.star;
         std::erase_if(left, [&](std::uint32_t c) { return !is(c); });
@@ -437,14 +444,12 @@ class Thickening {
     }
 
     // That in which a cell lies.
-    const CellBefore* cell_before(std::uint32_t c) const {
-        return find_in(c, cells_);
-    }
+    const CellBefore* cell_before(std::uint32_t c) const { return find_in(c, cells_); }
 
     const CellBefore* find_in(std::uint32_t c, const std::vector<CellBefore>& cells) const {
         const Vec3 p = centre_of(c);
-        const auto at = std::find_if(cells.begin(), cells.end(),
-                                     [&](const CellBefore& was) { return was.holds(p); });
+        const auto at =
+            std::find_if(cells.begin(), cells.end(), [&](const CellBefore& was) { return was.holds(p); });
         return at == cells.end() ? nullptr : &*at;
     }
 
@@ -457,7 +462,8 @@ class Thickening {
     // Whether what is given reaches to a vertex beside the sheet.
     bool stays(const CellBefore& was, std::uint32_t v) const {
         if (!std::binary_search(beside_.begin(), beside_.end(), v)) return false;
-        return reach_ != SheetReach::joined || std::none_of(was.cell.begin(), was.cell.end(), [&](std::uint32_t d) {
+        return reach_ != SheetReach::joined ||
+               std::none_of(was.cell.begin(), was.cell.end(), [&](std::uint32_t d) {
                    return is_on(d) && std::binary_search(cut_.begin(), cut_.end(), std::array{d, v});
                });
     }
@@ -502,8 +508,9 @@ class Thickening {
 }  // namespace
 
 std::optional<ThickenedSheet> thicken_sheet(Workbench& bench, const ContourOwners& owners, const Chain& chain,
-                                            const Sheet& sheet, Region own, SheetReach reach, double thickness,
-                                            SectionAreas* areas, const SheetInPlane* in_plane) {
+                                            const Sheet& sheet, Region own, SheetReach reach,
+                                            double thickness, SectionAreas* areas,
+                                            const SheetInPlane* in_plane) {
     return Thickening(bench, owners, chain, sheet, own, reach, in_plane).run(thickness, areas);
 }
 

@@ -33,17 +33,17 @@ enum class SheetReach { wide, joined, near, others };
 // The edges that lead off the sheet are cut, at `thickness` of their length from it, and what lies between
 // the cuts goes to the other side: a regular neighbourhood of the sheet (Rourke and Sanderson, Introduction
 // to Piecewise-Linear Topology, 1972, chapter 3) but for cells that have nothing of it but pieces on its rim.
-// `own`: the region in which the chain lies; cells of others stay. `areas`: those of a stack, or null. `in_plane`: null where the sheet lies in none. Else cells at pieces
-// on its rim go too, which lie between the sheet and the other side and not beyond the piece in the plane; and the
-// characteristic of the chain's structure may rise by two. In a
-// plane, and where it reaches no further than near, also, at vertices where what goes meets the other side in no
-// facet, what is between them.
-// Returns nothing where a cell would not be positive, a surface not one disc at each vertex concerned, that
-// of a structure of another Euler characteristic, a contour vertex or piece off its surface, or the chain not
-// on it. What was done to the mesh then is the caller's to take back. Complexity: O(cells at the sheet).
+// `own`: the region in which the chain lies; cells of others stay. `areas`: those of a stack, or null.
+// `in_plane`: null where the sheet lies in none. Else cells at pieces on its rim go too, which lie between
+// the sheet and the other side and not beyond the piece in the plane; at vertices where what goes meets the
+// other side in no facet, what is between them, so that all is in one part there; and the characteristic of
+// the chain's structure may rise by two. Returns nothing where a cell would not be positive, a surface not
+// one disc at each vertex concerned, that of a structure of another Euler characteristic, a contour vertex or
+// piece off its surface, or the chain not on it. What was done to the mesh then is the caller's to take back.
+// Complexity: O(cells at the sheet).
 std::optional<ThickenedSheet> thicken_sheet(Workbench& bench, const ContourOwners& owners, const Chain& chain,
-                                            const Sheet& sheet, Region own, SheetReach reach, double thickness,
-                                            SectionAreas* areas,
+                                            const Sheet& sheet, Region own, SheetReach reach,
+                                            double thickness, SectionAreas* areas,
                                             const SheetInPlane* in_plane = nullptr);
 
 }  // namespace anatomesh

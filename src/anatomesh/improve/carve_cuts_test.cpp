@@ -1,0 +1,280 @@
+#include "anatomesh/improve/carve_cuts.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <random>
+#include <utility>
+
+#include "anatomesh/geom/predicates.h"
+#include "anatomesh/improve/labelled_meshes_for_test.h"
+#include "anatomesh/improve/section_areas.h"
+#include "anatomesh/mesh/brick_mesh_for_test.h"
+#include "anatomesh/mesh/topology.h"
+#include "anatomesh/sample/analytic_field_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+constexpr int width = 8, height = 6;
+constexpr double any_shape = 1e-3, wall = 3, slice = 3;
+
+// A structure, drawn in the slice z = 3 up to x = 3, and what is beside it: cells of a grid, the free
+// vertices of which are shaken, so that the slice's plane passes through them.
+struct Block {
+    TetMesh mesh = testing::brick_mesh({width, width, height}, [](int, int, int) { return Region{1}; });
+    RegionTable table{{{}, {0}}};
+    std::vector<std::uint32_t> neighbors, slice_of;
+    std::vector<std::uint8_t> fixed;
+    std::vector<VertexPair> contour;
+    std::vector<Plane> planes{make_plane({0, 0, slice}, {0, 0, 1})};
+    std::vector<double> weights{1.0 / (wall * width)};
+    ContourOwners owners;
+    fixtures::AnalyticField field{{[](Vec3 p) { return p.x - wall; }}, 10};
+    CarveStats stats;
+
+    // `inside`: of the middles of the grid's cubes. Vertices from y = 0 to `drawn` are on the contour.
+    explicit Block(const std::function<bool(Vec3)>& inside, unsigned seed = 1, double shaken = 0.25,
+                   int drawn = width) {
+        for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+            Vec3 p;
+            for (const std::uint32_t v : mesh.cells[c]) p += 0.25 * mesh.points[v];
+            const auto middle = [](double x) { return std::floor(x) + 0.5; };
+            mesh.regions[c] = inside({middle(p.x), middle(p.y), middle(p.z)}) ? 1 : 0;
+        }
+        neighbors = cell_neighbors(mesh.cells, mesh.points.size());
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> shift(-shaken, shaken);
+        std::vector<std::array<std::uint32_t, 2>> vertices;
+        std::vector<std::array<std::uint32_t, 3>> pieces;
+        std::uint32_t last = no_cell;
+        for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
+            Vec3& p = mesh.points[v];
+            const bool rim =
+                p.x == 0 || p.x == width || p.y == 0 || p.y == width || p.z == 0 || p.z == height;
+            const bool on = p.x == wall && p.z == slice && p.y <= drawn;
+            slice_of.push_back(on ? 0 : no_slice);
+            fixed.push_back(rim || on);
+            if (!rim && !on) p = p + Vec3{shift(random), shift(random), shift(random)};
+            if (!on) continue;
+            vertices.push_back({v, 0});
+            if (last != no_cell) {
+                pieces.push_back({last, v, 0});
+                contour.push_back({last, v});
+            }
+            last = v;
+        }
+        owners = ContourOwners(vertices, mesh.points.size(), pieces);
+    }
+
+    // With the share of the slice that is wrong before and after.
+    std::array<double, 2> carve(
+        const ImproveCells& improve = [](auto) { return std::vector<std::uint32_t>{}; },
+        double least_sine = any_shape) {
+        EditMesh edited(std::move(mesh), neighbors);
+        DihedralOptions options;
+        options.apex_mm = 10;
+        options.last_radius_edge = 100;
+        Workbench bench(edited, fixed, contour, field, 1, options);
+        bench.table = &table;
+        const DrawnSlices drawn{&table, slice_of, &owners, planes, {}, weights, 1e-9};
+        SectionAreas areas(bench, drawn);
+        const auto wrong = [&] {
+            std::vector<std::uint32_t> all;
+            for (std::uint32_t c = 0; c < edited.cell_count(); ++c) {
+                if (edited.alive(c)) all.push_back(c);
+            }
+            areas.sum_cuts(all);
+            return areas.sums()[0];
+        };
+        std::array<double, 2> shares{wrong(), 0};
+        stats = carve_cuts(bench, drawn, least_sine, improve, {});
+        shares[1] = wrong();
+        mesh = std::move(edited).take(neighbors);
+        return shares;
+    }
+
+    SurfaceTopology topology() const { return surface_topology(structure_surface(mesh, table, 0)); }
+
+    void expect_sound() const {
+        for (const Cell& v : mesh.cells) {
+            ASSERT_GT(orient3d(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]),
+                      0);
+        }
+        EXPECT_EQ(neighbors, cell_neighbors(mesh.cells, mesh.points.size()));
+        EXPECT_TRUE(topology().closed_manifold());
+        // The contour is on the surface.
+        std::vector<VertexPair> edges;
+        for (const Triangle& facet : structure_surface(mesh, table, 0)) {
+            for (std::size_t k = 0; k < 3; ++k)
+                edges.push_back(
+                    {std::min(facet[k], facet[(k + 1) % 3]), std::max(facet[k], facet[(k + 1) % 3])});
+        }
+        std::sort(edges.begin(), edges.end());
+        for (const VertexPair& piece : contour)
+            EXPECT_TRUE(std::binary_search(edges.begin(), edges.end(), piece));
+    }
+};
+
+bool left_of_wall(Vec3 p) {
+    return p.x < wall;
+}
+
+// A hook that hangs through the slice from above, three cubes beside the wall.
+bool in_hook(Vec3 p) {
+    return p.y > 3 && p.y < 5 &&
+           ((p.z > 4 && p.z < 5 && p.x < 6) || (p.x > 5 && p.x < 6 && p.z > 2 && p.z < 5));
+}
+
+TEST(CarveCuts, a_cut_that_is_as_drawn_is_left_as_it_is) {
+    Block block(left_of_wall);
+    const TetMesh before = block.mesh;
+    EXPECT_EQ(block.carve(), (std::array{0.0, 0.0}));
+    EXPECT_EQ(block.stats.patches_found, 0u);
+    EXPECT_EQ(block.mesh.points, before.points);
+    EXPECT_EQ(block.mesh.regions, before.regions);
+}
+
+TEST(CarveCuts, what_hangs_through_a_slice_beside_what_is_drawn_is_cut_through) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+        Block block([](Vec3 p) { return left_of_wall(p) || in_hook(p); }, seed);
+        ASSERT_EQ(block.topology().genus, 0);
+        const auto [before, after] = block.carve();
+        EXPECT_GT(before, 0.05);
+        EXPECT_LT(after, 1e-3);
+        block.expect_sound();
+        EXPECT_EQ(block.topology().components, 2u);  // the slice has nothing between them
+        EXPECT_EQ(block.topology().genus, 0);
+    }
+}
+
+TEST(CarveCuts, a_handle_round_a_slice_goes) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+        Block block(
+            [](Vec3 p) {
+                return left_of_wall(p) || in_hook(p) || (p.y > 3 && p.y < 5 && p.z > 1 && p.z < 2 && p.x < 6);
+            },
+            seed);
+        ASSERT_EQ(block.topology().genus, 1);
+        const auto [before, after] = block.carve();
+        EXPECT_GT(before, 0.05);
+        EXPECT_LT(after, 1e-3);
+        block.expect_sound();
+        EXPECT_EQ(block.topology().components, 1u);
+        EXPECT_EQ(block.topology().genus, 0);
+    }
+}
+
+TEST(CarveCuts, a_tunnel_through_what_is_drawn_is_filled) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+        Block block(
+            [](Vec3 p) { return left_of_wall(p) && !(p.x > 1 && p.x < 2 && p.y > 3 && p.y < 4 && p.z < 5); },
+            seed);
+        // A pit from below: its top is over the slice.
+        const auto [before, after] = block.carve();
+        EXPECT_GT(before, 0.02);
+        EXPECT_LT(after, 1e-3);
+        block.expect_sound();
+        EXPECT_EQ(block.topology().genus, 0);
+    }
+}
+
+// Cubes that rest on the slice beside the contour, with the facets in it, and such that hang through it at
+// the contour: of both the contour's own cells stay.
+TEST(CarveCuts, what_begins_at_the_contour_goes_and_the_contour_stays) {
+    int tried = 0;
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        std::mt19937 random(seed);
+        std::vector<int> from(width, 9), to(width, 0);
+        for (int y = 1; y < width - 1; ++y) {
+            if (random() % 2) continue;
+            from[static_cast<std::size_t>(y)] = 3;
+            to[static_cast<std::size_t>(y)] = 3 + static_cast<int>(1 + random() % 2);
+        }
+        const auto rests = [&](Vec3 p) {
+            const auto y = static_cast<std::size_t>(p.y);
+            return p.x > wall && p.x < wall + 1 && p.z > from[y] && p.z < to[y];
+        };
+        Block block([&](Vec3 p) { return left_of_wall(p) || rests(p); }, seed, 0.2);
+        if (block.topology().components != 1 || !block.topology().closed_manifold()) continue;
+        ++tried;
+        const auto [before, after] = block.carve();
+        EXPECT_LE(after, std::max(0.5 * before, 1e-3));
+        block.expect_sound();
+        EXPECT_EQ(block.topology().components, 1u);
+        EXPECT_EQ(block.topology().genus, 0);
+    }
+    EXPECT_GT(tried, 5);
+}
+
+TEST(CarveCuts, all_is_as_it_was_where_cells_are_too_flat) {
+    Block block([](Vec3 p) { return left_of_wall(p) || in_hook(p); });
+    const TetMesh before = block.mesh;
+    const auto [wrong, after] = block.carve([](auto) { return std::vector<std::uint32_t>{}; }, 0.99);
+    EXPECT_EQ(wrong, after);
+    EXPECT_EQ(block.stats.patches_carved, 0u);
+    EXPECT_GT(block.stats.patches_found, 0u);
+    EXPECT_EQ(block.mesh.cells, before.cells);
+    EXPECT_EQ(block.mesh.regions, before.regions);
+}
+
+TEST(CarveCuts, the_shapes_of_what_changed_are_worked_on) {
+    Block block([](Vec3 p) { return left_of_wall(p) || in_hook(p); });
+    std::size_t asked = 0;
+    const auto [before, after] = block.carve([&](std::vector<std::uint32_t> cells) {
+        asked += cells.size();
+        return std::vector<std::uint32_t>{};
+    });
+    EXPECT_GT(before, after);
+    EXPECT_GT(asked, 0u);
+    EXPECT_FALSE(block.stats.changed.empty());
+}
+
+// Planes at any height through meshes whose cells are on one side or the other: nearly all sections at the
+// surface are wrong, and most patches can't be carved.
+TEST(CarveCuts, surfaces_stay_manifolds_and_no_cut_gets_worse_whatever_is_carved) {
+    std::uint64_t carved = 0;
+    std::vector<fixtures::LabelledCase> cases = fixtures::labelled_cases();
+    for (std::size_t n = 1; n < cases.size(); n += 3) {  // shell, overlapping balls, random tori and overlaps
+        fixtures::LabelledCase& made = cases[n];
+        const std::vector<Plane> planes{make_plane({0, 0, 0.3}, {0, 0, 1}),
+                                        make_plane({0, 0, -2.2}, {0, 0, 1})};
+        const std::vector<double> weights(planes.size() * made.structures, 0.01);
+        const std::vector<std::uint32_t> slice_of(made.mesh.points.size(), no_slice);
+        const ContourOwners owners({}, made.mesh.points.size());
+        const TetMesh before = made.mesh;
+        std::vector<std::uint32_t> neighbors = cell_neighbors(made.mesh.cells, made.mesh.points.size());
+        EditMesh edited(std::move(made.mesh), neighbors);
+        DihedralOptions options;
+        options.apex_mm = 10;
+        options.last_radius_edge = 100;
+        Workbench bench(edited, made.fixed, {}, made.field, made.structures, options);
+        bench.table = &made.regions;
+        const DrawnSlices drawn{&made.regions, slice_of, &owners, planes, {}, weights, 1e-9};
+        SectionAreas areas(bench, drawn);
+        const auto sums = [&] {
+            std::vector<std::uint32_t> all;
+            for (std::uint32_t c = 0; c < edited.cell_count(); ++c) {
+                if (edited.alive(c)) all.push_back(c);
+            }
+            areas.sum_cuts(all);
+            return std::vector<double>(areas.sums().begin(), areas.sums().end());
+        };
+        const std::vector<double> wrong = sums();
+        const CarveStats stats =
+            carve_cuts(bench, drawn, any_shape, [](auto) { return std::vector<std::uint32_t>{}; }, {});
+        const std::vector<double> after = sums();
+        carved += stats.patches_carved;
+        for (std::size_t n = 0; n < wrong.size(); ++n) EXPECT_LE(after[n], std::max(wrong[n], 7e-4));
+        made.mesh = std::move(edited).take(neighbors);
+        fixtures::expect_sound_mesh(made.mesh, before);
+        for (std::uint32_t s = 0; s < made.structures; ++s)
+            EXPECT_TRUE(surface_topology(structure_surface(made.mesh, made.regions, s)).closed_manifold())
+                << made.name;
+    }
+    EXPECT_GT(carved, 20u);
+}
+
+}  // namespace
+}  // namespace anatomesh
