@@ -20,14 +20,13 @@ namespace anatomesh {
 namespace {
 
 constexpr double worth_carving = 7e-4;             // the share of what is drawn that is wrong
-constexpr double most_wrong = 1e-3;                // more is worth another topology
+constexpr double most_wrong = 1e-3;                // more is worth parting a structure
 constexpr double worth_a_patch = 5e-5;             // and of a patch
 constexpr double enough_less = 0.5;                // of a patch
 constexpr std::size_t most_cuts = 60;              // where more are wrong, slices contradict each other
 constexpr std::size_t most_sections = 200;         // of a cut
-constexpr std::size_t most_improved_here = 24;     // ways to carve a patch whose cells are worked on in vain
-constexpr std::size_t most_improved = 100;         // and of all
-constexpr std::size_t most_tried = 1000;           // patches, sound or not
+constexpr std::size_t most_improved = 100;         // ways to carve whose cells are worked on in vain
+constexpr std::size_t most_tried = 1000;           // ways, sound or not
 constexpr std::array nearness{0.25, 0.0};          // of a vertex that is taken for one of the patch, in edges
 constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
 
@@ -67,7 +66,15 @@ class Carver {
         Region own, to;
         std::vector<Section> sections;
         double wrong = 0;        // share of what is drawn
-        std::size_t pieces = 0;  // of the structure, or of what is outside it: of what is to go
+        std::size_t pieces = 0;  // of the structure, or of what is outside it: of what the patch is of
+    };
+
+    // How a patch is carved: the share of edges within which a vertex is taken for one of the patch, and as
+    // thicken_sheet() has it.
+    struct Way {
+        double near;
+        SheetReach reach;
+        double thickness;
     };
 
     enum class Outcome { done, unsound, bad };
@@ -85,23 +92,27 @@ class Carver {
         return {areas_.sums().begin(), areas_.sums().end()};
     }
 
+    // First what leaves the structure in one part.
     void carve_cut(std::size_t cut) {
+        while (sums_[cut] > worth_carving && carve_one(cut, false)) {
+        }
+        while (sums_[cut] > most_wrong && carve_one(cut, true)) {
+        }
+    }
+
+    // One patch: that changes the cells of others.
+    bool carve_one(std::size_t cut, bool may_part) {
         const auto structure = static_cast<std::uint32_t>(cut / drawn_.planes.size()),
                    plane = static_cast<std::uint32_t>(cut % drawn_.planes.size());
-        // A patch that is carved changes the cells of others.
-        for (bool again = true; again && sums_[cut] > worth_carving;) {
-            again = false;
-            for (Patch& patch : patches(structure, plane)) {
-                if (patch.wrong < worth_a_patch) break;
-                if (sums_[cut] <= most_wrong) patch.pieces = pieces_beside(patch);
-                if (improved_ >= most_improved || tried_ >= most_tried) return;
-                ++stats_.patches_found;
-                if (!carve(patch, cut)) continue;
-                ++stats_.patches_carved;
-                again = true;
-                break;
-            }
+        for (Patch& patch : patches(structure, plane)) {
+            if (patch.wrong < worth_a_patch || improved_ >= most_improved || tried_ >= most_tried) break;
+            ++stats_.patches_found;
+            if (!may_part) patch.pieces = pieces_beside(patch);
+            if (!carve(patch, cut, may_part)) continue;
+            ++stats_.patches_carved;
+            return true;
         }
+        return false;
     }
 
     // Those from which more is wrong first.
@@ -202,42 +213,42 @@ class Carver {
         return corners;
     }
 
-    bool carve(const Patch& patch, std::size_t cut) {
-        const std::size_t most = std::min(improved_ + most_improved_here, most_improved);
-        std::array<std::array<bool, reaches.size()>, nearness.size()> unsound{};  // at any thickness
-        for (const double thickness : thicknesses) {
-            for (std::size_t n = 0; n < nearness.size(); ++n) {
-                for (std::size_t r = 0; r < reaches.size(); ++r) {
-                    if (unsound[n][r]) continue;
-                    const Outcome outcome = attempt(patch, cut, nearness[n], reaches[r], thickness);
+    bool carve(const Patch& patch, std::size_t cut, bool may_part) {
+        for (const double near : nearness) {
+            for (const SheetReach reach : reaches) {
+                for (const double thickness : thicknesses) {
+                    const Outcome outcome = attempt(patch, cut, {near, reach, thickness}, may_part);
                     ++tried_;
                     if (outcome == Outcome::done) return true;
-                    unsound[n][r] = outcome == Outcome::unsound;
-                    if (outcome == Outcome::bad && ++improved_ >= most) return false;
+                    if (outcome == Outcome::unsound) break;
+                    if (++improved_ >= most_improved) return false;
                 }
             }
         }
         return false;
     }
 
-    Outcome attempt(const Patch& patch, std::size_t cut, double near, SheetReach reach, double thickness) {
+    Outcome attempt(const Patch& patch, std::size_t cut, const Way& way, bool may_part) {
         const DihedralStats stats = bench_.stats;
         bench_.mesh.begin_attempt();
-        const Outcome outcome = change(patch, cut, near, reach, thickness);
+        const Outcome outcome = change(patch, cut, way, may_part);
         bench_.mesh.end_attempt(outcome == Outcome::done);
         if (outcome != Outcome::done) bench_.stats = stats;
         return outcome;
     }
 
-    Outcome change(const Patch& patch, std::size_t cut, double near, SheetReach reach, double thickness) {
-        const Sheet sheet = sheet_of(patch, near);
+    Outcome change(const Patch& patch, std::size_t cut, const Way& way, bool may_part) {
+        const Sheet sheet = sheet_of(patch, way.near);
         const std::optional<std::uint32_t> end = vertex_on_surface(sheet, patch.structure);
         if (!end) return Outcome::unsound;
         const Chain chain{{*end}, patch.structure};
         const SheetInPlane in_plane{areas_.plane(patch.plane).normal, patch.to};
         std::optional<ThickenedSheet> made = thicken_sheet(bench_, *drawn_.owners, chain, sheet, patch.own,
-                                                           reach, thickness, nullptr, &in_plane);
+                                                           way.reach, way.thickness, nullptr, &in_plane);
         if (!made) return Outcome::unsound;
+        // Else a handle, or a tunnel.
+        if (made->parts_structure && !may_part && pieces_beside(patch) > patch.pieces)
+            return Outcome::unsound;
         std::vector<std::uint32_t> changed = std::move(made->changed);
         const std::vector<std::uint32_t> improved = improve_(changed);
         changed.insert(changed.end(), improved.begin(), improved.end());
@@ -246,9 +257,6 @@ class Carver {
             return judge_.is_good(c) && judge_.is_near(c);
         });
         if (!good) return Outcome::bad;
-        // The own side of the structure may lose a handle for less than that it may fall into parts for.
-        if (made->parts_structure && sums_[cut] <= most_wrong && pieces_beside(patch) > patch.pieces)
-            return Outcome::bad;
         std::vector<double> after = sums();
         for (std::size_t other = 0; other < after.size(); ++other) {
             const double most =

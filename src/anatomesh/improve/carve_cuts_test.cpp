@@ -273,7 +273,7 @@ TEST(CarveCuts, surfaces_stay_manifolds_and_no_cut_gets_worse_whatever_is_carved
             EXPECT_TRUE(surface_topology(structure_surface(made.mesh, made.regions, s)).closed_manifold())
                 << made.name;
     }
-    EXPECT_GT(carved, 20u);
+    EXPECT_GT(carved, 5u);
 }
 
 }  // namespace
