@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <initializer_list>
 #include <iterator>
 #include <map>
 #include <type_traits>
@@ -233,17 +234,14 @@ class Thickening {
     }
 
     // Of the edges from the vertex those within the cells.
-    bool cut_near(std::uint32_t v, const std::vector<std::uint32_t>& cells, double thickness,
-                  bool on_surface = false) {
+    bool cut_near(std::uint32_t v, const std::vector<std::uint32_t>& cells, double thickness) {
         std::vector<std::uint32_t> ends;
         for (const std::uint32_t c : cells)
             ends.insert(ends.end(), bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
         sort_distinct(ends);
         std::erase(ends, v);
         return std::all_of(ends.begin(), ends.end(), [&](std::uint32_t x) {
-            if (!sides_.find_ring(v, x)) return false;
-            const bool stays = on_surface ? bench_.fixed_edge(v, x) : sides_.ring_is_mixed(chain_.structure);
-            return stays || cut(v, x, thickness);
+            return sides_.find_ring(v, x) && (sides_.ring_is_mixed(chain_.structure) || cut(v, x, thickness));
         });
     }
 
@@ -267,6 +265,7 @@ class Thickening {
         // Where cells go, there may be such vertices again.
         for (std::size_t round = 0, before = 0; round < most_rounds && goes.size() > before; ++round) {
             before = goes.size();
+            if (!join_at_edges(given, thickness, goes)) return false;
             std::vector<std::uint32_t> vertices;
             for (const std::uint32_t c : given)
                 vertices.insert(vertices.end(), bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
@@ -284,13 +283,64 @@ class Thickening {
         return true;
     }
 
+    // Where they meet in an edge alone.
+    bool join_at_edges(std::vector<std::uint32_t>& given, double thickness, std::vector<CellBefore>& goes) {
+        std::vector<std::array<std::uint32_t, 2>> edges;
+        for (const std::uint32_t c : given) {
+            const Cell& cell = bench_.mesh.cell(c);
+            for (const auto& [i, j] : cell_edges)
+                edges.push_back({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
+        }
+        sort_distinct(edges);
+        for (const auto& [a, b] : edges) {
+            if (!sides_.find_ring(a, b)) continue;
+            const std::vector<std::uint32_t> between = fewest_between(goes);
+            if (!between.empty() && !give_near({a, b}, between, thickness, goes)) return false;
+        }
+        given.clear();
+        for_each_near([&](std::uint32_t c) {
+            if (bench_.mesh.region(c) == to_ && find_in(c, goes)) given.push_back(c);
+        });
+        sort_distinct(given);
+        return true;
+    }
+
+    // Of the bench's ring, cells that may go, from what goes on to others of the other side; none, if it is in
+    // one part.
+    std::vector<std::uint32_t> fewest_between(const std::vector<CellBefore>& goes) const {
+        const std::vector<std::uint32_t>& ring = bench_.ring.cells;
+        const auto is_across = [&](std::uint32_t c) { return bench_.mesh.region(c) == to_; };
+        const auto first = std::find_if(ring.begin(), ring.end(), is_across);
+        if (first == ring.end() || std::none_of(ring.begin(), ring.end(), [&](std::uint32_t c) {
+                return is_across(c) && find_in(c, goes);
+            }))
+            return {};
+        std::vector<std::vector<std::uint32_t>> runs;
+        bool was_across = true;
+        for (std::size_t n = 0; n < ring.size(); ++n) {
+            const std::uint32_t c = ring[(static_cast<std::size_t>(first - ring.begin()) + n) % ring.size()];
+            if (!is_across(c)) {
+                if (was_across) runs.emplace_back();
+                runs.back().push_back(c);
+            }
+            was_across = is_across(c);
+        }
+        if (runs.size() < 2) return {};
+        std::erase_if(runs, [&](const auto& run) {
+            return !std::all_of(run.begin(), run.end(), [&](std::uint32_t c) { return may_go(c); });
+        });
+        if (runs.empty()) return {};
+        return *std::min_element(runs.begin(), runs.end(),
+                                 [](const auto& x, const auto& y) { return x.size() < y.size(); });
+    }
+
     bool join_at(std::uint32_t v, double thickness, std::vector<CellBefore>& goes) {
         const std::vector<std::vector<std::uint32_t>> parts = parts_at(v, to_);
         const auto first = std::find_if(parts.begin(), parts.end(), [&](const auto& part) {
             return std::any_of(part.begin(), part.end(), [&](std::uint32_t c) { return find_in(c, goes); });
         });
         if (first == parts.end()) return true;
-        if (parts.size() > 1 && !give_near(v, way_between(v, *first), thickness, goes)) return false;
+        if (parts.size() > 1 && !give_near({v}, way_between(v, *first), thickness, goes)) return false;
         const auto leave_one = [&](const auto& is) { return leave_one_part_at(v, is, thickness, goes); };
         for (const Region region : regions_at(v)) {
             if (region != to_ && !leave_one([&](auto c) { return bench_.mesh.region(c) == region; }))
@@ -305,16 +355,28 @@ class Thickening {
         bench_.mesh.set_region(c, to_);
     }
 
-    // What of the cells is near their vertex; `goes` gets it. False where a cell would not be positive.
-    bool give_near(std::uint32_t v, const std::vector<std::uint32_t>& cells, double thickness,
-                   std::vector<CellBefore>& goes) {
+    // What of the cells is near their vertex, or their edge; `goes` gets it. False where a cell would not be
+    // positive.
+    bool give_near(std::initializer_list<std::uint32_t> vertices, const std::vector<std::uint32_t>& cells,
+                   double thickness, std::vector<CellBefore>& goes) {
         std::vector<CellBefore> were;
-        for (const std::uint32_t c : cells) were.push_back(as_it_is(c));
-        if (!cut_near(v, cells, thickness, true)) return false;
-        std::vector<std::uint32_t> star;
-        bench_.mesh.star(v, star);
-        for (const std::uint32_t c : star) {
-            if (find_in(c, were)) go(c, goes);
+        std::vector<std::uint32_t> ends, star;
+        for (const std::uint32_t c : cells) {
+            were.push_back(as_it_is(c));
+            ends.insert(ends.end(), were.back().cell.begin(), were.back().cell.end());
+        }
+        sort_distinct(ends);
+        for (const std::uint32_t v : vertices) std::erase(ends, v);
+        for (const std::uint32_t v : vertices) {
+            for (const std::uint32_t x : ends) {
+                if (sides_.find_ring(v, x) && !bench_.fixed_edge(v, x) && !cut(v, x, thickness)) return false;
+            }
+        }
+        for (const std::uint32_t v : vertices) {
+            bench_.mesh.star(v, star);
+            for (const std::uint32_t c : star) {
+                if (bench_.mesh.region(c) != to_ && find_in(c, were)) go(c, goes);
+            }
         }
         return true;
     }
@@ -327,7 +389,7 @@ class Thickening {
             return worth_at(v, x) < worth_at(v, y);
         });
         for (auto part = parts.begin(); part != parts.end(); ++part) {
-            if (part != stays && !give_near(v, *part, thickness, goes)) return false;
+            if (part != stays && !give_near({v}, *part, thickness, goes)) return false;
         }
         return true;
     }
