@@ -51,7 +51,11 @@ constexpr Bounds coarse_bounds{0.3, 1, 0.8, 2.5, 0.7}, fine_bounds{0.3, 1, 0.3, 
 constexpr double most_broken_where_planes_cross = 0.4, most_broken_beside_others = 0.03;
 constexpr std::size_t broken_besides_where_planes_cross = 10, broken_besides = 2;
 // Of all segments of a part of the cases of a set of planes.
-constexpr std::array<double, plane_sets> broken_in_all{0.003, 0.002, 0.003, 0.002, 0.015, 0.001, 0.004};
+constexpr std::array<double, plane_sets> broken_in_all{0.001, 0.0005, 0.0005, 0.001, 0.005, 0.0005, 0.003};
+
+constexpr double most_of_a_cut = 1e-3;  // of what is drawn, that may be wrong
+// Of all cuts of a part of the cases, those of which more is: none where planes do not cross.
+constexpr std::array<double, plane_sets> cuts_off_in_all{0, 0, 0, 0.01, 0.1, 0.025, 0.06};
 
 // Of those that are rounded or out of place: in all, of segments, and of sets.
 constexpr double broken_in_files = 0.02;
@@ -61,6 +65,7 @@ constexpr std::uint32_t sparsely = 11, sparsely_about_an_axis = 31;
 
 struct Segments {
     std::size_t all = 0, broken = 0;
+    std::size_t cuts = 0, cuts_off = 0;
     std::size_t refused = 0;  // sets
 };
 
@@ -392,6 +397,10 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
     expect_near_drawn(model.value(), kept, 0.5 * model.value().report.size_mm, off_plane_mm);
     segments.all += own.all;
     segments.broken += own.broken;
+    for (const SliceCutReport& cut : model.value().report.cuts) {
+        segments.cuts += cut.drawn_mm2 > 0;
+        segments.cuts_off += cut.drawn_mm2 > 0 && cut.difference_mm2 > most_of_a_cut * cut.drawn_mm2;
+    }
     if (printed) std::printf("segments %zu, no chains of edges %zu\n", own.all, own.broken);
     if (std::find(hardly_met.begin(), hardly_met.end(), number % coarse_cases) != hardly_met.end()) {
         EXPECT_TRUE(std::any_of(context.warnings.begin(), context.warnings.end(),
@@ -471,6 +480,9 @@ TEST_P(RandomSolids, are_modelled_soundly_and_near_the_truth) {
     EXPECT_GT(segments.all, 1000u);
     EXPECT_LT(static_cast<double>(segments.broken),
               broken_in_all[static_cast<std::size_t>(planes)] * static_cast<double>(segments.all));
+    EXPECT_GT(segments.cuts, 100u);
+    EXPECT_LE(static_cast<double>(segments.cuts_off),
+              cuts_off_in_all[static_cast<std::size_t>(planes)] * static_cast<double>(segments.cuts));
     EXPECT_EQ(segments.refused, 0u);
 }
 
