@@ -45,7 +45,14 @@ class Carver {
           judge_(bench, drawn, least_sine),
           improve_(improve) {}
 
-    CarveStats run(const RunContext& context) {
+    CarveStats run(const std::vector<std::uint32_t>* look, const RunContext& context) {
+        if (look) {
+            std::vector<std::uint32_t> cells = *look;
+            std::erase_if(cells, [&](std::uint32_t c) { return !bench_.mesh.alive(c); });
+            areas_.sum_cuts_round(cells);
+            const auto is_fine = [](double sum) { return sum <= worth_carving; };
+            if (std::all_of(areas_.sums().begin(), areas_.sums().end(), is_fine)) return {};
+        }
         sums_ = sums();
         std::vector<std::size_t> cuts;
         for (std::size_t cut = 0; cut < sums_.size(); ++cut) {
@@ -408,9 +415,10 @@ class Carver {
 }  // namespace
 
 CarveStats carve_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine,
-                      const ImproveCells& improve, const RunContext& context) {
+                      const ImproveCells& improve, const RunContext& context,
+                      const std::vector<std::uint32_t>* look) {
     if (!drawn.table || !drawn.owners || drawn.planes.empty()) return {};
-    return Carver(bench, drawn, least_sine, improve).run(context);
+    return Carver(bench, drawn, least_sine, improve).run(look, context);
 }
 
 }  // namespace anatomesh

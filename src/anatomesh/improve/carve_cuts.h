@@ -31,6 +31,7 @@ struct CarveStats {
 // concerned and each patch carved, and the shapes of the cells of a hundred patches tried in vain at most.
 // Errors: none; a cancelled run stops.
 CarveStats carve_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine,
-                      const ImproveCells& improve, const RunContext& context);
+                      const ImproveCells& improve, const RunContext& context,
+                      const std::vector<std::uint32_t>* look = nullptr);
 
 }  // namespace anatomesh

@@ -123,7 +123,8 @@ class Climber {
         queue_ = {};
         bring_pieces(std::max(least, listed_degrees), most_for_segment);
         mend_worst_cuts(context);
-        carve(std::max(least, listed_degrees), context);
+        mended.left.insert(mended.left.end(), watched_.begin(), watched_.end());
+        carve(std::max(least, listed_degrees), mended.left, context);
         follow(std::max(least, listed_degrees), context);
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
@@ -316,12 +317,13 @@ class Climber {
         at_last_.weights = before;
     }
 
-    // What cuts that are still wrong have too much or too little.
-    void carve(double least_degrees, const RunContext& context) {
+    // What cuts that are still wrong have too much or too little; in a stack that is at these cells.
+    void carve(double least_degrees, const std::vector<std::uint32_t>& look, const RunContext& context) {
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
         const CarveStats carved = carve_cuts(
             bench_, at_last_.planes.empty() ? drawn_ : at_last_, std::sin(least_degrees * radians_per_degree),
-            [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context);
+            [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context,
+            at_last_.planes.empty() ? &look : nullptr);
         bench_.stats.cuts_found += carved.patches_found;
         bench_.stats.cuts_mended += carved.patches_carved;
         watched_ = std::move(watched);

@@ -47,8 +47,11 @@ class Mender {
     // From these cells on, rising.
     MendStats run(std::vector<std::uint32_t> waiting) {
         mend_all(waiting, 1);
-        // Those of cuts that still are further from what is drawn are worth worse cells.
-        areas_.sum_cuts(cells_beside(waiting));
+        // Those of cuts that still are further from what is drawn are worth worse cells. What a surface that
+        // just passes through a plane makes wrong may lie in any cell that has a vertex of it.
+        std::vector<std::uint32_t> passed = waiting;
+        std::erase_if(passed, [&](std::uint32_t c) { return suspect_facet(c, 0) == 4; });
+        areas_.sum_cuts_round(passed);
         mend_all(waiting, bounds_.size());
         std::erase_if(waiting, [&](std::uint32_t c) { return suspect_facet(c, 0) == 4; });
         stats_.left = std::move(waiting);
@@ -68,22 +71,6 @@ class Mender {
     }
 
   private:
-    // What a surface that just passes through a plane makes wrong may lie in any cell that has a vertex of it.
-    std::vector<std::uint32_t> cells_beside(const std::vector<std::uint32_t>& waiting) {
-        std::vector<std::uint32_t> vertices, cells;
-        for (const std::uint32_t c : waiting) {
-            if (suspect_facet(c, 0) == 4) continue;
-            vertices.insert(vertices.end(), bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
-        }
-        sort_distinct(vertices, bench_.mesh.point_count());
-        for (const std::uint32_t v : vertices) {
-            bench_.mesh.star(v, bench_.star);
-            cells.insert(cells.end(), bench_.star.begin(), bench_.star.end());
-        }
-        sort_distinct(cells, bench_.mesh.cell_count());
-        return cells;
-    }
-
     // The first facet of the cell from that on that passes through a plane or lies in it, and is between
     // regions, or, in it, in one beside others; 4: none.
     int suspect_facet(std::uint32_t c, int from) const {

@@ -5,6 +5,8 @@
 #include <iterator>
 #include <numeric>
 
+#include "anatomesh/base/sort_distinct.h"
+
 namespace anatomesh {
 
 namespace {
@@ -244,6 +246,19 @@ void SectionAreas::sum_cuts(std::span<const std::uint32_t> cells) {
         for (int i = 0; i < 4; ++i) wrong_in_plane(c, i);
     }
     counts_ = false;
+}
+
+void SectionAreas::sum_cuts_round(std::span<const std::uint32_t> cells) {
+    std::vector<std::uint32_t> vertices, round;
+    for (const std::uint32_t c : cells)
+        vertices.insert(vertices.end(), bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
+    sort_distinct(vertices, bench_.mesh.point_count());
+    for (const std::uint32_t v : vertices) {
+        bench_.mesh.star(v, bench_.star);
+        round.insert(round.end(), bench_.star.begin(), bench_.star.end());
+    }
+    sort_distinct(round, bench_.mesh.cell_count());
+    sum_cuts(round);
 }
 
 double SectionAreas::largest_cut_at(std::uint32_t c, int i) {

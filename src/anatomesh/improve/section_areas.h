@@ -84,6 +84,8 @@ class SectionAreas {
     // Sums what is wrong by cuts, of structures by planes. Requires: of each facet in a plane that is wrong
     // both cells.
     void sum_cuts(std::span<const std::uint32_t> cells);
+    // The same of all cells that share a vertex with one of these, without that.
+    void sum_cuts_round(std::span<const std::uint32_t> cells);
     // By structure and slice, as the weights of what is drawn.
     std::span<const double> sums() const { return of_cuts_; }
     // Of those that wrong_at() is about the largest sum.
