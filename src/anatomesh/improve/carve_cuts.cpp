@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/geom/predicates.h"
+#include "anatomesh/improve/cell_before.h"
 #include "anatomesh/improve/cell_judge.h"
 #include "anatomesh/improve/section_areas.h"
 #include "anatomesh/improve/sides_at.h"
@@ -275,17 +274,6 @@ class Carver {
         return Outcome::done;
     }
 
-    // A cell that the plane passes through, as it was before its edges were cut.
-    struct CellBefore {
-        std::array<Vec3, 4> corners;
-
-        bool holds(Vec3 p) const {
-            const auto& q = corners;
-            return orient3d(p, q[1], q[2], q[3]) > 0 && orient3d(q[0], p, q[2], q[3]) > 0 &&
-                   orient3d(q[0], q[1], p, q[3]) > 0 && orient3d(q[0], q[1], q[2], p) > 0;
-        }
-    };
-
     // Cuts the edges that pass through the patch. Vertices nearer to the plane than this share of such an
     // edge are corners of the sheet; no facets, where an edge cannot be cut.
     Sheet sheet_of(const Patch& patch, double near) {
@@ -302,9 +290,7 @@ class Carver {
                 std::sort(sheet.facets.back().begin(), sheet.facets.back().end());
                 continue;
             }
-            CellBefore was;
-            for (std::size_t i = 0; i < 4; ++i) was.corners[i] = bench_.mesh.point(cell[i]);
-            passed.push_back(was);
+            passed.push_back(CellBefore::of(bench_.mesh, section.cell));
             for (const Ends& corner : corners_of(section, k))
                 (corner[0] == corner[1]) ? corners.push_back(corner[0]) : edges.push_back(corner);
         }
@@ -356,9 +342,7 @@ class Carver {
         };
         for (const std::uint32_t c : cells) {
             const Cell& cell = bench_.mesh.cell(c);
-            if (std::none_of(passed.begin(), passed.end(),
-                             [&](const CellBefore& was) { return was.holds(centre_of(cell)); }))
-                continue;
+            if (!find_before(passed, bench_.mesh, c)) continue;
             for (int i = 0; i < 4; ++i) {
                 const auto& f = facet_vertices[i];
                 std::array facet{cell[f[0]], cell[f[1]], cell[f[2]]};
@@ -375,12 +359,6 @@ class Carver {
 
     bool over(std::uint32_t v, std::uint32_t k) const {
         return areas_.plane(k).signed_distance(bench_.mesh.point(v)) > 0;
-    }
-
-    Vec3 centre_of(const Cell& cell) const {
-        Vec3 centre{};
-        for (const std::uint32_t v : cell) centre = centre + 0.25 * bench_.mesh.point(v);
-        return centre;
     }
 
     std::uint32_t apex_across(std::uint32_t c, const std::array<std::uint32_t, 3>& facet) const {

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <initializer_list>
 #include <iterator>
-#include <map>
-#include <type_traits>
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/geom/predicates.h"
+#include "anatomesh/improve/cell_before.h"
+#include "anatomesh/improve/join_sides.h"
+#include "anatomesh/improve/parts_at.h"
 #include "anatomesh/improve/sides_at.h"
 #include "anatomesh/improve/surface_count.h"
 
@@ -18,9 +17,6 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_rounds = 3;  // over vertices where more than the sheet must go
-// On a way between cells at a vertex, in cells: of each edge of a contour, of a cell of another region.
-constexpr std::size_t price_of_contours = 4, price_of_others = 3;
 constexpr double middle = 0.5;  // where an edge between two vertices of a sheet is cut
 
 class Thickening {
@@ -45,8 +41,14 @@ class Thickening {
         std::vector<std::uint32_t> given = cells_between_cuts();
         const std::optional<Region> to = in_plane_ ? std::optional(in_plane_->to) : region_across(given);
         if (!to || given.empty() || !leave_one_part(given, *to, thickness)) return std::nullopt;
-        to_ = *to;
-        if (in_plane_ && !join_other_side(given, thickness)) return std::nullopt;
+        if (in_plane_) {
+            auto joined = join_sides(
+                bench_,
+                {chain_.structure, own_, *to, reach_ == SheetReach::others, thickness, on_sheet_, first_new_},
+                std::move(given));
+            if (!joined) return std::nullopt;
+            given = std::move(*joined);
+        }
         note_changed(given);
         SurfaceCount count(bench_, owners_, given, *to);
         const SurfaceCount::Figures before = count.figures();
@@ -60,19 +62,6 @@ class Thickening {
     }
 
   private:
-    // As it was before edges were cut.
-    struct CellBefore {
-        Cell cell;
-        Region region;
-        std::array<Vec3, 4> corners;
-
-        bool holds(Vec3 p) const {
-            const auto& q = corners;
-            return orient3d(p, q[1], q[2], q[3]) > 0 && orient3d(q[0], p, q[2], q[3]) > 0 &&
-                   orient3d(q[0], q[1], p, q[3]) > 0 && orient3d(q[0], q[1], q[2], p) > 0;
-        }
-    };
-
     // A piece of the structure on the sheet's rim: of the chain, or of a contour that the surface has
     // already; or, there, of an edge of a contour that was cut since the owners were made. The bench has the
     // edge's ring.
@@ -121,7 +110,7 @@ class Thickening {
         sort_distinct(cells);
         for (const std::uint32_t c : cells) {
             const Cell& cell = bench_.mesh.cell(c);
-            cells_.push_back(as_it_is(c));
+            cells_.push_back(CellBefore::of(bench_.mesh, c));
             for (const std::uint32_t d : cell) {
                 for (const std::uint32_t x : cell) {
                     if (is_on(d) && (!is_on(x) || (d < x && !sheet_.has_edge(d, x))))
@@ -130,12 +119,6 @@ class Thickening {
             }
         }
         sort_distinct(edges_);
-    }
-
-    CellBefore as_it_is(std::uint32_t c) const {
-        CellBefore is{bench_.mesh.cell(c), bench_.mesh.region(c), {}};
-        for (std::size_t i = 0; i < 4; ++i) is.corners[i] = bench_.mesh.point(is.cell[i]);
-        return is;
     }
 
     // Of the ring of a piece, from the sheet's facet to this vertex on both ways round: cells up to the other
@@ -214,16 +197,14 @@ class Thickening {
         };
         std::for_each(given.begin(), given.end(), give);
         for (const std::uint32_t v : on_sheet_) {
-            const std::vector<std::vector<std::uint32_t>> parts = parts_at(v, own_);
+            const auto parts = parts_at(bench_, v, [&](std::uint32_t c) { return may_go(c); });
             if (parts.size() < 2) continue;
             made_.parts_cells = true;
-            const auto stays = std::max_element(
-                parts.begin(), parts.end(),
-                [&](const auto& x, const auto& y) { return worth_at(v, x) < worth_at(v, y); });
+            const auto stays = worthiest_at(bench_, v, parts);
             for (auto part = parts.begin(); part != parts.end(); ++part) {
                 if (part != stays && !cut_near(v, *part, thickness)) return false;
             }
-            for (const std::vector<std::uint32_t>& part : parts_at(v, own_)) {
+            for (const auto& part : parts_at(bench_, v, [&](std::uint32_t c) { return may_go(c); })) {
                 if (std::find(part.begin(), part.end(), stays->front()) != part.end()) continue;
                 given.insert(given.end(), part.begin(), part.end());
                 std::for_each(part.begin(), part.end(), give);
@@ -245,163 +226,6 @@ class Thickening {
         });
     }
 
-    // Of a part of the cells at a vertex: contours there, then its size.
-    std::array<std::size_t, 2> worth_at(std::uint32_t v, const std::vector<std::uint32_t>& cells) const {
-        std::size_t fixed = 0;
-        for (const std::uint32_t c : cells) {
-            const Cell& cell = bench_.mesh.cell(c);
-            fixed += static_cast<std::size_t>(std::count_if(
-                cell.begin(), cell.end(), [&](std::uint32_t x) { return bench_.fixed_edge(v, x); }));
-        }
-        return {fixed, cells.size()};
-    }
-
-    // Where what is given meets the other side at a vertex in no facet, cells between them go too, near the
-    // vertex: those of the cheapest way, if there is one; and of what is parted there one part stays. False
-    // where a cell would not be positive.
-    bool join_other_side(std::vector<std::uint32_t>& given, double thickness) {
-        std::vector<CellBefore> goes;  // the given cells, whatever they are cut into
-        for (const std::uint32_t c : given) go(c, goes);
-        // Where cells go, there may be such vertices again.
-        for (std::size_t round = 0, before = 0; round < most_rounds && goes.size() > before; ++round) {
-            before = goes.size();
-            if (!join_at_edges(given, thickness, goes)) return false;
-            std::vector<std::uint32_t> vertices;
-            for (const std::uint32_t c : given)
-                vertices.insert(vertices.end(), bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
-            sort_distinct(vertices);
-            for (const std::uint32_t v : vertices) {
-                if (!join_at(v, thickness, goes)) return false;
-            }
-            given.clear();
-            for_each_near([&](std::uint32_t c) {
-                if (bench_.mesh.region(c) == to_ && find_in(c, goes)) given.push_back(c);
-            });
-            sort_distinct(given);
-        }
-        for (const std::uint32_t c : given) bench_.mesh.set_region(c, find_in(c, goes)->region);
-        return true;
-    }
-
-    // Where they meet in an edge alone.
-    bool join_at_edges(std::vector<std::uint32_t>& given, double thickness, std::vector<CellBefore>& goes) {
-        std::vector<std::array<std::uint32_t, 2>> edges;
-        for (const std::uint32_t c : given) {
-            const Cell& cell = bench_.mesh.cell(c);
-            for (const auto& [i, j] : cell_edges)
-                edges.push_back({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
-        }
-        sort_distinct(edges);
-        for (const auto& [a, b] : edges) {
-            if (!sides_.find_ring(a, b)) continue;
-            const std::vector<std::uint32_t> between = fewest_between(goes);
-            if (!between.empty() && !give_near({a, b}, between, thickness, goes)) return false;
-        }
-        given.clear();
-        for_each_near([&](std::uint32_t c) {
-            if (bench_.mesh.region(c) == to_ && find_in(c, goes)) given.push_back(c);
-        });
-        sort_distinct(given);
-        return true;
-    }
-
-    // Of the bench's ring, cells that may go, from what goes on to others of the other side; none, if it is in
-    // one part.
-    std::vector<std::uint32_t> fewest_between(const std::vector<CellBefore>& goes) const {
-        const std::vector<std::uint32_t>& ring = bench_.ring.cells;
-        const auto is_across = [&](std::uint32_t c) { return bench_.mesh.region(c) == to_; };
-        const auto first = std::find_if(ring.begin(), ring.end(), is_across);
-        if (first == ring.end() || std::none_of(ring.begin(), ring.end(), [&](std::uint32_t c) {
-                return is_across(c) && find_in(c, goes);
-            }))
-            return {};
-        std::vector<std::vector<std::uint32_t>> runs;
-        bool was_across = true;
-        for (std::size_t n = 0; n < ring.size(); ++n) {
-            const std::uint32_t c = ring[(static_cast<std::size_t>(first - ring.begin()) + n) % ring.size()];
-            if (!is_across(c)) {
-                if (was_across) runs.emplace_back();
-                runs.back().push_back(c);
-            }
-            was_across = is_across(c);
-        }
-        if (runs.size() < 2) return {};
-        std::erase_if(runs, [&](const auto& run) {
-            return !std::all_of(run.begin(), run.end(), [&](std::uint32_t c) { return may_go(c); });
-        });
-        if (runs.empty()) return {};
-        return *std::min_element(runs.begin(), runs.end(),
-                                 [](const auto& x, const auto& y) { return x.size() < y.size(); });
-    }
-
-    bool join_at(std::uint32_t v, double thickness, std::vector<CellBefore>& goes) {
-        const std::vector<std::vector<std::uint32_t>> parts = parts_at(v, to_);
-        const auto first = std::find_if(parts.begin(), parts.end(), [&](const auto& part) {
-            return std::any_of(part.begin(), part.end(), [&](std::uint32_t c) { return find_in(c, goes); });
-        });
-        if (first == parts.end()) return true;
-        if (parts.size() > 1 && !give_near({v}, way_between(v, *first), thickness, goes)) return false;
-        const auto leave_one = [&](const auto& is) { return leave_one_part_at(v, is, thickness, goes); };
-        for (const Region region : regions_at(v)) {
-            if (region != to_ && !leave_one([&](auto c) { return bench_.mesh.region(c) == region; }))
-                return false;
-        }
-        return leave_one([&](auto c) { return sides_.has(c, chain_.structure) == side_; }) &&
-               leave_one([&](auto c) { return bench_.mesh.region(c) != to_; });
-    }
-
-    void go(std::uint32_t c, std::vector<CellBefore>& goes) {
-        goes.push_back(as_it_is(c));
-        bench_.mesh.set_region(c, to_);
-    }
-
-    // What of the cells is near their vertex, or their edge; `goes` gets it. False where a cell would not be
-    // positive.
-    bool give_near(std::initializer_list<std::uint32_t> vertices, const std::vector<std::uint32_t>& cells,
-                   double thickness, std::vector<CellBefore>& goes) {
-        std::vector<CellBefore> were;
-        std::vector<std::uint32_t> ends, star;
-        for (const std::uint32_t c : cells) {
-            were.push_back(as_it_is(c));
-            ends.insert(ends.end(), were.back().cell.begin(), were.back().cell.end());
-        }
-        sort_distinct(ends);
-        for (const std::uint32_t v : vertices) std::erase(ends, v);
-        for (const std::uint32_t v : vertices) {
-            for (const std::uint32_t x : ends) {
-                if (sides_.find_ring(v, x) && !bench_.fixed_edge(v, x) && !cut(v, x, thickness)) return false;
-            }
-        }
-        for (const std::uint32_t v : vertices) {
-            bench_.mesh.star(v, star);
-            for (const std::uint32_t c : star) {
-                if (bench_.mesh.region(c) != to_ && find_in(c, were)) go(c, goes);
-            }
-        }
-        return true;
-    }
-
-    // Of the cells at the vertex that a way parts.
-    template <class Is>
-    bool leave_one_part_at(std::uint32_t v, const Is& is, double thickness, std::vector<CellBefore>& goes) {
-        const std::vector<std::vector<std::uint32_t>> parts = parts_at(v, is);
-        const auto stays = std::max_element(parts.begin(), parts.end(), [&](const auto& x, const auto& y) {
-            return worth_at(v, x) < worth_at(v, y);
-        });
-        for (auto part = parts.begin(); part != parts.end(); ++part) {
-            if (part != stays && !give_near({v}, *part, thickness, goes)) return false;
-        }
-        return true;
-    }
-
-    std::vector<Region> regions_at(std::uint32_t v) {
-        std::vector<Region> regions;
-        bench_.mesh.star(v, bench_.star);
-        for (const std::uint32_t c : bench_.star) regions.push_back(bench_.mesh.region(c));
-        sort_distinct(regions);
-        return regions;
-    }
-
     // Of all cells at vertices of the sheet and new ones; some more than once.
     template <class Visit>
     void for_each_near(const Visit& visit) {
@@ -411,80 +235,6 @@ class Thickening {
             bench_.mesh.star(v, bench_.star);
             for (const std::uint32_t c : bench_.star) visit(c);
         }
-    }
-
-    // Of cells at a vertex, those on the way from these to others of the other side: the cheapest one.
-    std::vector<std::uint32_t> way_between(std::uint32_t v, const std::vector<std::uint32_t>& from) {
-        constexpr std::size_t never = static_cast<std::size_t>(-1);
-        struct Step {
-            std::size_t cost = never;
-            std::uint32_t before = no_cell;
-        };
-        std::map<std::uint32_t, Step> steps;
-        bench_.mesh.star(v, bench_.star);
-        for (const std::uint32_t c : bench_.star) steps[c];
-        for (const std::uint32_t c : from) steps[c].cost = 0;
-        const auto is_across = [&](std::uint32_t c) { return bench_.mesh.region(c) == to_; };
-        for (bool again = true; again;) {
-            again = false;
-            for (const auto& [c, step] : steps) {
-                if (step.cost == never || (step.cost > 0 && is_across(c))) continue;
-                for (int i = 0; i < 4; ++i) {
-                    const auto next = steps.find(bench_.mesh.neighbor(c, i));
-                    if (next == steps.end()) continue;
-                    const std::size_t price = is_across(next->first) ? 1 : price_at(v, next->first);
-                    if (price == 0 || step.cost + price >= next->second.cost) continue;
-                    next->second = {step.cost + price, c};
-                    again = true;
-                }
-            }
-        }
-        const std::pair<const std::uint32_t, Step>* end = nullptr;
-        for (const auto& entry : steps) {
-            const std::size_t cost = entry.second.cost;
-            if (is_across(entry.first) && cost > 0 && cost != never && (!end || cost < end->second.cost))
-                end = &entry;
-        }
-        std::vector<std::uint32_t> way;
-        if (!end) return way;
-        for (std::uint32_t c = end->second.before; !is_across(c); c = steps[c].before) way.push_back(c);
-        return way;
-    }
-
-    // 0: it must not go.
-    std::size_t price_at(std::uint32_t v, std::uint32_t c) const {
-        const bool is_own = may_go(c);
-        if (!is_own && reach_ != SheetReach::others) return 0;
-        return (is_own ? 1 : price_of_others) + price_of_contours * worth_at(v, {c})[0];
-    }
-
-    // The cells at a vertex of one region, in parts that facets join.
-    std::vector<std::vector<std::uint32_t>> parts_at(std::uint32_t v, Region region) {
-        return parts_at(v, [&](std::uint32_t c) { return bench_.mesh.region(c) == region; });
-    }
-
-    // Those that are something.
-    template <class Is>
-    requires std::is_invocable_v<Is, std::uint32_t> std::vector<std::vector<std::uint32_t>> parts_at(
-        std::uint32_t v, const Is& is) {
-        bench_.mesh.star(v, bench_.star);
-        std::vector<std::uint32_t> left = bench_.star;
-        std::erase_if(left, [&](std::uint32_t c) { return !is(c); });
-        std::vector<std::vector<std::uint32_t>> parts;
-        while (!left.empty()) {
-            std::vector<std::uint32_t> part{left.back()};
-            left.pop_back();
-            for (std::size_t n = 0; n < part.size(); ++n) {
-                for (int i = 0; i < 4; ++i) {
-                    const auto next = std::find(left.begin(), left.end(), bench_.mesh.neighbor(part[n], i));
-                    if (next == left.end()) continue;
-                    part.push_back(*next);
-                    left.erase(next);
-                }
-            }
-            parts.push_back(std::move(part));
-        }
-        return parts;
     }
 
     void note_changed(const std::vector<std::uint32_t>& given) {
@@ -506,20 +256,7 @@ class Thickening {
     }
 
     // That in which a cell lies.
-    const CellBefore* cell_before(std::uint32_t c) const { return find_in(c, cells_); }
-
-    const CellBefore* find_in(std::uint32_t c, const std::vector<CellBefore>& cells) const {
-        const Vec3 p = centre_of(c);
-        const auto at =
-            std::find_if(cells.begin(), cells.end(), [&](const CellBefore& was) { return was.holds(p); });
-        return at == cells.end() ? nullptr : &*at;
-    }
-
-    Vec3 centre_of(std::uint32_t c) const {
-        Vec3 p{};
-        for (const std::uint32_t v : bench_.mesh.cell(c)) p = p + 0.25 * bench_.mesh.point(v);
-        return p;
-    }
+    const CellBefore* cell_before(std::uint32_t c) const { return find_before(cells_, bench_.mesh, c); }
 
     // Whether what is given reaches to a vertex beside the sheet.
     bool stays(const CellBefore& was, std::uint32_t v) const {
@@ -555,7 +292,7 @@ class Thickening {
     const ContourOwners& owners_;
     const Chain& chain_;
     const Sheet& sheet_;
-    Region own_, to_ = 0;
+    Region own_;
     bool side_;
     SheetReach reach_;
     const SheetInPlane* in_plane_;
