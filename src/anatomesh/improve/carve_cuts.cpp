@@ -24,8 +24,8 @@ constexpr double worth_a_patch = 5e-5;             // and of a patch
 constexpr double enough_less = 0.5;                // of a patch
 constexpr std::size_t most_cuts = 60;              // where more are wrong, slices contradict each other
 constexpr std::size_t most_sections = 200;         // of a cut
-// Ways to carve whose cells are worked on in vain: of a stack; of planes that cross, where most others would be.
-constexpr std::size_t most_improved = 100, most_improved_across = 20;
+constexpr std::size_t most_improved = 100;         // ways to carve whose cells are worked on in vain
+constexpr std::size_t most_cells_across = 10'000;  // worked on where planes cross: much more would be in vain
 constexpr std::size_t most_tried = 1000;           // ways, sound or not
 constexpr std::array nearness{0.25, 0.0};          // of a vertex that is taken for one of the patch, in edges
 constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
@@ -41,7 +41,6 @@ class Carver {
         : bench_(bench),
           drawn_(drawn),
           areas_(bench, drawn),
-          most_improved_(drawn.extents.empty() ? most_improved : most_improved_across),
           sides_(bench),
           judge_(bench, drawn, least_sine),
           improve_(improve) {}
@@ -113,7 +112,7 @@ class Carver {
         const auto structure = static_cast<std::uint32_t>(cut / drawn_.planes.size()),
                    plane = static_cast<std::uint32_t>(cut % drawn_.planes.size());
         for (Patch& patch : patches(structure, plane)) {
-            if (patch.wrong < worth_a_patch || improved_ >= most_improved_ || tried_ >= most_tried) break;
+            if (patch.wrong < worth_a_patch || is_enough()) break;
             ++stats_.patches_found;
             if (!may_part) patch.pieces = pieces_beside(patch);
             if (!carve(patch, cut, may_part)) continue;
@@ -221,6 +220,11 @@ class Carver {
         return corners;
     }
 
+    bool is_enough() const {
+        return improved_ >= most_improved || tried_ >= most_tried ||
+               (!drawn_.extents.empty() && worked_on_ >= most_cells_across);
+    }
+
     bool carve(const Patch& patch, std::size_t cut, bool may_part) {
         for (const double near : nearness) {
             for (const SheetReach reach : reaches) {
@@ -229,7 +233,8 @@ class Carver {
                     ++tried_;
                     if (outcome == Outcome::done) return true;
                     if (outcome == Outcome::unsound) break;
-                    if (++improved_ >= most_improved_) return false;
+                    ++improved_;
+                    if (is_enough()) return false;
                 }
             }
         }
@@ -261,6 +266,7 @@ class Carver {
         const std::vector<std::uint32_t> improved = improve_(changed);
         changed.insert(changed.end(), improved.begin(), improved.end());
         sort_distinct(changed);
+        worked_on_ += changed.size();
         const bool good = std::all_of(changed.begin(), changed.end(), [&](std::uint32_t c) {
             return judge_.is_good(c) && judge_.is_near(c);
         });
@@ -384,12 +390,11 @@ class Carver {
     Workbench& bench_;
     const DrawnSlices& drawn_;
     SectionAreas areas_;
-    std::size_t most_improved_;
     SidesAt sides_;
     CellJudge judge_;
     const ImproveCells& improve_;
     std::vector<double> sums_;
-    std::size_t improved_ = 0, tried_ = 0;
+    std::size_t improved_ = 0, tried_ = 0, worked_on_ = 0;  // ways, the first in vain; cells
     CarveStats stats_;
 };
 
