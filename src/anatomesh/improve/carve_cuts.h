@@ -28,8 +28,9 @@ struct CarveStats {
 // comes near to 0.1 %, if an interface there is farther than the workbench's `apex_mm` from the field's, or
 // if a changed cell inside is worse than cell_judge.h allows. Guarantees: all cells positive (checked
 // exactly); no vertex moves but by `improve`. Same result every time. Complexity: O(cells) for each cut
-// concerned and each patch carved, and the shapes of the cells of a hundred patches tried in vain at most.
-// Errors: none; a cancelled run stops.
+// concerned and each patch carved, and the shapes of the cells of a hundred patches tried in vain at most, or,
+// where planes cross, of 10,000 cells. Errors: none; a cancelled run stops. `look`: nothing is wrong but in
+// cells that share a vertex with one of these, in any order, such that are gone allowed; null: in any.
 CarveStats carve_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine,
                       const ImproveCells& improve, const RunContext& context,
                       const std::vector<std::uint32_t>* look = nullptr);
