@@ -27,6 +27,8 @@ constexpr std::size_t most_sections = 200;         // of a cut
 constexpr std::size_t most_improved = 100;         // ways to carve whose cells are worked on in vain
 constexpr std::size_t most_cells_across = 10'000;  // worked on where planes cross: much more would be in vain
 constexpr std::size_t most_tried = 1000;           // ways, sound or not
+constexpr double most_above_bound =
+    0.003;  // share of cells inside above the first bound, or as many as before
 constexpr std::array nearness{0.25, 0.0};          // of a vertex that is taken for one of the patch, in edges
 constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
 
@@ -37,15 +39,17 @@ using Ends = std::array<std::uint32_t, 2>;  // of an edge, rising; twice the sam
 
 class Carver {
   public:
-    Carver(Workbench& bench, const DrawnSlices& drawn, double least_sine, const ImproveCells& improve)
+    Carver(Workbench& bench, const DrawnSlices& drawn, double least_sine, const ImproveCells& improve,
+           const RunContext& context)
         : bench_(bench),
+          context_(context),
           drawn_(drawn),
           areas_(bench, drawn),
           sides_(bench),
           judge_(bench, drawn, least_sine),
           improve_(improve) {}
 
-    CarveStats run(const std::vector<std::uint32_t>* look, const RunContext& context) {
+    CarveStats run(const std::vector<std::uint32_t>* look) {
         if (look) {
             std::vector<std::uint32_t> cells = *look;
             std::erase_if(cells, [&](std::uint32_t c) { return !bench_.mesh.alive(c); });
@@ -59,10 +63,13 @@ class Carver {
             if (sums_[cut] > worth_carving) cuts.push_back(cut);
         }
         if (cuts.size() > most_cuts) return {};
-        for (const std::size_t cut : cuts) {
-            if (context.cancelled()) break;
-            carve_cut(cut);
-        }
+        std::stable_sort(cuts.begin(), cuts.end(),
+                         [&](std::size_t a, std::size_t b) { return sums_[a] > sums_[b]; });
+        const std::vector<std::uint32_t> all = all_cells();
+        inside_ = static_cast<std::size_t>(std::count_if(
+            all.begin(), all.end(), [&](std::uint32_t c) { return bench_.mesh.region(c) != 0; }));
+        above_bound_ = judge_.those_above_bound(all);
+        for (const std::size_t cut : cuts) carve_cut(cut);
         return std::move(stats_);
     }
 
@@ -72,8 +79,13 @@ class Carver {
         std::uint32_t structure, plane;
         Region own, to;
         std::vector<Section> sections;
-        double wrong = 0;        // share of what is drawn
-        std::size_t pieces = 0;  // of the structure, or of what is outside it: of what the patch is of
+        double wrong = 0;  // share of what is drawn
+    };
+
+    // Of a structure, or of what is outside it: of what a patch is of. Parts that facets join, and of these
+    // such that no contour of the structure has a vertex of.
+    struct Pieces {
+        std::size_t all = 0, bare = 0;
     };
 
     // How a patch is carved: the share of edges within which a vertex is taken for one of the patch, and as
@@ -101,6 +113,7 @@ class Carver {
 
     // First what leaves the structure in one part.
     void carve_cut(std::size_t cut) {
+        pieces_ = {};
         while (sums_[cut] > worth_carving && carve_one(cut, false)) {
         }
         while (sums_[cut] > most_wrong && carve_one(cut, true)) {
@@ -114,9 +127,10 @@ class Carver {
         for (Patch& patch : patches(structure, plane)) {
             if (patch.wrong < worth_a_patch || is_enough()) break;
             ++stats_.patches_found;
-            if (!may_part) patch.pieces = pieces_beside(patch);
+            pieces_before(patch);
             if (!carve(patch, cut, may_part)) continue;
             ++stats_.patches_carved;
+            pieces_ = {};
             return true;
         }
         return false;
@@ -129,10 +143,11 @@ class Carver {
         if (left.size() > most_sections) return patches;
         while (!left.empty()) {
             Patch patch{structure, plane, region_of(left.front(), structure), 0, {left.front()}};
+            const std::optional<Region> to = region_drawn_at(left.front().middle);
             left.erase(left.begin());
             for (std::size_t n = 0; n < patch.sections.size(); ++n) {
                 for (auto next = left.begin(); next != left.end();) {
-                    if (region_of(*next, structure) != patch.own ||
+                    if (region_of(*next, structure) != patch.own || region_drawn_at(next->middle) != to ||
                         !share_an_edge(patch.sections[n], *next, plane)) {
                         ++next;
                         continue;
@@ -141,7 +156,6 @@ class Carver {
                     next = left.erase(next);
                 }
             }
-            const std::optional<Region> to = region_drawn_at(patch.sections.front().middle);
             if (!to || bench_.table->contains(*to, structure) == bench_.table->contains(patch.own, structure))
                 continue;
             patch.to = *to;
@@ -153,8 +167,7 @@ class Carver {
         return patches;
     }
 
-    // In parts that facets join: of the cells on the patch's side of its structure.
-    std::size_t pieces_beside(const Patch& patch) const {
+    Pieces pieces_beside(const Patch& patch) const {
         const bool has = bench_.table->contains(patch.own, patch.structure);
         std::vector<std::uint8_t> seen(bench_.mesh.cell_count(), 0);
         const auto take = [&](std::uint32_t c) {
@@ -164,21 +177,39 @@ class Carver {
             seen[c] = 1;
             return true;
         };
-        std::size_t count = 0;
+        const auto is_drawn = [&](std::uint32_t v) { return drawn_.owners->has(v, patch.structure); };
+        Pieces pieces;
         std::vector<std::uint32_t> stack;
         for (std::uint32_t seed = 0; seed < bench_.mesh.cell_count(); ++seed) {
             if (!take(seed)) continue;
-            ++count;
+            bool bare = true;
             stack.assign(1, seed);
             while (!stack.empty()) {
                 const std::uint32_t c = stack.back();
                 stack.pop_back();
+                const Cell& cell = bench_.mesh.cell(c);
+                bare = bare && std::none_of(cell.begin(), cell.end(), is_drawn);
                 for (int i = 0; i < 4; ++i) {
                     if (take(bench_.mesh.neighbor(c, i))) stack.push_back(bench_.mesh.neighbor(c, i));
                 }
             }
+            ++pieces.all;
+            pieces.bare += bare;
         }
-        return count;
+        return pieces;
+    }
+
+    // Before the patch is carved.
+    const Pieces& pieces_before(const Patch& patch) {
+        std::optional<Pieces>& known = pieces_[bench_.table->contains(patch.own, patch.structure)];
+        if (!known) known = pieces_beside(patch);
+        return *known;
+    }
+
+    // Where the structure is not parted a handle goes, or a tunnel.
+    bool parts_too_much(const Patch& patch, bool may_part) {
+        const Pieces after = pieces_beside(patch), &before = pieces_before(patch);
+        return after.bare > before.bare || (after.all > before.all && !may_part);
     }
 
     // That of all that is drawn there, if the mesh has one.
@@ -221,7 +252,7 @@ class Carver {
     }
 
     bool is_enough() const {
-        return improved_ >= most_improved || tried_ >= most_tried ||
+        return context_.cancelled() || improved_ >= most_improved || tried_ >= most_tried ||
                (!drawn_.extents.empty() && worked_on_ >= most_cells_across);
     }
 
@@ -232,9 +263,9 @@ class Carver {
                     const Outcome outcome = attempt(patch, cut, {near, reach, thickness}, may_part);
                     ++tried_;
                     if (outcome == Outcome::done) return true;
-                    if (outcome == Outcome::unsound) break;
-                    ++improved_;
+                    improved_ += outcome == Outcome::bad;
                     if (is_enough()) return false;
+                    if (outcome == Outcome::unsound) break;
                 }
             }
         }
@@ -251,6 +282,7 @@ class Carver {
     }
 
     Outcome change(const Patch& patch, std::size_t cut, const Way& way, bool may_part) {
+        const auto first_new = static_cast<std::uint32_t>(bench_.mesh.point_count());
         const Sheet sheet = sheet_of(patch, way.near);
         const std::optional<std::uint32_t> end = vertex_on_surface(sheet, patch.structure);
         if (!end) return Outcome::unsound;
@@ -259,10 +291,14 @@ class Carver {
         std::optional<ThickenedSheet> made = thicken_sheet(bench_, *drawn_.owners, chain, sheet, patch.own,
                                                            way.reach, way.thickness, nullptr, &in_plane);
         if (!made) return Outcome::unsound;
-        // Else a handle, or a tunnel.
-        if (made->parts_structure && !may_part && pieces_beside(patch) > patch.pieces)
-            return Outcome::unsound;
+        if (made->parts_structure && parts_too_much(patch, may_part)) return Outcome::unsound;
         std::vector<std::uint32_t> changed = std::move(made->changed);
+        // Those round the edges that pass through the patch too.
+        for (auto v = first_new; v < bench_.mesh.point_count(); ++v) {
+            bench_.mesh.star(v, bench_.star);
+            changed.insert(changed.end(), bench_.star.begin(), bench_.star.end());
+        }
+        sort_distinct(changed);
         const std::vector<std::uint32_t> improved = improve_(changed);
         changed.insert(changed.end(), improved.begin(), improved.end());
         sort_distinct(changed);
@@ -270,13 +306,22 @@ class Carver {
         const bool good = std::all_of(changed.begin(), changed.end(), [&](std::uint32_t c) {
             return judge_.is_good(c) && judge_.is_near(c);
         });
-        if (!good) return Outcome::bad;
+        std::vector<std::uint32_t> above_bound = above_bound_;
+        above_bound.insert(above_bound.end(), changed.begin(), changed.end());
+        sort_distinct(above_bound);
+        above_bound = judge_.those_above_bound(std::move(above_bound));
+        const std::size_t most_above = std::max(
+            above_bound_.size(), static_cast<std::size_t>(most_above_bound * static_cast<double>(inside_)));
+        if (!good || above_bound.size() > most_above) return Outcome::bad;
         std::vector<double> after = sums();
         for (std::size_t other = 0; other < after.size(); ++other) {
-            const double most =
-                other == cut ? sums_[cut] - enough_less * patch.wrong : std::max(sums_[other], worth_carving);
+            const double gained = enough_less * patch.wrong;
+            const double most = other == cut
+                                    ? sums_[cut] - gained
+                                    : std::max(sums_[other], std::min(sums_[other] + gained, worth_carving));
             if (after[other] > most) return Outcome::bad;
         }
+        above_bound_ = std::move(above_bound);
         sums_ = std::move(after);
         stats_.changed.insert(stats_.changed.end(), changed.begin(), changed.end());
         return Outcome::done;
@@ -388,12 +433,16 @@ class Carver {
     }
 
     Workbench& bench_;
+    const RunContext& context_;
     const DrawnSlices& drawn_;
     SectionAreas areas_;
     SidesAt sides_;
     CellJudge judge_;
     const ImproveCells& improve_;
     std::vector<double> sums_;
+    std::array<std::optional<Pieces>, 2> pieces_;  // of what is outside, and of the structure, of this cut
+    std::vector<std::uint32_t> above_bound_;       // cells; rising
+    std::size_t inside_ = 0;                       // cells
     std::size_t improved_ = 0, tried_ = 0, worked_on_ = 0;  // ways, the first in vain; cells
     CarveStats stats_;
 };
@@ -404,7 +453,7 @@ CarveStats carve_cuts(Workbench& bench, const DrawnSlices& drawn, double least_s
                       const ImproveCells& improve, const RunContext& context,
                       const std::vector<std::uint32_t>* look) {
     if (!drawn.table || !drawn.owners || drawn.planes.empty()) return {};
-    return Carver(bench, drawn, least_sine, improve).run(look, context);
+    return Carver(bench, drawn, least_sine, improve, context).run(look);
 }
 
 }  // namespace anatomesh

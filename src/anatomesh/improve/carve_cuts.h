@@ -23,14 +23,16 @@ struct CarveStats {
 // regular neighbourhood goes to the other side of the structure. Then `improve` works on the shapes. All of
 // it is taken back if a surface, of a structure or a region, is not one disc at each vertex concerned, if
 // that of a structure has another Euler characteristic - but two more, where a handle or a tunnel goes, or,
-// for a cut above 0.1 %, the structure falls into parts, as the slice has it -, if a contour vertex or piece
-// leaves the surface of its structure, if the cut does not lose half of what is wrong in it, or another one
-// comes near to 0.1 %, if an interface there is farther than the workbench's `apex_mm` from the field's, or
-// if a changed cell inside is worse than cell_judge.h allows. Guarantees: all cells positive (checked
-// exactly); no vertex moves but by `improve`. Same result every time. Complexity: O(cells) for each cut
-// concerned and each patch carved, and the shapes of the cells of a hundred patches tried in vain at most, or,
-// where planes cross, of 10,000 cells. Errors: none; a cancelled run stops. `look`: nothing is wrong but in
-// cells that share a vertex with one of these, in any order, such that are gone allowed; null: in any.
+// for a cut above 0.1 %, the structure falls into parts, as the slice has it, each with a vertex of a contour
+// of its -, if a contour vertex or piece leaves the surface of its structure, if the cut does not lose half
+// of what is wrong in the patch, or another one gets worse by as much, or comes near to 0.1 %, if an
+// interface there is farther than the workbench's `apex_mm` from the field's, if a changed cell inside is
+// worse than cell_judge.h allows, or if more cells than before, and than 0.3 % of those inside, are above the
+// workbench's first bound. The worst cuts come first. Guarantees: all cells positive (checked exactly); no
+// vertex moves but by `improve`. Same result every time. Complexity: O(cells) for each cut concerned and each
+// patch carved, and the shapes of the cells of a hundred patches tried in vain at most, or, where planes
+// cross, of 10,000 cells. Errors: none; a cancelled run stops. `look`: nothing is wrong but in cells that
+// share a vertex with one of these, in any order, such that are gone allowed; null: in any.
 CarveStats carve_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine,
                       const ImproveCells& improve, const RunContext& context,
                       const std::vector<std::uint32_t>* look = nullptr);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <random>
 #include <utility>
 
@@ -34,9 +35,9 @@ struct Block {
     fixtures::AnalyticField field{{[](Vec3 p) { return p.x - wall; }}, 10};
     CarveStats stats;
 
-    // `inside`: of the middles of the grid's cubes. Vertices from y = 0 to `drawn` are on the contour.
+    // `inside`: of the middles of the grid's cubes. `also`: a vertex that a contour of another slice has.
     explicit Block(const std::function<bool(Vec3)>& inside, unsigned seed = 1, double shaken = 0.25,
-                   int drawn = width) {
+                   std::optional<Vec3> also = std::nullopt) {
         for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
             Vec3 p;
             for (const std::uint32_t v : mesh.cells[c]) p += 0.25 * mesh.points[v];
@@ -53,10 +54,14 @@ struct Block {
             Vec3& p = mesh.points[v];
             const bool rim =
                 p.x == 0 || p.x == width || p.y == 0 || p.y == width || p.z == 0 || p.z == height;
-            const bool on = p.x == wall && p.z == slice && p.y <= drawn;
+            const bool on = p.x == wall && p.z == slice;
             slice_of.push_back(on ? 0 : no_slice);
             fixed.push_back(rim || on);
-            if (!rim && !on) p = p + Vec3{shift(random), shift(random), shift(random)};
+            if (also && p == *also) {
+                vertices.push_back({v, 0});
+                fixed.back() = 1;
+            }
+            if (!fixed.back()) p = p + Vec3{shift(random), shift(random), shift(random)};
             if (!on) continue;
             vertices.push_back({v, 0});
             if (last != no_cell) {
@@ -75,7 +80,7 @@ struct Block {
         EditMesh edited(std::move(mesh), neighbors);
         DihedralOptions options;
         options.apex_mm = 10;
-        options.last_radius_edge = 100;
+        options.max_radius_edge = options.last_radius_edge = 100;
         Workbench bench(edited, fixed, contour, field, 1, options);
         bench.table = &table;
         const DrawnSlices drawn{&table, slice_of, &owners, planes, {}, weights, 1e-9};
@@ -143,7 +148,7 @@ TEST(CarveCuts, a_cut_that_is_as_drawn_is_left_as_it_is) {
 
 TEST(CarveCuts, what_hangs_through_a_slice_beside_what_is_drawn_is_cut_through) {
     for (unsigned seed = 0; seed < 10; ++seed) {
-        Block block([](Vec3 p) { return left_of_wall(p) || in_hook(p); }, seed);
+        Block block([](Vec3 p) { return left_of_wall(p) || in_hook(p); }, seed, 0.25, Vec3{6, 4, 2});
         ASSERT_EQ(block.topology().genus, 0);
         const auto [before, after] = block.carve();
         EXPECT_GT(before, 0.05);
@@ -151,6 +156,15 @@ TEST(CarveCuts, what_hangs_through_a_slice_beside_what_is_drawn_is_cut_through) 
         block.expect_sound();
         EXPECT_EQ(block.topology().components, 2u);  // the slice has nothing between them
         EXPECT_EQ(block.topology().genus, 0);
+    }
+}
+
+TEST(CarveCuts, no_crumb_is_cut_off_that_no_slice_has) {
+    for (unsigned seed = 0; seed < 3; ++seed) {
+        Block block([](Vec3 p) { return left_of_wall(p) || in_hook(p); }, seed);
+        const auto [before, after] = block.carve();
+        EXPECT_EQ(before, after);
+        EXPECT_EQ(block.topology().components, 1u);
     }
 }
 
@@ -171,12 +185,13 @@ TEST(CarveCuts, a_handle_round_a_slice_goes) {
     }
 }
 
-TEST(CarveCuts, a_tunnel_through_what_is_drawn_is_filled) {
+TEST(CarveCuts, a_pit_through_what_is_drawn_is_filled_at_the_slice) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Block block(
-            [](Vec3 p) { return left_of_wall(p) && !(p.x > 1 && p.x < 2 && p.y > 3 && p.y < 4 && p.z < 5); },
-            seed);
-        // A pit from below: its top is over the slice.
+            [](Vec3 p) {
+                return left_of_wall(p) && p.z > 1 && !(p.x > 1 && p.x < 2 && p.y > 3 && p.y < 4 && p.z < 5);
+            },
+            seed, 0.25, Vec3{2, 4, 4});
         const auto [before, after] = block.carve();
         EXPECT_GT(before, 0.02);
         EXPECT_LT(after, 1e-3);
@@ -240,11 +255,11 @@ TEST(CarveCuts, patches_among_any_cubes_go) {
         block.expect_sound();
     }
     EXPECT_GT(tried, 10);
-    EXPECT_LT(all_after, 0.01 * all_before);
+    EXPECT_LT(all_after, 0.2 * all_before);  // the rest would leave crumbs
 }
 
 TEST(CarveCuts, all_is_as_it_was_where_cells_are_too_flat) {
-    Block block([](Vec3 p) { return left_of_wall(p) || in_hook(p); });
+    Block block([](Vec3 p) { return left_of_wall(p) || in_hook(p); }, 1, 0.25, Vec3{6, 4, 2});
     const TetMesh before = block.mesh;
     const auto [wrong, after] = block.carve([](auto) { return std::vector<std::uint32_t>{}; }, 0.99);
     EXPECT_EQ(wrong, after);
@@ -255,7 +270,7 @@ TEST(CarveCuts, all_is_as_it_was_where_cells_are_too_flat) {
 }
 
 TEST(CarveCuts, the_shapes_of_what_changed_are_worked_on) {
-    Block block([](Vec3 p) { return left_of_wall(p) || in_hook(p); });
+    Block block([](Vec3 p) { return left_of_wall(p) || in_hook(p); }, 1, 0.25, Vec3{6, 4, 2});
     std::size_t asked = 0;
     const auto [before, after] = block.carve([&](std::vector<std::uint32_t> cells) {
         asked += cells.size();
@@ -283,7 +298,7 @@ TEST(CarveCuts, surfaces_stay_manifolds_and_no_cut_gets_worse_whatever_is_carved
         EditMesh edited(std::move(made.mesh), neighbors);
         DihedralOptions options;
         options.apex_mm = 10;
-        options.last_radius_edge = 100;
+        options.max_radius_edge = options.last_radius_edge = 100;
         Workbench bench(edited, made.fixed, {}, made.field, made.structures, options);
         bench.table = &made.regions;
         const DrawnSlices drawn{&made.regions, slice_of, &owners, planes, {}, weights, 1e-9};

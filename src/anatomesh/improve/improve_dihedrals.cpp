@@ -317,7 +317,8 @@ class Climber {
         at_last_.weights = before;
     }
 
-    // What cuts that are still wrong have too much or too little; in a stack that is at these cells.
+    // What cuts that are still wrong have too much or too little: at these cells, where mend() looked at
+    // them.
     void carve(double least_degrees, const std::vector<std::uint32_t>& look, const RunContext& context) {
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
         const CarveStats carved = carve_cuts(

@@ -124,11 +124,12 @@ struct DihedralStats {
 // angles between facets (flip_surface_edges.h), where no angle inside falls below the target or what it was.
 // Near the end single cells below 10 degrees or above `last_radius_edge` beside those of `drawn.crowded` are
 // mended at the price of these. Guarantees: no cell inside with an angle below the least before and below 10
-// degrees, but for those crowded: these may come down to the bounds of bring_segments.h; all cells positive
+// degrees, but for those crowded: these may come down to the bounds of cell_judge.h; all cells positive
 // by exact orientation; vertices with fixed[v] != 0 do not move and stay on their surfaces, but for those of
 // structures further away than `apex_mm`; `fixed_edges` (sorted, ends fixed) that lie on an interface stay
 // edges of it, or chains of edges on the same line, whose new vertices are fixed as well; the surfaces of all
-// structures keep their topology: each operation replaces a disc of a surface by a disc. No ratio above the
+// structures keep their topology: each operation replaces a disc of a surface by a disc, but where a slice's
+// plane has a handle, a tunnel or a neck that the slice has not (carve_cuts.h). No ratio above the
 // bound (at last the other one) arises but in the place of one as large, or of a crowded cell. Cells outside
 // serve as room; they stay positive, and none gets nearly flat but in the place of one as flat, or of a
 // crowded one. Same result every time. `fixed` grows with the points. Cells keep no order. Points no longer

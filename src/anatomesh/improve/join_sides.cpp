@@ -50,10 +50,12 @@ class Joiner {
         bench_.mesh.set_region(c, joined_.to);
     }
 
-    // All of them, at vertices of the sheet and new ones.
+    // All of them, at vertices of the sheet, new ones, and those near which more went.
     std::vector<std::uint32_t> cells_gone() {
         std::vector<std::uint32_t> look(joined_.sheet.begin(), joined_.sheet.end()), found;
         for (auto v = joined_.first_new; v < bench_.mesh.point_count(); ++v) look.push_back(v);
+        look.insert(look.end(), near_.begin(), near_.end());
+        sort_distinct(look);
         for (const std::uint32_t v : look) {
             bench_.mesh.star(v, bench_.star);
             std::copy_if(bench_.star.begin(), bench_.star.end(), std::back_inserter(found),
@@ -156,6 +158,7 @@ class Joiner {
                 if (sides_.find_ring(v, x) && !bench_.fixed_edge(v, x) && !cut(v, x)) return false;
             }
         }
+        near_.insert(near_.end(), vertices.begin(), vertices.end());
         for (const std::uint32_t v : vertices) {
             bench_.mesh.star(v, star);
             for (const std::uint32_t c : star) {
@@ -225,7 +228,8 @@ class Joiner {
     Workbench& bench_;
     const SidesToJoin& joined_;
     SidesAt sides_;
-    std::vector<CellBefore> gone_;  // whatever they are cut into
+    std::vector<CellBefore> gone_;     // whatever they are cut into
+    std::vector<std::uint32_t> near_;  // vertices
 };
 
 }  // namespace
