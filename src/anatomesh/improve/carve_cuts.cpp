@@ -12,6 +12,7 @@
 #include "anatomesh/improve/cell_judge.h"
 #include "anatomesh/improve/section_areas.h"
 #include "anatomesh/improve/sides_at.h"
+#include "anatomesh/improve/surface_count.h"
 #include "anatomesh/improve/thicken_sheet.h"
 
 namespace anatomesh {
@@ -27,6 +28,7 @@ constexpr std::size_t most_sections = 200;         // of a cut
 constexpr std::size_t most_improved = 100;         // ways to carve whose cells are worked on in vain
 constexpr std::size_t most_cells_across = 10'000;  // worked on where planes cross: much more would be in vain
 constexpr std::size_t most_tried = 1000;           // ways, sound or not
+constexpr std::size_t most_of_crumb = 50;          // cells
 constexpr double most_above_bound =
     0.003;  // share of cells inside above the first bound, or as many as before
 constexpr std::array nearness{0.25, 0.0};          // of a vertex that is taken for one of the patch, in edges
@@ -86,6 +88,8 @@ class Carver {
     // such that no contour of the structure has a vertex of.
     struct Pieces {
         std::size_t all = 0, bare = 0;
+        std::vector<std::vector<std::uint32_t>>
+            crumbs;  // of the bare ones small ones with a new vertex: cells
     };
 
     // How a patch is carved: the share of edges within which a vertex is taken for one of the patch, and as
@@ -167,7 +171,7 @@ class Carver {
         return patches;
     }
 
-    Pieces pieces_beside(const Patch& patch) const {
+    Pieces pieces_beside(const Patch& patch, std::uint32_t first_new = no_cell) const {
         const bool has = bench_.table->contains(patch.own, patch.structure);
         std::vector<std::uint8_t> seen(bench_.mesh.cell_count(), 0);
         const auto take = [&](std::uint32_t c) {
@@ -179,22 +183,22 @@ class Carver {
         };
         const auto is_drawn = [&](std::uint32_t v) { return drawn_.owners->has(v, patch.structure); };
         Pieces pieces;
-        std::vector<std::uint32_t> stack;
         for (std::uint32_t seed = 0; seed < bench_.mesh.cell_count(); ++seed) {
             if (!take(seed)) continue;
-            bool bare = true;
-            stack.assign(1, seed);
-            while (!stack.empty()) {
-                const std::uint32_t c = stack.back();
-                stack.pop_back();
-                const Cell& cell = bench_.mesh.cell(c);
+            bool bare = true, made = false;
+            std::vector<std::uint32_t> cells{seed};
+            for (std::size_t n = 0; n < cells.size(); ++n) {
+                const Cell& cell = bench_.mesh.cell(cells[n]);
                 bare = bare && std::none_of(cell.begin(), cell.end(), is_drawn);
+                made = made || std::any_of(cell.begin(), cell.end(), [&](auto v) { return v >= first_new; });
                 for (int i = 0; i < 4; ++i) {
-                    if (take(bench_.mesh.neighbor(c, i))) stack.push_back(bench_.mesh.neighbor(c, i));
+                    if (take(bench_.mesh.neighbor(cells[n], i)))
+                        cells.push_back(bench_.mesh.neighbor(cells[n], i));
                 }
             }
             ++pieces.all;
             pieces.bare += bare;
+            if (bare && made && cells.size() <= most_of_crumb) pieces.crumbs.push_back(std::move(cells));
         }
         return pieces;
     }
@@ -206,10 +210,35 @@ class Carver {
         return *known;
     }
 
-    // Where the structure is not parted a handle goes, or a tunnel.
-    bool parts_too_much(const Patch& patch, bool may_part) {
-        const Pieces after = pieces_beside(patch), &before = pieces_before(patch);
-        return after.bare > before.bare || (after.all > before.all && !may_part);
+    // Where the structure is not parted a handle went, or a tunnel. What came off and no contour has goes
+    // too, if it is small, near the field's surface and of no other region; false where more came off than
+    // may.
+    bool may_be_parted(const Patch& patch, bool may_part, std::uint32_t first_new,
+                       std::vector<std::uint32_t>& changed) {
+        Pieces after = pieces_beside(patch, first_new);
+        const Pieces& before = pieces_before(patch);
+        for (const std::vector<std::uint32_t>& crumb : after.crumbs) {
+            if (after.bare <= before.bare) break;
+            if (!give_crumb(crumb, patch)) return false;
+            changed.insert(changed.end(), crumb.begin(), crumb.end());
+            --after.bare;
+            --after.all;
+        }
+        return after.bare <= before.bare && (after.all <= before.all || may_part);
+    }
+
+    bool give_crumb(const std::vector<std::uint32_t>& crumb, const Patch& patch) {
+        const double most = bench_.options.apex_mm;
+        bench_.look_between(patch.own, patch.to);
+        for (const std::uint32_t c : crumb) {
+            if (bench_.mesh.region(c) != patch.own) return false;
+            for (const std::uint32_t v : bench_.mesh.cell(c)) {
+                if (bench_.probe.distance(bench_.mesh.point(v), most) > most) return false;
+            }
+        }
+        SurfaceCount count(bench_, *drawn_.owners, crumb, patch.to);
+        for (const std::uint32_t c : crumb) bench_.mesh.set_region(c, patch.to);
+        return count.figures().excess == 0 && count.newly_lost() == 0;
     }
 
     // That of all that is drawn there, if the mesh has one.
@@ -291,8 +320,9 @@ class Carver {
         std::optional<ThickenedSheet> made = thicken_sheet(bench_, *drawn_.owners, chain, sheet, patch.own,
                                                            way.reach, way.thickness, nullptr, &in_plane);
         if (!made) return Outcome::unsound;
-        if (made->parts_structure && parts_too_much(patch, may_part)) return Outcome::unsound;
         std::vector<std::uint32_t> changed = std::move(made->changed);
+        if (made->parts_structure && !may_be_parted(patch, may_part, first_new, changed))
+            return Outcome::unsound;
         // Those round the edges that pass through the patch too.
         for (auto v = first_new; v < bench_.mesh.point_count(); ++v) {
             bench_.mesh.star(v, bench_.star);
