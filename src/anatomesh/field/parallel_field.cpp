@@ -214,7 +214,8 @@ void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceI
             if (map_of_[s][intervals[i].slice] != empty_level) drawn.push_back(i);
         }
         const bool is_union = s == set.structures.size();
-        StructureLevels levels = structure_levels(intervals, drawn, set.exclusive, spacing_, options);
+        const bool every_slice = set.exclusive || options.every_slice_tells;
+        StructureLevels levels = structure_levels(intervals, drawn, every_slice, spacing_, options);
         if (!is_union) warn_about_levels(set, s, levels, context);
         (is_union ? union_ : tracks_[s]) = Track(std::move(levels), map_of_[s], options.caps == EndCaps::rounded);
     }

@@ -167,10 +167,19 @@ Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSw
     apart.threads = context.threads;
     apart.cancel = context.cancel;
     if (!Unsaid::of(set, apart).empty()) return parts.near;
+    for (const std::uint32_t s : parts.sweep.half_empty()) {
+        context.warn(
+            {"W-FLD-002",
+             "nothing is drawn on a half of a slice about an axis, and what its neighbours have there "
+             "was joined",
+             {set.source, set.slices[s].name, "", "", ""},
+             "the gap was bridged; a structure that has a gap there needs slices nearer to its ends"});
+    }
     const ContourSet straightened = parts.sweep.straight(set);
     FieldOptions straight = options;
     straight.clamp_mm = parts.near->clamp();
     straight.max_gap_spacings = most_gap;
+    straight.every_slice_tells = true;
     ANATOMESH_TRY(parts.away, make_parallel_field(straightened, straight, apart));
     parts.radius =
         std::max(near_vertices * mean_vertex_spacing(set) / parts.sweep.angle(), parts.sweep.apart_from());

@@ -201,6 +201,51 @@ TEST(RotationalField, structures_that_share_a_wall_leave_no_gap_and_do_not_overl
     }
 }
 
+// About z, with u away from it.
+std::vector<Plane> upright_planes(int count) {
+    std::vector<Plane> planes = planes_about(make_plane({}, {0, 0, 1}), count);
+    for (Plane& plane : planes) {
+        plane.v = {0, 0, 1};
+        plane.u = cross(plane.v, plane.normal);
+    }
+    return planes;
+}
+
+TEST(RotationalField, a_structure_drawn_on_single_slices_is_nowhere_on_others) {
+    const std::vector<Plane> planes = upright_planes(6);
+    for (const std::size_t second : {1u, 3u}) {
+        SetBuilder builder;
+        for (std::size_t k = 0; k < planes.size(); ++k) {
+            builder.slice(planes[k]);
+            builder.ring(0, circle({}, 20, 80));
+            if (k == 1 || k == second) builder.ring(1, circle({12, 0}, 2, 20));
+        }
+        const auto field = field_of(builder.set);
+        for (std::size_t k = 0; k < planes.size(); ++k) {
+            for (const double x : {12.0, -12.0}) {
+                const bool drawn = (k == 1 || k == second) && x > 0;
+                EXPECT_EQ(field->value(1, planes[k].to_space({x, 0})) < 0, drawn) << k << " " << x;
+            }
+        }
+    }
+}
+
+TEST(RotationalField, a_half_of_a_slice_without_contours_is_told_of_where_it_is_bridged) {
+    for (const bool one_is_empty : {false, true}) {
+        SetBuilder builder;
+        for (const Plane& plane : upright_planes(12)) {
+            builder.slice(plane);
+            builder.ring(0, circle({-20, 0}, 6, 40));
+            if (!one_is_empty || builder.set.slices.size() != 5) builder.ring(0, circle({20, 0}, 6, 40));
+        }
+        RunContext context;
+        ASSERT_TRUE(make_structure_field(builder.set, {}, context).ok());
+        EXPECT_EQ(std::count_if(context.warnings.begin(), context.warnings.end(),
+                                [](const Warning& w) { return w.code == "W-FLD-002"; }),
+                  one_is_empty);
+    }
+}
+
 TEST(RotationalField, box_holds_what_bulges_between_the_slices) {
     // Wide in directions that no plane runs in.
     const Plane axis = make_plane({}, {0, 0, 1});

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/point_scatter.h"
 #include "anatomesh/geom/box.h"
 
@@ -15,6 +17,7 @@ namespace {
 constexpr double turn = 2 * std::numbers::pi;
 constexpr std::size_t fewest_slices = 2;
 constexpr double most_angle = turn * 110 / 360, most_of_median = 2.5;  // between neighbours
+constexpr double wide = 1.5;                                           // of the median, that is told of
 constexpr double least_angle = 1e-3;                           // less is one plane
 constexpr double most_crossing = 0.5;   // of the mean radius: up to there neighbours may cross
 constexpr double least_reach = 0.25;    // of half-planes, of the median one
@@ -65,7 +68,21 @@ std::optional<RotationalSweep> RotationalSweep::of(const ContourSet& set) {
     if (!sweep.leave_out_empty() || !sweep.put_in_order()) return std::nullopt;
     sweep.apart_from_ = 4 * beside / sweep.least_angle_;
     if (!(sweep.apart_from_ <= most_crossing * sweep.mean_radius_)) return std::nullopt;
+    sweep.find_half_empty();
     return sweep;
+}
+
+void RotationalSweep::find_half_empty() {
+    for (const HalfPlane& half : empty_) {
+        const double angle = angle_of(origin_ + half.plane.u);
+        const auto next = std::find_if(half_planes_.begin(), half_planes_.end(),
+                                       [&](const HalfPlane& other) { return other.angle > angle; });
+        const double before = (next == half_planes_.begin() ? half_planes_.end() : next)[-1].angle;
+        double gap = (next == half_planes_.end() ? half_planes_.begin() : next)->angle - before;
+        if (gap <= 0) gap += turn;
+        if (gap > wide * median_angle_) half_empty_.push_back(half.slice);
+    }
+    sort_distinct(half_empty_);
 }
 
 void RotationalSweep::add_half_planes(const ContourSet& set, std::uint32_t s) {
@@ -92,6 +109,8 @@ void RotationalSweep::add_half_planes(const ContourSet& set, std::uint32_t s) {
 // may be half of a slice that was drawn on its other half alone, and tell nothing of what is further out.
 bool RotationalSweep::leave_out_empty() {
     const double nothing = rounding * mean_radius_;
+    std::copy_if(half_planes_.begin(), half_planes_.end(), std::back_inserter(empty_),
+                 [&](const HalfPlane& half) { return half.reach <= nothing; });
     std::erase_if(half_planes_, [&](const HalfPlane& half) { return half.reach <= nothing; });
     if (half_planes_.empty()) return false;
     std::vector<double> reaches;

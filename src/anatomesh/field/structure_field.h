@@ -29,6 +29,9 @@ struct FieldOptions {
     // Parallel slices: neighbouring contours of a structure further apart than this many local spacings are
     // not joined; the structure ends on both sides of the gap. Range [1, 1e6].
     double max_gap_spacings = 2;
+    // Parallel slices: each says something of every structure, also of one that is drawn on single slices;
+    // else one drawn on every n-th slice is told of by its own alone.
+    bool every_slice_tells = false;
     // Thickness given to a set that is one slice alone, where no spacing can be found. mm; 0: refused. [0,
     // 1000]
     double single_slice_mm = 0;
