@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -56,10 +55,8 @@ class Bringer {
         if (chains.size() > most_chains) return stats;
         stats.brought = stats.found;
         if (chains.empty()) return stats;
-        std::vector<std::uint32_t> all(bench_.mesh.cell_count());
-        std::iota(all.begin(), all.end(), 0u);
-        std::erase_if(all,
-                      [&](std::uint32_t c) { return !bench_.mesh.alive(c) || bench_.mesh.region(c) == 0; });
+        std::vector<std::uint32_t> all = bench_.mesh.alive_cells();
+        std::erase_if(all, [&](std::uint32_t c) { return bench_.mesh.region(c) == 0; });
         most_more_ = static_cast<std::size_t>(most_more_share_ * static_cast<double>(all.size()));
         above_bound_ = judge_.those_above_bound(std::move(all));
         for (int round = 0; round < rounds && !chains.empty(); ++round) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -19,16 +18,14 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double worth_carving = 7e-4;             // the share of what is drawn that is wrong
-constexpr double most_wrong = 1e-3;                // more is worth parting a structure
-constexpr double worth_a_patch = 5e-5;             // and of a patch
+constexpr double worth_a_patch = 5e-5;             // share of what is drawn that is wrong
 constexpr double enough_less = 0.5;                // of a patch
 constexpr std::size_t most_cuts = 60;              // where more are wrong, slices contradict each other
 constexpr std::size_t most_sections = 200;         // of a cut
 constexpr std::size_t most_improved = 100;         // ways to carve whose cells are worked on in vain
 constexpr std::size_t most_cells_across = 5'000;   // worked on where planes cross: much more would be in vain
 constexpr std::size_t most_tried = 1000;           // ways, sound or not
-constexpr std::size_t most_of_crumb = 50;          // cells
+constexpr std::size_t most_of_crumb = 64;          // cells, as in crumbs.h
 constexpr double most_above_bound =
     0.003;  // share of cells inside above the first bound, or as many as before
 constexpr std::array nearness{0.25, 0.0};          // of a vertex that is taken for one of the patch, in edges
@@ -56,18 +53,18 @@ class Carver {
             std::vector<std::uint32_t> cells = *look;
             std::erase_if(cells, [&](std::uint32_t c) { return !bench_.mesh.alive(c); });
             areas_.sum_cuts_round(cells);
-            const auto is_fine = [](double sum) { return sum <= worth_carving; };
+            const auto is_fine = [](double sum) { return sum <= much_of_cut; };
             if (std::all_of(areas_.sums().begin(), areas_.sums().end(), is_fine)) return {};
         }
         sums_ = sums();
         std::vector<std::size_t> cuts;
         for (std::size_t cut = 0; cut < sums_.size(); ++cut) {
-            if (sums_[cut] > worth_carving) cuts.push_back(cut);
+            if (sums_[cut] > much_of_cut) cuts.push_back(cut);
         }
         if (cuts.size() > most_cuts) return {};
         std::stable_sort(cuts.begin(), cuts.end(),
                          [&](std::size_t a, std::size_t b) { return sums_[a] > sums_[b]; });
-        const std::vector<std::uint32_t> all = all_cells();
+        const std::vector<std::uint32_t> all = bench_.mesh.alive_cells();
         inside_ = static_cast<std::size_t>(std::count_if(
             all.begin(), all.end(), [&](std::uint32_t c) { return bench_.mesh.region(c) != 0; }));
         above_bound_ = judge_.those_above_bound(all);
@@ -102,25 +99,18 @@ class Carver {
 
     enum class Outcome { done, unsound, bad };
 
-    std::vector<std::uint32_t> all_cells() const {
-        std::vector<std::uint32_t> all(bench_.mesh.cell_count());
-        std::iota(all.begin(), all.end(), 0u);
-        std::erase_if(all, [&](std::uint32_t c) { return !bench_.mesh.alive(c); });
-        return all;
-    }
-
     // What is wrong, by cuts.
     std::vector<double> sums() {
-        areas_.sum_cuts(all_cells());
+        areas_.sum_cuts(bench_.mesh.alive_cells());
         return {areas_.sums().begin(), areas_.sums().end()};
     }
 
     // First what leaves the structure in one part.
     void carve_cut(std::size_t cut) {
         pieces_ = {};
-        while (sums_[cut] > worth_carving && carve_one(cut, false)) {
+        while (sums_[cut] > much_of_cut && carve_one(cut, false)) {
         }
-        while (sums_[cut] > most_wrong && carve_one(cut, true)) {
+        while (sums_[cut] > most_of_cut && carve_one(cut, true)) {
         }
     }
 
@@ -142,7 +132,7 @@ class Carver {
 
     // Those from which more is wrong first.
     std::vector<Patch> patches(std::uint32_t structure, std::uint32_t plane) {
-        std::vector<Section> left = areas_.wrong_sections_of(structure, plane, all_cells());
+        std::vector<Section> left = areas_.wrong_sections_of(structure, plane, bench_.mesh.alive_cells());
         std::vector<Patch> patches;
         if (left.size() > most_sections) return patches;
         while (!left.empty()) {
@@ -214,13 +204,14 @@ class Carver {
     // too, if it is small, near the field's surface and of no other region; false where more came off than
     // may.
     bool may_be_parted(const Patch& patch, bool may_part, std::uint32_t first_new,
-                       std::vector<std::uint32_t>& changed) {
+                       std::vector<std::uint32_t>& changed, std::uint64_t& crumbs) {
         Pieces after = pieces_beside(patch, first_new);
         const Pieces& before = pieces_before(patch);
         for (const std::vector<std::uint32_t>& crumb : after.crumbs) {
             if (after.bare <= before.bare) break;
             if (!give_crumb(crumb, patch)) return false;
             changed.insert(changed.end(), crumb.begin(), crumb.end());
+            ++crumbs;
             --after.bare;
             --after.all;
         }
@@ -311,6 +302,7 @@ class Carver {
     }
 
     Outcome change(const Patch& patch, std::size_t cut, const Way& way, bool may_part) {
+        std::uint64_t crumbs = 0;
         const auto first_new = static_cast<std::uint32_t>(bench_.mesh.point_count());
         const Sheet sheet = sheet_of(patch, way.near);
         const std::optional<std::uint32_t> end = vertex_on_surface(sheet, patch.structure);
@@ -321,7 +313,7 @@ class Carver {
                                                            way.reach, way.thickness, nullptr, &in_plane);
         if (!made) return Outcome::unsound;
         std::vector<std::uint32_t> changed = std::move(made->changed);
-        if (made->parts_structure && !may_be_parted(patch, may_part, first_new, changed))
+        if (made->parts_structure && !may_be_parted(patch, may_part, first_new, changed, crumbs))
             return Outcome::unsound;
         // Those round the edges that pass through the patch too.
         for (auto v = first_new; v < bench_.mesh.point_count(); ++v) {
@@ -348,9 +340,10 @@ class Carver {
             const double gained = enough_less * patch.wrong;
             const double most = other == cut
                                     ? sums_[cut] - gained
-                                    : std::max(sums_[other], std::min(sums_[other] + gained, worth_carving));
+                                    : std::max(sums_[other], std::min(sums_[other] + gained, much_of_cut));
             if (after[other] > most) return Outcome::bad;
         }
+        stats_.crumbs_given += crumbs;
         above_bound_ = std::move(above_bound);
         sums_ = std::move(after);
         stats_.changed.insert(stats_.changed.end(), changed.begin(), changed.end());

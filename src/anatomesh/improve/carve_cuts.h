@@ -12,7 +12,7 @@
 namespace anatomesh {
 
 struct CarveStats {
-    std::uint64_t patches_found = 0, patches_carved = 0;
+    std::uint64_t patches_found = 0, patches_carved = 0, crumbs_given = 0;
     std::vector<std::uint32_t> changed;  // cells that were made or reshaped, some of which may be gone
 };
 

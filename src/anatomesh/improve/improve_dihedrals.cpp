@@ -5,7 +5,6 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
-#include <numeric>
 #include <queue>
 #include <utility>
 
@@ -80,15 +79,11 @@ class Climber {
     }
 
     void run(RunContext& context) {
-        std::vector<std::uint32_t> all(bench_.mesh.cell_count());
-        std::iota(all.begin(), all.end(), 0u);
         for (const auto& [a, b, structure] : drawn_.pieces_beside) bench_.keep_edge(a, b);
         drop_ears(context.threads);
         lower_far_apexes(context.threads);
         bring_pieces(listed_degrees, 0);
-        all.resize(bench_.mesh.cell_count());
-        std::iota(all.begin(), all.end(), 0u);
-        collect(std::move(all), context.threads);
+        collect(bench_.mesh.alive_cells(), context.threads);
         bench_.stats.bad_before = queue_.size();
         bench_.stats.worst_before_degrees = worst_degrees();
         climb(context);
@@ -298,11 +293,8 @@ class Climber {
     // Cuts of which more is wrong than may be, where cuts are not looked at before.
     void mend_worst_cuts(const RunContext& context) {
         if (at_last_.planes.empty()) return;
-        std::vector<std::uint32_t> all(bench_.mesh.cell_count());
-        std::iota(all.begin(), all.end(), 0u);
-        std::erase_if(all, [&](std::uint32_t c) { return !bench_.mesh.alive(c); });
         SectionAreas areas(bench_, at_last_);
-        areas.sum_cuts(all);
+        areas.sum_cuts(bench_.mesh.alive_cells());
         std::vector<double> weights(at_last_.weights.begin(), at_last_.weights.end());
         for (std::size_t cut = 0; cut < weights.size(); ++cut) {
             if (areas.sums()[cut] <= at_last_.least_wrong) weights[cut] = 0;
@@ -327,6 +319,7 @@ class Climber {
             at_last_.planes.empty() ? &look : nullptr);
         bench_.stats.cuts_found += carved.patches_found;
         bench_.stats.cuts_mended += carved.patches_carved;
+        bench_.stats.crumbs_given += carved.crumbs_given;
         watched_ = std::move(watched);
         watched_.insert(watched_.end(), carved.changed.begin(), carved.changed.end());
     }

@@ -100,7 +100,8 @@ struct DihedralStats {
                   surface_edges_flipped = 0, surface_edges_smoothed = 0, cells_given = 0, ears_dropped = 0,
                   edges_collapsed = 0, vertices_inserted = 0, facets_lifted = 0, apexes_lowered = 0,
                   tries = 0;
-    std::uint64_t cuts_found = 0, cuts_mended = 0;       // visits and changes (mend_cuts.h)
+    std::uint64_t cuts_found = 0, cuts_mended = 0;       // visits and changes (mend_cuts.h, carve_cuts.h)
+    std::uint64_t crumbs_given = 0;                      // that came off where cuts were carved
     std::uint64_t pieces_found = 0, pieces_brought = 0;  // of contour segments (bring_segments.h)
     std::uint64_t segments_missed = 0;                   // of drawn.following, before follow_surface()
     std::vector<FollowedContour> followed;

@@ -22,7 +22,6 @@ namespace {
 constexpr double enough_less = 0.5;               // of the wrong share
 constexpr std::uint64_t most_vain = 10'000;       // places: so many are of slices that contradict each other
 constexpr double least_wrong_of_crossing = 1e-6;  // share of what is drawn: less is not mended there
-constexpr double worth_a_price = 7e-4;            // the share of what is drawn that is wrong
 constexpr std::array heights{0.05, -0.05, 0.1,  -0.1,
                              0.2,  -0.2,  0.35, -0.35};  // of a moved vertex over the plane, in edges at it
 constexpr std::array lifts{0.1, 0.2, 0.3, 0.45, 0.06, 0.03};  // of a new vertex, in heights of the cell
@@ -105,7 +104,7 @@ class Mender {
             for (int i = suspect_facet(c, 0); i < 4; i = suspect_facet(c, i + 1)) {
                 if (!(wrong_at(c, i) > least_wrong_)) continue;
                 ++stats_.places_found;
-                if (count > 1 && areas_.largest_cut_at(c, i) < worth_a_price) continue;
+                if (count > 1 && areas_.largest_cut_at(c, i) < much_of_cut) continue;
                 if (!mend(c, i, count)) {
                     ++vain;
                     continue;

@@ -79,13 +79,7 @@ struct Wall {
         bench.goal = 0.3;
         const DrawnSlices slices = drawn();
         SectionAreas areas(bench, slices);
-        const auto wrong = [&] {
-            std::vector<std::uint32_t> all;
-            for (std::uint32_t c = 0; c < edited.cell_count(); ++c) {
-                if (edited.alive(c)) all.push_back(c);
-            }
-            return areas.wrong(all);
-        };
+        const auto wrong = [&] { return areas.wrong(edited.alive_cells()); };
         std::array<double, 2> shares{wrong(), 0};
         stats = mend_cuts(bench, slices, 0.17, {});
         shares[1] = wrong();
@@ -439,11 +433,7 @@ TEST(MendCuts, the_surface_leaves_a_vertex_that_cannot_cross_a_slice) {
             EXPECT_EQ(stats.vertices_inserted, 1u);
             EXPECT_EQ(stats.vertices_moved + stats.cells_given + stats.edges_flipped + stats.edges_collapsed,
                       0u);
-            std::vector<std::uint32_t> all;
-            for (std::uint32_t c = 0; c < edited.cell_count(); ++c) {
-                if (edited.alive(c)) all.push_back(c);
-            }
-            EXPECT_EQ(SectionAreas(bench, slices).wrong(all), 0);
+            EXPECT_EQ(SectionAreas(bench, slices).wrong(edited.alive_cells()), 0);
             const TetMesh mended = std::move(edited).take(neighbors);
             for (std::size_t c = 0; c < mended.cells.size(); ++c) {
                 const auto at = [&](std::size_t i) { return mended.points[mended.cells[c][i]]; };

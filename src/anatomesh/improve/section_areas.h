@@ -14,6 +14,10 @@
 
 namespace anatomesh {
 
+// Of what is drawn of a structure in a slice, the share that may be wrong in the cut, and that from which a
+// cut is so near to it that it is worth worse cells.
+inline constexpr double most_of_cut = 1e-3, much_of_cut = 7e-4;
+
 // Planes have the numbers of their slices. A vertex that is in a slice as drawn lies in its plane.
 class SectionAreas {
   public:

@@ -11,13 +11,12 @@ SurfaceCount::SurfaceCount(Workbench& bench, const ContourOwners& owners,
                            std::span<const std::uint32_t> cells, Region to)
     : bench_(bench), cells_(cells.begin(), cells.end()) {
     std::vector<Region> regions{to};
-    std::vector<std::uint32_t>& structures = structures_;
     for (const std::uint32_t c : cells_) {
         const Region from = bench.mesh.region(c);
         regions.push_back(from);
         const std::vector<std::uint32_t>&here = bench.table->members[from], &there = bench.table->members[to];
         std::set_symmetric_difference(here.begin(), here.end(), there.begin(), there.end(),
-                                      std::back_inserter(structures));
+                                      std::back_inserter(structures_));
         const Cell& cell = bench.mesh.cell(c);
         vertices_.insert(vertices_.end(), cell.begin(), cell.end());
         for (int e = 0; e < 6; ++e) {
@@ -26,11 +25,11 @@ SurfaceCount::SurfaceCount(Workbench& bench, const ContourOwners& owners,
         }
     }
     sort_distinct(regions);
-    sort_distinct(structures);
+    sort_distinct(structures_);
     sort_distinct(vertices_);
     for (const Region region : regions) bodies_.push_back({true, region});
     region_bodies_ = bodies_.size();
-    for (const std::uint32_t structure : structures) bodies_.push_back({false, structure});
+    for (const std::uint32_t structure : structures_) bodies_.push_back({false, structure});
     std::sort(edges_.begin(), edges_.end(), [](const Edge& x, const Edge& y) {
         return std::array{x.a, x.b, x.cell} < std::array{y.a, y.b, y.cell};
     });
@@ -48,7 +47,8 @@ SurfaceCount::SurfaceCount(Workbench& bench, const ContourOwners& owners,
             known = true;
         }
         if (known || !bench.fixed_edge(edge.a, edge.b)) continue;
-        for (const std::uint32_t s : structures) owned_.push_back({edge.a, edge.b, edge.cell, s, edge.index});
+        for (const std::uint32_t s : structures_)
+            owned_.push_back({edge.a, edge.b, edge.cell, s, edge.index});
     }
     std::erase_if(owned_, [&](const Owned& owned) { return !on_surface(owned); });
 }

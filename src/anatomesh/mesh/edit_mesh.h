@@ -45,6 +45,14 @@ class EditMesh {
     std::size_t cell_count() const { return cells_.size(); }  // removed ones included
     std::size_t point_count() const { return points_.size(); }
     bool alive(std::uint32_t cell) const { return cells_[cell][0] != no_cell; }
+    // Those not removed, rising. O(cells).
+    std::vector<std::uint32_t> alive_cells() const {
+        std::vector<std::uint32_t> alive_ones;
+        for (std::uint32_t c = 0; c < cells_.size(); ++c) {
+            if (alive(c)) alive_ones.push_back(c);
+        }
+        return alive_ones;
+    }
     const Cell& cell(std::uint32_t c) const { return cells_[c]; }
     Region region(std::uint32_t c) const { return regions_[c]; }
     std::uint32_t neighbor(std::uint32_t c, int facet) const { return neighbors_[c][facet]; }

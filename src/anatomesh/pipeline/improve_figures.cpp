@@ -27,7 +27,7 @@ std::vector<std::pair<std::string, double>> improve_figures(const ImproveWork& w
             {"apexes_lowered", static_cast<double>(work.dihedrals.apexes_lowered)},
             {"segments_missed", static_cast<double>(work.dihedrals.segments_missed)},
             {"contours_followed", static_cast<double>(work.contours_followed)},
-            {"crumbs_given_away", static_cast<double>(work.crumbs.pieces)},
+            {"crumbs_given_away", static_cast<double>(work.crumbs.pieces + work.dihedrals.crumbs_given)},
             {"facets_left_in_slices", static_cast<double>(work.dihedrals.facets_left)},
             {"visits_of_wrong_cuts", static_cast<double>(work.dihedrals.cuts_found)},
             {"changes_to_cuts", static_cast<double>(work.dihedrals.cuts_mended)},
