@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <utility>
 
 #include "anatomesh/field/field_queries.h"
@@ -155,6 +157,20 @@ class RotationalField final : public StructureField {
     std::vector<Box3> boxes_;  // by structure; empty of one that is not drawn
 };
 
+void warn_about_gaps(const ContourSet& set, const RotationalSweep& sweep, RunContext& context) {
+    const std::vector<RotationalSweep::Gap> gaps = sweep.wide_gaps();
+    if (gaps.empty()) return;
+    const auto widest = std::max_element(gaps.begin(), gaps.end(),
+                                         [](const auto& x, const auto& y) { return x.angle < y.angle; });
+    char value[160];
+    std::snprintf(value, sizeof value, "%zu gaps, the widest %.1f degrees, between it and slice ",
+                  gaps.size(), widest->angle * 180 / std::numbers::pi);
+    context.warn({"W-FLD-002",
+                  "slices are missing, or nothing is drawn on a half of them, between slices about an axis",
+                  {set.source, set.slices[widest->from].name, "", "", value + set.slices[widest->to].name},
+                  "the gaps were bridged"});
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSweep sweep,
@@ -167,14 +183,7 @@ Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSw
     apart.threads = context.threads;
     apart.cancel = context.cancel;
     if (!Unsaid::of(set, apart).empty()) return parts.near;
-    for (const std::uint32_t s : parts.sweep.half_empty()) {
-        context.warn(
-            {"W-FLD-002",
-             "nothing is drawn on a half of a slice about an axis, and what its neighbours have there "
-             "was joined",
-             {set.source, set.slices[s].name, "", "", ""},
-             "the gap was bridged; a structure that has a gap there needs slices nearer to its ends"});
-    }
+    warn_about_gaps(set, parts.sweep, context);
     const ContourSet straightened = parts.sweep.straight(set);
     FieldOptions straight = options;
     straight.clamp_mm = parts.near->clamp();

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <numbers>
 
-#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/point_scatter.h"
 #include "anatomesh/geom/box.h"
 
@@ -68,21 +66,18 @@ std::optional<RotationalSweep> RotationalSweep::of(const ContourSet& set) {
     if (!sweep.leave_out_empty() || !sweep.put_in_order()) return std::nullopt;
     sweep.apart_from_ = 4 * beside / sweep.least_angle_;
     if (!(sweep.apart_from_ <= most_crossing * sweep.mean_radius_)) return std::nullopt;
-    sweep.find_half_empty();
     return sweep;
 }
 
-void RotationalSweep::find_half_empty() {
-    for (const HalfPlane& half : empty_) {
-        const double angle = angle_of(origin_ + half.plane.u);
-        const auto next = std::find_if(half_planes_.begin(), half_planes_.end(),
-                                       [&](const HalfPlane& other) { return other.angle > angle; });
-        const double before = (next == half_planes_.begin() ? half_planes_.end() : next)[-1].angle;
-        double gap = (next == half_planes_.end() ? half_planes_.begin() : next)->angle - before;
-        if (gap <= 0) gap += turn;
-        if (gap > wide * median_angle_) half_empty_.push_back(half.slice);
+std::vector<RotationalSweep::Gap> RotationalSweep::wide_gaps() const {
+    std::vector<Gap> gaps;
+    for (std::size_t k = 0; k < half_planes_.size(); ++k) {
+        const bool last = k + 1 == half_planes_.size();
+        const HalfPlane &from = half_planes_[k], &to = half_planes_[last ? 0 : k + 1];
+        const double angle = to.angle + (last ? turn : 0) - from.angle;
+        if (angle > wide * median_angle_) gaps.push_back({from.slice, to.slice, angle});
     }
-    sort_distinct(half_empty_);
+    return gaps;
 }
 
 void RotationalSweep::add_half_planes(const ContourSet& set, std::uint32_t s) {
@@ -109,8 +104,6 @@ void RotationalSweep::add_half_planes(const ContourSet& set, std::uint32_t s) {
 // may be half of a slice that was drawn on its other half alone, and tell nothing of what is further out.
 bool RotationalSweep::leave_out_empty() {
     const double nothing = rounding * mean_radius_;
-    std::copy_if(half_planes_.begin(), half_planes_.end(), std::back_inserter(empty_),
-                 [&](const HalfPlane& half) { return half.reach <= nothing; });
     std::erase_if(half_planes_, [&](const HalfPlane& half) { return half.reach <= nothing; });
     if (half_planes_.empty()) return false;
     std::vector<double> reaches;

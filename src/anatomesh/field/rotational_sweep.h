@@ -27,9 +27,13 @@ class RotationalSweep {
     // Requires: a contour. Complexity: O(points + slices log slices).
     static std::optional<RotationalSweep> of(const ContourSet& set);
 
-    // Slices on one half of which, or both, nothing is drawn, where what others have there is joined past it
-    // over more than 1.5 times the usual angle. Rising.
-    const std::vector<std::uint32_t>& half_empty() const { return half_empty_; }
+    // Neighbours further apart than 1.5 times the median, by their slices: what they have is joined over
+    // that, though slices are missing there, or nothing is drawn on them.
+    struct Gap {
+        std::uint32_t from, to;
+        double angle;  // radians
+    };
+    std::vector<Gap> wide_gaps() const;
 
     double radius(Vec3 p) const;  // distance from the axis
 
@@ -66,11 +70,7 @@ class RotationalSweep {
     double height(std::ptrdiff_t place) const;  // straight; before and after the first turn too
 
     Vec3 origin_, direction_;             // of the axis
-    void find_half_empty();
-
     std::vector<HalfPlane> half_planes_;  // by angle
-    std::vector<HalfPlane> empty_;        // others
-    std::vector<std::uint32_t> half_empty_;
     double mean_radius_ = 0, apart_from_ = 0;
     double least_angle_ = 0, median_angle_ = 0, widest_angle_ = 0;
 };
