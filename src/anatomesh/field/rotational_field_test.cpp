@@ -245,9 +245,8 @@ TEST(RotationalField, gaps_that_are_bridged_are_told_of) {
         std::vector<Warning> told = context.warnings;
         std::erase_if(told, [](const Warning& w) { return w.code != "W-FLD-002"; });
         ASSERT_EQ(told.size(), missing > 0) << missing;
-        if (missing > 0)
-            EXPECT_EQ(told[0].place.value.substr(0, 36),
-                      std::to_string(missing) + " gaps, the widest 30.0 degrees, be");
+        if (missing == 0) continue;
+        EXPECT_EQ(told[0].place.value.find(std::to_string(missing) + " gaps, the widest 30.0 degrees"), 0u);
     }
 }
 
