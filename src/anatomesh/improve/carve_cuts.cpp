@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/improve/cell_before.h"
 #include "anatomesh/improve/cell_judge.h"
 #include "anatomesh/improve/section_areas.h"
+#include "anatomesh/improve/section_patches.h"
 #include "anatomesh/improve/sides_at.h"
 #include "anatomesh/improve/surface_count.h"
 #include "anatomesh/improve/thicken_sheet.h"
@@ -21,7 +21,6 @@ namespace {
 constexpr double worth_a_patch = 5e-5;             // share of what is drawn that is wrong
 constexpr double enough_less = 0.5;                // of a patch
 constexpr std::size_t most_cuts = 60;              // where more are wrong, slices contradict each other
-constexpr std::size_t most_sections = 200;         // of a cut
 constexpr std::size_t most_improved = 100;         // ways to carve whose cells are worked on in vain
 constexpr std::size_t most_cells_across = 5'000;   // worked on where planes cross: much more would be in vain
 constexpr std::size_t most_tried = 1000;           // ways, sound or not
@@ -32,9 +31,6 @@ constexpr std::array nearness{0.25, 0.0};          // of a vertex that is taken 
 constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
 
 constexpr std::array reaches{SheetReach::wide, SheetReach::joined, SheetReach::near, SheetReach::others};
-
-using Section = SectionAreas::Section;
-using Ends = std::array<std::uint32_t, 2>;  // of an edge, rising; twice the same: a vertex
 
 class Carver {
   public:
@@ -73,14 +69,6 @@ class Carver {
     }
 
   private:
-    // Of one cut.
-    struct Patch {
-        std::uint32_t structure, plane;
-        Region own, to;
-        std::vector<Section> sections;
-        double wrong = 0;  // share of what is drawn
-    };
-
     // Of a structure, or of what is outside it: of what a patch is of. Parts that facets join, and of these
     // such that no contour of the structure has a vertex of.
     struct Pieces {
@@ -118,7 +106,7 @@ class Carver {
     bool carve_one(std::size_t cut, bool may_part) {
         const auto structure = static_cast<std::uint32_t>(cut / drawn_.planes.size()),
                    plane = static_cast<std::uint32_t>(cut % drawn_.planes.size());
-        for (Patch& patch : patches(structure, plane)) {
+        for (const SectionPatch& patch : find_patches(bench_, areas_, structure, plane)) {
             if (patch.wrong < worth_a_patch || is_enough()) break;
             ++stats_.patches_found;
             pieces_before(patch);
@@ -130,38 +118,7 @@ class Carver {
         return false;
     }
 
-    // Those from which more is wrong first.
-    std::vector<Patch> patches(std::uint32_t structure, std::uint32_t plane) {
-        std::vector<Section> left = areas_.wrong_sections_of(structure, plane, bench_.mesh.alive_cells());
-        std::vector<Patch> patches;
-        if (left.size() > most_sections) return patches;
-        while (!left.empty()) {
-            Patch patch{structure, plane, region_of(left.front(), structure), 0, {left.front()}};
-            const std::optional<Region> to = region_drawn_at(left.front().middle);
-            left.erase(left.begin());
-            for (std::size_t n = 0; n < patch.sections.size(); ++n) {
-                for (auto next = left.begin(); next != left.end();) {
-                    if (region_of(*next, structure) != patch.own || region_drawn_at(next->middle) != to ||
-                        !share_an_edge(patch.sections[n], *next, plane)) {
-                        ++next;
-                        continue;
-                    }
-                    patch.sections.push_back(*next);
-                    next = left.erase(next);
-                }
-            }
-            if (!to || bench_.table->contains(*to, structure) == bench_.table->contains(patch.own, structure))
-                continue;
-            patch.to = *to;
-            for (const Section& section : patch.sections) patch.wrong += section.share;
-            patches.push_back(std::move(patch));
-        }
-        std::stable_sort(patches.begin(), patches.end(),
-                         [](const Patch& a, const Patch& b) { return a.wrong > b.wrong; });
-        return patches;
-    }
-
-    Pieces pieces_beside(const Patch& patch, std::uint32_t first_new = no_cell) const {
+    Pieces pieces_beside(const SectionPatch& patch, std::uint32_t first_new = no_cell) const {
         const bool has = bench_.table->contains(patch.own, patch.structure);
         std::vector<std::uint8_t> seen(bench_.mesh.cell_count(), 0);
         const auto take = [&](std::uint32_t c) {
@@ -194,7 +151,7 @@ class Carver {
     }
 
     // Before the patch is carved.
-    const Pieces& pieces_before(const Patch& patch) {
+    const Pieces& pieces_before(const SectionPatch& patch) {
         std::optional<Pieces>& known = pieces_[bench_.table->contains(patch.own, patch.structure)];
         if (!known) known = pieces_beside(patch);
         return *known;
@@ -203,7 +160,7 @@ class Carver {
     // Where the structure is not parted a handle went, or a tunnel. What came off and no contour has goes
     // too, if it is small, near the field's surface and of no other region; false where more came off than
     // may.
-    bool may_be_parted(const Patch& patch, bool may_part, std::uint32_t first_new,
+    bool may_be_parted(const SectionPatch& patch, bool may_part, std::uint32_t first_new,
                        std::vector<std::uint32_t>& changed, std::uint64_t& crumbs) {
         Pieces after = pieces_beside(patch, first_new);
         const Pieces& before = pieces_before(patch);
@@ -218,7 +175,7 @@ class Carver {
         return after.bare <= before.bare && (after.all <= before.all || may_part);
     }
 
-    bool give_crumb(const std::vector<std::uint32_t>& crumb, const Patch& patch) {
+    bool give_crumb(const std::vector<std::uint32_t>& crumb, const SectionPatch& patch) {
         const double most = bench_.options.apex_mm;
         bench_.look_between(patch.own, patch.to);
         for (const std::uint32_t c : crumb) {
@@ -232,51 +189,12 @@ class Carver {
         return count.figures().excess == 0 && count.newly_lost() == 0;
     }
 
-    // That of all that is drawn there, if the mesh has one.
-    std::optional<Region> region_drawn_at(Vec3 p) {
-        const std::vector<std::uint32_t>& drawn = bench_.probe.members(p);
-        const auto& members = bench_.table->members;
-        const auto found = std::find(members.begin(), members.end(), drawn);
-        if (found == members.end()) return std::nullopt;
-        return static_cast<Region>(found - members.begin());
-    }
-
-    // The one that must not be there: of a facet that has the structure on one side, that side's.
-    Region region_of(const Section& section, std::uint32_t structure) const {
-        const Region here = bench_.mesh.region(section.cell);
-        if (section.facet == 4) return here;
-        const Region there = bench_.mesh.region(bench_.mesh.neighbor(section.cell, section.facet));
-        return bench_.table->contains(there, structure) ? there : here;
-    }
-
-    bool share_an_edge(const Section& one, const Section& other, std::uint32_t plane) const {
-        const std::vector<Ends> corners = corners_of(one, plane);
-        const std::vector<Ends> more = corners_of(other, plane);
-        return std::count_if(corners.begin(), corners.end(), [&](const Ends& corner) {
-                   return std::find(more.begin(), more.end(), corner) != more.end();
-               }) >= 2;
-    }
-
-    std::vector<Ends> corners_of(const Section& section, std::uint32_t plane) const {
-        const Cell& cell = bench_.mesh.cell(section.cell);
-        std::vector<Ends> corners;
-        for (int i = 0; i < 4; ++i) {
-            if (section.facet != i && areas_.side(cell[i], plane) == 0) corners.push_back({cell[i], cell[i]});
-        }
-        if (section.facet < 4) return corners;
-        for (const auto& [i, j] : cell_edges) {
-            if (areas_.side(cell[i], plane) * areas_.side(cell[j], plane) < 0)
-                corners.push_back({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
-        }
-        return corners;
-    }
-
     bool is_enough() const {
         return context_.cancelled() || improved_ >= most_improved || tried_ >= most_tried ||
                (!drawn_.extents.empty() && worked_on_ >= most_cells_across);
     }
 
-    bool carve(const Patch& patch, std::size_t cut, bool may_part) {
+    bool carve(const SectionPatch& patch, std::size_t cut, bool may_part) {
         for (const double near : nearness) {
             for (const SheetReach reach : reaches) {
                 for (const double thickness : thicknesses) {
@@ -292,7 +210,7 @@ class Carver {
         return false;
     }
 
-    Outcome attempt(const Patch& patch, std::size_t cut, const Way& way, bool may_part) {
+    Outcome attempt(const SectionPatch& patch, std::size_t cut, const Way& way, bool may_part) {
         const DihedralStats stats = bench_.stats;
         bench_.mesh.begin_attempt();
         const Outcome outcome = change(patch, cut, way, may_part);
@@ -301,10 +219,10 @@ class Carver {
         return outcome;
     }
 
-    Outcome change(const Patch& patch, std::size_t cut, const Way& way, bool may_part) {
+    Outcome change(const SectionPatch& patch, std::size_t cut, const Way& way, bool may_part) {
         std::uint64_t crumbs = 0;
         const auto first_new = static_cast<std::uint32_t>(bench_.mesh.point_count());
-        const Sheet sheet = sheet_of(patch, way.near);
+        const Sheet sheet = sheet_of_patch(bench_, areas_, patch, way.near);
         const std::optional<std::uint32_t> end = vertex_on_surface(sheet, patch.structure);
         if (!end) return Outcome::unsound;
         const Chain chain{{*end}, patch.structure};
@@ -348,100 +266,6 @@ class Carver {
         sums_ = std::move(after);
         stats_.changed.insert(stats_.changed.end(), changed.begin(), changed.end());
         return Outcome::done;
-    }
-
-    // Cuts the edges that pass through the patch. Vertices nearer to the plane than this share of such an
-    // edge are corners of the sheet; no facets, where an edge cannot be cut.
-    Sheet sheet_of(const Patch& patch, double near) {
-        const std::uint32_t k = patch.plane;
-        std::vector<CellBefore> passed;
-        std::vector<std::uint32_t> corners;
-        std::vector<Ends> edges;
-        Sheet sheet;
-        for (const Section& section : patch.sections) {
-            const Cell cell = bench_.mesh.cell(section.cell);
-            if (section.facet < 4) {
-                const auto& f = facet_vertices[section.facet];
-                sheet.facets.push_back({cell[f[0]], cell[f[1]], cell[f[2]]});
-                std::sort(sheet.facets.back().begin(), sheet.facets.back().end());
-                continue;
-            }
-            passed.push_back(CellBefore::of(bench_.mesh, section.cell));
-            for (const Ends& corner : corners_of(section, k))
-                (corner[0] == corner[1]) ? corners.push_back(corner[0]) : edges.push_back(corner);
-        }
-        sort_distinct(edges);
-        add_near(corners, edges, k, near);
-        sort_distinct(corners);
-        const std::size_t corners_before = corners.size();
-        for (const auto& [a, b] : edges) {
-            if (std::binary_search(corners.begin(),
-                                   corners.begin() + static_cast<std::ptrdiff_t>(corners_before), a) ||
-                std::binary_search(corners.begin(),
-                                   corners.begin() + static_cast<std::ptrdiff_t>(corners_before), b))
-                continue;
-            const Vec3 p = bench_.mesh.point(a), q = bench_.mesh.point(b);
-            const double at_p = areas_.plane(k).signed_distance(p), at_q = areas_.plane(k).signed_distance(q);
-            if (!sides_.find_ring(a, b)) return {};
-            const std::uint32_t v = bench_.split_ring(p + at_p / (at_p - at_q) * (q - p));
-            if (v == no_cell) return {};
-            corners.push_back(v);
-        }
-        add_facets(sheet, corners, passed, k);
-        return sheet;
-    }
-
-    // The ends of edges that the plane is nearest to.
-    void add_near(std::vector<std::uint32_t>& corners, const std::vector<Ends>& edges, std::uint32_t k,
-                  double near) const {
-        for (const auto& [a, b] : edges) {
-            const double at_a = areas_.plane(k).signed_distance(bench_.mesh.point(a)),
-                         at_b = areas_.plane(k).signed_distance(bench_.mesh.point(b));
-            const double share = at_a / (at_a - at_b);
-            if (share < near) corners.push_back(a);
-            if (1 - share < near) corners.push_back(b);
-        }
-    }
-
-    // Those between corners, with cells over and under them, in cells that the plane passed through.
-    void add_facets(Sheet& sheet, std::vector<std::uint32_t> corners, const std::vector<CellBefore>& passed,
-                    std::uint32_t k) {
-        std::vector<std::uint32_t> cells;
-        for (const std::uint32_t v : corners) {
-            bench_.mesh.star(v, bench_.star);
-            cells.insert(cells.end(), bench_.star.begin(), bench_.star.end());
-        }
-        sort_distinct(cells);
-        sort_distinct(corners);
-        const auto is_corner = [&](std::uint32_t v) {
-            return std::binary_search(corners.begin(), corners.end(), v);
-        };
-        for (const std::uint32_t c : cells) {
-            const Cell& cell = bench_.mesh.cell(c);
-            if (!find_before(passed, bench_.mesh, c)) continue;
-            for (int i = 0; i < 4; ++i) {
-                const auto& f = facet_vertices[i];
-                std::array facet{cell[f[0]], cell[f[1]], cell[f[2]]};
-                if (!std::all_of(facet.begin(), facet.end(), is_corner)) continue;
-                const std::uint32_t other = bench_.mesh.neighbor(c, i);
-                if (other == no_cell || over(cell[i], k) == over(apex_across(other, facet), k)) continue;
-                std::sort(facet.begin(), facet.end());
-                sheet.facets.push_back(facet);
-            }
-        }
-        std::sort(sheet.facets.begin(), sheet.facets.end());
-        sheet.facets.erase(std::unique(sheet.facets.begin(), sheet.facets.end()), sheet.facets.end());
-    }
-
-    bool over(std::uint32_t v, std::uint32_t k) const {
-        return areas_.plane(k).signed_distance(bench_.mesh.point(v)) > 0;
-    }
-
-    std::uint32_t apex_across(std::uint32_t c, const std::array<std::uint32_t, 3>& facet) const {
-        const Cell& cell = bench_.mesh.cell(c);
-        return *std::find_if(cell.begin(), cell.end(), [&](std::uint32_t v) {
-            return std::find(facet.begin(), facet.end(), v) == facet.end();
-        });
     }
 
     // One of the sheet's, of a contour if there is one.

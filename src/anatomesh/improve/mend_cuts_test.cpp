@@ -438,7 +438,9 @@ TEST(MendCuts, the_surface_leaves_a_vertex_that_cannot_cross_a_slice) {
             for (std::size_t c = 0; c < mended.cells.size(); ++c) {
                 const auto at = [&](std::size_t i) { return mended.points[mended.cells[c][i]]; };
                 ASSERT_EQ(orient3d(at(0), at(1), at(2), at(3)), 1);
-                if (mended.regions[c] == 1) EXPECT_GE(least_sine(at(0), at(1), at(2), at(3)), listed_sine);
+                if (mended.regions[c] == 1) {
+                    EXPECT_GE(least_sine(at(0), at(1), at(2), at(3)), listed_sine);
+                }
             }
         }
     }
