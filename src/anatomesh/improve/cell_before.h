@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "anatomesh/geom/box.h"
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/mesh/edit_mesh.h"
 
@@ -15,17 +16,21 @@ struct CellBefore {
     Cell cell;
     Region region;
     std::array<Vec3, 4> corners;
+    Box3 box;
 
     static CellBefore of(const EditMesh& mesh, std::uint32_t c) {
-        CellBefore is{mesh.cell(c), mesh.region(c), {}};
-        for (std::size_t i = 0; i < 4; ++i) is.corners[i] = mesh.point(is.cell[i]);
+        CellBefore is{mesh.cell(c), mesh.region(c), {}, {}};
+        for (std::size_t i = 0; i < 4; ++i) {
+            is.corners[i] = mesh.point(is.cell[i]);
+            is.box.extend(is.corners[i]);
+        }
         return is;
     }
 
     // Exactly.
     bool holds(Vec3 p) const {
         const auto& q = corners;
-        return orient3d(p, q[1], q[2], q[3]) > 0 && orient3d(q[0], p, q[2], q[3]) > 0 &&
+        return box.contains(p) && orient3d(p, q[1], q[2], q[3]) > 0 && orient3d(q[0], p, q[2], q[3]) > 0 &&
                orient3d(q[0], q[1], p, q[3]) > 0 && orient3d(q[0], q[1], q[2], p) > 0;
     }
 };

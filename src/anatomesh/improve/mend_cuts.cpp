@@ -13,6 +13,7 @@
 #include "anatomesh/improve/hole.h"
 #include "anatomesh/improve/operations.h"
 #include "anatomesh/improve/section_areas.h"
+#include "anatomesh/improve/vain_tries.h"
 #include "anatomesh/mesh/cell_shape.h"
 
 namespace anatomesh {
@@ -110,7 +111,7 @@ class Mender {
                     continue;
                 }
                 stats_.changed.insert(stats_.changed.end(), bench_.changed.begin(), bench_.changed.end());
-                note_change();
+                vain_.note_change(bench_.mesh, bench_.changed);
                 for (const std::uint32_t changed : bench_.changed) {
                     if (suspect_facet(changed, 0) < 4) waiting.push_back(changed);
                 }
@@ -141,30 +142,34 @@ class Mender {
         return std::any_of(bounds_.begin(), last, [&](const Bounds& bounds) {
             return std::any_of(vertices.begin(), vertices.end(),
                                [&](std::uint32_t v) { return move_unless_tried(v, bounds); }) ||
-                   give(c, there, bounds) || give(other, here, bounds) || flip(c, i, bounds) ||
-                   collapse(c, i, bounds) || fill(c, i, bounds) ||
+                   give_unless_tried(c, there, bounds) || give_unless_tried(other, here, bounds) ||
+                   flip(c, i, bounds) || collapse(c, i, bounds) || fill(c, i, bounds) ||
                    (count > 1 && (lift_off(c, there, bounds) || lift_off(other, here, bounds)));
         });
     }
 
-    // What was in vain is not tried again before a cell at the vertex has changed.
-    bool move_unless_tried(std::uint32_t v, const Bounds& bounds) {
-        tried_in_.resize(bench_.mesh.point_count());
-        changed_in_.resize(bench_.mesh.point_count(), 0);
-        std::uint32_t& tried = tried_in_[v][static_cast<std::size_t>(&bounds - bounds_.data())];
-        if (tried > changed_in_[v]) return false;
-        if (move(v, bounds)) return true;
-        tried = changes_ + 1;
+    enum class Operation : std::uint32_t { move, lift_off, collapse, give, flip };
+
+    // Unless it was in vain since the cells at these vertices have changed; cells at several facets share
+    // vertices, edges and cells.
+    template <class Operate>
+    bool try_anew(Operation operation, const Bounds& bounds, std::array<std::uint32_t, 3> of,
+                  std::span<const std::uint32_t> vertices, const Operate& operate) {
+        const auto bound = static_cast<std::uint32_t>(&bounds - bounds_.data());
+        const VainTries::Name name{static_cast<std::uint32_t>(operation) * 16 + bound, of[0], of[1], of[2]};
+        if (vain_.contains(name, vertices)) return false;
+        if (operate()) return true;
+        vain_.add(name);
         return false;
     }
 
-    void note_change() {
-        ++changes_;
-        changed_in_.resize(bench_.mesh.point_count(), 0);
-        for (const std::uint32_t c : bench_.changed) {
-            if (c == no_cell || !bench_.mesh.alive(c)) continue;
-            for (const std::uint32_t v : bench_.mesh.cell(c)) changed_in_[v] = changes_;
-        }
+    bool move_unless_tried(std::uint32_t v, const Bounds& bounds) {
+        return try_anew(Operation::move, bounds, {v, 0, 0}, std::array{v}, [&] { return move(v, bounds); });
+    }
+
+    bool give_unless_tried(std::uint32_t c, Region to, const Bounds& bounds) {
+        return try_anew(Operation::give, bounds, {c, to, 0}, bench_.mesh.cell(c),
+                        [&] { return give(c, to, bounds); });
     }
 
     struct Facet {
@@ -314,13 +319,20 @@ class Mender {
         for (int e = 0; e < 6; ++e) {
             const auto [a, b] = edge_across(c, i, e);
             if (a == no_cell || bench_.fixed_edge(a, b)) continue;
-            bench_.mesh.ring(c, e, bench_.ring);
-            const std::vector<std::uint32_t> round = bench_.ring.cells;
-            if (!try_exchange(round, [&] { return flip_edge(bench_, c, e, bounds.sine); })) continue;
-            ++stats_.edges_flipped;
-            return true;
+            const std::array ends{std::min(a, b), std::max(a, b)};
+            if (try_anew(Operation::flip, bounds, {ends[0], ends[1], 0}, ends,
+                         [&] { return flip_across(c, e, bounds); }))
+                return true;
         }
         return false;
+    }
+
+    bool flip_across(std::uint32_t c, int e, const Bounds& bounds) {
+        bench_.mesh.ring(c, e, bench_.ring);
+        const std::vector<std::uint32_t> round = bench_.ring.cells;
+        if (!try_exchange(round, [&] { return flip_edge(bench_, c, e, bounds.sine); })) return false;
+        ++stats_.edges_flipped;
+        return true;
     }
 
     // A free vertex of the facet goes along an edge that passes through a plane.
@@ -331,19 +343,28 @@ class Mender {
             for (const bool first_onto_second : {true, false}) {
                 const std::uint32_t from = first_onto_second ? a : b, to = first_onto_second ? b : a;
                 if (bench_.fixed(from)) continue;
-                const std::vector<std::uint32_t> round = stars(from, to);
-                const std::size_t bad = count_bad(round, bounds);
-                if (!try_exchange(round, [&] {
-                        return collapse_onto(c, e, first_onto_second, to, bounds) &&
-                               count_bad(bench_.changed, bounds) <= bad;
-                    }))
-                    continue;
-                if (!bench_.fixed(to)) bench_.settle(to);
-                ++stats_.edges_collapsed;
-                return true;
+                const std::array ends{from, to};
+                if (try_anew(Operation::collapse, bounds, {from, to, 0}, ends,
+                             [&] { return collapse_along(c, e, first_onto_second, ends, bounds); }))
+                    return true;
             }
         }
         return false;
+    }
+
+    bool collapse_along(std::uint32_t c, int e, bool first_onto_second,
+                        const std::array<std::uint32_t, 2>& ends, const Bounds& bounds) {
+        const auto [from, to] = ends;
+        const std::vector<std::uint32_t> round = stars(from, to);
+        const std::size_t bad = count_bad(round, bounds);
+        const auto operation = [&, to = to] {
+            return collapse_onto(c, e, first_onto_second, to, bounds) &&
+                   count_bad(bench_.changed, bounds) <= bad;
+        };
+        if (!try_exchange(round, operation)) return false;
+        if (!bench_.fixed(to)) bench_.settle(to);
+        ++stats_.edges_collapsed;
+        return true;
     }
 
     // The cells at either of two vertices.
@@ -435,8 +456,10 @@ class Mender {
     bool lift_off(std::uint32_t c, Region to, const Bounds& bounds) {
         const Cell cell = bench_.mesh.cell(c);
         return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
+            const Region own = bench_.mesh.region(c);
             return (!bench_.fixed(v) || bench_.settled(v)) &&
-                   lift_off_vertex(v, bench_.mesh.region(c), to, bounds);
+                   try_anew(Operation::lift_off, bounds, {v, own, to}, std::array{v},
+                            [&] { return lift_off_vertex(v, own, to, bounds); });
         });
     }
 
@@ -520,10 +543,7 @@ class Mender {
     double least_wrong_;
     std::array<Bounds, 3> bounds_;
     MendStats stats_;
-    std::uint32_t changes_ = 0;
-    std::vector<std::uint32_t> changed_in_;  // by vertex: the last change of a cell there
-    std::vector<std::array<std::uint32_t, 3>>
-        tried_in_;  // and by bounds: a change after which it was in vain
+    VainTries vain_;
 };
 
 }  // namespace
