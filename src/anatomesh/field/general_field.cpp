@@ -102,16 +102,16 @@ struct Sight {
 
 class GeneralField final : public FieldQueries<GeneralField> {
   public:
-    GeneralField(PlaneSpacings spacings, bool dense, double margin, double clamp, bool partition,
-                 EndCaps caps)
+    GeneralField(PlaneSpacings spacings, bool dense, double least_reach, double margin, double clamp,
+                 bool partition, EndCaps caps)
         : spacing_(spacings.median), margin_(margin), caps_(caps) {
         clamp_ = clamp;
         partition_ = partition;
         // Dense planes leave gaps of many times their spacing here and there: a point in one sees both of its
         // sides, and is not beyond the end.
-        const double usual = std::max(3 * spacings.wide, 2 * spacings.median);
+        const double usual = std::max({3 * spacings.wide, 2 * spacings.median, least_reach});
         radius_ = dense ? std::max(usual, std::min(2 * spacings.gap, most_widened * usual)) : usual;
-        end_spacing_ = radius_ > usual ? std::max(spacing_, spacings.gap) : spacing_;
+        end_spacing_ = std::max(radius_ > usual ? std::max(spacing_, spacings.gap) : spacing_, least_reach);
         reach_ = std::max(spacings.wide, spacings.median);
     }
 
@@ -708,8 +708,8 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
     }
     std::vector<std::shared_ptr<const GeneralField>> fields;
     for (const std::vector<bool>& slices : left_out) {
-        auto field = std::make_shared<GeneralField>(spacings, dense, margin, clamp, set.exclusive && several,
-                                                    options.caps);
+        auto field = std::make_shared<GeneralField>(spacings, dense, options.least_reach_mm, margin, clamp,
+                                                    set.exclusive && several, options.caps);
         ANATOMESH_CHECK_STATUS(field->build(set, patches, slices, context));
         fields.push_back(std::move(field));
     }

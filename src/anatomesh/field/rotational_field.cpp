@@ -19,6 +19,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double near_vertices = 1;  // slices nearer to each other than so many mean distances of vertices
+constexpr double across_axis = 3;    // times how far planes are beside the axis they say something
 constexpr double most_gap = 1e6;     // spacings: the sweep has none that is not to be joined
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
@@ -35,10 +36,11 @@ struct Parts {
     RotationalSweep sweep;
     Field away;  // in straight coordinates
     Field near;
-    double radius = 0;  // near the axis; up to twice as far both count
+    double radius = 0;  // near the axis, where slices are apart there; up to twice as far both count
 
     Place place(Vec3 p) const {
-        const double share = std::clamp(2 - sweep.radius(p) / radius, 0.0, 1.0);
+        const double share =
+            std::clamp(2 - sweep.radius(p) / std::max(radius, sweep.apart_from(p)), 0.0, 1.0);
         return {share < 1 ? sweep.straight(p) : Vec3{}, share};
     }
 };
@@ -178,7 +180,10 @@ Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSw
                                                                     const FieldOptions& options,
                                                                     RunContext& context) {
     Parts parts{std::move(sweep), nullptr, nullptr, 0};
-    ANATOMESH_TRY(parts.near, make_general_field(set, options, context));
+    // Beside the axis there is room without planes.
+    FieldOptions near = options;
+    near.least_reach_mm = across_axis * parts.sweep.beside();
+    ANATOMESH_TRY(parts.near, make_general_field(set, near, context));
     RunContext apart;  // its warnings are those of the field near the axis, or of straight coordinates
     apart.threads = context.threads;
     apart.cancel = context.cancel;
@@ -190,8 +195,7 @@ Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSw
     straight.max_gap_spacings = most_gap;
     straight.every_slice_tells = true;
     ANATOMESH_TRY(parts.away, make_parallel_field(straightened, straight, apart));
-    parts.radius =
-        std::max(near_vertices * mean_vertex_spacing(set) / parts.sweep.angle(), parts.sweep.apart_from());
+    parts.radius = near_vertices * mean_vertex_spacing(set) / parts.sweep.angle();
     return std::shared_ptr<const StructureField>(
         std::make_shared<RotationalField>(std::move(parts), set, straightened));
 }

@@ -133,6 +133,42 @@ TEST(RotationalField, is_nearer_to_the_truth_than_planes_in_any_position_are) {
     }
 }
 
+// By rays from the middle of a solid: its volume by the field over that of the truth.
+double volume_share(const StructureField& field, const Ellipsoid& solid) {
+    std::mt19937 random(6);
+    double sum = 0, true_sum = 0;
+    for (int k = 0; k < 4000; ++k) {
+        const Vec3 direction = random_direction(random);
+        const double truth = 1 / (1 + Ellipsoid{{}, solid.half}.level(direction));
+        sum += std::pow(surface_at(field, solid.middle, direction, 80), 3);
+        true_sum += std::pow(truth, 3);
+    }
+    return sum / true_sum;
+}
+
+TEST(RotationalField, C27_planes_beside_the_axis_tell_as_much_as_those_through_it) {
+    // As the image of a probe may lie beside the axis that it is turned about; or as it is held by hand.
+    const Plane axis = make_plane({4, 2, 0}, {0.1, 0.2, 1});
+    const Ellipsoid solid{axis.origin, {30, 22, 40}};
+    std::mt19937 random(12);
+    for (const int planes : {6, 12, 24}) {
+        for (const double beside : {0.5, 1.0, 2.0, 5.0}) {
+            std::vector<Plane> cut = planes_about(axis, planes);
+            for (Plane& plane : cut) plane.origin += beside * plane.normal;
+            const auto field = field_of(sections_of(solid, cut, 200));
+            EXPECT_EQ(Voxels(*field, 2).topology(), (Topology{1, 0, 0})) << planes << " " << beside;
+            EXPECT_NEAR(volume_share(*field, solid), 1, 0.005 + 0.003 * beside) << planes << " " << beside;
+        }
+        for (const double beside : {0.5, 1.0}) {
+            const std::vector<Plane> cut =
+                beside_their_places(planes_about(axis, planes), beside, 0.02 * beside, random);
+            const auto field = field_of(sections_of(solid, cut, 200));
+            EXPECT_EQ(Voxels(*field, 2).topology(), (Topology{1, 0, 0})) << planes << " " << beside;
+            EXPECT_NEAR(volume_share(*field, solid), 1, 0.01) << planes << " " << beside;
+        }
+    }
+}
+
 TEST(RotationalField, C21_a_thin_ring_that_leans_is_in_one_piece) {
     // Of 3 mm, round an axis that leans by 40 degrees against the probe's.
     const Plane axis = make_plane({}, {0, 0, 1});

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "anatomesh/contour/point_scatter.h"
+#include "anatomesh/field/rotation_axis.h"
 #include "anatomesh/geom/box.h"
 
 namespace anatomesh {
@@ -16,37 +16,28 @@ constexpr double turn = 2 * std::numbers::pi;
 constexpr std::size_t fewest_slices = 2;
 constexpr double most_angle = turn * 110 / 360, most_of_median = 2.5;  // between neighbours
 constexpr double wide = 1.5;                                           // of the median, that is told of
-constexpr double least_angle = 1e-3;                           // less is one plane
-constexpr double most_crossing = 0.5;   // of the mean radius: up to there neighbours may cross
+constexpr double least_angle = 1e-6;                                   // less is one plane
+constexpr double most_lean = 0.5;    // sine of a plane's angle with the axis
+constexpr double most_crossing = 1;  // of the mean radius: up to there neighbours may cross
+constexpr double share_apart = 0.5;  // of neighbours, that are apart from there on
+constexpr double middle_half = 0.5;  // of the way along the axis, that they are looked at for it
+constexpr double off_foot = 1.25;    // times how far a plane is beside the axis: from there on it leads away
 constexpr double least_reach = 0.25;    // of half-planes, of the median one
 constexpr double rounding = 1e-6;       // of the mean radius
 constexpr std::ptrdiff_t repeated = 4;  // half-planes before the first turn and after it
-
-// The point nearest to all planes, in the sense of least squares, across `direction` from `near`.
-Vec3 nearest_to_planes(const ContourSet& set, Vec3 near, Vec3 direction) {
-    const Plane across = make_plane(near, direction);
-    double uu = 0, uv = 0, vv = 0, ud = 0, vd = 0;
-    for (const Slice& slice : set.slices) {
-        const double u = dot(slice.plane.normal, across.u), v = dot(slice.plane.normal, across.v);
-        const double d = slice.plane.signed_distance(near);
-        uu += u * u, uv += u * v, vv += v * v;
-        ud += u * d, vd += v * d;
-    }
-    const double determinant = uu * vv - uv * uv;
-    if (!(determinant > 0)) return near;
-    return across.to_space({(uv * vd - vv * ud) / determinant, (uv * ud - uu * vd) / determinant});
-}
 
 }  // namespace
 
 std::optional<RotationalSweep> RotationalSweep::of(const ContourSet& set) {
     if (set.slices.size() < fewest_slices) return std::nullopt;
     RotationalSweep sweep;
-    Scatter normals;
-    for (const Slice& slice : set.slices) normals.add(slice.plane.normal);
-    sweep.direction_ = least_direction(normals);
-    const Box3 box = set.box();
-    sweep.origin_ = nearest_to_planes(set, 0.5 * (box.low + box.high), sweep.direction_);
+    const Axis axis = rotation_axis(set);
+    sweep.origin_ = axis.origin;
+    sweep.direction_ = axis.direction;
+    if (std::any_of(set.slices.begin(), set.slices.end(), [&](const Slice& slice) {
+            return std::abs(dot(slice.plane.normal, axis.direction)) > most_lean;
+        }))
+        return std::nullopt;
     double low = std::numeric_limits<double>::infinity(), high = -low, sum = 0;
     for (const Vec3& p : set.points) {
         const double along = dot(p - sweep.origin_, sweep.direction_);
@@ -55,27 +46,26 @@ std::optional<RotationalSweep> RotationalSweep::of(const ContourSet& set) {
         sum += sweep.radius(p);
     }
     sweep.mean_radius_ = sum / static_cast<double>(set.points.size());
-    double beside = 0;  // a plane from the axis, as far as contours reach along it
-    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        for (const double along : {low, high}) {
-            const Vec3 end = sweep.origin_ + along * sweep.direction_;
-            beside = std::max(beside, std::abs(set.slices[s].plane.signed_distance(end)));
-        }
-        sweep.add_half_planes(set, s);
-    }
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) sweep.add_half_planes(set, s);
     if (!sweep.leave_out_empty() || !sweep.put_in_order()) return std::nullopt;
-    sweep.apart_from_ = 4 * beside / sweep.least_angle_;
-    if (!(sweep.apart_from_ <= most_crossing * sweep.mean_radius_)) return std::nullopt;
+    sweep.find_apart(low, high);
+    const double reach = 0.5 * middle_half * (high - low), middle = 0.5 * (low + high);
+    std::size_t apart = 0;
+    for (std::size_t k = 0; k < sweep.half_planes_.size(); ++k) {
+        apart += std::max(sweep.apart_after(k, middle - reach), sweep.apart_after(k, middle + reach)) <=
+                 most_crossing * sweep.mean_radius_;
+    }
+    if (static_cast<double>(apart) < share_apart * static_cast<double>(sweep.half_planes_.size()))
+        return std::nullopt;
     return sweep;
 }
 
 std::vector<RotationalSweep::Gap> RotationalSweep::wide_gaps() const {
     std::vector<Gap> gaps;
     for (std::size_t k = 0; k < half_planes_.size(); ++k) {
-        const bool last = k + 1 == half_planes_.size();
-        const HalfPlane &from = half_planes_[k], &to = half_planes_[last ? 0 : k + 1];
-        const double angle = to.angle + (last ? turn : 0) - from.angle;
-        if (angle > wide * median_angle_) gaps.push_back({from.slice, to.slice, angle});
+        const double angle = angle_after(k);
+        if (angle > wide * median_angle_)
+            gaps.push_back({half_planes_[k].slice, half_planes_[(k + 1) % half_planes_.size()].slice, angle});
     }
     return gaps;
 }
@@ -83,11 +73,13 @@ std::vector<RotationalSweep::Gap> RotationalSweep::wide_gaps() const {
 void RotationalSweep::add_half_planes(const ContourSet& set, std::uint32_t s) {
     const Plane& drawn = set.slices[s].plane;
     for (const bool behind : {false, true}) {
-        HalfPlane half{{}, 0, 0, 0, s, behind, 0};
+        HalfPlane half{{}, 0, 0, 0, 0, 0, s, behind, 0};
         half.plane.normal = behind ? -1.0 * drawn.normal : drawn.normal;
         half.plane.origin = origin_ - drawn.signed_distance(origin_) * drawn.normal;
         half.plane.v = normalized(direction_ - dot(direction_, drawn.normal) * drawn.normal);
         half.plane.u = cross(half.plane.v, half.plane.normal);
+        half.beside = -half.plane.signed_distance(origin_);
+        half.lean = -dot(direction_, half.plane.normal);
         // As straight() will find them.
         for (const Contour& contour : set.contours_of(set.slices[s])) {
             for (const Vec3& p : set.points_of(contour)) {
@@ -126,15 +118,72 @@ bool RotationalSweep::put_in_order() {
     std::sort(half_planes_.begin() + 1, half_planes_.end(),
               [](const HalfPlane& a, const HalfPlane& b) { return a.angle < b.angle; });
     std::vector<double> angles;
-    for (std::size_t k = 0; k + 1 < half_planes_.size(); ++k)
-        angles.push_back(half_planes_[k + 1].angle - half_planes_[k].angle);
-    angles.push_back(half_planes_.front().angle + turn - half_planes_.back().angle);
+    for (std::size_t k = 0; k < half_planes_.size(); ++k) angles.push_back(angle_after(k));
     std::sort(angles.begin(), angles.end());
-    least_angle_ = angles.front();
     median_angle_ = angles[angles.size() / 2];
     widest_angle_ = angles.back();
-    return least_angle_ >= least_angle &&
+    return angles.front() >= least_angle &&
            widest_angle_ <= std::min(most_angle, most_of_median * median_angle_);
+}
+
+std::size_t RotationalSweep::before(double angle) const {
+    const auto after = std::upper_bound(half_planes_.begin() + 1, half_planes_.end(), angle,
+                                        [](double at, const HalfPlane& half) { return at < half.angle; });
+    return static_cast<std::size_t>(after - half_planes_.begin()) - 1;
+}
+
+double RotationalSweep::angle_after(std::size_t k) const {
+    const bool last = k + 1 == half_planes_.size();
+    return half_planes_[last ? 0 : k + 1].angle + (last ? turn : 0) - half_planes_[k].angle;
+}
+
+// From where on half-planes that have a gap between them, neighbours or not, are half as far apart as their
+// angle says, and such as run beside the axis lead away from it: of every gap, at both ends of the axis.
+void RotationalSweep::find_apart(double low, double high) {
+    low_ = low, high_ = high;
+    const std::size_t count = half_planes_.size();
+    const auto beside = [&](std::size_t k, bool upper) {
+        const HalfPlane& half = half_planes_[k % count];
+        return half.beside + (upper ? high : low) * half.lean;
+    };
+    // Of all that are so many half-planes apart, the widest first: they lie between what is wider.
+    std::vector<Ends> wider(count), these(count);
+    for (std::size_t span = count / 4 + 1; span > 0; --span) {
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::size_t last = (k + span) % count;
+            double angle = half_planes_[last].angle - half_planes_[k].angle;
+            if (angle <= 0) angle += turn;
+            Ends& ends = these[k];
+            beside_ = std::max({beside_, std::abs(beside(k, false)), std::abs(beside(k, true))});
+            for (const bool upper : {false, true}) {
+                const double first = beside(k, upper), second = beside(last, upper);
+                ends[upper] = std::max({2 * (first - second) / angle, wider[k][upper],
+                                        wider[(k + count - 1) % count][upper], off_foot * std::abs(first),
+                                        off_foot * std::abs(second)});
+            }
+        }
+        wider.swap(these);
+    }
+    apart_ = std::move(wider);
+    if (beside_ <= rounding * mean_radius_) apart_.clear();
+}
+
+// So far along the axis; between its ends no less than it is, as it is convex.
+double RotationalSweep::apart_after(std::size_t k, double along) const {
+    if (apart_.empty()) return 0;
+    const double t = std::clamp((along - low_) / (high_ - low_), 0.0, 1.0);
+    return apart_[k][0] + t * (apart_[k][1] - apart_[k][0]);
+}
+
+double RotationalSweep::apart_from(Vec3 p) const {
+    if (apart_.empty()) return 0;
+    const std::size_t count = half_planes_.size();
+    const double angle = angle_of(p), along = dot(p - origin_, direction_);
+    const std::size_t k = before(angle), next = (k + 1) % count;
+    const double here = apart_after(k, along);
+    const double start = std::max(here, apart_after((k + count - 1) % count, along)),
+                 end = std::max(here, apart_after(next, along));
+    return start + (angle - half_planes_[k].angle) / angle_after(k) * (end - start);
 }
 
 double RotationalSweep::radius(Vec3 p) const {
@@ -153,16 +202,13 @@ Vec3 RotationalSweep::straight(Vec3 p) const {
     const auto is_past = [&](std::size_t k) {
         return half_planes_[k].plane.signed_distance(p) >= half_planes_[k].low;
     };
-    const auto after =
-        std::upper_bound(half_planes_.begin() + 1, half_planes_.end(), angle_of(p),
-                         [](double angle, const HalfPlane& half) { return angle < half.angle; });
-    auto k = static_cast<std::size_t>(after - half_planes_.begin()) - 1;
-    // Where planes run beside the axis its neighbour may be the one.
-    std::size_t next = (k + 1) % count;
-    if (is_past(next)) {
+    std::size_t k = before(angle_of(p)), next = (k + 1) % count;
+    // Where planes run beside the axis it may be one further on or back.
+    for (std::size_t step = 0; step < count && is_past(next); ++step) {
         k = next;
         next = (k + 1) % count;
-    } else if (!is_past(k)) {
+    }
+    for (std::size_t step = 0; step < count && !is_past(k); ++step) {
         next = k;
         k = (k + count - 1) % count;
     }

@@ -1,6 +1,7 @@
 // RotationalSweep: slices about an axis, straightened into parallel ones.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -21,9 +22,10 @@ namespace anatomesh {
 class RotationalSweep {
   public:
     // Nothing unless there are two slices or more; what is drawn on half-planes reaches a quarter as far out
-    // on each as in the median, or nowhere; no two neighbours lean by more than 110 degrees against each
-    // other, nor by more than 2.5 times the median; and their planes run by the line nearest to all of them
-    // so closely that neighbours cross each other within half the contours' mean distance from it only.
+    // on each as in the median, or nowhere; none leans by more than 30 degrees against the axis
+    // (rotation_axis.h); no two neighbours lean by more than 110 degrees against each
+    // other, nor by more than 2.5 times the median; and their planes run by the axis so closely that of
+    // neighbours half the pairs are apart (apart_from()) from the contours' mean distance from it on.
     // Requires: a contour. Complexity: O(points + slices log slices).
     static std::optional<RotationalSweep> of(const ContourSet& set);
 
@@ -37,13 +39,18 @@ class RotationalSweep {
 
     double radius(Vec3 p) const;  // distance from the axis
 
-    // Where neighbours are at least half as far apart as their angle says.
-    double apart_from() const { return apart_from_; }
+    // The distance from the axis from which on neighbours about a point are at least half as far apart as
+    // their angle says: next to none where their planes run through the axis, wide where they cross beside
+    // it. Continuous off the axis. Complexity: logarithmic in the slices.
+    double apart_from(Vec3 p) const;
+
+    // How far planes run beside the axis at most, between the ends of the contours along it.
+    double beside() const { return beside_; }
 
     // Between neighbours, the median. Radians.
     double angle() const { return median_angle_; }
 
-    // Requires, for what is guaranteed: radius(p) >= apart_from(). Complexity: logarithmic in the slices.
+    // Requires, for what is guaranteed: radius(p) >= apart_from(p). Complexity: logarithmic in the slices.
     Vec3 straight(Vec3 p) const;
 
     // The set in straight coordinates: its slices all round, and some of them again before and after.
@@ -56,6 +63,7 @@ class RotationalSweep {
   private:
     struct HalfPlane {
         Plane plane;          // u away from the axis, v along it, the normal towards the next one
+        double beside, lean;  // how far along the normal it is from the axis, there and a mm on along this
         double low, high;     // of its slice's points, along the normal
         double angle;         // from that of the first, [0, 2 pi)
         std::uint32_t slice;  // of the set
@@ -67,12 +75,20 @@ class RotationalSweep {
     bool leave_out_empty();
     bool put_in_order();
     double angle_of(Vec3 p) const;
+    std::size_t before(double angle) const;   // the last half-plane up to there
+    double angle_after(std::size_t k) const;  // from a half-plane to the next one
+    double apart_after(std::size_t k, double along) const;
+    void find_apart(double low, double high);
     double height(std::ptrdiff_t place) const;  // straight; before and after the first turn too
 
     Vec3 origin_, direction_;             // of the axis
     std::vector<HalfPlane> half_planes_;  // by angle
-    double mean_radius_ = 0, apart_from_ = 0;
-    double least_angle_ = 0, median_angle_ = 0, widest_angle_ = 0;
+    double mean_radius_ = 0, median_angle_ = 0, widest_angle_ = 0;
+    // After each half-plane, where neighbours are apart (apart_from()), at both ends of the axis; empty where
+    // all planes run through it.
+    using Ends = std::array<double, 2>;
+    std::vector<Ends> apart_;
+    double low_ = 0, high_ = 0, beside_ = 0;  // these ends; the farthest there
 };
 
 }  // namespace anatomesh

@@ -38,6 +38,9 @@ struct FieldOptions {
     // Planes in any position: how far beyond its own contours a plane still says "outside". mm; 0: one
     // spacing.
     double plane_margin_mm = 0;
+    // Planes in any position: how far off a plane says something at least, and how wide a gap between planes
+    // is no end, however near to each other most planes are. mm; 0: by their spacing.
+    double least_reach_mm = 0;
 };
 
 // The volume of one structure, mm^3.
