@@ -36,6 +36,24 @@ TEST(RotationAxis, is_the_line_that_planes_run_through_or_beside_which_they_all_
             const Axis found = rotation_axis(set);
             EXPECT_NEAR(std::abs(dot(found.direction, axis.normal)), 1, 1e-9);
             EXPECT_LT(off(found, axis.origin), 1e-6) << planes << " " << beside;
+            EXPECT_NEAR(found.beside, beside, 1e-6);
+        }
+    }
+}
+
+TEST(RotationAxis, of_planes_that_all_lean_against_it_is_the_one_they_were_turned_about) {
+    std::mt19937 random(7);
+    for (const int planes : {8, 12, 24}) {
+        for (const double lean : {0.05, 0.2}) {
+            const Plane axis = make_plane({1, 2, 3}, {0.2, -0.1, 1});
+            std::vector<Plane> cut = planes_about(axis, planes);
+            for (Plane& plane : cut) plane = make_plane(axis.origin, plane.normal + lean * axis.normal);
+            const ContourSet set =
+                sections_of({axis.origin, {30, 22, 40}}, in_any_order(std::move(cut), random), 60);
+            const Axis found = rotation_axis(set);
+            EXPECT_NEAR(std::abs(dot(found.direction, axis.normal)), 1, 1e-9) << planes << " " << lean;
+            EXPECT_LT(off(found, axis.origin), 1e-6);
+            EXPECT_NEAR(found.beside, 40 * lean, 8 * lean);
         }
     }
 }

@@ -11,6 +11,7 @@
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/general_field.h"
 #include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/rotation_axis.h"
 #include "anatomesh/field/unsaid.h"
 #include "anatomesh/reconcile/plane_patches.h"
 
@@ -19,7 +20,6 @@ namespace anatomesh {
 namespace {
 
 constexpr double near_vertices = 1;  // slices nearer to each other than so many mean distances of vertices
-constexpr double across_axis = 3;    // times how far planes are beside the axis they say something
 constexpr double most_gap = 1e6;     // spacings: the sweep has none that is not to be joined
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
@@ -36,11 +36,12 @@ struct Parts {
     RotationalSweep sweep;
     Field away;  // in straight coordinates
     Field near;
-    double radius = 0;  // near the axis, where slices are apart there; up to twice as far both count
+    double near_spacing = 0;  // slices nearer to each other are near the axis
 
+    // Both count where slices are up to twice as far apart, and as far again as they run beside the axis.
     Place place(Vec3 p) const {
-        const double share =
-            std::clamp(2 - sweep.radius(p) / std::max(radius, sweep.apart_from(p)), 0.0, 1.0);
+        const double radius = std::max(near_spacing / sweep.angle(p), sweep.apart_from(p));
+        const double share = std::clamp(2 - sweep.radius(p) / radius, 0.0, 1.0);
         return {share < 1 ? sweep.straight(p) : Vec3{}, share};
     }
 };
@@ -160,17 +161,22 @@ class RotationalField final : public StructureField {
 };
 
 void warn_about_gaps(const ContourSet& set, const RotationalSweep& sweep, RunContext& context) {
-    const std::vector<RotationalSweep::Gap> gaps = sweep.wide_gaps();
-    if (gaps.empty()) return;
-    const auto widest = std::max_element(gaps.begin(), gaps.end(),
-                                         [](const auto& x, const auto& y) { return x.angle < y.angle; });
-    char value[160];
-    std::snprintf(value, sizeof value, "%zu gaps, the widest %.1f degrees, between it and slice ",
-                  gaps.size(), widest->angle * 180 / std::numbers::pi);
-    context.warn({"W-FLD-002",
-                  "slices are missing, or nothing is drawn on a half of them, between slices about an axis",
-                  {set.source, set.slices[widest->from].name, "", "", value + set.slices[widest->to].name},
-                  "the gaps were bridged"});
+    for (const bool joined : {false, true}) {
+        std::vector<RotationalSweep::Gap> gaps = sweep.wide_gaps();
+        std::erase_if(gaps, [&](const auto& gap) { return gap.joined != joined; });
+        if (gaps.empty()) continue;
+        const auto widest = std::max_element(gaps.begin(), gaps.end(),
+                                             [](const auto& x, const auto& y) { return x.angle < y.angle; });
+        char value[160];
+        std::snprintf(value, sizeof value, "%zu gap%s, the widest %.1f degrees, between it and slice ",
+                      gaps.size(), gaps.size() > 1 ? "s" : "", widest->angle * 180 / std::numbers::pi);
+        context.warn(
+            {joined ? "W-FLD-002" : "W-FLD-001",
+             "slices are missing, or nothing is drawn on a half of them, between slices about an axis",
+             {set.source, set.slices[widest->from].name, "", "", value + set.slices[widest->to].name},
+             joined ? "the gaps were bridged"
+                    : "what is drawn ends on both sides of the gaps, but near the axis; --max-gap joins it"});
+    }
 }
 
 }  // namespace
@@ -180,9 +186,8 @@ Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSw
                                                                     const FieldOptions& options,
                                                                     RunContext& context) {
     Parts parts{std::move(sweep), nullptr, nullptr, 0};
-    // Beside the axis there is room without planes.
     FieldOptions near = options;
-    near.least_reach_mm = across_axis * parts.sweep.beside();
+    near.least_reach_mm = reach_across_axis * parts.sweep.beside();
     ANATOMESH_TRY(parts.near, make_general_field(set, near, context));
     RunContext apart;  // its warnings are those of the field near the axis, or of straight coordinates
     apart.threads = context.threads;
@@ -195,7 +200,7 @@ Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSw
     straight.max_gap_spacings = most_gap;
     straight.every_slice_tells = true;
     ANATOMESH_TRY(parts.away, make_parallel_field(straightened, straight, apart));
-    parts.radius = near_vertices * mean_vertex_spacing(set) / parts.sweep.angle();
+    parts.near_spacing = near_vertices * mean_vertex_spacing(set);
     return std::shared_ptr<const StructureField>(
         std::make_shared<RotationalField>(std::move(parts), set, straightened));
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "anatomesh/contour/point_scatter.h"
 #include "anatomesh/field/rotation_axis.h"
 #include "anatomesh/geom/box.h"
 
@@ -14,7 +15,13 @@ namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
 constexpr std::size_t fewest_slices = 2;
-constexpr double most_angle = turn * 110 / 360, most_of_median = 2.5;  // between neighbours
+constexpr double most_angle = turn * 150 / 360;  // between neighbours
+constexpr double most_joined = turn * 110 / 360;
+constexpr double joined_medians = 2.5, joined_of_asked = 1.25, always_joined = turn * 31 / 360;
+constexpr double joined_round_axis = turn * 75 / 360;
+constexpr double most_round_axis = 0.5;  // of what is drawn
+constexpr double widened = 4;            // a wide gap's angle counts in full from a quarter of it on
+constexpr double open_gap = 1e7;         // median heights, that an open gap is wider than it is
 constexpr double wide = 1.5;                                           // of the median, that is told of
 constexpr double least_angle = 1e-6;                                   // less is one plane
 constexpr double most_lean = 0.5;    // sine of a plane's angle with the axis
@@ -28,7 +35,7 @@ constexpr std::ptrdiff_t repeated = 4;  // half-planes before the first turn and
 
 }  // namespace
 
-std::optional<RotationalSweep> RotationalSweep::of(const ContourSet& set) {
+std::optional<RotationalSweep> RotationalSweep::of(const ContourSet& set, double max_gap) {
     if (set.slices.size() < fewest_slices) return std::nullopt;
     RotationalSweep sweep;
     const Axis axis = rotation_axis(set);
@@ -38,16 +45,15 @@ std::optional<RotationalSweep> RotationalSweep::of(const ContourSet& set) {
             return std::abs(dot(slice.plane.normal, axis.direction)) > most_lean;
         }))
         return std::nullopt;
-    double low = std::numeric_limits<double>::infinity(), high = -low, sum = 0;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const Vec3& p : set.points) {
         const double along = dot(p - sweep.origin_, sweep.direction_);
         low = std::min(low, along);
         high = std::max(high, along);
-        sum += sweep.radius(p);
     }
-    sweep.mean_radius_ = sum / static_cast<double>(set.points.size());
+    sweep.mean_radius_ = sweep.mean_radius(set);
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) sweep.add_half_planes(set, s);
-    if (!sweep.leave_out_empty() || !sweep.put_in_order()) return std::nullopt;
+    if (!sweep.leave_out_empty() || !sweep.put_in_order(max_gap)) return std::nullopt;
     sweep.find_apart(low, high);
     const double reach = 0.5 * middle_half * (high - low), middle = 0.5 * (low + high);
     std::size_t apart = 0;
@@ -55,9 +61,24 @@ std::optional<RotationalSweep> RotationalSweep::of(const ContourSet& set) {
         apart += std::max(sweep.apart_after(k, middle - reach), sweep.apart_after(k, middle + reach)) <=
                  most_crossing * sweep.mean_radius_;
     }
-    if (static_cast<double>(apart) < share_apart * static_cast<double>(sweep.half_planes_.size()))
+    if (static_cast<double>(apart) <= share_apart * static_cast<double>(sweep.half_planes_.size()))
         return std::nullopt;
     return sweep;
+}
+
+// Along the contours, however their vertices are spread.
+double RotationalSweep::mean_radius(const ContourSet& set) const {
+    double sum = 0, total = 0;
+    for (const Contour& contour : set.contours) {
+        const auto points = set.points_of(contour);
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            const Vec3 a = points[n], b = points[(n + 1) % points.size()];
+            const double along = length(b - a);
+            sum += along * radius(0.5 * (a + b));
+            total += along;
+        }
+    }
+    return sum / total;
 }
 
 std::vector<RotationalSweep::Gap> RotationalSweep::wide_gaps() const {
@@ -65,7 +86,8 @@ std::vector<RotationalSweep::Gap> RotationalSweep::wide_gaps() const {
     for (std::size_t k = 0; k < half_planes_.size(); ++k) {
         const double angle = angle_after(k);
         if (angle > wide * median_angle_)
-            gaps.push_back({half_planes_[k].slice, half_planes_[(k + 1) % half_planes_.size()].slice, angle});
+            gaps.push_back({half_planes_[k].slice, half_planes_[(k + 1) % half_planes_.size()].slice, angle,
+                            half_planes_[k].joined});
     }
     return gaps;
 }
@@ -73,21 +95,30 @@ std::vector<RotationalSweep::Gap> RotationalSweep::wide_gaps() const {
 void RotationalSweep::add_half_planes(const ContourSet& set, std::uint32_t s) {
     const Plane& drawn = set.slices[s].plane;
     for (const bool behind : {false, true}) {
-        HalfPlane half{{}, 0, 0, 0, 0, 0, s, behind, 0};
+        HalfPlane half{{}, 0, 0, 0, 0, 0, s, behind, 0, 0, 0, true};
         half.plane.normal = behind ? -1.0 * drawn.normal : drawn.normal;
         half.plane.origin = origin_ - drawn.signed_distance(origin_) * drawn.normal;
         half.plane.v = normalized(direction_ - dot(direction_, drawn.normal) * drawn.normal);
         half.plane.u = cross(half.plane.v, half.plane.normal);
         half.beside = -half.plane.signed_distance(origin_);
         half.lean = -dot(direction_, half.plane.normal);
-        // As straight() will find them.
+        double area = 0, round_axis = 0;
         for (const Contour& contour : set.contours_of(set.slices[s])) {
+            // As straight() will find them.
+            double inmost = std::numeric_limits<double>::infinity(), outmost = -inmost;
             for (const Vec3& p : set.points_of(contour)) {
                 half.low = std::min(half.low, half.plane.signed_distance(p));
                 half.high = std::max(half.high, half.plane.signed_distance(p));
-                half.reach = std::max(half.reach, half.plane.to_plane(p).x);
+                inmost = std::min(inmost, half.plane.to_plane(p).x);
+                outmost = std::max(outmost, half.plane.to_plane(p).x);
             }
+            half.reach = std::max(half.reach, outmost);
+            if (outmost <= 0) continue;
+            const double own = vector_area(set.points_of(contour));
+            area += own;
+            if (inmost < 0) round_axis += own;
         }
+        if (area > 0) half.round_axis = round_axis / area;
         half_planes_.push_back(half);
     }
 }
@@ -112,7 +143,7 @@ double RotationalSweep::angle_of(Vec3 p) const {
 }
 
 // Returns whether they follow each other all round.
-bool RotationalSweep::put_in_order() {
+bool RotationalSweep::put_in_order(double max_gap) {
     for (HalfPlane& half : half_planes_) half.angle = angle_of(origin_ + half.plane.u);
     half_planes_.front().angle = 0;
     std::sort(half_planes_.begin() + 1, half_planes_.end(),
@@ -122,8 +153,22 @@ bool RotationalSweep::put_in_order() {
     std::sort(angles.begin(), angles.end());
     median_angle_ = angles[angles.size() / 2];
     widest_angle_ = angles.back();
-    return angles.front() >= least_angle &&
-           widest_angle_ <= std::min(most_angle, most_of_median * median_angle_);
+    if (angles.front() < least_angle || widest_angle_ > most_angle) return false;
+    double height = 0;
+    for (std::size_t k = 0; k < half_planes_.size(); ++k) {
+        HalfPlane& half = half_planes_[k];
+        const double angle = angle_after(k);
+        const double round_axis =
+            std::min(half.round_axis, half_planes_[(k + 1) % half_planes_.size()].round_axis);
+        const double joined_over = std::max(
+            {joined_medians * median_angle_, joined_of_asked * max_gap * median_angle_, always_joined});
+        half.joined = angle <= std::min(joined_over, most_joined) ||
+                      (angle <= joined_round_axis && round_axis > most_round_axis);
+        half.height = height;
+        height += mean_radius_ * (angle + (half.joined ? 0 : open_gap * median_angle_));
+    }
+    turn_height_ = height;
+    return true;
 }
 
 std::size_t RotationalSweep::before(double angle) const {
@@ -175,6 +220,15 @@ double RotationalSweep::apart_after(std::size_t k, double along) const {
     return apart_[k][0] + t * (apart_[k][1] - apart_[k][0]);
 }
 
+double RotationalSweep::angle(Vec3 p) const {
+    const double angle = angle_of(p);
+    const std::size_t k = before(angle);
+    const double here = angle_after(k);
+    if (here <= median_angle_) return median_angle_;
+    const double t = (angle - half_planes_[k].angle) / here;
+    return median_angle_ + std::clamp(widened * std::min(t, 1 - t), 0.0, 1.0) * (here - median_angle_);
+}
+
 double RotationalSweep::apart_from(Vec3 p) const {
     if (apart_.empty()) return 0;
     const std::size_t count = half_planes_.size();
@@ -193,8 +247,8 @@ double RotationalSweep::radius(Vec3 p) const {
 double RotationalSweep::height(std::ptrdiff_t place) const {
     const auto count = static_cast<std::ptrdiff_t>(half_planes_.size());
     const std::ptrdiff_t turns = place < 0 ? -1 : place >= count ? 1 : 0;
-    return mean_radius_ * (half_planes_[static_cast<std::size_t>(place - turns * count)].angle +
-                           static_cast<double>(turns) * turn);
+    return half_planes_[static_cast<std::size_t>(place - turns * count)].height +
+           static_cast<double>(turns) * turn_height_;
 }
 
 Vec3 RotationalSweep::straight(Vec3 p) const {
@@ -215,13 +269,18 @@ Vec3 RotationalSweep::straight(Vec3 p) const {
     const HalfPlane &from = half_planes_[k], &to = half_planes_[next];
     const Vec2 q = from.plane.to_plane(p), r = to.plane.to_plane(p);
     const double up = from.plane.signed_distance(p), down = to.plane.signed_distance(p);
-    const double beyond = up - from.high;
-    const double below = height(static_cast<std::ptrdiff_t>(k));
+    const double beyond = up - from.high, rest = to.low - down;
+    const double below = height(static_cast<std::ptrdiff_t>(k)),
+                 above = height(static_cast<std::ptrdiff_t>(k + 1));
     if (beyond <= 0) return {q.x, q.y, below};
-    const double t = beyond / (beyond + (to.low - down));
     const double start = std::hypot(q.x, up), end = std::hypot(r.x, down);
-    return {start + t * (end - start), q.y + t * (r.y - q.y),
-            below + t * (height(static_cast<std::ptrdiff_t>(k + 1)) - below)};
+    if (!from.joined) {
+        const double on = std::atan2(beyond, q.x), back = std::atan2(rest, r.x);
+        if (on <= back) return {start, q.y, below + mean_radius_ * on};
+        return {end, r.y, above - mean_radius_ * back};
+    }
+    const double t = beyond / (beyond + rest);
+    return {start + t * (end - start), q.y + t * (r.y - q.y), below + t * (above - below)};
 }
 
 ContourSet RotationalSweep::straight(const ContourSet& set) const {

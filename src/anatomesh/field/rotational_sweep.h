@@ -15,7 +15,10 @@ namespace anatomesh {
 // another all round as the slices of a stack do: in the coordinates (distance from the axis, way along it,
 // angle times the contours' mean distance from it) they are parallel. Each slice comes twice, the second time
 // half a turn later, from behind; both times with all its contours, so that distances go on across the axis.
-// A half-plane on which nothing is drawn says nothing, and is left out.
+// A half-plane on which nothing is drawn says nothing, and is left out. Where neighbours are further apart
+// than 2.5 times the median, 1.25 times so many medians as are asked for, and 30 degrees, what is drawn ends
+// on both sides of the gap, which is far wider in straight coordinates than it is - but that most of it on
+// both, by area, is round the axis, and the gap no wider than 75 degrees: then it goes on.
 //
 // Guarantees: all points of a slice's contours on a half-plane have that half-plane's z, exactly, and the x
 // and y of its frame; continuous where the half-planes are apart. Immutable.
@@ -23,17 +26,18 @@ class RotationalSweep {
   public:
     // Nothing unless there are two slices or more; what is drawn on half-planes reaches a quarter as far out
     // on each as in the median, or nowhere; none leans by more than 30 degrees against the axis
-    // (rotation_axis.h); no two neighbours lean by more than 110 degrees against each
-    // other, nor by more than 2.5 times the median; and their planes run by the axis so closely that of
-    // neighbours half the pairs are apart (apart_from()) from the contours' mean distance from it on.
-    // Requires: a contour. Complexity: O(points + slices log slices).
-    static std::optional<RotationalSweep> of(const ContourSet& set);
+    // (rotation_axis.h); no two neighbours are apart by more than 150 degrees, nor, where they are joined, by
+    // more than 110; and their planes run by the axis so closely that of neighbours half the pairs are apart
+    // (apart_from()) from the contours' mean distance from it on. Requires: a contour; max_gap >= 1, median
+    // angles that are joined. Complexity: O(points + slices^2).
+    static std::optional<RotationalSweep> of(const ContourSet& set, double max_gap = 2);
 
-    // Neighbours further apart than 1.5 times the median, by their slices: what they have is joined over
-    // that, though slices are missing there, or nothing is drawn on them.
+    // Neighbours further apart than 1.5 times the median, by their slices: slices are missing there, or
+    // nothing is drawn on them.
     struct Gap {
         std::uint32_t from, to;
         double angle;  // radians
+        bool joined;
     };
     std::vector<Gap> wide_gaps() const;
 
@@ -47,8 +51,9 @@ class RotationalSweep {
     // How far planes run beside the axis at most, between the ends of the contours along it.
     double beside() const { return beside_; }
 
-    // Between neighbours, the median. Radians.
-    double angle() const { return median_angle_; }
+    // Between neighbours: the median, or that of the gap in which the point is where that is wider;
+    // continuous off the axis. Radians.
+    double angle(Vec3 p) const;
 
     // Requires, for what is guaranteed: radius(p) >= apart_from(p). Complexity: logarithmic in the slices.
     Vec3 straight(Vec3 p) const;
@@ -69,11 +74,15 @@ class RotationalSweep {
         std::uint32_t slice;  // of the set
         bool behind;          // its normal is opposite to the slice's
         double reach;         // of its slice's points, along u
+        double round_axis;    // share of what is drawn, by area, that the axis runs through
+        double height;        // straight
+        bool joined;          // to the next one
     };
 
     void add_half_planes(const ContourSet& set, std::uint32_t s);
     bool leave_out_empty();
-    bool put_in_order();
+    double mean_radius(const ContourSet& set) const;
+    bool put_in_order(double max_gap);
     double angle_of(Vec3 p) const;
     std::size_t before(double angle) const;   // the last half-plane up to there
     double angle_after(std::size_t k) const;  // from a half-plane to the next one
@@ -84,6 +93,7 @@ class RotationalSweep {
     Vec3 origin_, direction_;             // of the axis
     std::vector<HalfPlane> half_planes_;  // by angle
     double mean_radius_ = 0, median_angle_ = 0, widest_angle_ = 0;
+    double turn_height_ = 0;  // straight
     // After each half-plane, where neighbours are apart (apart_from()), at both ends of the axis; empty where
     // all planes run through it.
     using Ends = std::array<double, 2>;

@@ -83,7 +83,8 @@ TEST(RotationalSweep, straight_coordinates_are_cylindrical_about_one_axis) {
     for (const auto& [axis, set] : scans()) {
         const auto sweep = RotationalSweep::of(set);
         ASSERT_TRUE(sweep);
-        EXPECT_NEAR(sweep->angle(), pi / static_cast<double>(set.slices.size()), 1e-9);
+        EXPECT_NEAR(sweep->angle(axis.origin + axis.u + 0.3 * axis.v),
+                    pi / static_cast<double>(set.slices.size()), 1e-9);
         const double along =
             sweep->straight(axis.origin + axis.normal + axis.u).y - sweep->straight(axis.origin + axis.u).y;
         EXPECT_NEAR(std::abs(along), 1, 1e-9);
@@ -118,14 +119,15 @@ TEST(RotationalSweep, slices_that_do_not_follow_each_other_all_round_are_none) {
     EXPECT_TRUE(is_sweep(all));
     EXPECT_TRUE(is_sweep({all[0], all[6]}));
     EXPECT_TRUE(is_sweep({all[0], all[5]}));
-    EXPECT_FALSE(is_sweep({all[0], all[4]}));  // 120 degrees from the one to the other, from behind
+    EXPECT_FALSE(is_sweep({all[0], all[1]}));  // 165 degrees from the one to the other, from behind
     EXPECT_FALSE(is_sweep({all[0]}));
     std::vector<Plane> some = all;
     some.erase(some.begin() + 4);
     EXPECT_TRUE(is_sweep(some));  // one missing
     some.erase(some.begin() + 4);
-    EXPECT_FALSE(is_sweep(some));                            // two beside each other
-    EXPECT_FALSE(is_sweep({all.begin(), all.begin() + 7}));  // a fan
+    EXPECT_TRUE(is_sweep(some));                             // two beside each other
+    EXPECT_TRUE(is_sweep({all.begin(), all.begin() + 7}));   // open on both sides
+    EXPECT_FALSE(is_sweep({all.begin(), all.begin() + 2}));  // a fan
     std::vector<Plane> stacks;
     for (double h = -15; h <= 15; h += 5) {
         stacks.push_back(make_plane({0, 0, h}, {0, 0, 1}));
@@ -139,6 +141,70 @@ TEST(RotationalSweep, slices_that_do_not_follow_each_other_all_round_are_none) {
     std::mt19937 random(8);
     EXPECT_FALSE(is_sweep(beside_their_places(all, 12, 0, random)));
     EXPECT_FALSE(is_sweep(beside_their_places(all, 0, 0.6, random)));
+}
+
+// The widest gap, in degrees, and whether what is drawn goes on over it.
+std::pair<double, bool> widest_gap(const ContourSet& set, double max_gap) {
+    const auto sweep = RotationalSweep::of(set, max_gap);
+    EXPECT_TRUE(sweep);
+    std::pair<double, bool> widest{0, true};
+    for (const RotationalSweep::Gap& gap : sweep->wide_gaps())
+        widest = std::max(widest, {gap.angle * 180 / pi, gap.joined},
+                          [](const auto& a, const auto& b) { return a.first < b.first - 1e-6; });
+    return widest;
+}
+
+TEST(RotationalSweep, wide_gaps_are_joined_where_most_that_is_drawn_is_round_the_axis_or_it_is_asked_for) {
+    const Plane axis = make_plane({1, 2, 3}, {0.2, -0.1, 1});
+    const std::vector<Plane> all = planes_about(axis, 18);
+    const auto set_of = [&](std::size_t count, bool round_axis) {
+        const std::vector<Plane> planes{all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count)};
+        if (round_axis) return sections_of({axis.origin, {30, 22, 40}}, planes, 60);
+        SetBuilder builder;
+        for (const Plane& plane : planes) {
+            builder.slice(plane);
+            const Vec2 out = plane.to_plane(axis.origin + cross(plane.normal, axis.normal));
+            for (const double side : {-20.0, 20.0}) builder.ring(0, circle(side * out, 6, 40));
+        }
+        return builder.set;
+    };
+    struct Case {
+        std::size_t planes;
+        bool round_axis;
+        double max_gap;
+        bool joined;
+    };
+    for (const Case& c : {Case{16, true, 2, true}, Case{16, false, 2, true}, Case{13, true, 2, true},
+                          Case{13, false, 2, false}, Case{13, false, 5, true}, Case{10, true, 2, false},
+                          Case{10, true, 8, true}, Case{6, true, 18, false}}) {
+        const auto [angle, joined] = widest_gap(set_of(c.planes, c.round_axis), c.max_gap);
+        EXPECT_NEAR(angle, 10.0 * static_cast<double>(19 - c.planes), 1e-6);
+        EXPECT_EQ(joined, c.joined) << c.planes << " " << c.round_axis << " " << c.max_gap;
+    }
+}
+
+TEST(RotationalSweep, what_is_on_both_sides_of_an_open_gap_is_far_apart) {
+    const Plane axis = make_plane({}, {0, 0, 1});
+    const std::vector<Plane> all = planes_about(axis, 18);
+    const ContourSet set = sections_of({{}, {30, 22, 40}}, {all.begin(), all.begin() + 9}, 60);
+    const auto sweep = RotationalSweep::of(set);
+    ASSERT_TRUE(sweep);
+    // From slice to slice and over both gaps: by as much as the angle, but in the middle of the gaps.
+    const auto at = [&](double degrees) {
+        const double a = degrees * pi / 180;
+        return sweep->straight(20 * std::cos(a) * axis.u + 20 * std::sin(a) * axis.v);
+    };
+    const double degree = std::abs(at(31).z - at(30).z);
+    int jumps = 0;
+    for (int a = 0; a < 360; ++a) {
+        const Vec3 from = at(a + 0.5), to = at(a + 1.5);
+        EXPECT_NEAR(from.x, 20, 1e-9);
+        if (std::abs(to.z - from.z) > 1e5)
+            ++jumps;
+        else
+            EXPECT_NEAR(std::abs(to.z - from.z), degree, 0.02 * degree) << a;
+    }
+    EXPECT_EQ(jumps, 2 + 1);  // and where the turn begins
 }
 
 TEST(RotationalSweep, half_planes_on_which_next_to_nothing_is_drawn_leave_it_open) {

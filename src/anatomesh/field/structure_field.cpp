@@ -1,5 +1,6 @@
 #include "anatomesh/field/structure_field.h"
 
+#include <algorithm>
 #include <cassert>
 #include <optional>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "anatomesh/field/general_field.h"
 #include "anatomesh/field/nested_field.h"
 #include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/rotation_axis.h"
 #include "anatomesh/field/rotational_field.h"
 #include "anatomesh/field/swept_field.h"
 
@@ -28,11 +30,13 @@ Result<std::shared_ptr<const StructureField>> make_structure_field(const Contour
     if (is_parallel(set)) return make_parallel_field(set, options, context);
     if (std::optional<Sweep> sweep = Sweep::of(set))
         return make_swept_field(std::move(*sweep), set, options, context);
-    if (std::optional<RotationalSweep> sweep = RotationalSweep::of(set))
+    if (std::optional<RotationalSweep> sweep = RotationalSweep::of(set, options.max_gap_spacings))
         return make_rotational_field(std::move(*sweep), set, options, context);
     if (const std::optional<StackAndCrossing> slices = stack_and_crossing(set))
         return make_crossed_field(set, *slices, options, context);
-    return make_general_field(set, options, context);
+    FieldOptions general = options;
+    general.least_reach_mm = std::max(options.least_reach_mm, reach_across_axis * rotation_axis(set).beside);
+    return make_general_field(set, general, context);
 }
 
 }  // namespace anatomesh
