@@ -25,6 +25,7 @@ namespace {
 constexpr std::uint32_t most_near = 16;  // patches that a query takes into account: the nearest
 constexpr std::uint32_t no_structure = 0xffffffffu, no_patch = no_structure;
 constexpr double most_widened = 3;        // times the usual, the radius within which patches count
+constexpr double most_gap = 2;            // spacings: no end of dense planes is told by wider ones
 constexpr std::size_t few_listed = 6;     // patches, among which hidden ones cost nothing
 constexpr double slant_cell = 1.0 / 6;    // of the grids of slants, a share of the clamp
 constexpr double least_share = 0.01;      // of a patch that others hide: less is nothing
@@ -111,7 +112,9 @@ class GeneralField final : public FieldQueries<GeneralField> {
         // sides, and is not beyond the end.
         const double usual = std::max({3 * spacings.wide, 2 * spacings.median, least_reach});
         radius_ = dense ? std::max(usual, std::min(2 * spacings.gap, most_widened * usual)) : usual;
-        end_spacing_ = std::max(radius_ > usual ? std::max(spacing_, spacings.gap) : spacing_, least_reach);
+        // What is between two parts of a structure, or in its hole, is wider than any gap between planes.
+        const double gap = radius_ > usual ? std::min(spacings.gap, most_gap * spacing_) : 0;
+        end_spacing_ = std::max({spacing_, gap, least_reach});
         reach_ = std::max(spacings.wide, spacings.median);
     }
 
