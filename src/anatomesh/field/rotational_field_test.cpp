@@ -287,6 +287,36 @@ TEST(RotationalField, gaps_that_are_bridged_are_told_of) {
     }
 }
 
+TEST(RotationalField, C27_a_turn_that_was_not_finished_goes_on_round_the_axis_and_ends_elsewhere) {
+    const Plane axis = make_plane({4, 2, 0}, {0.1, 0.2, 1});
+    const Ellipsoid solid{axis.origin, {30, 22, 40}};
+    const std::vector<Plane> all = planes_about(axis, 18);
+    const std::vector<Plane> some{all.begin(), all.begin() + 13};  // 60 degrees are missing
+    const auto codes_of = [](const ContourSet& set, std::shared_ptr<const StructureField>& field) {
+        RunContext context;
+        field = make_structure_field(set, {}, context).value();
+        std::vector<std::string> codes;
+        for (const Warning& warning : context.warnings) codes.push_back(warning.code);
+        return codes;
+    };
+    std::shared_ptr<const StructureField> field;
+    EXPECT_EQ(codes_of(sections_of(solid, some, 200), field), std::vector<std::string>{"W-FLD-002"});
+    EXPECT_EQ(Voxels(*field, 2).topology(), (Topology{1, 0, 0}));
+    EXPECT_NEAR(volume_share(*field, solid), 1, 0.01);
+
+    // A ring, of which nothing tells that it goes on: what is drawn and half a slice on both sides.
+    const std::vector<std::string> codes = codes_of(ring_about(axis, some, true), field);
+    EXPECT_EQ(std::count(codes.begin(), codes.end(), "W-FLD-001"), 1);
+    int inside = 0;
+    for (int a = 0; a < 360; ++a) {
+        const double angle = a * pi / 180;
+        inside +=
+            field->value(0, axis.origin + 30.0 * (std::cos(angle) * axis.u + std::sin(angle) * axis.v)) < 0;
+    }
+    EXPECT_NEAR(inside, 2 * 130, 4);
+    EXPECT_EQ(Voxels(*field, 1.5).topology(), (Topology{2, 0, 0}));
+}
+
 TEST(RotationalField, box_holds_what_bulges_between_the_slices) {
     // Wide in directions that no plane runs in.
     const Plane axis = make_plane({}, {0, 0, 1});

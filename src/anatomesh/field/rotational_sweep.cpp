@@ -15,9 +15,11 @@ namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
 constexpr std::size_t fewest_slices = 2;
-constexpr double most_angle = turn * 150 / 360;  // between neighbours
+constexpr double most_angle = turn * 150 / 360;  // between neighbours,
+constexpr double least_outside = turn / 2;       // but where they are on one side of the axis alone
 constexpr double most_joined = turn * 110 / 360;
-constexpr double joined_medians = 2.5, joined_of_asked = 1.25, always_joined = turn * 31 / 360;
+constexpr double joined_medians = 2.5, joined_of_asked = 1.25, few_medians = 3.5,
+                 few_joined = turn * 31 / 360;
 constexpr double joined_round_axis = turn * 75 / 360;
 constexpr double most_round_axis = 0.5;  // of what is drawn
 constexpr double widened = 4;            // a wide gap's angle counts in full from a quarter of it on
@@ -85,7 +87,7 @@ std::vector<RotationalSweep::Gap> RotationalSweep::wide_gaps() const {
     std::vector<Gap> gaps;
     for (std::size_t k = 0; k < half_planes_.size(); ++k) {
         const double angle = angle_after(k);
-        if (angle > wide * median_angle_)
+        if (angle > wide * median_angle_ && angle < least_outside)
             gaps.push_back({half_planes_[k].slice, half_planes_[(k + 1) % half_planes_.size()].slice, angle,
                             half_planes_[k].joined});
     }
@@ -152,18 +154,21 @@ bool RotationalSweep::put_in_order(double max_gap) {
     for (std::size_t k = 0; k < half_planes_.size(); ++k) angles.push_back(angle_after(k));
     std::sort(angles.begin(), angles.end());
     median_angle_ = angles[angles.size() / 2];
-    widest_angle_ = angles.back();
-    if (angles.front() < least_angle || widest_angle_ > most_angle) return false;
+    widest_joined_ = median_angle_;
+    if (angles.front() < least_angle) return false;
+    if (angles.back() > most_angle && angles.back() < least_outside) return false;
     double height = 0;
     for (std::size_t k = 0; k < half_planes_.size(); ++k) {
         HalfPlane& half = half_planes_[k];
         const double angle = angle_after(k);
         const double round_axis =
             std::min(half.round_axis, half_planes_[(k + 1) % half_planes_.size()].round_axis);
-        const double joined_over = std::max(
-            {joined_medians * median_angle_, joined_of_asked * max_gap * median_angle_, always_joined});
+        const double joined_over =
+            std::max({joined_medians * median_angle_, joined_of_asked * max_gap * median_angle_,
+                      std::min(few_medians * median_angle_, few_joined)});
         half.joined = angle <= std::min(joined_over, most_joined) ||
                       (angle <= joined_round_axis && round_axis > most_round_axis);
+        if (half.joined) widest_joined_ = std::max(widest_joined_, angle);
         half.height = height;
         height += mean_radius_ * (angle + (half.joined ? 0 : open_gap * median_angle_));
     }
@@ -256,15 +261,20 @@ Vec3 RotationalSweep::straight(Vec3 p) const {
     const auto is_past = [&](std::size_t k) {
         return half_planes_[k].plane.signed_distance(p) >= half_planes_[k].low;
     };
-    std::size_t k = before(angle_of(p)), next = (k + 1) % count;
-    // Where planes run beside the axis it may be one further on or back.
-    for (std::size_t step = 0; step < count && is_past(next); ++step) {
+    const double angle = angle_of(p);
+    std::size_t k = before(angle), next = (k + 1) % count;
+    // Where planes run beside the axis it may be one further on or back; never as far as across.
+    double gone = angle - half_planes_[k].angle, left = angle_after(k) - gone;
+    while (left < turn / 4 && is_past(next)) {
+        gone -= angle_after(k);
         k = next;
         next = (k + 1) % count;
+        left += angle_after(k);
     }
-    for (std::size_t step = 0; step < count && !is_past(k); ++step) {
+    while (gone < turn / 4 && !is_past(k)) {
         next = k;
         k = (k + count - 1) % count;
+        gone += angle_after(k);
     }
     const HalfPlane &from = half_planes_[k], &to = half_planes_[next];
     const Vec2 q = from.plane.to_plane(p), r = to.plane.to_plane(p);
@@ -272,10 +282,10 @@ Vec3 RotationalSweep::straight(Vec3 p) const {
     const double beyond = up - from.high, rest = to.low - down;
     const double below = height(static_cast<std::ptrdiff_t>(k)),
                  above = height(static_cast<std::ptrdiff_t>(k + 1));
-    if (beyond <= 0) return {q.x, q.y, below};
+    if (beyond <= 0 && (from.joined || gone < turn / 4)) return {q.x, q.y, below};
     const double start = std::hypot(q.x, up), end = std::hypot(r.x, down);
     if (!from.joined) {
-        const double on = std::atan2(beyond, q.x), back = std::atan2(rest, r.x);
+        const double on = std::atan2(std::abs(beyond), q.x), back = std::atan2(std::abs(rest), r.x);
         if (on <= back) return {start, q.y, below + mean_radius_ * on};
         return {end, r.y, above - mean_radius_ * back};
     }
@@ -323,7 +333,7 @@ Box3 RotationalSweep::around(const Box3& box, double reach) const {
         farthest = std::max(farthest, radius(p));
     }
     // Turned into the nearest slice a point moves by so much.
-    return box.grown(reach + 2 * farthest * std::sin(0.25 * widest_angle_));
+    return box.grown(reach + 2 * farthest * std::sin(0.25 * widest_joined_));
 }
 
 }  // namespace anatomesh

@@ -26,10 +26,11 @@ class RotationalSweep {
   public:
     // Nothing unless there are two slices or more; what is drawn on half-planes reaches a quarter as far out
     // on each as in the median, or nowhere; none leans by more than 30 degrees against the axis
-    // (rotation_axis.h); no two neighbours are apart by more than 150 degrees, nor, where they are joined, by
-    // more than 110; and their planes run by the axis so closely that of neighbours half the pairs are apart
-    // (apart_from()) from the contours' mean distance from it on. Requires: a contour; max_gap >= 1, median
-    // angles that are joined. Complexity: O(points + slices^2).
+    // (rotation_axis.h); no two neighbours are apart by more than 150 degrees but where nothing is drawn on
+    // one side of the axis, nor, where they are joined, by more than 110; and their planes run by the axis so
+    // closely that of neighbours half the pairs are apart (apart_from()) from the contours' mean distance
+    // from it on. Requires: a contour; max_gap >= 1, median angles that are joined. Complexity: O(points +
+    // slices^2).
     static std::optional<RotationalSweep> of(const ContourSet& set, double max_gap = 2);
 
     // Neighbours further apart than 1.5 times the median, by their slices: slices are missing there, or
@@ -92,7 +93,7 @@ class RotationalSweep {
 
     Vec3 origin_, direction_;             // of the axis
     std::vector<HalfPlane> half_planes_;  // by angle
-    double mean_radius_ = 0, median_angle_ = 0, widest_angle_ = 0;
+    double mean_radius_ = 0, median_angle_ = 0, widest_joined_ = 0;
     double turn_height_ = 0;  // straight
     // After each half-plane, where neighbours are apart (apart_from()), at both ends of the axis; empty where
     // all planes run through it.
