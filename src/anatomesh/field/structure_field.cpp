@@ -7,6 +7,7 @@
 
 #include "anatomesh/field/crossed_field.h"
 #include "anatomesh/field/general_field.h"
+#include "anatomesh/field/missing_slices.h"
 #include "anatomesh/field/nested_field.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/rotation_axis.h"
@@ -34,6 +35,7 @@ Result<std::shared_ptr<const StructureField>> make_structure_field(const Contour
         return make_rotational_field(std::move(*sweep), set, options, context);
     if (const std::optional<StackAndCrossing> slices = stack_and_crossing(set))
         return make_crossed_field(set, *slices, options, context);
+    warn_about_missing_slices(set, context);
     FieldOptions general = options;
     general.least_reach_mm = std::max(options.least_reach_mm, reach_across_axis * rotation_axis(set).beside);
     return make_general_field(set, general, context);
