@@ -450,8 +450,10 @@ class Follower {
         own.insert(own.end(), vertices.begin(), vertices.end());
         sort_distinct(own);
         for (const std::uint32_t v : row) {
-            // Vertices of contours stay, on the surface, whether it passes through them or not.
+            // Vertices of contours stay, on the surface, whether it passes through them or not; and so do
+            // those that another contour was led along.
             if (!std::binary_search(drawn_vertices_.begin(), drawn_vertices_.end(), v) &&
+                !std::binary_search(led_vertices_.begin(), led_vertices_.end(), v) &&
                 std::find(vertices.begin(), vertices.end(), v) == vertices.end() &&
                 is_free_without(own, led.contour.structure, v))
                 free(v, done);
@@ -558,6 +560,8 @@ class Follower {
     void keep(const Contour& contour, const std::vector<std::uint32_t>& way, const Attempt& done) {
         changed_.insert(changed_.end(), done.changed.begin(), done.changed.end());
         for (const std::uint32_t v : way) note(contour, v);
+        led_vertices_.insert(led_vertices_.end(), way.begin(), way.end());
+        sort_distinct(led_vertices_);
         sort_distinct(of_drawing_[drawing(contour)]);
         sort_distinct(of_slice_[contour.slice]);
         // What moved for an earlier way and is not on this one is free again.
@@ -581,8 +585,8 @@ class Follower {
     // they are drawn.
     std::map<std::uint64_t, std::vector<std::uint32_t>> of_drawing_;
     std::map<std::uint32_t, std::vector<std::uint32_t>> of_slice_;
-    std::vector<std::uint32_t> drawn_vertices_;
-    std::vector<std::uint32_t> changed_;  // cells
+    std::vector<std::uint32_t> drawn_vertices_, led_vertices_;  // these, of all ways; rising
+    std::vector<std::uint32_t> changed_;                        // cells
 };
 
 }  // namespace
