@@ -101,6 +101,17 @@ class Scripts(harness.TestCase):
         self.assertLess(abs(segments / (2 * 18 * 2 * np.pi * 9.7) - 1), 0.1)
         self.assertLessEqual(missed, 0.001 * segments)
 
+    def test_arrangements(self):
+        page = self.page("arrangements")
+        self.script("arrangements.py", "--program", harness.PROGRAM, "--solids", 1, "--arrangements", "beside,130,a fan", "--update", page)
+        rows = [line.strip("| ").split(" | ") for line in page.read_text().splitlines() if line.startswith("| ")][1:]
+        self.assertEqual([row[0] for row in rows], ["18, all 3 mm beside it", "24, all 5 mm beside it", "14 over 130 degrees", "a fan, apex 45 mm off"])
+        for _, refused, volume, wrong, untold, seconds in rows:
+            self.assertEqual((refused, wrong, untold), ("0", "0", "0"))
+            self.assertLess(float(volume.split(",")[0]), 2)
+            self.assertGreater(float(seconds), 0)
+        self.assertIn("no such arrangement", self.script("arrangements.py", "--arrangements", "upside down", expect=2))
+
     def test_varied(self):
         self.write("ball.json", shapes.sphere(10.0, 2.0).document())
         page = self.page("varied")

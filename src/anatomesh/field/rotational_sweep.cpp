@@ -24,15 +24,15 @@ constexpr double joined_round_axis = turn * 75 / 360;
 constexpr double most_round_axis = 0.5;  // of what is drawn
 constexpr double widened = 4;            // a wide gap's angle counts in full from a quarter of it on
 constexpr double open_gap = 1e7;         // median heights, that an open gap is wider than it is
-constexpr double wide = 1.5;                                           // of the median, that is told of
-constexpr double least_angle = 1e-6;                                   // less is one plane
-constexpr double most_lean = 0.5;    // sine of a plane's angle with the axis
-constexpr double most_crossing = 1;  // of the mean radius: up to there neighbours may cross
-constexpr double share_apart = 0.5;  // of neighbours, that are apart from there on
-constexpr double middle_half = 0.5;  // of the way along the axis, that they are looked at for it
-constexpr double off_foot = 1.25;    // times how far a plane is beside the axis: from there on it leads away
-constexpr double least_reach = 0.25;    // of half-planes, of the median one
-constexpr double rounding = 1e-6;       // of the mean radius
+constexpr double wide = 1.5;             // of the median, that is told of
+constexpr double least_angle = 1e-6;     // less is one plane
+constexpr double most_lean = 0.5;        // sine of a plane's angle with the axis
+constexpr double most_crossing = 1;      // of the mean radius: up to there neighbours may cross
+constexpr double share_apart = 0.5;      // of neighbours, that are apart from there on
+constexpr double middle_half = 0.5;      // of the way along the axis, that they are looked at for it
+constexpr double off_foot = 1.25;     // times how far a plane is beside the axis: from there on it leads away
+constexpr double least_reach = 0.25;  // of half-planes, of the median one
+constexpr double rounding = 1e-6;     // of the mean radius
 constexpr std::ptrdiff_t repeated = 4;  // half-planes before the first turn and after it
 
 }  // namespace
@@ -153,10 +153,11 @@ bool RotationalSweep::put_in_order(double max_gap) {
     std::vector<double> angles;
     for (std::size_t k = 0; k < half_planes_.size(); ++k) angles.push_back(angle_after(k));
     std::sort(angles.begin(), angles.end());
+    if (angles.front() < least_angle) return false;
+    if (angles.back() >= least_outside) angles.pop_back();
+    if (angles.empty() || angles.back() > most_angle) return false;
     median_angle_ = angles[angles.size() / 2];
     widest_joined_ = median_angle_;
-    if (angles.front() < least_angle) return false;
-    if (angles.back() > most_angle && angles.back() < least_outside) return false;
     double height = 0;
     for (std::size_t k = 0; k < half_planes_.size(); ++k) {
         HalfPlane& half = half_planes_[k];

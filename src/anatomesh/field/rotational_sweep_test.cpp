@@ -238,6 +238,15 @@ TEST(RotationalSweep, slices_on_one_side_of_the_axis_are_open_behind_it) {
     EXPECT_TRUE(rising == 0 || rising == steps - jumps) << rising;
 }
 
+TEST(RotationalSweep, two_slices_on_one_side_of_the_axis_are_as_far_apart_as_they_are) {
+    const Plane axis = make_plane({}, {0, 0, 1});
+    const std::vector<Plane> planes{plane_about(axis, 0.1), plane_about(axis, 0.4)};
+    const auto sweep = RotationalSweep::of(sections_of({25.0 * axis.u, {22, 22, 22}}, planes, 60));
+    ASSERT_TRUE(sweep);
+    EXPECT_NEAR(sweep->angle(std::cos(0.2) * axis.u + std::sin(0.2) * axis.v), 0.3, 1e-9);
+    EXPECT_TRUE(sweep->wide_gaps().empty());
+}
+
 TEST(RotationalSweep, half_planes_on_which_next_to_nothing_is_drawn_leave_it_open) {
     const Plane axis = make_plane({}, {0, 0, 1});
     // How far the axis lies inside an outline of 20 mm round.
