@@ -57,6 +57,7 @@ struct Seen {
     double distance;  // from the point
     double height;    // of the point above the plane
     double lateral;   // how far the point's projection lies beside the grown patch
+    double share;     // of it that nearer patches leave
     double weight;    // infinite on the patch itself
     Vec3 offset;      // to the nearest point of the grown patch
     Vec2 at;          // the point's projection
@@ -242,13 +243,12 @@ Seen GeneralField::see(Vec3 p, const Key& key) const {
     const double height = patch.plane.signed_distance(p);
     const double across = std::clamp(height, patch.low, patch.high) - height;
     const Vec2 foot = patch.plane.to_plane(p), way = way_to_box(patch, foot);
-    return {key.patch, std::sqrt(key.square),
-            height,    length(way),
-            0,         way.x * patch.plane.u + way.y * patch.plane.v + across * patch.plane.normal,
-            foot};
+    const Vec3 offset = way.x * patch.plane.u + way.y * patch.plane.v + across * patch.plane.normal;
+    return {key.patch, std::sqrt(key.square), height, length(way), 1, 0, offset, foot};
 }
 
-// How much of a patch the nearer ones in sight leave: the less the further the way to it leads through them.
+// How much of a patch the nearer ones in sight leave: the less the further the way to it leads through them;
+// what they leave little of themselves hides as little, so that nothing changes at once where it is hidden.
 double GeneralField::share_of(const Seen& near, const Sight& sight) const {
     double share = 1;
     for (std::uint32_t j = 0; j < sight.count && share > least_share; ++j) {
@@ -259,7 +259,7 @@ double GeneralField::share_of(const Seen& near, const Sight& sight) const {
         const double along = dot(patches_[nearer.patch].patch.plane.normal, near.offset);
         // 1 where the way keeps to this side of the nearer patch, 0 where it ends on the patch or behind it.
         const double side = square > 0 ? std::clamp(1 + along * nearer.height / square, 0.0, 1.0) : 1.0;
-        share *= 1 - shown * (1 - side);
+        share *= 1 - nearer.share * shown * (1 - side);
     }
     return (share - least_share) / (1 - least_share);
 }
@@ -320,9 +320,9 @@ Sight GeneralField::look(Vec3 p) const {
         if (on_patch) {
             near.weight = std::numeric_limits<double>::infinity();
         } else {
-            const double share = share_of(near, sight);
-            if (share <= 0) continue;
-            near.weight = share * (radius_ - near.distance) / (radius_ * near.distance);
+            near.share = share_of(near, sight);
+            if (near.share <= 0) continue;
+            near.weight = near.share * (radius_ - near.distance) / (radius_ * near.distance);
         }
         ++sight.count;
     }
