@@ -6,11 +6,12 @@
 
 namespace anatomesh {
 
-// W-FLD-001, once, for slices held by hand: where all planes lean by 30 degrees at most against their mean
-// and there are five or more of them, and along that mean, through the middle of the contours, neighbours are
-// further apart than 2.5 times what three in four gaps do not exceed. The widest gap is named: planes in any
+// W-FLD-001, once, for five slices or more of which neighbours are further apart than 2.5 times what three in
+// four are not: held by hand - all lean by 30 degrees at most against their mean - along that mean, through
+// the middle of the contours; or turned about an axis (rotation_axis.h) through the contours' box, about
+// this, where all run within a twentieth of its diagonal of it. The widest gap is named: planes in any
 // position (general_field.h) go on there as far as planes on both sides are seen, and end elsewhere.
-// Complexity: O(slices log slices).
+// Complexity: O(slices^2).
 void warn_about_missing_slices(const ContourSet& set, RunContext& context);
 
 }  // namespace anatomesh

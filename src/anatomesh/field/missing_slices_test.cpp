@@ -54,6 +54,18 @@ TEST(MissingSlices, are_not_looked_for_where_planes_are_turned_or_few) {
     EXPECT_TRUE(context.warnings.empty());
 }
 
+TEST(MissingSlices, are_told_of_where_a_turn_was_not_finished) {
+    const std::vector<Plane> all = planes_about(make_plane({1, 2, 0}, {0.1, 0, 1}), 30);
+    for (const std::ptrdiff_t turned : {6, 15, 24, 30}) {
+        RunContext context;
+        warn_about_missing_slices(sections_of({{}, {25, 22, 38}}, {all.begin(), all.begin() + turned}, 60),
+                                  context);
+        ASSERT_EQ(context.warnings.size(), turned < 30) << turned;
+        if (turned == 30) continue;
+        EXPECT_EQ(context.warnings[0].place.value.find(std::to_string(6 * (31 - turned)) + " degrees"), 0u);
+    }
+}
+
 TEST(MissingSlices, are_told_of_by_the_field) {
     std::mt19937 random(4);
     RunContext context;

@@ -10,6 +10,7 @@
 
 #include "anatomesh/field/field_queries.h"
 #include "anatomesh/field/general_field.h"
+#include "anatomesh/field/missing_slices.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/rotation_axis.h"
 #include "anatomesh/field/unsaid.h"
@@ -174,8 +175,10 @@ void warn_about_gaps(const ContourSet& set, const RotationalSweep& sweep, RunCon
             {joined ? "W-FLD-002" : "W-FLD-001",
              "slices are missing, or nothing is drawn on a half of them, between slices about an axis",
              {set.source, set.slices[widest->from].name, "", "", value + set.slices[widest->to].name},
-             joined ? "the gaps were bridged"
-                    : "what is drawn ends on both sides of the gaps, but near the axis; --max-gap joins it"});
+             joined
+                 ? "the gaps were bridged: what lies in them follows from none"
+                 : "what is drawn ends on both sides of the gaps, but near the axis; --max-gap joins it over "
+                   "up to 110 degrees"});
     }
 }
 
@@ -192,7 +195,10 @@ Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSw
     RunContext apart;  // its warnings are those of the field near the axis, or of straight coordinates
     apart.threads = context.threads;
     apart.cancel = context.cancel;
-    if (!Unsaid::of(set, apart).empty()) return parts.near;
+    if (!Unsaid::of(set, apart).empty()) {
+        warn_about_missing_slices(set, context);
+        return parts.near;
+    }
     warn_about_gaps(set, parts.sweep, context);
     const ContourSet straightened = parts.sweep.straight(set);
     FieldOptions straight = options;

@@ -15,21 +15,20 @@ namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
 constexpr std::size_t fewest_slices = 2;
-constexpr double most_angle = turn * 150 / 360;  // between neighbours,
+constexpr double most_angle = turn * 179 / 360;  // between neighbours,
 constexpr double least_outside = turn / 2;       // but where they are on one side of the axis alone
 constexpr double most_joined = turn * 110 / 360;
-constexpr double joined_medians = 2.5, joined_of_asked = 1.25, few_medians = 3.5,
-                 few_joined = turn * 31 / 360;
+constexpr double joined_usual = 2.5, joined_of_asked = 1.25, few_usual = 3.5, few_joined = turn * 31 / 360;
 constexpr double joined_round_axis = turn * 75 / 360;
 constexpr double most_round_axis = 0.5;  // of what is drawn
 constexpr double widened = 4;            // a wide gap's angle counts in full from a quarter of it on
-constexpr double open_gap = 1e7;         // median heights, that an open gap is wider than it is
-constexpr double wide = 1.5;             // of the median, that is told of
-constexpr double least_angle = 1e-6;     // less is one plane
-constexpr double most_lean = 0.5;        // sine of a plane's angle with the axis
-constexpr double most_crossing = 1;      // of the mean radius: up to there neighbours may cross
-constexpr double share_apart = 0.5;      // of neighbours, that are apart from there on
-constexpr double middle_half = 0.5;      // of the way along the axis, that they are looked at for it
+constexpr double open_gap = 1e7;         // usual heights, that an open gap is wider than it is
+constexpr double wide = 1.5, always_wide = turn * 95 / 360;  // that is told of
+constexpr double least_angle = 1e-6;                         // less is one plane
+constexpr double most_lean = 0.5;                            // sine of a plane's angle with the axis
+constexpr double most_crossing = 1;   // of the mean radius: up to there neighbours may cross
+constexpr double share_apart = 0.5;   // of neighbours, that are apart from there on
+constexpr double middle_half = 0.5;   // of the way along the axis, that they are looked at for it
 constexpr double off_foot = 1.25;     // times how far a plane is beside the axis: from there on it leads away
 constexpr double least_reach = 0.25;  // of half-planes, of the median one
 constexpr double rounding = 1e-6;     // of the mean radius
@@ -87,7 +86,7 @@ std::vector<RotationalSweep::Gap> RotationalSweep::wide_gaps() const {
     std::vector<Gap> gaps;
     for (std::size_t k = 0; k < half_planes_.size(); ++k) {
         const double angle = angle_after(k);
-        if (angle > wide * median_angle_ && angle < least_outside)
+        if ((angle > wide * usual_angle_ || angle > always_wide) && angle < least_outside)
             gaps.push_back({half_planes_[k].slice, half_planes_[(k + 1) % half_planes_.size()].slice, angle,
                             half_planes_[k].joined});
     }
@@ -156,8 +155,9 @@ bool RotationalSweep::put_in_order(double max_gap) {
     if (angles.front() < least_angle) return false;
     if (angles.back() >= least_outside) angles.pop_back();
     if (angles.empty() || angles.back() > most_angle) return false;
-    median_angle_ = angles[angles.size() / 2];
-    widest_joined_ = median_angle_;
+    usual_angle_ = angles[3 * (angles.size() - 1) / 4];  // slices of several passes come in pairs
+    if (usual_angle_ > most_joined) return false;
+    widest_joined_ = usual_angle_;
     double height = 0;
     for (std::size_t k = 0; k < half_planes_.size(); ++k) {
         HalfPlane& half = half_planes_[k];
@@ -165,13 +165,13 @@ bool RotationalSweep::put_in_order(double max_gap) {
         const double round_axis =
             std::min(half.round_axis, half_planes_[(k + 1) % half_planes_.size()].round_axis);
         const double joined_over =
-            std::max({joined_medians * median_angle_, joined_of_asked * max_gap * median_angle_,
-                      std::min(few_medians * median_angle_, few_joined)});
+            std::max({joined_usual * usual_angle_, joined_of_asked * max_gap * usual_angle_,
+                      std::min(few_usual * usual_angle_, few_joined)});
         half.joined = angle <= std::min(joined_over, most_joined) ||
                       (angle <= joined_round_axis && round_axis > most_round_axis);
         if (half.joined) widest_joined_ = std::max(widest_joined_, angle);
         half.height = height;
-        height += mean_radius_ * (angle + (half.joined ? 0 : open_gap * median_angle_));
+        height += mean_radius_ * (angle + (half.joined ? 0 : open_gap * usual_angle_));
     }
     turn_height_ = height;
     return true;
@@ -230,9 +230,9 @@ double RotationalSweep::angle(Vec3 p) const {
     const double angle = angle_of(p);
     const std::size_t k = before(angle);
     const double here = angle_after(k);
-    if (here <= median_angle_) return median_angle_;
+    if (here <= usual_angle_) return usual_angle_;
     const double t = (angle - half_planes_[k].angle) / here;
-    return median_angle_ + std::clamp(widened * std::min(t, 1 - t), 0.0, 1.0) * (here - median_angle_);
+    return usual_angle_ + std::clamp(widened * std::min(t, 1 - t), 0.0, 1.0) * (here - usual_angle_);
 }
 
 double RotationalSweep::apart_from(Vec3 p) const {

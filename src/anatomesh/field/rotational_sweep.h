@@ -27,15 +27,15 @@ class RotationalSweep {
   public:
     // Nothing unless there are two slices or more; what is drawn on half-planes reaches a quarter as far out
     // on each as in the median, or nowhere; none leans by more than 30 degrees against the axis
-    // (rotation_axis.h); no two neighbours are apart by more than 150 degrees but where nothing is drawn on
+    // (rotation_axis.h); no two neighbours are apart by more than 179 degrees but where nothing is drawn on
     // one side of the axis, nor, where they are joined, by more than 110; and their planes run by the axis so
     // closely that of neighbours half the pairs are apart (apart_from()) from the contours' mean distance
-    // from it on. Requires: a contour; max_gap >= 1, median angles that are joined. Complexity: O(points +
+    // from it on. Requires: a contour; max_gap >= 1, usual angles that are joined. Complexity: O(points +
     // slices^2).
     static std::optional<RotationalSweep> of(const ContourSet& set, double max_gap = 2);
 
-    // Neighbours further apart than 1.5 times the median, by their slices: slices are missing there, or
-    // nothing is drawn on them.
+    // Neighbours further apart than 1.5 times the usual angle or than 95 degrees, by their slices: slices are
+    // missing there, or nothing is drawn on them.
     struct Gap {
         std::uint32_t from, to;
         double angle;  // radians
@@ -53,7 +53,7 @@ class RotationalSweep {
     // How far planes run beside the axis at most, between the ends of the contours along it.
     double beside() const { return beside_; }
 
-    // Between neighbours: the median, or that of the gap in which the point is where that is wider;
+    // Between neighbours: the usual, or that of the gap in which the point is where that is wider;
     // continuous off the axis. Radians.
     double angle(Vec3 p) const;
 
@@ -94,7 +94,7 @@ class RotationalSweep {
 
     Vec3 origin_, direction_;             // of the axis
     std::vector<HalfPlane> half_planes_;  // by angle
-    double mean_radius_ = 0, median_angle_ = 0, widest_joined_ = 0;
+    double mean_radius_ = 0, usual_angle_ = 0, widest_joined_ = 0;
     double turn_height_ = 0;  // straight
     // After each half-plane, where neighbours are apart (apart_from()), at both ends of the axis; empty where
     // all planes run through it.
