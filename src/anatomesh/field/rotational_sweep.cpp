@@ -18,7 +18,7 @@ constexpr std::size_t fewest_slices = 2;
 constexpr double most_angle = turn * 179 / 360;  // between neighbours,
 constexpr double least_outside = turn / 2;       // but where they are on one side of the axis alone
 constexpr double most_joined = turn * 110 / 360;
-constexpr double joined_usual = 2.5, joined_of_asked = 1.25, few_usual = 3.5, few_joined = turn * 31 / 360;
+constexpr double joined_of_asked = 1.25, few_of_asked = 1.75, few_joined = turn * 31 / 360;
 constexpr double joined_round_axis = turn * 75 / 360;
 constexpr double most_round_axis = 0.5;  // of what is drawn
 constexpr double widened = 4;            // a wide gap's angle counts in full from a quarter of it on
@@ -164,9 +164,9 @@ bool RotationalSweep::put_in_order(double max_gap) {
         const double angle = angle_after(k);
         const double round_axis =
             std::min(half.round_axis, half_planes_[(k + 1) % half_planes_.size()].round_axis);
+        const double asked = max_gap * usual_angle_;
         const double joined_over =
-            std::max({joined_usual * usual_angle_, joined_of_asked * max_gap * usual_angle_,
-                      std::min(few_usual * usual_angle_, few_joined)});
+            std::max(joined_of_asked * asked, std::min(few_of_asked * asked, few_joined));
         half.joined = angle <= std::min(joined_over, most_joined) ||
                       (angle <= joined_round_axis && round_axis > most_round_axis);
         if (half.joined) widest_joined_ = std::max(widest_joined_, angle);

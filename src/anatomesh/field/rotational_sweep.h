@@ -16,10 +16,10 @@ namespace anatomesh {
 // angle times the contours' mean distance from it) they are parallel. Each slice comes twice, the second time
 // half a turn later, from behind; both times with all its contours, so that distances go on across the axis.
 // A half-plane on which nothing is drawn says nothing, and is left out. Where neighbours are further apart
-// than 2.5 times the median (3.5 times up to 30 degrees) and than 1.25 times so many medians as are asked
-// for, what is drawn ends on both sides of the gap, which is far wider in straight coordinates than it is -
-// but that most of it on both, by area, is round the axis, and the gap no wider than 75 degrees: then it goes
-// on.
+// than 1.25 times so many usual angles - which three in four do not exceed - as are asked for (1.75 times up
+// to 30 degrees), what is drawn ends on both sides of the gap, which is far wider in straight coordinates
+// than it is - but that most of it on both, by area, is round the axis, and the gap no wider than 75 degrees:
+// then it goes on.
 //
 // Guarantees: all points of a slice's contours on a half-plane have that half-plane's z, exactly, and the x
 // and y of its frame; continuous where the half-planes are apart. Immutable.
