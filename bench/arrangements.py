@@ -17,7 +17,7 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
-from common import Failure, add_programs, columns, command, machine, note, programs_of, run, show, table
+from common import add_programs, columns, command, machine, modelled, note, programs_of, show, table
 
 HALF, PIXEL, VERTICES = 50, 1, 2.5  # of what is looked at; of the grid; along contours. mm
 LIMIT = 300                         # seconds a run may take
@@ -126,12 +126,10 @@ def volume_of(solid):
 def built(program, folder, path, truth):
     """Volume off in percent, whether pieces and handles are the solid's, whether a warning tells of gaps or joints, seconds; None: refused."""
     volume, surfaces, handles = truth
-    try:
-        seconds = run([program, "model", path, "-o", folder / "model.vtu", "--quiet", "--threads", "2"], LIMIT)["seconds"]
-    except Failure as failure:
-        note(f"  {failure}")
+    made = modelled(program, path, folder, LIMIT)
+    if not made:
         return None
-    report = json.loads((folder / "model.report.json").read_text())
+    report, seconds = made
     structure = report["structures"][0]
     told = any(warning["code"] in TELL for warning in report["warnings"])
     return [100 * (structure["volume_mesh_mm3"] / volume - 1), (structure["components"], structure["genus"]) == (surfaces, handles), told, seconds]

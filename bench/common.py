@@ -2,6 +2,7 @@
 that keeps them.
 """
 import datetime
+import json
 import math
 import os
 import pathlib
@@ -58,6 +59,16 @@ def run(words, limit):
         told = [line for line in lines if "rror" in line] or lines[-1:]
         raise Failure(told[0].strip() if told else f"exit code {process.returncode}")
     return {"out": text, "seconds": seconds, "cpu": usage.ru_utime + usage.ru_stime, "mb": usage.ru_maxrss / 1024}
+
+
+def modelled(program, path, folder, limit):
+    """The report of a model of the contours at `path`, and seconds; None where it is refused, and why is said."""
+    try:
+        seconds = run([program, "model", path, "-o", folder / "model.vtu", "--quiet", "--threads", "2"], limit)["seconds"]
+    except Failure as failure:
+        note(f"  {failure}")
+        return None
+    return json.loads((folder / "model.report.json").read_text()), seconds
 
 
 def skull():

@@ -16,7 +16,7 @@ import tempfile
 
 import numpy as np
 
-from common import DATA, SKULL_OPTIONS, Failure, add_programs, columns, command, count, machine, note, programs_of, run, show, skull, table
+from common import DATA, SKULL_OPTIONS, add_programs, columns, command, count, machine, modelled, note, programs_of, show, skull, table
 
 KINDS = {"turned": "by any angles, and moved by up to 0.6 m", "mirrored": "and 0.7 times as large",
          "jittered": "every second point, moved by 0.12 mm (standard deviation) in its plane",
@@ -80,12 +80,10 @@ def inputs(files, program, folder):
 
 def built(program, folder, path):
     """Segments, missed, cuts, those off by more than 0.1 %, clauses broken, 1 where clauses 2 and 4 are kept, seconds; None: refused."""
-    try:
-        seconds = run([program, "model", path, "-o", folder / "model.vtu", "--quiet", "--threads", "2"], LIMIT)["seconds"]
-    except Failure as failure:
-        note(f"  {failure}")
+    made = modelled(program, path, folder, LIMIT)
+    if not made:
         return None
-    report = json.loads((folder / "model.report.json").read_text())
+    report, seconds = made
     segments = sum(each["contour_segments"] for each in report["structures"])
     missed = segments - sum(each["contour_segments_on_surface"] for each in report["structures"])
     state = {each["clause"]: each["state"] for each in report["certificate"]}
