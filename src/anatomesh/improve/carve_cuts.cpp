@@ -226,12 +226,12 @@ class Carver {
         const std::optional<std::uint32_t> end = vertex_on_surface(sheet, patch.structure);
         if (!end) return Outcome::unsound;
         const Chain chain{{*end}, patch.structure};
-        const SheetInPlane in_plane{areas_.plane(patch.plane).normal, patch.to};
+        const SheetAcross across{SheetSides::both, areas_.plane(patch.plane).normal, patch.to};
         std::optional<ThickenedSheet> made = thicken_sheet(bench_, *drawn_.owners, chain, sheet, patch.own,
-                                                           way.reach, way.thickness, nullptr, &in_plane);
+                                                           way.reach, way.thickness, nullptr, &across);
         if (!made) return Outcome::unsound;
         std::vector<std::uint32_t> changed = std::move(made->changed);
-        if (made->parts_structure && !may_be_parted(patch, may_part, first_new, changed, crumbs))
+        if (!made->parted.empty() && !may_be_parted(patch, may_part, first_new, changed, crumbs))
             return Outcome::unsound;
         // Those round the edges that pass through the patch too.
         for (auto v = first_new; v < bench_.mesh.point_count(); ++v) {

@@ -593,7 +593,8 @@ class Follower {
 
 FollowStats follow_surface(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded,
                            double least_sine, const ImproveCells& improve, const RunContext& context) {
-    if (!drawn.table || !drawn.owners || drawn.following.contours.empty()) return {};
+    if (!drawn.table || !drawn.owners || drawn.following.contours.empty() || !(drawn.following.most_mm > 0))
+        return {};
     return Follower(bench, drawn, crowded, least_sine, improve, context).run();
 }
 

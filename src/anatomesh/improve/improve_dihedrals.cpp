@@ -13,6 +13,7 @@
 #include "anatomesh/improve/bring_segments.h"
 #include "anatomesh/improve/carve_cuts.h"
 #include "anatomesh/improve/cell_judge.h"
+#include "anatomesh/improve/close_handles.h"
 #include "anatomesh/improve/flip_surface_edges.h"
 #include "anatomesh/improve/follow_surface.h"
 #include "anatomesh/improve/lift_facets.h"
@@ -117,6 +118,7 @@ class Climber {
         const double least = worst_degrees();
         queue_ = {};
         bring_pieces(std::max(least, listed_degrees), most_for_segment);
+        close_small_handles(std::max(least, listed_degrees), context);
         mend_worst_cuts(context);
         mended.left.insert(mended.left.end(), watched_.begin(), watched_.end());
         carve(std::max(least, listed_degrees), mended.left, context);
@@ -307,6 +309,20 @@ class Climber {
                                     mended.edges_collapsed + mended.vertices_inserted;
         watched_.insert(watched_.end(), mended.changed.begin(), mended.changed.end());
         at_last_.weights = before;
+    }
+
+    // Those of the mesh's own making.
+    void close_small_handles(double least_degrees, const RunContext& context) {
+        if (!(bench_.options.handle_mm > 0)) return;
+        std::vector<std::uint32_t> watched = std::exchange(watched_, {});
+        const CloseStats closed = close_handles(
+            bench_, at_last_.planes.empty() ? drawn_ : at_last_, bench_.options.handle_mm,
+            std::sin(least_degrees * radians_per_degree),
+            [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context);
+        bench_.stats.handles_found += closed.found;
+        bench_.stats.handles_closed += closed.closed;
+        watched_ = std::move(watched);
+        watched_.insert(watched_.end(), closed.changed.begin(), closed.changed.end());
     }
 
     // What cuts that are still wrong have too much or too little: at these cells, where mend() looked at

@@ -21,13 +21,13 @@ using VertexPair = std::array<std::uint32_t, 2>;  // smaller vertex first
 
 inline constexpr std::uint32_t no_slice = 0xFFFFFFFFu;
 
-// Contours that may leave where they are drawn for where the surface is (follow_surface.h).
+// All contours, which may leave where they are drawn for where the surface is (follow_surface.h).
 struct FollowingContours {
     std::span<const Contour> contours = {};        // those of a slice and structure one after the other
     std::span<const std::uint32_t> vertices = {};  // of the mesh, of every point of theirs
     std::span<const Plane> planes = {};            // by slice
     bool exclusive = false;                        // structures, as in contour sets
-    double most_mm = 0;                            // no further. >= 0
+    double most_mm = 0;                            // no further; 0: they stay. >= 0
 };
 
 // One that did.
@@ -87,6 +87,9 @@ struct DihedralOptions {
     double apex_mm = 1;    // a vertex of a surface further from the field's is lowered (lower_apexes.h). > 0
     int passes = 4;        // over the cells that are still bad. [0, 100]
     int ratio_passes = 4;  // over the cells above max_radius_edge, after those. [0, 100]
+    // Handles of surfaces within so little along them are closed, where no contour of `drawn.following` tells
+    // of them (close_handles.h); 0: none. >= 0
+    double handle_mm = 0;
     // Whether cells between the bound and last_radius_edge may go to another side for their ratio, as those
     // above may: to the outside, it may leave pits.
     bool gives_for_ratio = false;
@@ -102,6 +105,7 @@ struct DihedralStats {
                   tries = 0;
     std::uint64_t cuts_found = 0, cuts_mended = 0;       // visits and changes (mend_cuts.h, carve_cuts.h)
     std::uint64_t crumbs_given = 0;                      // that came off where cuts were carved
+    std::uint64_t handles_found = 0, handles_closed = 0;  // that no contour tells of
     std::uint64_t pieces_found = 0, pieces_brought = 0;  // of contour segments (bring_segments.h)
     std::uint64_t segments_missed = 0;                   // of drawn.following, before follow_surface()
     std::vector<FollowedContour> followed;
@@ -130,7 +134,8 @@ struct DihedralStats {
 // structures further away than `apex_mm`; `fixed_edges` (sorted, ends fixed) that lie on an interface stay
 // edges of it, or chains of edges on the same line, whose new vertices are fixed as well; the surfaces of all
 // structures keep their topology: each operation replaces a disc of a surface by a disc, but where a slice's
-// plane has a handle, a tunnel or a neck that the slice has not (carve_cuts.h). No ratio above the
+// plane has a handle, a tunnel or a neck that the slice has not (carve_cuts.h), and where small handles are
+// closed near the end. No ratio above the
 // bound (at last the other one) arises but in the place of one as large, or of a crowded cell. Cells outside
 // serve as room; they stay positive, and none gets nearly flat but in the place of one as flat, or of a
 // crowded one. Same result every time. `fixed` grows with the points. Cells keep no order. Points no longer

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t most_pieces = 50;                         // of a chain
 constexpr std::size_t most_facets = 8;                          // of a sheet, beside one for each piece
-constexpr std::size_t most_looked_at = 4000, most_sheets = 16;  // for a chain
+constexpr std::size_t most_looked_at = 4000, most_sheets = 16, most_across = 6;
 constexpr double edge_price = 0.43;  // of its square: the facets that an edge off the surface still needs
 constexpr double wrong_side = 5;     // price of a facet where the field has the side of the chain
 
@@ -77,26 +77,32 @@ class SheetSearch {
         : bench_(bench), chain_(chain), side_(side), sides_(bench) {}
 
     std::vector<Sheet> run() {
+        waiting_.push({{}, chain_.vertices, 0, 0});
+        return cheapest(most_sheets, [](const Sheet&) { return true; });
+    }
+
+    std::vector<Sheet> run_among(std::span<const std::uint32_t> vertices, const RimSides& sides_of_rim,
+                                 const std::function<bool(const Sheet&)>& wanted) {
+        among_ = vertices;
+        rim_sides_ = &sides_of_rim;
+        for (const std::uint32_t u : vertices) begin_at(u);
+        return cheapest(most_across, wanted);
+    }
+
+  private:
+    std::vector<Sheet> cheapest(std::size_t most, const std::function<bool(const Sheet&)>& wanted) {
         std::vector<Sheet> found;
-        std::set<std::vector<std::array<std::uint32_t, 3>>> seen;
-        std::priority_queue<Sheet, std::vector<Sheet>, Dearer> waiting;
-        waiting.push({{}, chain_.vertices, 0, 0});
-        for (std::size_t n = 0; n < most_looked_at && !waiting.empty() && found.size() < most_sheets; ++n) {
-            Sheet sheet = waiting.top();
-            waiting.pop();
+        for (std::size_t n = 0; n < most_looked_at && !waiting_.empty() && found.size() < most; ++n) {
+            Sheet sheet = waiting_.top();
+            waiting_.pop();
             const std::size_t open = first_off_surface(sheet);
             if (open + 1 == sheet.path.size()) {
-                found.push_back(std::move(sheet));
+                if (wanted(sheet)) found.push_back(std::move(sheet));
                 continue;
             }
             if (sheet.facets.size() == most_facets + chain_.vertices.size()) continue;
             const EdgeRing& edge = ring_of(sheet.path[open], sheet.path[open + 1]);
             if (!edge.closed) continue;
-            const auto push = [&](std::optional<Sheet> more) {
-                if (!more || !seen.insert(more->facets).second) return;
-                more->to_come = to_come(*more);
-                waiting.push(std::move(*more));
-            };
             for (const std::uint32_t w : edge.vertices) push(grown(sheet, open, w));
             // Elsewhere facets between two edges of the path alone: they may be all that the others wait for.
             for (std::size_t k = open + 1; k + 2 < sheet.path.size(); ++k) {
@@ -107,7 +113,60 @@ class SheetSearch {
         return found;
     }
 
-  private:
+    void push(std::optional<Sheet> more) {
+        if (!more || is_enclosed(*more) || !seen_.insert(more->facets).second) return;
+        more->to_come = to_come(*more);
+        waiting_.push(std::move(*more));
+    }
+
+    // Each facet on this side at an edge of the surface from the vertex on, alone.
+    void begin_at(std::uint32_t u) {
+        bench_.mesh.star(u, bench_.star);
+        const std::vector<std::uint32_t> star = bench_.star;
+        for (const std::uint32_t c : star) {
+            if (sides_.has(c, chain_.structure) != side_) continue;
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t beyond = bench_.mesh.neighbor(c, i);
+                if (bench_.mesh.cell(c)[i] == u || beyond == no_cell || beyond < c ||
+                    sides_.has(beyond, chain_.structure) != side_)
+                    continue;
+                const auto [v, w] = others_of_facet(bench_.mesh.cell(c), i, u);
+                if (!is_among(v) || !is_among(w)) continue;
+                std::array facet{u, v, w};
+                std::sort(facet.begin(), facet.end());
+                if (on_surface(u, v))
+                    push(Sheet{{facet}, {u, w, v}, price(facet), 0});
+                else if (on_surface(u, w))
+                    push(Sheet{{facet}, {u, v, w}, price(facet), 0});
+            }
+        }
+    }
+
+    // Whether the part of the rim that lies on the surface already has no side left.
+    bool is_enclosed(const Sheet& sheet) {
+        if (!rim_sides_) return false;
+        std::array<bool, 2> taken{};
+        const std::vector<std::uint32_t>& path = sheet.path;
+        bool on_before = true;  // the edge that joins its ends is
+        for (std::size_t n = 0; n < path.size(); ++n) {
+            const std::size_t next = (n + 1) % path.size();
+            const bool on = next == 0 || on_surface(path[n], path[next]);
+            if (on && on_before) {
+                const auto [place, is_new] =
+                    rim_sides_at_.try_emplace({path[n == 0 ? path.size() - 1 : n - 1], path[n], path[next]});
+                const auto& [before, at, after] = place->first;
+                if (is_new) place->second = (*rim_sides_)(before, at, after);
+                for (std::size_t side = 0; side < 2; ++side) taken[side] = taken[side] || place->second[side];
+            }
+            on_before = on;
+        }
+        return taken[0] && taken[1];
+    }
+
+    bool is_among(std::uint32_t v) const {
+        return among_.empty() || std::binary_search(among_.begin(), among_.end(), v);
+    }
+
     // What is round an edge: asked for again and again, of few edges.
     struct EdgeRing {
         bool closed = false, on_surface = false;
@@ -146,7 +205,7 @@ class SheetSearch {
         } else if (n + 2 < sheet.path.size() && sheet.path[n + 2] == w) {
             if (!may_be_within(v)) return std::nullopt;
             more.path.erase(at + 1);
-        } else if (sheet.has(w) || chain_.has(w)) {
+        } else if (sheet.has(w) || chain_.has(w) || !is_among(w)) {
             return std::nullopt;
         } else {
             more.path.insert(at + 1, w);
@@ -187,6 +246,11 @@ class SheetSearch {
     const Chain& chain_;
     bool side_;  // of the structure on which the chain lies
     SidesAt sides_;
+    std::span<const std::uint32_t> among_;  // if any: vertices, rising
+    const RimSides* rim_sides_ = nullptr;
+    std::map<std::array<std::uint32_t, 3>, std::array<bool, 2>> rim_sides_at_;
+    std::set<std::vector<std::array<std::uint32_t, 3>>> seen_;
+    std::priority_queue<Sheet, std::vector<Sheet>, Dearer> waiting_;
     std::map<std::pair<std::uint32_t, std::uint32_t>, EdgeRing> rings_;
     std::map<std::array<std::uint32_t, 3>, double> prices_;
 };
@@ -200,6 +264,13 @@ std::vector<Chain> find_chains(Workbench& bench, const ContourOwners& owners,
 
 std::vector<Sheet> find_sheets(Workbench& bench, const Chain& chain, bool side) {
     return SheetSearch(bench, chain, side).run();
+}
+
+std::vector<Sheet> find_sheets_across(Workbench& bench, std::uint32_t structure, bool side,
+                                      std::span<const std::uint32_t> vertices, const RimSides& rim_sides,
+                                      const std::function<bool(const Sheet&)>& wanted) {
+    const Chain none{{}, structure};
+    return SheetSearch(bench, none, side).run_among(vertices, rim_sides, wanted);
 }
 
 }  // namespace anatomesh

@@ -1,11 +1,12 @@
 // find_chains, find_sheets: contour pieces that run beside their structure's surface, and facets between them
-// and it.
+// and it; find_sheets_across: facets between parts of a surface.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -26,7 +27,8 @@ struct Chain {
 // Facets between a chain and its structure's surface.
 struct Sheet {
     std::vector<std::array<std::uint32_t, 3>> facets;  // corners rising
-    std::vector<std::uint32_t> path;                   // the rest of its rim, from end to end of the chain
+    // The rest of its rim, from end to end of the chain; without one all but the edge from end to end.
+    std::vector<std::uint32_t> path;
     double price = 0, to_come = 0;
 
     bool has(std::uint32_t v) const {
@@ -61,5 +63,16 @@ std::vector<Chain> find_chains(Workbench& bench, const ContourOwners& owners,
 // beside one for each piece, none meets itself or touches a surface within its rim. `side`: of the structure,
 // on which the chain lies. Same result every time. Complexity: O(4,000 sheets) at most.
 std::vector<Sheet> find_sheets(Workbench& bench, const Chain& chain, bool side);
+
+// Of a rim that runs over a surface from one vertex to the next and on to a third: on which of its two sides
+// there is something that must stay there.
+using RimSides = std::function<std::array<bool, 2>(std::uint32_t, std::uint32_t, std::uint32_t)>;
+
+// The same among some vertices (rising) alone and without a chain: up to 6 sheets on one side of a structure,
+// all of the rim of which lies on its surface, with a side on which nothing must stay, and which are
+// `wanted`.
+std::vector<Sheet> find_sheets_across(Workbench& bench, std::uint32_t structure, bool side,
+                                      std::span<const std::uint32_t> vertices, const RimSides& rim_sides,
+                                      const std::function<bool(const Sheet&)>& wanted);
 
 }  // namespace anatomesh

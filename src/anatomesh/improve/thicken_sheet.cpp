@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
@@ -22,7 +23,7 @@ constexpr double middle = 0.5;  // where an edge between two vertices of a sheet
 class Thickening {
   public:
     Thickening(Workbench& bench, const ContourOwners& owners, const Chain& chain, const Sheet& sheet,
-               Region own, SheetReach reach, const SheetInPlane* in_plane)
+               Region own, SheetReach reach, const SheetAcross* across)
         : bench_(bench),
           owners_(owners),
           chain_(chain),
@@ -30,7 +31,7 @@ class Thickening {
           own_(own),
           side_(bench.table->contains(own, chain.structure)),
           reach_(reach),
-          in_plane_(in_plane),
+          across_(across),
           sides_(bench),
           on_sheet_(sheet.vertices()),
           first_new_(static_cast<std::uint32_t>(bench.mesh.point_count())) {}
@@ -39,9 +40,9 @@ class Thickening {
         find_cells();
         if (!cut_edges(thickness)) return std::nullopt;
         std::vector<std::uint32_t> given = cells_between_cuts();
-        const std::optional<Region> to = in_plane_ ? std::optional(in_plane_->to) : region_across(given);
+        const std::optional<Region> to = across_ && across_->to ? across_->to : region_across(given);
         if (!to || given.empty() || !leave_one_part(given, *to, thickness)) return std::nullopt;
-        if (in_plane_) {
+        if (across_) {
             auto joined = join_sides(
                 bench_,
                 {chain_.structure, own_, *to, reach_ == SheetReach::others, thickness, on_sheet_, first_new_},
@@ -81,8 +82,10 @@ class Thickening {
         const std::span<const int> was = count.of_structures(before), is = count.of_structures(after);
         for (std::size_t n = 0; n < was.size(); ++n) {
             if (is[n] == was[n]) continue;
-            if (!in_plane_ || count.structures()[n] != chain_.structure || is[n] != was[n] + 2) return false;
-            made_.parts_structure = true;
+            const bool may_rise =
+                across_ && (across_->sides != SheetSides::both || count.structures()[n] == chain_.structure);
+            if (!may_rise || is[n] != was[n] + 2) return false;
+            made_.parted.push_back(count.structures()[n]);
         }
         return true;
     }
@@ -92,23 +95,10 @@ class Thickening {
 
     bool is_on(std::uint32_t v) const { return std::binary_search(on_sheet_.begin(), on_sheet_.end(), v); }
 
-    // Those that may go with an edge of the sheet that is no piece of its rim, and their edges that leave it.
+    // Those that may go, and their edges that leave the sheet.
     void find_cells() {
-        std::vector<std::uint32_t> cells;
-        for (const auto& facet : sheet_.facets) {
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t a = facet[k], b = facet[(k + 1) % 3];
-                if (!sides_.find_ring(a, b)) continue;
-                if (is_rim_piece(a, b)) {
-                    if (in_plane_) add_beside(facet[(k + 2) % 3], cells);
-                    continue;
-                }
-                std::copy_if(bench_.ring.cells.begin(), bench_.ring.cells.end(), std::back_inserter(cells),
-                             [&](std::uint32_t c) { return may_go(c); });
-            }
-        }
-        sort_distinct(cells);
-        for (const std::uint32_t c : cells) {
+        const bool both = !across_ || across_->sides == SheetSides::both;
+        for (const std::uint32_t c : both ? cells_at_edges() : cells_on_side()) {
             const Cell& cell = bench_.mesh.cell(c);
             cells_.push_back(CellBefore::of(bench_.mesh, c));
             for (const std::uint32_t d : cell) {
@@ -121,6 +111,59 @@ class Thickening {
         sort_distinct(edges_);
     }
 
+    // Those with an edge of the sheet that is no piece of its rim.
+    std::vector<std::uint32_t> cells_at_edges() {
+        std::vector<std::uint32_t> cells;
+        for (const auto& facet : sheet_.facets) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t a = facet[k], b = facet[(k + 1) % 3];
+                if (!sides_.find_ring(a, b)) continue;
+                if (is_rim_piece(a, b)) {
+                    if (across_) add_beside(facet[(k + 2) % 3], cells);
+                    continue;
+                }
+                std::copy_if(bench_.ring.cells.begin(), bench_.ring.cells.end(), std::back_inserter(cells),
+                             [&](std::uint32_t c) { return may_go(c); });
+            }
+        }
+        sort_distinct(cells);
+        return cells;
+    }
+
+    // Those that facets at vertices of the sheet, but none of it, join to one at its first facet; none, where
+    // that leads round it.
+    std::vector<std::uint32_t> cells_on_side() {
+        std::vector<std::uint32_t> ends;
+        const auto& [a, b, w] = sheet_.facets.front();
+        if (!sides_.find_ring(a, b)) return {};
+        std::copy_if(bench_.ring.cells.begin(), bench_.ring.cells.end(), std::back_inserter(ends),
+                     [&](std::uint32_t c) {
+                         const Cell& cell = bench_.mesh.cell(c);
+                         return may_go(c) && std::find(cell.begin(), cell.end(), w) != cell.end();
+                     });
+        if (ends.size() != 2) return {};
+        const auto [low, high] = std::minmax(ends[0], ends[1]);
+        const bool first = across_->sides == SheetSides::first;
+        std::vector<std::uint32_t> cells{first ? low : high};
+        std::set<std::uint32_t> known{cells[0]};
+        for (std::size_t n = 0; n < cells.size(); ++n) {
+            for (int i = 0; i < 4; ++i) {
+                const Cell& cell = bench_.mesh.cell(cells[n]);
+                const std::uint32_t next = bench_.mesh.neighbor(cells[n], i);
+                if (next == no_cell || !may_go(next)) continue;
+                std::array facet{cell[facet_vertices[i][0]], cell[facet_vertices[i][1]],
+                                 cell[facet_vertices[i][2]]};
+                if (std::none_of(facet.begin(), facet.end(), [&](std::uint32_t v) { return is_on(v); }))
+                    continue;
+                std::sort(facet.begin(), facet.end());
+                if (std::binary_search(sheet_.facets.begin(), sheet_.facets.end(), facet)) continue;
+                if (known.insert(next).second) cells.push_back(next);
+            }
+        }
+        if (known.contains(first ? high : low)) return {};
+        return cells;
+    }
+
     // Of the ring of a piece, from the sheet's facet to this vertex on both ways round: cells up to the other
     // side of the structure, if that is reached before half a turn.
     void add_beside(std::uint32_t sheet_vertex, std::vector<std::uint32_t>& cells) const {
@@ -130,7 +173,7 @@ class Thickening {
                                                  ring.ring.begin());
         if (at == count) return;
         const Vec3 from = bench_.mesh.point(ring.a);
-        const Vec3 in = cross(in_plane_->normal, bench_.mesh.point(ring.b) - from);
+        const Vec3 in = cross(across_->normal, bench_.mesh.point(ring.b) - from);
         const double inward = dot(in, bench_.mesh.point(sheet_vertex) - from);
         for (const bool onward : {true, false}) {
             std::vector<std::uint32_t> part;
@@ -147,7 +190,7 @@ class Thickening {
                 // Beyond the piece, where the next vertex is on the other side of the plane than those
                 // before.
                 const Vec3 next = bench_.mesh.point(ring.ring[onward ? (i + 1) % count : i]) - from;
-                const double height = dot(in_plane_->normal, next);
+                const double height = dot(across_->normal, next);
                 if (n > 0 && (height > 0) != over) break;
                 over = height > 0;
                 if (height == 0 && dot(in, next) * inward < 0) break;
@@ -295,7 +338,7 @@ class Thickening {
     Region own_;
     bool side_;
     SheetReach reach_;
-    const SheetInPlane* in_plane_;
+    const SheetAcross* across_;
     SidesAt sides_;
     std::vector<std::uint32_t> on_sheet_, beside_;           // vertices
     std::vector<std::array<std::uint32_t, 2>> edges_, cut_;  // from a vertex of the sheet on
@@ -309,8 +352,8 @@ class Thickening {
 std::optional<ThickenedSheet> thicken_sheet(Workbench& bench, const ContourOwners& owners, const Chain& chain,
                                             const Sheet& sheet, Region own, SheetReach reach,
                                             double thickness, SectionAreas* areas,
-                                            const SheetInPlane* in_plane) {
-    return Thickening(bench, owners, chain, sheet, own, reach, in_plane).run(thickness, areas);
+                                            const SheetAcross* across) {
+    return Thickening(bench, owners, chain, sheet, own, reach, across).run(thickness, areas);
 }
 
 }  // namespace anatomesh

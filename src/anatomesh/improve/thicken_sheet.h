@@ -16,13 +16,18 @@ struct ThickenedSheet {
     std::vector<std::uint32_t> changed;  // cells that were made or changed their region; rising
     double wrong_of_cuts = 0;            // that came of it, a share of what is drawn
     bool parts_cells = false;            // of the chain's region, at a vertex of the sheet
-    bool parts_structure = false;        // or takes a handle or a tunnel from it: in a plane alone
+    std::vector<std::uint32_t> parted;  // structures that lose a handle or a tunnel by it, or fall into parts
 };
 
-// What a slice says where a sheet lies in its plane.
-struct SheetInPlane {
-    Vec3 normal;
-    Region to;  // of the other side of the chain's structure; where the sheet goes
+// On which sides of a sheet cells go: of the two cells at its first facet that of the lower number, or the
+// other one, tells which side is the first.
+enum class SheetSides { both, first, second };
+
+// Of a sheet that is no chain's: of a patch in a slice's plane, or one across a hole or a bridge.
+struct SheetAcross {
+    SheetSides sides = SheetSides::both;
+    Vec3 normal;               // of the plane that it lies in, if cells go on both sides
+    std::optional<Region> to;  // of the other side of the chain's structure; where the sheet goes
 };
 
 // How far what goes reaches along the structure's surface: as far as to all vertices of it beside the sheet;
@@ -34,16 +39,18 @@ enum class SheetReach { wide, joined, near, others };
 // the cuts goes to the other side: a regular neighbourhood of the sheet (Rourke and Sanderson, Introduction
 // to Piecewise-Linear Topology, 1972, chapter 3) but for cells that have nothing of it but pieces on its rim.
 // `own`: the region in which the chain lies; cells of others stay. `areas`: those of a stack, or null.
-// `in_plane`: null where the sheet lies in none. Else cells at pieces on its rim go too, which lie between
-// the sheet and the other side and not beyond the piece in the plane; at vertices where what goes meets the
-// other side in no facet, what is between them, so that all is in one part there; and the characteristic of
-// the chain's structure may rise by two. Returns nothing where a cell would not be positive, a surface not
+// `across`: null where the sheet is a chain's. Else, on both sides, cells at pieces on its rim go too, which
+// lie between the sheet and the other side and not beyond the piece in the plane; on one side all cells do
+// that facets at vertices of the sheet join there, so that what is on the sheet's rim stays on the surface.
+// At vertices where what goes meets the other side in no facet, what is between them goes, so that all is in
+// one part there; and the characteristic of the chain's structure may rise by two, and, on one side, those of
+// others. Returns nothing where a cell would not be positive, a surface not
 // one disc at each vertex concerned, that of a structure of another Euler characteristic, a contour vertex or
 // piece off its surface, or the chain not on it. What was done to the mesh then is the caller's to take back.
 // Complexity: O(cells at the sheet).
 std::optional<ThickenedSheet> thicken_sheet(Workbench& bench, const ContourOwners& owners, const Chain& chain,
                                             const Sheet& sheet, Region own, SheetReach reach,
                                             double thickness, SectionAreas* areas,
-                                            const SheetInPlane* in_plane = nullptr);
+                                            const SheetAcross* across = nullptr);
 
 }  // namespace anatomesh

@@ -17,6 +17,8 @@ constexpr double most_tangles = 4;         // times those of the other one
 constexpr double some_bad = 1e-3;          // of cells
 constexpr double unwarned_distance = 0.5;  // in edge lengths: warned of is what is further off (W-PIP-008)
 constexpr double as_far = 1.25;            // times the other one's distance
+constexpr double few_missed = 5e-3;        // of the segments
+constexpr std::size_t untangled_below = 60000;  // cells
 
 bool lacks_fewer(const TryOutcome& one, const TryOutcome& other) {
     return one.missed <= fewer_missed * other.missed && one.missed <= other.missed - least_gain;
@@ -64,6 +66,15 @@ bool has_more_contours(const TryOutcome& kept, const TryOutcome& other) {
 bool is_hardly_bad(const TryOutcome& kept) {
     return kept.conformed_badly && !kept.tore_walls && kept.bad <= Attempts::few_bad &&
            (!kept.astray || kept.farthest <= unwarned_distance);
+}
+
+bool is_tangled(const TryOutcome& outcome) {
+    return outcome.kept_contract && outcome.untold > 0 && outcome.cells < untangled_below;
+}
+
+bool is_less_tangled(const TryOutcome& later, const TryOutcome& kept) {
+    return later.kept_contract && later.untold < kept.untold && later.unmet <= kept.unmet &&
+           later.missed <= kept.missed + few_missed && (kept.astray || !later.astray);
 }
 
 bool is_worse(const TryOutcome& later, const TryOutcome& kept) {

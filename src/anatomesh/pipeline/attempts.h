@@ -18,6 +18,7 @@
 // shorter ones. O(1).
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 namespace anatomesh {
@@ -35,6 +36,8 @@ struct TryOutcome {
     bool astray = false;        // and so is its surface: it goes far from the field's
     double missed = 0;          // share of the contour segments that are no chains of edges of the surface
     long long tangles = 0;      // components and handles of all structures
+    std::size_t untold = 0;     // places where planes cross and surfaces are joined otherwise than drawn
+    std::size_t unmet = 0;      // clauses of the contract that were measured and not met
     double farthest = 0;        // of its surface from the field's, in edge lengths
     double over_bound = 0;      // share of the tetrahedra above the radius-edge ratio, in [0, 1]
     double unforced = 0;        // share of ill-shaped ones that nothing forces; as the next
@@ -78,6 +81,16 @@ bool has_more_contours(const TryOutcome& kept, const TryOutcome& other);
 // the field's by half an edge length at most. One that does not conform lacks a tenth of the segments and
 // more where planes are dense, and takes several tries: none is made for this.
 bool is_hardly_bad(const TryOutcome& kept);
+
+// Whether a model is worth as many slightly finer ones as `finer_untangled` has, for surfaces that are joined
+// otherwise than its contours show: where planes cross that is luck.
+inline constexpr std::array finer_untangled{0.95, 0.9};  // in its edge lengths
+bool is_tangled(const TryOutcome& outcome);
+
+// Whether a later model has fewer such places than one that is tangled, and is no worse: it meets as many
+// clauses, lacks no more contour segments, or 5 in 1,000, and its surface does not go astray where the
+// other's does not.
+bool is_less_tangled(const TryOutcome& later, const TryOutcome& kept);
 
 // Whether of two that conformed badly the later one is worse. Of those with few bad cells it is not, for it is finer,
 // unless both go astray and it alone by more than half an edge length, or both or none so far and the first has more

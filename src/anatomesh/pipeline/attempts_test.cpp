@@ -206,6 +206,45 @@ TEST(Attempts, WhereNothingIsGainedTheOneThatConformedIsNotKept) {
     EXPECT_FALSE(has_more_contours(with_contours(0.09, 4), conformed)) << "a finer one, and a good one";
 }
 
+TEST(Attempts, AModelOfWhichContoursDoNotTellAllIsTangled) {
+    EXPECT_FALSE(is_tangled(good));
+    TryOutcome tangled = with_cells(good, 50000);
+    tangled.untold = 1;
+    EXPECT_TRUE(is_tangled(tangled));
+    EXPECT_FALSE(is_tangled(with_cells(tangled, 100000))) << "its tries take long";
+    tangled.kept_contract = false;
+    EXPECT_FALSE(is_tangled(tangled));
+}
+
+TEST(Attempts, OneThatIsLessTangledAndNoWorseIsTakenInItsPlace) {
+    TryOutcome kept = with_cells(good, 50000);
+    kept.untold = 2;
+    TryOutcome later = kept;
+    EXPECT_FALSE(is_less_tangled(later, kept));
+    for (const std::size_t untold : {0, 1}) {
+        later = kept;
+        later.untold = untold;
+        EXPECT_TRUE(is_less_tangled(later, kept));
+        later.unmet = 1;
+        EXPECT_FALSE(is_less_tangled(later, kept)) << "a clause is not met";
+        later.unmet = 0;
+        later.missed = 1e-2;
+        EXPECT_FALSE(is_less_tangled(later, kept)) << "contour segments are lost";
+        later.missed = 0;
+        later.astray = true;
+        EXPECT_FALSE(is_less_tangled(later, kept));
+        later.astray = false;
+        later.kept_contract = false;
+        EXPECT_FALSE(is_less_tangled(later, kept));
+    }
+    kept.unmet = 1;
+    kept.missed = 0.2;
+    kept.astray = true;
+    later = kept;
+    later.untold = 1;
+    EXPECT_TRUE(is_less_tangled(later, kept)) << "no worse than it was";
+}
+
 TEST(Attempts, OfTwoAlikeWithFewBadCellsTheLaterOneIsTaken) {
     for (const double missed : {0.0, 0.1}) {
         for (const double bad : {0.0, 5e-5}) {

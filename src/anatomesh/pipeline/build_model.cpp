@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "anatomesh/contour/message_text.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/pipeline/attempts.h"
@@ -22,22 +23,27 @@ constexpr double finer = 0.7;  // a further try's edge length, in those of the o
 // Of slightly finer tries, in those of the first.
 constexpr std::array<double, Attempts::most_conforming> slightly_finer{0.9, 0.8, 0.7, 0.56};
 
+struct Made {
+    TryOutcome outcome;
+    double size_mm = 0;
+};
+
 // A model that keeps the contract, while another one is tried.
 struct KeptModel {
     Model model;
     Trial trial;
     std::vector<Warning> warnings;
-    TryOutcome outcome;
+    Made made;
     std::string sought;  // what another one was tried for
 };
 
 // Whether another model does not mend what it was tried for.
 bool is_in_vain(const KeptModel& kept, const BuiltOnce& other, const Attempts& attempts) {
-    if (!other.model.ok() || has_more_contours(kept.outcome, other.outcome)) return true;
-    if (attempts.finer_for_shape() && other.outcome.over_bound >= kept.outcome.over_bound) return true;
-    return kept.outcome.conformed_badly && !kept.outcome.astray && !kept.outcome.tore_walls &&
+    if (!other.model.ok() || has_more_contours(kept.made.outcome, other.outcome)) return true;
+    if (attempts.finer_for_shape() && other.outcome.over_bound >= kept.made.outcome.over_bound) return true;
+    return kept.made.outcome.conformed_badly && !kept.made.outcome.astray && !kept.made.outcome.tore_walls &&
            other.outcome.bad > 0 &&
-           kept.outcome.unforced <= std::max(other.outcome.unforced, certificate_share_over_bound);
+           kept.made.outcome.unforced <= std::max(other.outcome.unforced, certificate_share_over_bound);
 }
 
 // Tries until a model is as good as it can be.
@@ -53,6 +59,9 @@ class Tries {
     Result<Model> run() {
         const auto start = std::chrono::steady_clock::now();
         ANATOMESH_TRY(Model model, choose());
+        if (!trial_.size_given && is_tangled(taken_.outcome)) {
+            ANATOMESH_TRY(model, untangled(std::move(model)));
+        }
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         note_other_tries(model.report, seconds.count());
         ANATOMESH_CHECK_STATUS(show_again());
@@ -66,15 +75,16 @@ class Tries {
             BuiltOnce built = build(observer_);
             if (!built.model.ok() && built.model.error().kind == ErrorKind::cancelled)
                 return std::move(built.model);
-            const NextTry next = attempts.next(built.outcome, kept_ ? &kept_->outcome : nullptr);
+            const NextTry next = attempts.next(built.outcome, kept_ ? &kept_->made.outcome : nullptr);
             if (next == NextTry::none) {
                 if (kept_ && is_in_vain(*kept_, built, attempts)) return before_it();
+                taken_ = {built.outcome, built.size_mm};
                 // Where planes cross, contours force cells more than those between them do.
                 if (!built.model.ok() || !is_parallel(contours_)) return std::move(built.model);
                 return evened(std::move(built));
             }
             const Warning again = prepare(next, attempts.slightly_finer(), std::move(built));
-            if (!trial_.may_conform && kept_ && is_hardly_bad(kept_->outcome)) return conforming_one();
+            if (!trial_.may_conform && kept_ && is_hardly_bad(kept_->made.outcome)) return conforming_one();
             context_.warn(again);
         }
     }
@@ -109,8 +119,11 @@ class Tries {
         const std::string error = built.model.ok() ? "" : built.model.error().message;
         const Warning again = built_again(next, built.outcome, error, size_mm);
         if (built.model.ok() &&
-            !(kept_ && built.outcome.conformed_badly && is_worse(built.outcome, kept_->outcome))) {
-            kept_.emplace(KeptModel{std::move(built.model.value()), trial_, context_.warnings, built.outcome,
+            !(kept_ && built.outcome.conformed_badly && is_worse(built.outcome, kept_->made.outcome))) {
+            kept_.emplace(KeptModel{std::move(built.model.value()),
+                                    trial_,
+                                    context_.warnings,
+                                    {built.outcome, built.size_mm},
                                     sought_by(next, built.outcome)});
         }
         if (conformed && next == NextTry::same_size) trial_.may_conform = false;
@@ -128,6 +141,7 @@ class Tries {
     Result<Model> conforming_one() {
         context_.warnings = std::move(kept_->warnings);
         trial_ = kept_->trial;
+        taken_ = kept_->made;
         shown_is_another_ = count_ > 1;
         return std::move(kept_->model);
     }
@@ -139,6 +153,7 @@ class Tries {
                        {},
                        "the model before it was kept"});
         trial_ = kept_->trial;
+        taken_ = kept_->made;
         shown_is_another_ = true;
         return std::move(kept_->model);
     }
@@ -156,6 +171,36 @@ class Tries {
         trial_.even_mean = even.even_mean.value_or(first);
         shown_is_another_ = even.even_mean.has_value();
         return std::move(even.model);
+    }
+
+    // Another one in its place, slightly finer, if that is joined more as drawn: the first of the fewest
+    // places where it is not.
+    Result<Model> untangled(Model model) {
+        Trial trial = trial_;
+        std::vector<Warning> warnings = context_.warnings;
+        const double first_size_mm = taken_.size_mm;
+        for (const double share : finer_untangled) {
+            trial_.options.size_mm = share * first_size_mm;
+            context_.warnings.resize(warnings_before_.value_or(known_.warnings));
+            BuiltOnce other = build({});
+            if (!other.model.ok() && other.model.error().kind == ErrorKind::cancelled)
+                return std::move(other.model);
+            if (!is_less_tangled(other.outcome, taken_.outcome)) continue;
+            model = std::move(other.model.value());
+            trial = trial_;
+            warnings = context_.warnings;
+            warnings.push_back({"W-PIP-001",
+                                "with " + brief(first_size_mm) +
+                                    " mm the surface was joined otherwise than the contours show",
+                                {},
+                                "built again with " + brief(trial_.options.size_mm) + " mm"});
+            taken_ = {other.outcome, other.size_mm};
+            shown_is_another_ = true;
+            if (!is_tangled(taken_.outcome)) break;
+        }
+        trial_ = trial;
+        context_.warnings = std::move(warnings);
+        return model;
     }
 
     // So that the stages tell the time of all tries.
@@ -188,6 +233,7 @@ class Tries {
     FieldAndVolumes known_;
     std::optional<std::size_t> warnings_before_;  // of the contours and their field
     std::optional<KeptModel> kept_;
+    Made taken_;  // of the model to be returned
     std::size_t count_ = 0;
     double first_size_mm_ = 0;  // of tries that conform, before slightly finer ones
     bool shown_is_another_ = false;

@@ -52,7 +52,8 @@ using StageObserver = std::function<void(const std::string& stage, const TetMesh
 // the result itself; a broken clause is an Error of kind internal or geometry and no model. With a default
 // size a model that fails for being too coarse, or one of a thin structure with holes torn into it, is built
 // again up to three times, each time finer, with a warning (W-PIP-001); one of planes that cross also
-// slightly finer (attempts.h). A surface with handles that the contours do not show is warned of (W-PIP-004).
+// slightly finer, also where its surface is joined otherwise than drawn (attempts.h). A surface with handles
+// that the contours do not show is warned of (W-PIP-004).
 Result<Model> build_model(const ContourSet& contours, const ModelOptions& options, RunContext& context,
                           const StageObserver& observer = {});
 

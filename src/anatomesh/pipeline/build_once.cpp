@@ -21,6 +21,7 @@
 #include "anatomesh/improve/improve.h"
 #include "anatomesh/improve/improve_dihedrals.h"
 #include "anatomesh/improve/smooth_vertices.h"
+#include "anatomesh/improve/untold_handles.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/mesh/drop_outside.h"
@@ -139,6 +140,8 @@ class Builder {
             return tear.by_mesh && (tear.whole || thickness[tear.structure] < hardly_thicker * size_mm());
         });
     }
+
+    std::size_t untold_places() const { return anatomesh::untold_places(tears_); }
 
     Result<Model> run() {
         ANATOMESH_CHECK_STATUS(make_field());
@@ -557,9 +560,11 @@ class Builder {
         std::vector<Plane> planes;
         for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);
         FollowingContours following;
-        if (options_.max_follow_mm > 0 && !is_parallel(contours_))
+        if (!is_parallel(contours_)) {
             following = {contours_.contours, contour_vertices, planes, contours_.exclusive,
                          std::min(options_.max_follow_mm, most_followed * sample_->stats.size_mm)};
+            options.handle_mm = untold_reach * sample_->stats.size_mm;
+        }
         return improve_dihedrals(
             model_.mesh, neighbors_, fixed,
             edges_along(model_.mesh, neighbors_, segment_ends(contours_, vertices_of_contours())), *field_,
@@ -766,6 +771,8 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
         return outcome;
     }
     outcome.tore_walls = builder.tore_a_structure();
+    outcome.untold = builder.untold_places();
+    for (const Clause& clause : report.certificate) outcome.unmet += clause.state != ClauseState::kept;
     outcome.astray = builder.went_astray();
     outcome.conformed_badly = builder.conforming() && (report.listed_cells_bad > 0 || outcome.astray);
     outcome.over_bound = model.value().report.quality.radius_edge_share_over_2;

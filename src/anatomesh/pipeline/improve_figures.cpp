@@ -28,6 +28,8 @@ std::vector<std::pair<std::string, double>> improve_figures(const ImproveWork& w
             {"segments_missed", static_cast<double>(work.dihedrals.segments_missed)},
             {"contours_followed", static_cast<double>(work.contours_followed)},
             {"crumbs_given_away", static_cast<double>(work.crumbs.pieces + work.dihedrals.crumbs_given)},
+            {"small_handles", static_cast<double>(work.dihedrals.handles_found)},
+            {"small_handles_closed", static_cast<double>(work.dihedrals.handles_closed)},
             {"facets_left_in_slices", static_cast<double>(work.dihedrals.facets_left)},
             {"visits_of_wrong_cuts", static_cast<double>(work.dihedrals.cuts_found)},
             {"changes_to_cuts", static_cast<double>(work.dihedrals.cuts_mended)},

@@ -1,9 +1,11 @@
 #include "anatomesh/pipeline/tear_warnings.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -11,7 +13,7 @@
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/sweep.h"
 #include "anatomesh/improve/improve_dihedrals.h"
-#include "anatomesh/mesh/small_handles.h"
+#include "anatomesh/improve/untold_handles.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/sample/sample_points.h"
 
@@ -21,7 +23,6 @@ namespace {
 
 constexpr double tears_below = 2;  // a structure this many sizes thick in the mean has no walls that tear
 constexpr double finer = 0.7;      // size to try
-constexpr double small_reach = 1.5;  // sizes within which a handle is the mesh's own
 
 // By structure, whether a slice shows several contours of it: they follow one another.
 std::vector<std::uint8_t> shown_in_several(const ContourSet& contours) {
@@ -124,29 +125,15 @@ std::uint32_t nearest_slice(const ContourSet& contours, std::uint32_t structure,
     return slice;
 }
 
-// How many contours of a structure lie wholly among some vertices: drawings of what is there.
-std::uint32_t drawn_within(const TornModel& model, std::uint32_t structure,
-                           std::span<const std::uint32_t> vertices) {
-    std::uint32_t count = 0;
-    for (const Contour& contour : model.contours.contours) {
-        const auto own = model.vertex_of.subspan(contour.first_point, contour.point_count);
-        count += contour.structure == structure && std::all_of(own.begin(), own.end(), [&](std::uint32_t v) {
-                     return std::binary_search(vertices.begin(), vertices.end(), v);
-                 });
-    }
-    return count;
-}
-
 std::vector<UntoldJoint> small_ones(const TornModel& model, std::span<const std::vector<Triangle>> surfaces) {
     std::vector<UntoldJoint> joints;
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         if (surfaces[s].empty() || model.structures[model.structure_of[s]].genus <= 0) continue;
         for (const SmallHandles& part :
-             small_handles(model.mesh.points, surfaces[s], small_reach * model.size_mm)) {
-            const std::uint32_t drawn = drawn_within(model, s, part.vertices);
-            if (drawn >= part.handles) continue;
+             untold_handles(model.mesh.points, surfaces[s], s, {model.contours.contours, model.vertex_of},
+                            untold_reach * model.size_mm)) {
             const Vec3 place = model.mesh.points[part.middle];
-            joints.push_back({s, nearest_slice(model.contours, s, place), part.handles - drawn, place});
+            joints.push_back({s, nearest_slice(model.contours, s, place), part.handles, place});
         }
     }
     return joints;
@@ -183,6 +170,15 @@ ModelTears find_tears(const TornModel& model, int threads) {
         tears.small = small_ones(model, surfaces);
     }
     return tears;
+}
+
+std::size_t untold_places(const ModelTears& tears) {
+    std::map<std::uint32_t, std::array<std::size_t, 2>> by_structure;
+    for (const UntoldJoint& joint : tears.between_planes) by_structure[joint.structure][0] += joint.joints;
+    for (const UntoldJoint& joint : tears.small) by_structure[joint.structure][1] += joint.joints;
+    std::size_t count = 0;
+    for (const auto& [structure, seen] : by_structure) count += std::max(seen[0], seen[1]);
+    return count;
 }
 
 void warn_of_tears(const ModelTears& tears, const ContourSet& contours, double size_mm, RunContext& context) {

@@ -37,6 +37,9 @@ struct ModelTears {
 // edge lengths that no whole contour is drawn beside. Requires: surfaces that are closed manifolds.
 ModelTears find_tears(const TornModel& model, int threads);
 
+// Where planes cross, how many of them; of what each of two ways sees what sees more, by structure.
+std::size_t untold_places(const ModelTears& tears);
+
 // W-PIP-004, once for each structure. `tears`: as find_tears() gives them.
 void warn_of_tears(const ModelTears& tears, const ContourSet& contours, double size_mm, RunContext& context);
 
