@@ -51,6 +51,27 @@ std::optional<double> shared_spacing(const std::vector<double>& gaps) {
     return best;
 }
 
+// Most of them are as their lower median; or there are less than three.
+bool are_even(const std::vector<double>& distances) {
+    if (distances.size() < 3) return true;
+    const double usual = lower_median(distances);
+    const auto alike = std::count_if(distances.begin(), distances.end(), [&](double d) {
+        return std::abs(d - usual) <= same_spacing * std::max(d, usual);
+    });
+    return 2 * static_cast<std::size_t>(alike) > distances.size();
+}
+
+// Of uneven gaps that in which any place lies, in the mean: it lies the more often in one the wider that is
+// (renewal theory: Feller, An Introduction to Probability Theory and Its Applications II, 1971, chapter I.4).
+double spacing_round_a_place(const std::vector<double>& gaps) {
+    double sum = 0, squares = 0;
+    for (const double gap : gaps) {
+        sum += gap;
+        squares += gap * gap;
+    }
+    return squares / sum;
+}
+
 // The gaps between slices that tell of a structure, and what is usual among them. Slices in groups, and
 // planes given again, count once; what is a group the whole stack tells.
 class Gaps {
@@ -60,6 +81,10 @@ class Gaps {
     Gaps(const std::vector<double>& around, std::size_t first, std::size_t count, double spacing)
         : spacing_(spacing) {
         const RegularGaps regular = regular_gaps(around);
+        for (std::size_t i = 0; i < around.size(); ++i) {
+            if (i == first) stack_before_ = stack_distances_.size();
+            if (!regular.within[i]) stack_distances_.push_back(regular.distance[i]);
+        }
         for (std::size_t i = first; i < first + count; ++i) {
             place_.push_back(usual_.size());
             all_.push_back(around[i]);
@@ -80,10 +105,29 @@ class Gaps {
     double local_spacing(std::size_t i) const { return local(usual_, place_[i]); }
     // The same of all gaps, those within groups too.
     double spacing_without_groups(std::size_t i) const { return local(all_, i); }
-    // How many times as far the middles of what gap i parts are from each other as is usual there.
-    double spacings(std::size_t i) const { return distances_[i] / local(usual_distances_, place_[i]); }
+    // How many times as far the middles of what gap i parts are from each other as is usual there. Where gaps
+    // are uneven, a wide one is no missing slice yet: there usual is what three in four of more of them do not
+    // exceed, if that is more.
+    double spacings(std::size_t i) const {
+        const double usual = local(usual_distances_, place_[i]);
+        if (!counts_[i] || are_even(others_within(3, i))) return distances_[i] / usual;
+        std::vector<double> more = others_within(8, i);
+        const auto quartile = more.begin() + static_cast<std::ptrdiff_t>((3 * more.size() + 3) / 4 - 1);
+        std::nth_element(more.begin(), quartile, more.end());
+        return distances_[i] / std::max(usual, *quartile);
+    }
 
   private:
+    // The distances of the stack that count on either side of gap i, so many of them.
+    std::vector<double> others_within(std::size_t reach, std::size_t i) const {
+        const std::size_t at = stack_before_ + place_[i], first = at < reach ? 0 : at - reach,
+                          last = std::min(stack_distances_.size(), at + reach + 1);
+        std::vector<double> others(stack_distances_.begin() + static_cast<std::ptrdiff_t>(first),
+                                   stack_distances_.begin() + static_cast<std::ptrdiff_t>(last));
+        others.erase(others.begin() + static_cast<std::ptrdiff_t>(at - first));
+        return others;
+    }
+
     double local(const std::vector<double>& of, std::size_t place) const {
         if (of.empty()) return spacing_;
         const std::size_t at = std::min(place, of.size() - 1);
@@ -94,6 +138,8 @@ class Gaps {
 
     double spacing_;
     std::vector<double> all_, distances_, usual_, usual_distances_;
+    std::vector<double> stack_distances_;  // of all gaps of the stack that count
+    std::size_t stack_before_ = 0;         // of these, before the structure's
     std::vector<bool> counts_;
     std::vector<std::size_t> place_;  // in usual_, of each gap or the next one that counts
 };
@@ -166,16 +212,19 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
     const double widest = options.max_gap_spacings * 1.001;  // that is joined, in spacings
     const auto is_open = [&](std::size_t gap) { return gaps.spacings(gap) > widest; };
     // Spacing where a part begins or ends: the one that most of its gaps there share. Where they share none,
-    // the local one, or that of the part itself where it is smaller.
+    // and more of them are uneven too, that of the gap that an end falls into. Else the local one, or that of
+    // the part itself where it is smaller.
     const auto spacing_at = [&](std::size_t end, int inward) {
         if (gaps.size() == 0) return spacing;
-        std::vector<double> own;
-        for (std::size_t i = 0; own.size() < 4; ++i) {
+        std::vector<double> more;
+        for (std::size_t i = 0; more.size() < 8; ++i) {
             const std::size_t gap = inward > 0 ? end + i : end - 1 - i;
             if (gap >= gaps.size() || is_open(gap)) break;
-            if (gaps.counts(gap)) own.push_back(gaps[gap]);
+            if (gaps.counts(gap)) more.push_back(gaps[gap]);
         }
+        std::vector<double> own(more.begin(), more.begin() + std::min<std::ptrdiff_t>(4, std::ssize(more)));
         if (const std::optional<double> shared = shared_spacing(own)) return *shared;
+        if (more.size() > 4 && !are_even(more)) return spacing_round_a_place(more);
         const std::size_t beside =
             inward > 0 ? std::min(end, gaps.size() - 1) : std::max<std::size_t>(end, 1) - 1;
         const double local = gaps.local_spacing(beside);
@@ -224,7 +273,8 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                 result.levels.push_back({above, above, Level::no_slice});
             } else if (gaps.spacings(i - 1) > 1.5) {
                 result.bridged_gaps.push_back(ends);
-            } else if (gap > widest * gaps.spacing_without_groups(i - 1)) {
+            } else if (gaps.spacing_without_groups(i - 1) < gaps.local_spacing(i - 1) &&
+                       gap > widest * gaps.spacing_without_groups(i - 1)) {
                 result.gaps_by_groups.push_back(ends);
             }
         }
