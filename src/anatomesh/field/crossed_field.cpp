@@ -204,6 +204,7 @@ class CrossedField final : public FieldQueries<CrossedField> {
             const CrossingPlane* plane;
             double weight;  // grows beyond all bounds towards the plane
             Vec2 at;        // the point's projection
+            double distance;
             bool on_plane;
         };
         std::vector<Seen> planes;
@@ -239,8 +240,8 @@ class CrossedField final : public FieldQueries<CrossedField> {
             if (share == 0) continue;
             // On a plane beside what it draws, where its share fades, it counts as from very near.
             const double from = std::max(distance, nearest_share * reach_);
-            sight.planes.push_back(
-                {&plane, share * (reach_ - from) / (reach_ * from), at, distance == 0 && share == 1});
+            sight.planes.push_back({&plane, share * (reach_ - from) / (reach_ * from), at, distance,
+                                    distance == 0 && share == 1});
         }
         if (sight.planes.empty()) return false;
         sight.nearest = HUGE_VAL;
@@ -250,19 +251,32 @@ class CrossedField final : public FieldQueries<CrossedField> {
     }
 
     double value_at(std::uint32_t structure, Vec3 p, const Sight& sight) const {
-        const double stack = stack_->value(structure, p);
+        const double stack = no_further_than_drawn(structure, stack_->value(structure, p), sight);
         const double nearest = layers_tell_all_ ? sight.nearest : nearest_layer(structure, p);
         if (nearest == 0) return stack;
         double all = 1 / nearest, sum = 0;
-        for (const auto& [plane, weight, at, on_plane] : sight.planes) {
+        for (const auto& [plane, weight, at, distance, on_plane] : sight.planes) {
             if (!plane->maps[structure]) continue;
             // Of several that meet here one will do: what is drawn on them agrees.
             if (on_plane) return drawn_instead(stack, *plane, structure, at);
-            const double there = stack_->value(structure, plane->patch.plane.to_space(at));
+            const double far = std::abs(plane->maps[structure]->value(at)),
+                         there =
+                             std::clamp(stack_->value(structure, plane->patch.plane.to_space(at)), -far, far);
             sum += weight * (drawn_instead(there, *plane, structure, at) - there);
             all += weight;
         }
         return std::clamp(stack + sum / all, -clamp_, clamp_);
+    }
+
+    // The stack's value, where what is drawn across it is nearer: the surface runs there, so that what the
+    // stack has deep inside, or far outside, is not. Its surface stays.
+    static double no_further_than_drawn(std::uint32_t structure, double stack, const Sight& sight) {
+        for (const Sight::Seen& seen : sight.planes) {
+            if (!seen.plane->maps[structure]) continue;
+            const double most = std::hypot(seen.distance, seen.plane->maps[structure]->value(seen.at));
+            stack = std::clamp(stack, -most, most);
+        }
+        return stack;
     }
 
     // Where the stack's own surfaces cut the planes, as far as these say something.

@@ -277,5 +277,52 @@ TEST(CrossedField, a_plane_across_bounds_the_end) {
     EXPECT_NEAR(top(foot), std::sqrt(22.5 * 22.5 - foot.x * foot.x - foot.y * foot.y), 0.1);
 }
 
+// A bridge over a gap 20 mm wide, its lower side so far below a slice that shows nothing of the gap: a plane
+// across draws it. Beside the plane its ceiling goes on, a third as far as the slice is away at least.
+TEST(CrossedField, a_ceiling_near_a_slice_goes_on_beside_the_plane_that_draws_it) {
+    for (const double below : {0.5, 1.0, 2.0}) {
+        SetBuilder builder;
+        const auto draw = [&](const Plane& plane, const std::vector<Vec3>& corners) {
+            Ring ring;
+            for (std::size_t n = 0; n < corners.size(); ++n) {
+                const Vec3 from = corners[n], way = corners[(n + 1) % corners.size()] - from;
+                for (double at = 0; at < length(way) - 0.1; at += 2)
+                    ring.push_back(plane.to_plane(from + at / length(way) * way));
+            }
+            builder.ring(0, ring);
+        };
+        for (int k = -3; k <= 2; ++k) {
+            const double z = 8.0 * k;
+            const Plane plane = make_plane({0, 0, z}, {0, 0, 1});
+            builder.slice(plane);
+            const auto box = [&](double low, double high) {
+                draw(plane, {{-30, low, z}, {30, low, z}, {30, high, z}, {-30, high, z}});
+            };
+            if (k >= 0) {
+                box(-25, 25);
+            } else {
+                box(-25, -10);
+                box(10, 25);
+            }
+        }
+        const Plane across = make_plane({0.3, 0, 0}, {1, 0, 0});
+        builder.slice(across);
+        draw(across, {{0.3, -25, -26},
+                      {0.3, -10, -26},
+                      {0.3, -10, -below},
+                      {0.3, 10, -below},
+                      {0.3, 10, -26},
+                      {0.3, 25, -26},
+                      {0.3, 25, 18},
+                      {0.3, -25, 18}});
+        const auto field = field_of(builder.set);
+        for (const double beside : {-0.33, -0.1, 0.02, 0.1, 0.33}) {
+            const Vec3 ceiling{0.3 + beside * below, 1, -below};
+            EXPECT_GT(field->value(0, ceiling - Vec3{0, 0, 0.4 * below}), 0) << below << " " << beside;
+            EXPECT_LT(field->value(0, ceiling + Vec3{0, 0, 0.4 * below}), 0) << below << " " << beside;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh
