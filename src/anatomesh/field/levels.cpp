@@ -51,14 +51,14 @@ std::optional<double> shared_spacing(const std::vector<double>& gaps) {
     return best;
 }
 
-// Most of them are as their lower median; or there are less than three.
+// Two in three of them, three at least, are as their lower median; or there are less than three.
 bool are_even(const std::vector<double>& distances) {
     if (distances.size() < 3) return true;
     const double usual = lower_median(distances);
     const auto alike = std::count_if(distances.begin(), distances.end(), [&](double d) {
         return std::abs(d - usual) <= same_spacing * std::max(d, usual);
     });
-    return 2 * static_cast<std::size_t>(alike) > distances.size();
+    return alike >= 3 && 3 * static_cast<std::size_t>(alike) >= 2 * distances.size();
 }
 
 // Of uneven gaps that in which any place lies, in the mean: it lies the more often in one the wider that is

@@ -235,6 +235,31 @@ TEST(Levels, of_even_gaps_with_some_missing_slices_end_half_a_spacing_beyond) {
     }
 }
 
+// Slices at random heights through prisms: hardly one falls into parts, and they are as long in the mean.
+TEST(Levels, of_uneven_gaps_are_joined_and_their_ends_are_right_in_the_mean) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> gap(1.5, 6), start(0, 6), size(25, 60);
+    double off = 0, all = 0;
+    int torn = 0;
+    constexpr int trials = 3000;
+    for (int trial = 0; trial < trials; ++trial) {
+        const double low = 30 + start(random), high = low + size(random);
+        std::vector<double> gaps;
+        double last = 0;
+        for (double z = gap(random); z < high; z += gap(random)) {
+            if (z < low) continue;
+            if (last > 0) gaps.push_back(z - last);
+            last = z;
+        }
+        const auto [length, parts] = inside_of(levels_of(gaps, {}));
+        torn += parts > 1;
+        off += length - (high - low);
+        all += high - low;
+    }
+    EXPECT_LT(torn, trials / 100);
+    EXPECT_LT(std::abs(off), 0.01 * all);
+}
+
 // One slice more, at any place and height, takes nothing off either end.
 TEST(Levels, of_even_gaps_with_a_slice_more_end_half_a_spacing_beyond) {
     for (int slices = 3; slices <= 10; ++slices) {
