@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Solids by planes as probes are held: turned about an axis, beside it, part of a turn; fans, arcs, freehand. Volume, pieces and handles.
+"""Solids by planes as probes are held: turned about an axis, beside it, part of a turn; fans, arcs, freehand, uneven stacks, long axes. Volume, pieces and handles.
 
     bench/arrangements.py --update docs/benchmarks.md
     bench/arrangements.py --program OTHER --beside build/release/anatomesh   # two programs, one after the other on each set
@@ -74,6 +74,8 @@ ARRANGEMENTS = {
     "freehand, there and back": lambda random: [*held(random, np.arange(-45, 45, 4), 0.05), *held(random, np.arange(-44, 45, 4.3), 0.05)],
     "a sweep, and one across": lambda random: [*held(random, np.arange(-45, 45, 5), 0.03),
                                                *((o[[2, 0, 1]], n[[2, 0, 1]]) for o, n in held(random, np.arange(-45, 45, 5.5), 0.03))],
+    "slices 1.5 to 6 mm apart": lambda random: held(random, apart(random, -45, 45, 1.5, 6), 0),
+    "slices 8 mm apart, three across": lambda random: [*held(random, np.arange(-44, 45, 8), 0), *about_z([0.1, 1.1, 2.2])],
     "30 planes anywhere": lambda random: ((random.uniform(-20, 20) * n, n) for n in (v / np.linalg.norm(v) for v in random.normal(size=(30, 3)))),
 }
 
