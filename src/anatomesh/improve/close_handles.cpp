@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <set>
 #include <span>
@@ -189,8 +190,7 @@ class Closer {
         }
         std::stable_sort(sheets.begin(), sheets.end(),
                          [](const auto& x, const auto& y) { return x.first.price < y.first.price; });
-        parts_before_.assign(structures_, {});
-        for (std::uint32_t s = 0; s < structures_; ++s) parts_before_[s] = parts_of(s);
+        parts_before_.clear();
         return std::any_of(sheets.begin(), sheets.end(),
                            [&](const auto& sheet) { return thicken(sheet.first, sheet.second); });
     }
@@ -224,7 +224,20 @@ class Closer {
         return parts;
     }
 
+    // Of the structures of regions at the sheet: no other one changes.
+    void note_parts_at(const Sheet& sheet) {
+        for (const std::uint32_t v : sheet.vertices()) {
+            bench_.mesh.star(v, bench_.star);
+            for (const std::uint32_t c : bench_.star) {
+                for (const std::uint32_t s : bench_.table->members[bench_.mesh.region(c)]) {
+                    if (!parts_before_.contains(s)) parts_before_[s] = parts_of(s);
+                }
+            }
+        }
+    }
+
     bool thicken(const Sheet& sheet, Region own) {
+        note_parts_at(sheet);
         for (const SheetSides side : {SheetSides::first, SheetSides::second}) {
             for (const SheetReach reach : reaches) {
                 for (const double thickness : thicknesses) {
@@ -261,7 +274,7 @@ class Closer {
         std::optional<ThickenedSheet> made =
             thicken_sheet(bench_, *drawn_.owners, chain, sheet, own, way.reach, way.thickness,
                           areas_ ? &*areas_ : nullptr, &across);
-        const auto is_whole = [&](std::uint32_t s) { return parts_of(s) == parts_before_[s]; };
+        const auto is_whole = [&](std::uint32_t s) { return parts_of(s) == parts_before_.at(s); };
         if (!made || std::find(made->parted.begin(), made->parted.end(), structure_) == made->parted.end() ||
             !std::all_of(made->parted.begin(), made->parted.end(), is_whole))
             return Outcome::unsound;
@@ -302,7 +315,7 @@ class Closer {
     const RunContext& context_;
     std::optional<SectionAreas> areas_;
     std::uint32_t structures_ = 0, structure_ = 0;
-    std::vector<Parts> parts_before_;         // by structure, before a handle is closed
+    std::map<std::uint32_t, Parts> parts_before_;  // by structure, before a handle is closed
     std::vector<std::uint32_t> above_bound_;  // cells; rising
     std::size_t inside_ = 0;                  // cells
     std::size_t improved_ = 0;                // in vain
