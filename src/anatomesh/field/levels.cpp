@@ -24,6 +24,8 @@ double lower_median(std::vector<double> values) {
 
 constexpr double same_spacing = 0.05;  // gaps that differ by less than this share of the larger are alike
 
+constexpr double most_uneven = 2;  // times the median of uneven gaps, what is usual among them
+
 // The spacing that most of a few neighbouring gaps share, from an end inwards, one slice left out where that
 // makes more of them alike; of several as good that of the gap nearest to the end, or nothing. So neither one
 // slice more nor one less moves it, and where the spacing changes before the end, that beside it counts.
@@ -105,16 +107,20 @@ class Gaps {
     double local_spacing(std::size_t i) const { return local(usual_, place_[i]); }
     // The same of all gaps, those within groups too.
     double spacing_without_groups(std::size_t i) const { return local(all_, i); }
-    // How many times as far the middles of what gap i parts are from each other as is usual there. Where gaps
-    // are uneven, a wide one is no missing slice yet: there usual is what three in four of more of them do not
-    // exceed, if that is more.
+    // How many times as far the middles of what gap i parts are from each other as is usual there.
+    double spacings_if_even(std::size_t i) const {
+        return distances_[i] / local(usual_distances_, place_[i]);
+    }
+    // Where gaps are uneven, a wide one is no missing slice yet: there usual is what three in four of more of
+    // them do not exceed, if that is more, but no more than twice: slices far apart tell nothing of others
+    // near each other.
     double spacings(std::size_t i) const {
         const double usual = local(usual_distances_, place_[i]);
-        if (!counts_[i] || are_even(others_within(3, i))) return distances_[i] / usual;
+        if (!counts_[i] || are_even(others_within(3, i))) return spacings_if_even(i);
         std::vector<double> more = others_within(8, i);
         const auto quartile = more.begin() + static_cast<std::ptrdiff_t>((3 * more.size() + 3) / 4 - 1);
         std::nth_element(more.begin(), quartile, more.end());
-        return distances_[i] / std::max(usual, *quartile);
+        return distances_[i] / std::clamp(*quartile, usual, most_uneven * usual);
     }
 
   private:
@@ -224,7 +230,8 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
         }
         std::vector<double> own(more.begin(), more.begin() + std::min<std::ptrdiff_t>(4, std::ssize(more)));
         if (const std::optional<double> shared = shared_spacing(own)) return *shared;
-        if (more.size() > 4 && !are_even(more)) return spacing_round_a_place(more);
+        if (more.size() > 4 && !are_even(more))
+            return std::min(spacing_round_a_place(more), most_uneven * lower_median(own));
         const std::size_t beside =
             inward > 0 ? std::min(end, gaps.size() - 1) : std::max<std::size_t>(end, 1) - 1;
         const double local = gaps.local_spacing(beside);
@@ -271,7 +278,7 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                 const double above = std::max(ends.second - std::min(spacing_at(i, 1), 0.5 * gap), below);
                 close_part({below, below, Level::no_slice});
                 result.levels.push_back({above, above, Level::no_slice});
-            } else if (gaps.spacings(i - 1) > 1.5) {
+            } else if (gaps.spacings(i - 1) > 1.5 || gaps.spacings_if_even(i - 1) > widest) {
                 result.bridged_gaps.push_back(ends);
             } else if (gaps.spacing_without_groups(i - 1) < gaps.local_spacing(i - 1) &&
                        gap > widest * gaps.spacing_without_groups(i - 1)) {

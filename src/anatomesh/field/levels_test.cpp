@@ -260,6 +260,56 @@ TEST(Levels, of_uneven_gaps_are_joined_and_their_ends_are_right_in_the_mean) {
     EXPECT_LT(std::abs(off), 0.01 * all);
 }
 
+// Two bodies on slices near each other, among such that are far apart: these do not tell of the gap between.
+TEST(Levels, of_fine_slices_among_coarse_ones_a_gap_of_theirs_is_one) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> jitter(0.9, 1.1);
+    for (int trial = 0; trial < 300; ++trial) {
+        for (const std::size_t fine : {3u, 4u, 6u}) {
+            std::vector<double> gaps;
+            const auto add = [&](std::size_t count, double gap) {
+                for (std::size_t n = 0; n < count; ++n) gaps.push_back(gap * jitter(random));
+            };
+            add(5, 5);
+            add(fine, 1);
+            gaps.push_back(7);
+            add(fine, 1);
+            add(5, 5);
+            const StructureLevels levels = levels_of(gaps, {});
+            const auto is_gap = [](const std::pair<double, double>& ends) {
+                return std::abs(ends.second - ends.first - 7) < 1e-9;
+            };
+            ASSERT_TRUE(std::any_of(levels.open_gaps.begin(), levels.open_gaps.end(), is_gap)) << fine;
+        }
+    }
+}
+
+// What uneven gaps alone join is told where even ones would not be joined.
+TEST(Levels, of_uneven_gaps_wide_ones_are_told) {
+    std::mt19937 random(9);
+    std::uniform_real_distribution<double> gap(1.5, 6);
+    for (int trial = 0; trial < 500; ++trial) {
+        std::vector<double> gaps(12);
+        for (double& one : gaps) one = gap(random);
+        const std::vector<double> z = positions_of(gaps);
+        const StructureLevels levels = levels_of(gaps, {});
+        const auto told = [&](std::size_t i) {
+            const auto is_it = [&](const std::pair<double, double>& ends) { return ends.first == z[i]; };
+            return std::any_of(levels.open_gaps.begin(), levels.open_gaps.end(), is_it) ||
+                   std::any_of(levels.bridged_gaps.begin(), levels.bridged_gaps.end(), is_it) ||
+                   std::any_of(levels.gaps_by_groups.begin(), levels.gaps_by_groups.end(), is_it);
+        };
+        for (std::size_t i = 3; i + 3 < gaps.size(); ++i) {
+            std::vector<double> near(gaps.begin() + static_cast<std::ptrdiff_t>(i) - 3,
+                                     gaps.begin() + static_cast<std::ptrdiff_t>(i) + 4);
+            std::sort(near.begin(), near.end());
+            if (gaps[i] > 2.01 * near[3]) {
+                EXPECT_TRUE(told(i)) << trial;
+            }
+        }
+    }
+}
+
 // One slice more, at any place and height, takes nothing off either end.
 TEST(Levels, of_even_gaps_with_a_slice_more_end_half_a_spacing_beyond) {
     for (int slices = 3; slices <= 10; ++slices) {

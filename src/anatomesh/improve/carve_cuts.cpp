@@ -28,7 +28,8 @@ constexpr std::size_t most_of_crumb = 64;          // cells, as in crumbs.h
 constexpr double most_above_bound =
     0.003;  // share of cells inside above the first bound, or as many as before
 constexpr std::array nearness{0.25, 0.0};          // of a vertex that is taken for one of the patch, in edges
-constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
+constexpr std::array thicknesses{0.5, 0.3, 0.15,
+                                 0.7};  // of a sheet, as a share of the edges that lead off it
 
 constexpr std::array reaches{SheetReach::wide, SheetReach::joined, SheetReach::near, SheetReach::others};
 

@@ -29,7 +29,7 @@ struct CloseStats {
 // workbench's first bound. `drawn.following`: of all contours. Guarantees: all cells positive (checked
 // exactly); no vertex moves but by `improve`. Same result every time. Complexity: as small_handles() and
 // O(cells) for each handle closed, and the shapes of the cells of 60 sheets tried in vain at most. Errors:
-// none; a cancelled run stops. Requires: reach_mm > 0.
+// none; a cancelled run stops. Requires: reach_mm > 0; surfaces of structures that are closed manifolds.
 CloseStats close_handles(Workbench& bench, const DrawnSlices& drawn, double reach_mm, double least_sine,
                          const ImproveCells& improve, const RunContext& context);
 

@@ -18,7 +18,6 @@
 // shorter ones. O(1).
 #pragma once
 
-#include <array>
 #include <cstddef>
 
 namespace anatomesh {
@@ -82,9 +81,9 @@ bool has_more_contours(const TryOutcome& kept, const TryOutcome& other);
 // more where planes are dense, and takes several tries: none is made for this.
 bool is_hardly_bad(const TryOutcome& kept);
 
-// Whether a model is worth as many slightly finer ones as `finer_untangled` has, for surfaces that are joined
-// otherwise than its contours show: where planes cross that is luck.
-inline constexpr std::array finer_untangled{0.95, 0.9};  // in its edge lengths
+// Whether a model is worth a slightly finer one for surfaces that are joined otherwise than its contours
+// show: where planes cross that is luck.
+inline constexpr double finer_untangled = 0.95;  // in its edge lengths
 bool is_tangled(const TryOutcome& outcome);
 
 // Whether a later model has fewer such places than one that is tangled, and is no worse: it meets as many

@@ -173,34 +173,26 @@ class Tries {
         return std::move(even.model);
     }
 
-    // Another one in its place, slightly finer, if that is joined more as drawn: the first of the fewest
-    // places where it is not.
+    // Another one in its place, slightly finer, if that is joined more as drawn.
     Result<Model> untangled(Model model) {
-        Trial trial = trial_;
-        std::vector<Warning> warnings = context_.warnings;
-        const double first_size_mm = taken_.size_mm;
-        for (const double share : finer_untangled) {
-            trial_.options.size_mm = share * first_size_mm;
-            context_.warnings.resize(warnings_before_.value_or(known_.warnings));
-            BuiltOnce other = build({});
-            if (!other.model.ok() && other.model.error().kind == ErrorKind::cancelled)
-                return std::move(other.model);
-            if (!is_less_tangled(other.outcome, taken_.outcome)) continue;
-            model = std::move(other.model.value());
-            trial = trial_;
-            warnings = context_.warnings;
-            warnings.push_back({"W-PIP-001",
-                                "with " + brief(first_size_mm) +
-                                    " mm the surface was joined otherwise than the contours show",
-                                {},
-                                "built again with " + brief(trial_.options.size_mm) + " mm"});
-            taken_ = {other.outcome, other.size_mm};
-            shown_is_another_ = true;
-            if (!is_tangled(taken_.outcome)) break;
+        KeptModel first{std::move(model), trial_, context_.warnings, taken_, ""};
+        trial_.options.size_mm = finer_untangled * first.made.size_mm;
+        context_.warnings.resize(warnings_before_.value_or(known_.warnings));
+        BuiltOnce other = build({});
+        if (!other.model.ok() && other.model.error().kind == ErrorKind::cancelled)
+            return std::move(other.model);
+        if (!is_less_tangled(other.outcome, first.made.outcome)) {
+            trial_ = first.trial;
+            context_.warnings = std::move(first.warnings);
+            return std::move(first.model);
         }
-        trial_ = trial;
-        context_.warnings = std::move(warnings);
-        return model;
+        context_.warn({"W-PIP-001",
+                       "with " + brief(first.made.size_mm) +
+                           " mm the surface was joined otherwise than the contours show",
+                       {},
+                       "built again with " + brief(trial_.options.size_mm) + " mm"});
+        shown_is_another_ = true;
+        return std::move(other.model);
     }
 
     // So that the stages tell the time of all tries.
