@@ -28,8 +28,9 @@ constexpr std::size_t most_of_crumb = 64;          // cells, as in crumbs.h
 constexpr double most_above_bound =
     0.003;  // share of cells inside above the first bound, or as many as before
 constexpr std::array nearness{0.25, 0.0};          // of a vertex that is taken for one of the patch, in edges
-constexpr std::array thicknesses{0.5, 0.3, 0.15,
-                                 0.7};  // of a sheet, as a share of the edges that lead off it
+// Of a sheet, as shares of the edges that lead off it; the last one not where planes cross, for there all
+// cuts together have only so many tries.
+constexpr std::array thicknesses{0.5, 0.3, 0.15, 0.7};
 
 constexpr std::array reaches{SheetReach::wide, SheetReach::joined, SheetReach::near, SheetReach::others};
 
@@ -196,9 +197,10 @@ class Carver {
     }
 
     bool carve(const SectionPatch& patch, std::size_t cut, bool may_part) {
+        const std::size_t count = thicknesses.size() - (drawn_.extents.empty() ? 0 : 1);
         for (const double near : nearness) {
             for (const SheetReach reach : reaches) {
-                for (const double thickness : thicknesses) {
+                for (const double thickness : std::span(thicknesses).first(count)) {
                     const Outcome outcome = attempt(patch, cut, {near, reach, thickness}, may_part);
                     ++tried_;
                     if (outcome == Outcome::done) return true;
