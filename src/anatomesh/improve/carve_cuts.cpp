@@ -25,8 +25,6 @@ constexpr std::size_t most_improved = 100;         // ways to carve whose cells 
 constexpr std::size_t most_cells_across = 5'000;   // worked on where planes cross: much more would be in vain
 constexpr std::size_t most_tried = 1000;           // ways, sound or not
 constexpr std::size_t most_of_crumb = 64;          // cells, as in crumbs.h
-constexpr double most_above_bound =
-    0.003;  // share of cells inside above the first bound, or as many as before
 constexpr std::array nearness{0.25, 0.0};          // of a vertex that is taken for one of the patch, in edges
 // Of a sheet, as shares of the edges that lead off it; the last one not where planes cross, for there all
 // cuts together have only so many tries.
@@ -43,7 +41,7 @@ class Carver {
           drawn_(drawn),
           areas_(bench, drawn),
           sides_(bench),
-          judge_(bench, drawn, least_sine),
+          least_sine_(least_sine),
           improve_(improve) {}
 
     CarveStats run(const std::vector<std::uint32_t>* look) {
@@ -62,10 +60,7 @@ class Carver {
         if (cuts.size() > most_cuts) return {};
         std::stable_sort(cuts.begin(), cuts.end(),
                          [&](std::size_t a, std::size_t b) { return sums_[a] > sums_[b]; });
-        const std::vector<std::uint32_t> all = bench_.mesh.alive_cells();
-        inside_ = static_cast<std::size_t>(std::count_if(
-            all.begin(), all.end(), [&](std::uint32_t c) { return bench_.mesh.region(c) != 0; }));
-        above_bound_ = judge_.those_above_bound(all);
+        shapes_.emplace(bench_, drawn_, least_sine_);
         for (const std::size_t cut : cuts) carve_cut(cut);
         return std::move(stats_);
     }
@@ -246,16 +241,7 @@ class Carver {
         changed.insert(changed.end(), improved.begin(), improved.end());
         sort_distinct(changed);
         worked_on_ += changed.size();
-        const bool good = std::all_of(changed.begin(), changed.end(), [&](std::uint32_t c) {
-            return judge_.is_good(c) && judge_.is_near(c);
-        });
-        std::vector<std::uint32_t> above_bound = above_bound_;
-        above_bound.insert(above_bound.end(), changed.begin(), changed.end());
-        sort_distinct(above_bound);
-        above_bound = judge_.those_above_bound(std::move(above_bound));
-        const std::size_t most_above = std::max(
-            above_bound_.size(), static_cast<std::size_t>(most_above_bound * static_cast<double>(inside_)));
-        if (!good || above_bound.size() > most_above) return Outcome::bad;
+        if (!shapes_->allow(changed)) return Outcome::bad;
         std::vector<double> after = sums();
         for (std::size_t other = 0; other < after.size(); ++other) {
             const double gained = enough_less * patch.wrong;
@@ -265,7 +251,7 @@ class Carver {
             if (after[other] > most) return Outcome::bad;
         }
         stats_.crumbs_given += crumbs;
-        above_bound_ = std::move(above_bound);
+        shapes_->keep();
         sums_ = std::move(after);
         stats_.changed.insert(stats_.changed.end(), changed.begin(), changed.end());
         return Outcome::done;
@@ -287,12 +273,11 @@ class Carver {
     const DrawnSlices& drawn_;
     SectionAreas areas_;
     SidesAt sides_;
-    CellJudge judge_;
+    double least_sine_;
     const ImproveCells& improve_;
     std::vector<double> sums_;
     std::array<std::optional<Pieces>, 2> pieces_;  // of what is outside, and of the structure, of this cut
-    std::vector<std::uint32_t> above_bound_;       // cells; rising
-    std::size_t inside_ = 0;                       // cells
+    std::optional<ShapesKept> shapes_;
     std::size_t improved_ = 0, tried_ = 0, worked_on_ = 0;  // ways, the first in vain; cells
     CarveStats stats_;
 };

@@ -1,10 +1,18 @@
 #include "anatomesh/improve/cell_judge.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/mesh/cell_shape.h"
 
 namespace anatomesh {
+
+namespace {
+
+constexpr double most_above_bound = 0.003;  // share of cells inside above the first bound
+
+}  // namespace
 
 bool CellJudge::is_good(std::uint32_t c) const {
     if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return true;
@@ -46,6 +54,26 @@ std::vector<std::uint32_t> CellJudge::those_above_bound(std::vector<std::uint32_
                                      bench_.mesh.point(v[2]), bench_.mesh.point(v[3])) > most * most);
     });
     return cells;
+}
+
+ShapesKept::ShapesKept(Workbench& bench, const DrawnSlices& drawn, double least_sine)
+    : judge_(bench, drawn, least_sine) {
+    std::vector<std::uint32_t> all = bench.mesh.alive_cells();
+    const auto inside =
+        std::count_if(all.begin(), all.end(), [&](std::uint32_t c) { return bench.mesh.region(c) != 0; });
+    most_above_ = static_cast<std::size_t>(most_above_bound * static_cast<double>(inside));
+    above_bound_ = judge_.those_above_bound(std::move(all));
+}
+
+bool ShapesKept::allow(std::span<const std::uint32_t> changed) {
+    if (!std::all_of(changed.begin(), changed.end(),
+                     [&](std::uint32_t c) { return judge_.is_good(c) && judge_.is_near(c); }))
+        return false;
+    std::vector<std::uint32_t> cells = above_bound_;
+    cells.insert(cells.end(), changed.begin(), changed.end());
+    sort_distinct(cells);
+    above_after_ = judge_.those_above_bound(std::move(cells));
+    return above_after_.size() <= std::max(above_bound_.size(), most_above_);
 }
 
 }  // namespace anatomesh

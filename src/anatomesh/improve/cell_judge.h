@@ -1,8 +1,11 @@
 // CellJudge: whether cells that a change at the end made are good enough to stay.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "anatomesh/improve/workbench.h"
@@ -33,6 +36,24 @@ class CellJudge {
     Workbench& bench_;
     const DrawnSlices& drawn_;
     double least_sine_;
+};
+
+// Whether what changes made of the cells may stay, by all shapes there are.
+class ShapesKept {
+  public:
+    // As CellJudge. O(cells)
+    ShapesKept(Workbench& bench, const DrawnSlices& drawn, double least_sine);
+
+    // Whether the cells that a change made or reshaped are good and near (CellJudge), and no more cells above
+    // the workbench's first bound than before, or than 0.3 % of those inside at first.
+    bool allow(std::span<const std::uint32_t> changed);
+    // The change that was allowed last stays.
+    void keep() { above_bound_ = std::move(above_after_); }
+
+  private:
+    CellJudge judge_;
+    std::size_t most_above_ = 0;
+    std::vector<std::uint32_t> above_bound_, above_after_;  // cells; rising
 };
 
 }  // namespace anatomesh

@@ -24,8 +24,6 @@ constexpr std::size_t most_improved = 60;          // sheets and thicknesses who
 constexpr std::size_t most_handles = 200;          // where more are found, cells do not fit the contours
 constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
 constexpr double most_of_cuts = 3e-4;  // share of what is drawn by which cuts may get worse for a handle
-constexpr double most_above_bound =
-    0.003;  // share of cells inside above the first bound, or as many as before
 constexpr std::array reaches{SheetReach::near, SheetReach::joined, SheetReach::wide};
 
 // What lies on the two sides of loops of edges on a closed oriented surface.
@@ -102,17 +100,13 @@ class Closer {
         : bench_(bench),
           drawn_(drawn),
           reach_mm_(reach_mm),
-          judge_(bench, drawn, least_sine),
+          shapes_(bench, drawn, least_sine),
           improve_(improve),
           context_(context) {
         if (!drawn.planes.empty()) areas_.emplace(bench, drawn);
     }
 
     CloseStats run() {
-        const std::vector<std::uint32_t> all = bench_.mesh.alive_cells();
-        inside_ = static_cast<std::size_t>(std::count_if(
-            all.begin(), all.end(), [&](std::uint32_t c) { return bench_.mesh.region(c) != 0; }));
-        above_bound_ = judge_.those_above_bound(all);
         for (const std::vector<std::uint32_t>& members : bench_.table->members) {
             if (!members.empty()) structures_ = std::max(structures_, members.back() + 1);
         }
@@ -284,18 +278,9 @@ class Closer {
         const std::vector<std::uint32_t> improved = improve_(changed);
         changed.insert(changed.end(), improved.begin(), improved.end());
         sort_distinct(changed);
-        const bool good = std::all_of(changed.begin(), changed.end(), [&](std::uint32_t c) {
-            return judge_.is_good(c) && judge_.is_near(c);
-        });
-        std::vector<std::uint32_t> above_bound = above_bound_;
-        above_bound.insert(above_bound.end(), changed.begin(), changed.end());
-        sort_distinct(above_bound);
-        above_bound = judge_.those_above_bound(std::move(above_bound));
-        const std::size_t most_above = std::max(
-            above_bound_.size(), static_cast<std::size_t>(most_above_bound * static_cast<double>(inside_)));
-        if (!good || above_bound.size() > most_above) return Outcome::bad;
+        if (!shapes_.allow(changed)) return Outcome::bad;
         --improved_;
-        above_bound_ = std::move(above_bound);
+        shapes_.keep();
         stats_.changed.insert(stats_.changed.end(), changed.begin(), changed.end());
         return Outcome::done;
     }
@@ -310,14 +295,12 @@ class Closer {
     Workbench& bench_;
     const DrawnSlices& drawn_;
     double reach_mm_;
-    CellJudge judge_;
+    ShapesKept shapes_;
     const ImproveCells& improve_;
     const RunContext& context_;
     std::optional<SectionAreas> areas_;
     std::uint32_t structures_ = 0, structure_ = 0;
     std::map<std::uint32_t, Parts> parts_before_;  // by structure, before a handle is closed
-    std::vector<std::uint32_t> above_bound_;  // cells; rising
-    std::size_t inside_ = 0;                  // cells
     std::size_t improved_ = 0;                // in vain
     CloseStats stats_;
 };

@@ -136,16 +136,7 @@ struct Grid {
         EXPECT_EQ(topology.genus, 0);
     }
 
-    double volume(std::uint32_t structure = 0) const {
-        double sum = 0;
-        for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-            const Cell& v = mesh.cells[c];
-            if (table.contains(mesh.regions[c], structure))
-                sum +=
-                    signed_volume(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]);
-        }
-        return sum;
-    }
+    double volume() const { return fixtures::structure_volume(mesh, table, 0); }
 };
 
 // Plates that end within the grid, without and with a hole of a cube's width.

@@ -134,11 +134,21 @@ inline double worst_ratio(const TetMesh& mesh) {
     return worst;
 }
 
-// Of the cells of all regions, or of those of one structure.
+// Of the cells of all regions.
 inline double whole_volume(const TetMesh& mesh) {
     double sum = 0;
     for (const Cell& c : mesh.cells)
         sum += signed_volume(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]], mesh.points[c[3]]);
+    return sum;
+}
+
+inline double structure_volume(const TetMesh& mesh, const RegionTable& regions, std::uint32_t structure) {
+    double sum = 0;
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+        const Cell& v = mesh.cells[c];
+        if (regions.contains(mesh.regions[c], structure))
+            sum += signed_volume(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]);
+    }
     return sum;
 }
 

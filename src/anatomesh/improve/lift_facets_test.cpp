@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "anatomesh/geom/predicates.h"
+#include "anatomesh/improve/labelled_meshes_for_test.h"
 #include "anatomesh/mesh/brick_mesh_for_test.h"
 #include "anatomesh/mesh/cell_shape.h"
 #include "anatomesh/mesh/quality.h"
@@ -57,14 +58,7 @@ struct Block {
         return found;
     }
     double volume(std::uint32_t structure) const {
-        double sum = 0;
-        for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-            const Cell& v = mesh.cells[c];
-            if (table.contains(mesh.regions[c], structure))
-                sum +=
-                    signed_volume(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]);
-        }
-        return sum;
+        return fixtures::structure_volume(mesh, table, structure);
     }
     // Facets in z = 2 between a cell above of structure 0 and one below that is not.
     std::vector<double> resting() const {
