@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "anatomesh/measure/certificate.h"
+#include "anatomesh/measure/report.h"
 
 namespace anatomesh {
 
@@ -25,6 +26,13 @@ bool lacks_fewer(const TryOutcome& one, const TryOutcome& other) {
 }
 
 }  // namespace
+
+void add_report(TryOutcome& outcome, const ModelReport& report) {
+    outcome.over_bound = report.quality.radius_edge_share_over_2;
+    for (const Clause& clause : report.certificate) outcome.unmet += clause.state != ClauseState::kept;
+    for (const StructureReport& structure : report.structures)
+        outcome.tangles += static_cast<long long>(structure.components) + structure.genus;
+}
 
 NextTry Attempts::next(const TryOutcome& last, const TryOutcome* kept) {
     if (kept && last.kept_contract && has_more_contours(*kept, last)) return NextTry::none;

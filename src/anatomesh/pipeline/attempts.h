@@ -22,6 +22,8 @@
 
 namespace anatomesh {
 
+struct ModelReport;
+
 enum class NextTry { none, same_size, finer, slightly_finer };
 
 // What came of a try.
@@ -43,6 +45,9 @@ struct TryOutcome {
     double bad = 0;             // share of those of which clause 4 allows not one that nothing forces
     std::size_t cells = 0;      // also where the contract was not kept
 };
+
+// What the report of a model that keeps the contract tells of its try: over_bound, tangles and unmet.
+void add_report(TryOutcome& outcome, const ModelReport& report);
 
 class Attempts {
   public:

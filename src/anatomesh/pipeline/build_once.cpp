@@ -770,19 +770,17 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
         outcome.size_matters = model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001";
         return outcome;
     }
+    add_report(outcome, report);
     outcome.tore_walls = builder.tore_a_structure();
     outcome.untold = builder.untold_places();
-    for (const Clause& clause : report.certificate) outcome.unmet += clause.state != ClauseState::kept;
     outcome.astray = builder.went_astray();
     outcome.conformed_badly = builder.conforming() && (report.listed_cells_bad > 0 || outcome.astray);
-    outcome.over_bound = model.value().report.quality.radius_edge_share_over_2;
     outcome.farthest =
         report.field_distance.at_least ? HUGE_VAL : report.field_distance.max_mm / builder.size_mm();
     std::uint64_t segments = 0, on_surface = 0;
     for (const StructureReport& structure : report.structures) {
         segments += structure.contour_segments;
         on_surface += structure.contour_segments_on_surface;
-        outcome.tangles += static_cast<long long>(structure.components) + structure.genus;
     }
     // Also those that contours left: the fewer the better.
     outcome.missed = static_cast<double>(std::max(segments - on_surface, builder.segments_missed())) /
