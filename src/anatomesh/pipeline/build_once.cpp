@@ -441,7 +441,8 @@ class Builder {
         const CrumbStats crumbs = settle_followed();
         stars = find_stars();
         fix_ill_shaped(fixed);
-        const SlicesThatTell slices = slices_to_keep();
+        const SlicesThatTell slices =
+            spared_ && !is_parallel(contours_) ? SlicesThatTell{} : slices_that_tell(contours_, field_->flat_ends());
         const SmoothStats again = smooth_all(*stars, fixed, slices.sides, smooth_mean);
         smoothed.vertices_moved += again.vertices_moved;
         smoothed.surface_vertices_moved += again.surface_vertices_moved;
