@@ -22,7 +22,8 @@ constexpr double worth_a_patch = 5e-5;             // share of what is drawn tha
 constexpr double enough_less = 0.5;                // of a patch
 constexpr std::size_t most_cuts = 60;              // where more are wrong, slices contradict each other
 constexpr std::size_t most_improved = 100;         // ways to carve whose cells are worked on in vain
-constexpr std::size_t most_cells_across = 5'000;   // worked on where planes cross: much more would be in vain
+// Cells worked on where planes cross, of one cut and of all: much more would be in vain.
+constexpr std::size_t most_cells_of_cut = 5'000, most_cells_across = 20'000;
 constexpr std::size_t most_tried = 1000;           // ways, sound or not
 constexpr std::size_t most_of_crumb = 64;          // cells, as in crumbs.h
 constexpr std::array nearness{0.25, 0.0};          // of a vertex that is taken for one of the patch, in edges
@@ -93,6 +94,7 @@ class Carver {
     // First what leaves the structure in one part.
     void carve_cut(std::size_t cut) {
         pieces_ = {};
+        before_cut_ = worked_on_;
         while (sums_[cut] > much_of_cut && carve_one(cut, false)) {
         }
         while (sums_[cut] > most_of_cut && carve_one(cut, true)) {
@@ -188,7 +190,8 @@ class Carver {
 
     bool is_enough() const {
         return context_.cancelled() || improved_ >= most_improved || tried_ >= most_tried ||
-               (!drawn_.extents.empty() && worked_on_ >= most_cells_across);
+               (!drawn_.extents.empty() &&
+                (worked_on_ >= most_cells_across || worked_on_ - before_cut_ >= most_cells_of_cut));
     }
 
     bool carve(const SectionPatch& patch, std::size_t cut, bool may_part) {
@@ -278,7 +281,8 @@ class Carver {
     std::vector<double> sums_;
     std::array<std::optional<Pieces>, 2> pieces_;  // of what is outside, and of the structure, of this cut
     std::optional<ShapesKept> shapes_;
-    std::size_t improved_ = 0, tried_ = 0, worked_on_ = 0;  // ways, the first in vain; cells
+    std::size_t improved_ = 0, tried_ = 0;        // ways, the first in vain
+    std::size_t worked_on_ = 0, before_cut_ = 0;  // cells; those before this cut
     CarveStats stats_;
 };
 

@@ -30,9 +30,10 @@ struct CarveStats {
 // worse than cell_judge.h allows, or if more cells than before, and than 0.3 % of those inside, are above the
 // workbench's first bound. The worst cuts come first. Guarantees: all cells positive (checked exactly); no
 // vertex moves but by `improve`. Same result every time. Complexity: O(cells) for each cut concerned and each
-// patch carved, and the shapes of the cells of a hundred patches tried in vain at most, or, where planes
-// cross, of 5,000 cells. Errors: none; a cancelled run stops. `look`: nothing is wrong but in cells that
-// share a vertex with one of these, in any order, such that are gone allowed; null: in any.
+// patch carved, and the shapes of the cells of a hundred patches tried in vain at most, and, where planes
+// cross, of 5,000 cells for one cut and 20,000 in all. Errors: none; a cancelled run stops. `look`: nothing
+// is wrong but in cells that share a vertex with one of these, in any order, such that are gone allowed;
+// null: in any.
 CarveStats carve_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine,
                       const ImproveCells& improve, const RunContext& context,
                       const std::vector<std::uint32_t>* look = nullptr);

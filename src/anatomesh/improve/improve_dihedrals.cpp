@@ -42,6 +42,10 @@ constexpr std::size_t most_raised = 2000;
 
 // Tries on a bad cell that scouts make beforehand: its edges, facets and vertices.
 constexpr int edge_tries = 6, facet_tries = 10, scouted_tries = 14;
+// All: then it is given to the other side, an edge collapses from either end, an edge gets a vertex beside
+// it.
+constexpr int collapse_tries = 12, all_tries = scouted_tries + 1 + collapse_tries + 6;
+constexpr std::size_t most_flat = 1000;  // cells between contours that are looked at
 // So many cells at a time, or that part of those there are: more would change each other's surroundings.
 constexpr std::size_t most_scouted = 1024, scouted_part = 8, least_scouted = 64;
 
@@ -123,6 +127,7 @@ class Climber {
         mended.left.insert(mended.left.end(), watched_.begin(), watched_.end());
         carve(std::max(least, listed_degrees), mended.left, context);
         follow(std::max(least, listed_degrees), context);
+        mend_flat_cells(context);
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
@@ -268,6 +273,45 @@ class Climber {
         bench_.least_needed_sine = 0;
         bench_.spared = nullptr;
         bench_.options.max_radius_edge = most;
+    }
+
+    // Whether no contours excuse a cell so flat.
+    bool is_flat(std::uint32_t c) const {
+        return bench_.mesh.alive(c) && bench_.mesh.region(c) != 0 && bench_.sine(c) < least_crowded_sine;
+    }
+
+    // Cells that are left flat between contours that crowd them - vertices of two segments that meet, split
+    // alike, lie in one plane -, where others do that are as good as cells there must be.
+    void mend_flat_cells(const RunContext& context) {
+        if (drawn_.crowded.empty()) return;
+        const std::vector<std::uint32_t> flat =
+            cells_that([&](std::uint32_t c) { return is_flat(c); }, context.threads);
+        const double most = std::exchange(bench_.options.max_radius_edge, most_crowded_ratio);
+        const CellJudge judge(bench_, drawn_, std::sin(listed_degrees * radians_per_degree));
+        thorough_ = bench_.moves_junctions = true;
+        bench_.slices = &drawn_;
+        for (std::size_t n = 0; n < std::min(flat.size(), most_flat) && !context.cancelled(); ++n)
+            mend_flat_cell(flat[n], judge);
+        thorough_ = bench_.moves_junctions = false;
+        bench_.slices = nullptr;
+        bench_.options.max_radius_edge = most;
+    }
+
+    // With the first operation that makes good cells alone.
+    void mend_flat_cell(std::uint32_t cell, const CellJudge& judge) {
+        for (int n = 0; n < all_tries && is_flat(cell); ++n) {
+            const DihedralStats stats = bench_.stats;
+            bench_.mesh.begin_attempt();
+            const bool done =
+                attempt_any(cell, n) && std::all_of(bench_.changed.begin(), bench_.changed.end(),
+                                                    [&](std::uint32_t c) { return judge.is_good(c); });
+            bench_.mesh.end_attempt(done);
+            if (done) {
+                watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());
+            } else {
+                bench_.stats = stats;
+            }
+        }
     }
 
     // Whether those of the cells that contours crowd are within the bounds of forced ones.
@@ -578,6 +622,15 @@ class Climber {
         return move_vertex(bench, bench.mesh.cell(cell)[static_cast<std::size_t>(n - facet_tries)]);
     }
 
+    // All but those that are only for the last cells, in the order of their price.
+    bool attempt_any(std::uint32_t cell, int n) {
+        if (n < scouted_tries) return attempt(bench_, cell, n);
+        if (n == scouted_tries) return give_cell(bench_, cell);
+        n -= scouted_tries + 1;
+        if (n < collapse_tries) return collapse_edge(bench_, cell, n / 2, n % 2 == 0);
+        return insert_vertex(bench_, cell, n - collapse_tries);
+    }
+
     // The operations in the order of their price; `scouted` tells of them, if nothing has changed there.
     bool better(std::uint32_t cell, const Scouted* scouted) {
         int first = scouted ? scouted->first : 0;
@@ -588,12 +641,8 @@ class Climber {
         for (int n = first; n < scouted_tries; ++n) {
             if (attempt(bench_, cell, n)) return true;
         }
-        if (gives_cells_ && give_cell(bench_, cell)) return true;
-        for (int e = 0; e < 6; ++e) {
-            if (collapse_edge(bench_, cell, e, true) || collapse_edge(bench_, cell, e, false)) return true;
-        }
-        for (int e = 0; e < 6; ++e) {
-            if (insert_vertex(bench_, cell, e)) return true;
+        for (int n = gives_cells_ ? scouted_tries : scouted_tries + 1; n < all_tries; ++n) {
+            if (attempt_any(cell, n)) return true;
         }
         return thorough_ && better_at_last(cell);
     }
