@@ -174,8 +174,8 @@ class Builder {
         crammed_ = density > most_dense || (dense_ && contours_.points.size() > options_.spare_dense_above);
         spared_ = crammed_ && tries_before_ == 0 && !size_given_;
         is_too_dense_to_conform_ = dense_ && contours_.points.size() > few_points;
-        conforming_ = may_conform_ && !crammed_ && !is_too_dense_to_conform_ && !is_parallel(contours_) &&
-                      !Sweep::of(contours_);
+        apart_ = is_parallel(contours_) || Sweep::of(contours_);
+        conforming_ = may_conform_ && !crammed_ && !is_too_dense_to_conform_ && !apart_;
         return end_stage("field", 0.05);
     }
 
@@ -183,6 +183,7 @@ class Builder {
         SampleOptions options;
         options.size_mm = options_.size_mm;
         options.conforming = conforming_;
+        options.apart = apart_;
         if (spared_) options.growth = dense_growth;
         ANATOMESH_TRY(sample_, sample_points(contours_, *field_, options, context_));
         const SampleStats& stats = sample_->stats;
@@ -739,6 +740,7 @@ class Builder {
     bool crammed_ =
         false;  // so much so, or so many, that all that can be done would take several times as long
     bool is_too_dense_to_conform_ = false;         // see few_points
+    bool apart_ = false;                           // planes do not cross where something is drawn
     bool conforming_ = false;                      // where planes cross: see SampleOptions
     bool spared_ = false;                          // these, and the first try with a default size
     std::vector<SegmentPiece> piece_list_;         // those of pieces_, and where the cut split them further

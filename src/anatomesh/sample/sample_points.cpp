@@ -252,7 +252,7 @@ class SegmentSplitter {
 
     // `thin` receives the places where a segment runs along a thin wall.
     SegmentGuard split(const ContourSet& contours, const StructureField& field, int threads,
-                       std::vector<ThinSpot>& thin, bool conforming) {
+                       std::vector<ThinSpot>& thin, bool conforming, bool apart) {
         const std::vector<ContourSegment> segments = distinct_segments(contours, sample_.contour_vertices);
         const std::vector<SegmentCut> cuts = cuts_at_contacts(contours, segments, contact_clearance * size_, sample_.points);
         const std::vector<int> levels = segment_levels(segments, sample_.points, field, size_, threads);
@@ -263,8 +263,8 @@ class SegmentSplitter {
             add_pieces(part.segment, level, thin);
         }
         sample_.has_pole = has_pole();
-        // On parallel slices contours of several structures may run side by side too, in their slices.
-        const bool side_by_side = contours.structures.size() > 1 && is_parallel(contours);
+        // Where planes do not cross contours of several structures may run side by side too, in their slices.
+        const bool side_by_side = contours.structures.size() > 1 && apart;
         // Those of a label map have the vertices of their common lines in common.
         sample_.graded = side_by_side && !conforming && !contours.exclusive;
         if (conforming || side_by_side) {
@@ -529,7 +529,7 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
     collect_contour_vertices(contours, sample);
     std::vector<ThinSpot> thin;
     sample.guard = SegmentSplitter(size, is_parallel(contours), sample)
-                       .split(contours, field, context.threads, thin, options.conforming);
+                       .split(contours, field, context.threads, thin, options.conforming, options.apart || is_parallel(contours));
     const SegmentGuard& guard = sample.guard;
     for (int a = 0; a < 3; ++a) lattice.size[a] = 2 * static_cast<std::uint32_t>(extent[a] / size) + 1;
 

@@ -17,6 +17,9 @@ struct SampleOptions {
     double growth = 0.5;         // how fast the edge length may grow with the depth inside, mm per mm. [0, 2]
     bool conforming =
         false;  // contour segments are split as finely as others beside them ask (conform_pieces.h)
+    // Planes do not cross where something is drawn: segments are split as finely as others in their slice
+    // ask. Those of parallel ones are so anyway.
+    bool apart = false;
     std::uint64_t max_points = 400'000'000;  // refused above, before the work
 };
 
