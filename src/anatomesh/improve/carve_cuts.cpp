@@ -222,6 +222,7 @@ class Carver {
 
     Outcome change(const SectionPatch& patch, std::size_t cut, const Way& way, bool may_part) {
         std::uint64_t crumbs = 0;
+        const double farthest_mm = farthest_round(patch);
         const auto first_new = static_cast<std::uint32_t>(bench_.mesh.point_count());
         const Sheet sheet = sheet_of_patch(bench_, areas_, patch, way.near);
         const std::optional<std::uint32_t> end = vertex_on_surface(sheet, patch.structure);
@@ -244,7 +245,7 @@ class Carver {
         changed.insert(changed.end(), improved.begin(), improved.end());
         sort_distinct(changed);
         worked_on_ += changed.size();
-        if (!shapes_->allow(changed)) return Outcome::bad;
+        if (!shapes_->allow(changed, farthest_mm)) return Outcome::bad;
         std::vector<double> after = sums();
         for (std::size_t other = 0; other < after.size(); ++other) {
             const double gained = enough_less * patch.wrong;
@@ -258,6 +259,22 @@ class Carver {
         sums_ = std::move(after);
         stats_.changed.insert(stats_.changed.end(), changed.begin(), changed.end());
         return Outcome::done;
+    }
+
+    // How far from the field's surfaces lie about the patch now: what is wrong there may be far off.
+    double farthest_round(const SectionPatch& patch) {
+        std::vector<std::uint32_t> vertices, cells;
+        for (const SectionAreas::Section& section : patch.sections) {
+            const Cell& cell = bench_.mesh.cell(section.cell);
+            vertices.insert(vertices.end(), cell.begin(), cell.end());
+        }
+        sort_distinct(vertices);
+        for (const std::uint32_t v : vertices) {
+            bench_.mesh.star(v, bench_.star);
+            cells.insert(cells.end(), bench_.star.begin(), bench_.star.end());
+        }
+        sort_distinct(cells);
+        return shapes_->farthest_of(cells);
     }
 
     // One of the sheet's, of a contour if there is one.

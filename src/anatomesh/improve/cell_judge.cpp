@@ -24,24 +24,33 @@ bool CellJudge::is_good(std::uint32_t c) const {
     return m.least_sine() >= (crowded ? least_crowded_sine : least_sine_) && m.squared_ratio <= most * most;
 }
 
-bool CellJudge::is_near(std::uint32_t c) {
-    if (!bench_.mesh.alive(c)) return true;
+bool CellJudge::is_near(std::uint32_t c, double most_mm) {
+    return !bench_.mesh.alive(c) || farthest_of(c, most_mm) <= most_mm;
+}
+
+double CellJudge::farthest_of(std::span<const std::uint32_t> cells) {
+    double farthest = apex_mm();
+    for (const std::uint32_t c : cells) farthest = farthest_of(c, farthest);
+    return farthest;
+}
+
+double CellJudge::farthest_of(std::uint32_t c, double least_mm) {
     const Cell& cell = bench_.mesh.cell(c);
-    const double most = bench_.options.apex_mm;
+    double farthest = least_mm;
     for (int i = 0; i < 4; ++i) {
         const std::uint32_t other = bench_.mesh.neighbor(c, i);
         if (other == no_cell || bench_.mesh.region(other) == bench_.mesh.region(c)) continue;
         bench_.look_between(bench_.mesh.region(c), bench_.mesh.region(other));
         const auto& f = facet_vertices[i];
-        if (bench_.facet_distance(bench_.mesh.point(cell[f[0]]), bench_.mesh.point(cell[f[1]]),
-                                  bench_.mesh.point(cell[f[2]])) > most)
-            return false;
+        farthest = std::max(
+            farthest, bench_.facet_distance(bench_.mesh.point(cell[f[0]]), bench_.mesh.point(cell[f[1]]),
+                                            bench_.mesh.point(cell[f[2]])));
         for (const int k : f) {
-            if (!bench_.fixed(cell[k]) && bench_.probe.distance(bench_.mesh.point(cell[k]), most) > most)
-                return false;
+            if (!bench_.fixed(cell[k]))
+                farthest = std::max(farthest, bench_.probe.distance(bench_.mesh.point(cell[k])));
         }
     }
-    return true;
+    return farthest;
 }
 
 std::vector<std::uint32_t> CellJudge::those_above_bound(std::vector<std::uint32_t> cells) const {
@@ -65,9 +74,9 @@ ShapesKept::ShapesKept(Workbench& bench, const DrawnSlices& drawn, double least_
     above_bound_ = judge_.those_above_bound(std::move(all));
 }
 
-bool ShapesKept::allow(std::span<const std::uint32_t> changed) {
+bool ShapesKept::allow(std::span<const std::uint32_t> changed, double most_mm) {
     if (!std::all_of(changed.begin(), changed.end(),
-                     [&](std::uint32_t c) { return judge_.is_good(c) && judge_.is_near(c); }))
+                     [&](std::uint32_t c) { return judge_.is_good(c) && judge_.is_near(c, most_mm); }))
         return false;
     std::vector<std::uint32_t> cells = above_bound_;
     cells.insert(cells.end(), changed.begin(), changed.end());

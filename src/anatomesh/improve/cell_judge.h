@@ -28,11 +28,20 @@ class CellJudge {
     // last bound; where contours crowd it, the bounds above. Others are.
     bool is_good(std::uint32_t c) const;
     // Whether what of the cell lies on interfaces lies within the workbench's `apex_mm` of the field's.
-    bool is_near(std::uint32_t c);
+    bool is_near(std::uint32_t c) { return is_near(c, bench_.options.apex_mm); }
+    // The same of another length, mm.
+    bool is_near(std::uint32_t c, double most_mm);
+    // How far from the field's what of these cells lies on interfaces, where that is above `apex_mm`; else
+    // that. mm
+    double farthest_of(std::span<const std::uint32_t> cells);
+    double apex_mm() const { return bench_.options.apex_mm; }
     // Of the cells those inside above the workbench's first bound that contours do not crowd.
     std::vector<std::uint32_t> those_above_bound(std::vector<std::uint32_t> cells) const;
 
   private:
+    // That is above `least_mm`, mm; else that.
+    double farthest_of(std::uint32_t c, double least_mm);
+
     Workbench& bench_;
     const DrawnSlices& drawn_;
     double least_sine_;
@@ -46,7 +55,10 @@ class ShapesKept {
 
     // Whether the cells that a change made or reshaped are good and near (CellJudge), and no more cells above
     // the workbench's first bound than before, or than 0.3 % of those inside at first.
-    bool allow(std::span<const std::uint32_t> changed);
+    bool allow(std::span<const std::uint32_t> changed) { return allow(changed, judge_.apex_mm()); }
+    // Near is what lies within that of the field's, mm.
+    bool allow(std::span<const std::uint32_t> changed, double most_mm);
+    double farthest_of(std::span<const std::uint32_t> cells) { return judge_.farthest_of(cells); }
     // The change that was allowed last stays.
     void keep() { above_bound_ = std::move(above_after_); }
 
