@@ -36,7 +36,7 @@ constexpr double shortest_conforming =
 // other at a few degrees.
 constexpr double shortest_about_axis = 0.01;
 constexpr std::size_t segments_at_pole = 8;
-constexpr double shortest_beside_others = 0.1;  // the same within parallel slices
+constexpr double shortest_beside_others = 0.1;  // the same for those of the same slice alone
 // There pieces are at most so many times as long as the next vertex beside them is far, down to a length in
 // sizes: what a pixel's size is apart in the mean runs hundredths of a millimetre apart in places.
 constexpr double growth_beside_others = 3, shortest_graded = 0.015;
@@ -263,27 +263,29 @@ class SegmentSplitter {
             add_pieces(part.segment, level, thin);
         }
         sample_.has_pole = has_pole();
-        // Where planes do not cross contours of several structures may run side by side too, in their slices.
-        const bool side_by_side = contours.structures.size() > 1 && apart;
-        // Those of a label map have the vertices of their common lines in common.
-        sample_.graded = side_by_side && !conforming && !contours.exclusive;
-        if (conforming || side_by_side) {
-            ConformOptions options{shortest_piece(conforming) * size_, {}};
-            if (!conforming) options.slices = std::move(slices_);
+        // Contours of several structures run side by side within slices too: but for those of a label map,
+        // which have the vertices of their common lines in common. About an axis all that lies about the pole
+        // does.
+        const bool several = contours.structures.size() > 1;
+        sample_.graded = several && !contours.exclusive && (conforming ? !sample_.has_pole : apart);
+        ConformOptions beside{shortest_beside_others * size_, {}};
+        beside.slices = std::move(slices_);
+        beside.threads = threads;
+        sample_.graded = sample_.graded && split_graded(beside);
+        if (conforming) {
+            ConformOptions options{shortest_piece() * size_, {}};
             options.threads = threads;
-            sample_.graded = sample_.graded && split_graded(options);
-            if (!sample_.graded) conform_pieces(sample_.points, sample_.pieces, guard_, options);
+            conform_pieces(sample_.points, sample_.pieces, guard_, options);
+        } else if (several && apart && !sample_.graded) {
+            conform_pieces(sample_.points, sample_.pieces, guard_, beside);
         }
         sample_.stats.segment_points = sample_.points.size() - sample_.stats.contour_points;
         return std::move(guard_);
     }
 
   private:
-    // In sizes.
-    double shortest_piece(bool conforming) const {
-        if (!conforming) return shortest_beside_others;
-        return sample_.has_pole ? shortest_about_axis : shortest_conforming;
-    }
+    // In sizes, where all conform.
+    double shortest_piece() const { return sample_.has_pole ? shortest_about_axis : shortest_conforming; }
 
     bool has_pole() const {
         std::vector<std::array<std::uint32_t, 2>> ends;  // vertex, ball: structures may share a piece
