@@ -442,6 +442,7 @@ class Builder {
         const CrumbStats crumbs = settle_followed();
         stars = find_stars();
         fix_ill_shaped(fixed);
+        // About an axis too: what was mended at last would be undone.
         const SlicesThatTell slices =
             spared_ && !is_parallel(contours_) ? SlicesThatTell{} : slices_that_tell(contours_, field_->flat_ends());
         const SmoothStats again = smooth_all(*stars, fixed, slices.sides, smooth_mean);
