@@ -225,63 +225,6 @@ TEST(LineVotes, a_box_beside_the_axis_is_taken_over_it_wherever_its_vertices_are
     }
 }
 
-// A ring in one plane, and in another, across it, its two sections as rectangles, of which one begins
-// `beside` mm off the line.
-ContourSet ring_and_sections(double beside) {
-    ContourSet set;
-    const Plane across = make_plane({}, {0, 1, 0}), flat = make_plane({}, {0, 0, 1});
-    const auto circle = [&](double size, bool outer) {
-        Ring ring;
-        for (int k = 0; k < 48; ++k) {
-            const double at = (outer ? 2 : -2) * std::numbers::pi * (k + 0.3) / 48;
-            ring.push_back(size * Vec2{std::cos(at), std::sin(at)});
-        }
-        return ring;
-    };
-    add_slice(set, flat, circle(radius, true));
-    const auto add_contour = [&](const Plane& plane, const Ring& ring) {
-        ContourSet one;
-        add_slice(one, plane, ring);
-        Contour contour = one.contours[0];
-        contour.slice = static_cast<std::uint32_t>(set.slices.size()) - 1;
-        contour.first_point = static_cast<std::uint32_t>(set.points.size());
-        set.contours.push_back(contour);
-        set.points.insert(set.points.end(), one.points.begin(), one.points.end());
-        ++set.slices.back().contour_count;
-    };
-    add_contour(flat, circle(0.5 * radius, false));
-    add_slice(set, across, box_in(across, 0, -radius, -0.5 * radius, -4, 6, 2));
-    add_contour(across, box_in(across, 0, 0.5 * radius, radius, beside, beside + 5, 2));
-    return set;
-}
-
-// What lies between two contours of a slice cannot be drawn back: where the other one of two slices hardly
-// misses it, that one comes over the line; but not from further off than it is wide.
-TEST(LineVotes, of_two_slices_one_that_hardly_misses_what_lies_between_two_contours_comes_over_the_line) {
-    for (const double beside : {0.02, 0.5, 3.0, 12.0}) {
-        ReconcileOptions options;
-        options.margin_mm = margin;
-        options.max_disagreement_mm = 15;
-        RunContext context;
-        const Result<ReconcileResult> result =
-            reconcile_contours(ring_and_sections(beside), options, context);
-        SCOPED_TRACE(testing::Message() << beside << " mm off");
-        ASSERT_TRUE(result.ok());
-        const ReconcileStats& stats = result.value().stats;
-        EXPECT_GT(stats.difference_mm, 9);
-        if (beside > 0.5 * radius) {
-            EXPECT_TRUE(stats.taken_over.empty());
-            EXPECT_GT(stats.difference_after_mm, 9);
-            continue;
-        }
-        ASSERT_EQ(stats.taken_over.size(), 1u);
-        EXPECT_EQ(stats.taken_over[0].slice, 1u);
-        EXPECT_NEAR(stats.taken_over[0].farthest_mm, beside, 1e-6);
-        EXPECT_LT(stats.difference_after_mm, 0.1);
-        EXPECT_LT(stats.max_movement_mm, 1.2 * beside + 1);
-    }
-}
-
 // Eleven slices agree at the poles, one ends elsewhere: the eleven have one point there, bit for bit.
 TEST(SharedPoints, are_those_of_most_slices_where_few_end_elsewhere) {
     for (const double scale : {1.03, 0.97}) {

@@ -455,15 +455,9 @@ class Reconciler {
             for (const std::uint32_t i :
                  of_a ? comparison.matching.only_first : comparison.matching.only_second) {
                 const double low = ends[i].t, high = ends[i + 1].t;
-                const double middle = 0.5 * (low + high);
-                const bool outvoted = votes.most_agree(comparison, having, middle);
-                // What lies between two contours can't be drawn back.
-                const bool between =
-                    ends[i].contour != ends[i + 1].contour && !votes.most_agree(comparison, slice, middle);
-                if (!outvoted && !between) continue;
+                if (!votes.most_agree(comparison, having, 0.5 * (low + high))) continue;
                 FacingStretch stretch = facing_stretch(set_, slice, comparison.structure, comparison.line,
                                                        set_.slices[having].plane, low, high);
-                if (!outvoted && stretch.height_mm > high - low) continue;
                 if (!stretch.empty() && is_within_bound(slice, stretch))
                     all.push_back({pair, slice, std::move(stretch)});
             }

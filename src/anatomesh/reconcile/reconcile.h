@@ -52,7 +52,7 @@ struct SliceMovement {
 };
 
 // A structure of a slice that lacked on a line what most of the slices through it have (or had what they
-// lack), or the only other one, and whose contour was taken over the line.
+// lack), and whose contour was taken over the line.
 struct TakenOver {
     std::uint32_t slice = 0, structure = 0;
     double farthest_mm = 0;  // of the contour from the line
@@ -87,9 +87,8 @@ struct ReconcileResult {
 // further than the bound. Then contours that agree get the end itself as a common vertex, and narrow folds
 // and spikes that the movement made are cut off (flatten_folds.h). Where slices still differ, all that is
 // repeated, as long as they differ by a fifth less, with vertices at just those ends; and once more for what
-// a slice lacks altogether though most of those through the line have it, or, of two slices, though it lies
-// between two contours of the other and is wider than it is away: the stretch of its contour nearest to it is
-// taken over the line (facing_stretch.h), if none of that has to move further than the bound. Where
+// a slice lacks altogether though most of those through the line have it: the stretch of its contour nearest
+// to it is taken over the line (facing_stretch.h), if none of that has to move further than the bound. Where
 // four planes or more share a line, contours that rise and fall in turn beside it are turned
 // (settle_poles.h). Slivers that are left between structures are closed, and what came to lie on one line
 // shares it. Of a structure that a slice leaves undrawn where others show it the slice says nothing

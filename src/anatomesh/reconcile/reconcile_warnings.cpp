@@ -127,8 +127,8 @@ class Warner {
             place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
             context_.warn(
                 {"W-RCN-010",
-                 "most of the slices through a line in which planes meet, or the other one of two, have the "
-                 "structure there otherwise: this one does not reach the line, or goes on over it" +
+                 "most of the slices through a line in which planes meet have the structure there "
+                 "otherwise: this one does not reach the line, or goes on over it" +
                      std::string(named.size() > most_named_pairs && n == 0
                                      ? "; " + std::to_string(named.size()) + " such slices and structures"
                                      : ""),
