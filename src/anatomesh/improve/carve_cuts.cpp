@@ -196,6 +196,7 @@ class Carver {
 
     bool carve(const SectionPatch& patch, std::size_t cut, bool may_part) {
         const std::size_t count = thicknesses.size() - (drawn_.extents.empty() ? 0 : 1);
+        farthest_mm_ = farthest_round(patch);
         for (const double near : nearness) {
             for (const SheetReach reach : reaches) {
                 for (const double thickness : std::span(thicknesses).first(count)) {
@@ -222,7 +223,6 @@ class Carver {
 
     Outcome change(const SectionPatch& patch, std::size_t cut, const Way& way, bool may_part) {
         std::uint64_t crumbs = 0;
-        const double farthest_mm = farthest_round(patch);
         const auto first_new = static_cast<std::uint32_t>(bench_.mesh.point_count());
         const Sheet sheet = sheet_of_patch(bench_, areas_, patch, way.near);
         const std::optional<std::uint32_t> end = vertex_on_surface(sheet, patch.structure);
@@ -245,7 +245,7 @@ class Carver {
         changed.insert(changed.end(), improved.begin(), improved.end());
         sort_distinct(changed);
         worked_on_ += changed.size();
-        if (!shapes_->allow(changed, farthest_mm)) return Outcome::bad;
+        if (!shapes_->allow(changed, farthest_mm_)) return Outcome::bad;
         std::vector<double> after = sums();
         for (std::size_t other = 0; other < after.size(); ++other) {
             const double gained = enough_less * patch.wrong;
@@ -298,6 +298,7 @@ class Carver {
     std::vector<double> sums_;
     std::array<std::optional<Pieces>, 2> pieces_;  // of what is outside, and of the structure, of this cut
     std::optional<ShapesKept> shapes_;
+    double farthest_mm_ = 0;                      // from the field's, that surfaces of this patch may be
     std::size_t improved_ = 0, tried_ = 0;        // ways, the first in vain
     std::size_t worked_on_ = 0, before_cut_ = 0;  // cells; those before this cut
     CarveStats stats_;

@@ -1,6 +1,7 @@
 #include "anatomesh/improve/cell_judge.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
@@ -25,32 +26,38 @@ bool CellJudge::is_good(std::uint32_t c) const {
 }
 
 bool CellJudge::is_near(std::uint32_t c, double most_mm) {
-    return !bench_.mesh.alive(c) || farthest_of(c, most_mm) <= most_mm;
+    return !any_distance(c, most_mm, [&](double mm) { return mm > most_mm; });
 }
 
 double CellJudge::farthest_of(std::span<const std::uint32_t> cells) {
     double farthest = apex_mm();
-    for (const std::uint32_t c : cells) farthest = farthest_of(c, farthest);
+    for (const std::uint32_t c : cells) {
+        any_distance(c, HUGE_VAL, [&](double mm) {
+            farthest = std::max(farthest, mm);
+            return false;
+        });
+    }
     return farthest;
 }
 
-double CellJudge::farthest_of(std::uint32_t c, double least_mm) {
+template <class Is>
+bool CellJudge::any_distance(std::uint32_t c, double reach_mm, const Is& is) {
+    if (!bench_.mesh.alive(c)) return false;
     const Cell& cell = bench_.mesh.cell(c);
-    double farthest = least_mm;
     for (int i = 0; i < 4; ++i) {
         const std::uint32_t other = bench_.mesh.neighbor(c, i);
         if (other == no_cell || bench_.mesh.region(other) == bench_.mesh.region(c)) continue;
         bench_.look_between(bench_.mesh.region(c), bench_.mesh.region(other));
         const auto& f = facet_vertices[i];
-        farthest = std::max(
-            farthest, bench_.facet_distance(bench_.mesh.point(cell[f[0]]), bench_.mesh.point(cell[f[1]]),
-                                            bench_.mesh.point(cell[f[2]])));
+        if (is(bench_.facet_distance(bench_.mesh.point(cell[f[0]]), bench_.mesh.point(cell[f[1]]),
+                                     bench_.mesh.point(cell[f[2]]))))
+            return true;
         for (const int k : f) {
-            if (!bench_.fixed(cell[k]))
-                farthest = std::max(farthest, bench_.probe.distance(bench_.mesh.point(cell[k])));
+            if (!bench_.fixed(cell[k]) && is(bench_.probe.distance(bench_.mesh.point(cell[k]), reach_mm)))
+                return true;
         }
     }
-    return farthest;
+    return false;
 }
 
 std::vector<std::uint32_t> CellJudge::those_above_bound(std::vector<std::uint32_t> cells) const {

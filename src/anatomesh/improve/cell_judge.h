@@ -39,8 +39,10 @@ class CellJudge {
     std::vector<std::uint32_t> those_above_bound(std::vector<std::uint32_t> cells) const;
 
   private:
-    // That is above `least_mm`, mm; else that.
-    double farthest_of(std::uint32_t c, double least_mm);
+    // Whether one of the distances is such: of the centres and free corners of a cell's facets on interfaces
+    // from the field's, mm. One above the reach may be any above it.
+    template <class Is>
+    bool any_distance(std::uint32_t c, double reach_mm, const Is& is);
 
     Workbench& bench_;
     const DrawnSlices& drawn_;

@@ -287,7 +287,7 @@ class Climber {
         const std::vector<std::uint32_t> flat =
             cells_that([&](std::uint32_t c) { return is_flat(c); }, context.threads);
         const double most = std::exchange(bench_.options.max_radius_edge, most_crowded_ratio);
-        const CellJudge judge(bench_, drawn_, std::sin(listed_degrees * radians_per_degree));
+        CellJudge judge(bench_, drawn_, std::sin(listed_degrees * radians_per_degree));
         thorough_ = bench_.moves_junctions = true;
         bench_.slices = &drawn_;
         for (std::size_t n = 0; n < std::min(flat.size(), most_flat) && !context.cancelled(); ++n)
@@ -298,13 +298,14 @@ class Climber {
     }
 
     // With the first operation that makes good cells alone.
-    void mend_flat_cell(std::uint32_t cell, const CellJudge& judge) {
+    void mend_flat_cell(std::uint32_t cell, CellJudge& judge) {
         for (int n = 0; n < all_tries && is_flat(cell); ++n) {
+            if (n == scouted_tries && !bench_.options.gives_for_ratio) continue;  // give_cell()
             const DihedralStats stats = bench_.stats;
             bench_.mesh.begin_attempt();
+            const auto is_good = [&](std::uint32_t c) { return judge.is_good(c) && judge.is_near(c); };
             const bool done =
-                attempt_any(cell, n) && std::all_of(bench_.changed.begin(), bench_.changed.end(),
-                                                    [&](std::uint32_t c) { return judge.is_good(c); });
+                attempt_any(cell, n) && std::all_of(bench_.changed.begin(), bench_.changed.end(), is_good);
             bench_.mesh.end_attempt(done);
             if (done) {
                 watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());

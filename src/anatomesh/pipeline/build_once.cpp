@@ -443,8 +443,7 @@ class Builder {
         stars = find_stars();
         fix_ill_shaped(fixed);
         // About an axis too: what was mended at last would be undone.
-        const SlicesThatTell slices =
-            spared_ && !is_parallel(contours_) ? SlicesThatTell{} : slices_that_tell(contours_, field_->flat_ends());
+        const SlicesThatTell slices = slices_to_keep(true);
         const SmoothStats again = smooth_all(*stars, fixed, slices.sides, smooth_mean);
         smoothed.vertices_moved += again.vertices_moved;
         smoothed.surface_vertices_moved += again.surface_vertices_moved;
@@ -501,11 +500,11 @@ class Builder {
         return VertexStars(model_.mesh.cells, model_.mesh.points.size(), context_.threads);
     }
 
-    // Not where planes that cross lie so close that shapes are spared, nor about an axis: there all planes
-    // are wrong by a little at each cell of the pole, and mending them took three times as long as all the
-    // rest (but the worst at last, see improve_angles()).
-    SlicesThatTell slices_to_keep() const {
-        if ((spared_ || sample_->has_pole) && !is_parallel(contours_)) return {};
+    // Not where planes that cross lie so close that shapes are spared; about an axis only where asked: there
+    // all planes are wrong by a little at each cell of the pole, and mending them took three times as long as
+    // all the rest (but the worst at last, see improve_angles()).
+    SlicesThatTell slices_to_keep(bool about_axis) const {
+        if ((spared_ || (sample_->has_pole && !about_axis)) && !is_parallel(contours_)) return {};
         return slices_that_tell(contours_, field_->flat_ends());
     }
 
@@ -558,7 +557,7 @@ class Builder {
         // About an axis those that are wrong by more than they may be, at last.
         const bool worst_alone = sample_->has_pole && !spared_ && !is_parallel(contours_);
         const SlicesThatTell slices =
-            worst_alone ? slices_that_tell(contours_, field_->flat_ends()) : slices_to_keep();
+            worst_alone ? slices_that_tell(contours_, field_->flat_ends()) : slices_to_keep(false);
         const std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
         std::vector<Plane> planes;
         for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);

@@ -15,10 +15,11 @@ namespace anatomesh {
 struct SampleOptions {
     double size_mm = 0;          // edge length aimed at near the surface. 0: default_size(). [0.01, 1000]
     double growth = 0.5;         // how fast the edge length may grow with the depth inside, mm per mm. [0, 2]
-    bool conforming =
-        false;  // contour segments are split as finely as others beside them ask (conform_pieces.h)
-    // Planes do not cross where something is drawn: segments are split as finely as others in their slice
-    // ask. Those of parallel ones are so anyway.
+    // Contour segments are split as finely as others beside them ask (conform_pieces.h), where planes cross;
+    // those of several structures first as others of their slice ask, but about an axis.
+    bool conforming = false;
+    // Planes do not cross where something is drawn, though they are not parallel: segments are split as
+    // finely as others of their slice ask. Those of parallel ones are so anyway.
     bool apart = false;
     std::uint64_t max_points = 400'000'000;  // refused above, before the work
 };
