@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "anatomesh/field/parallel_field.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 #include "anatomesh/sample/drawing_for_test.h"
 #include "anatomesh/sample/interface_probe.h"
@@ -226,6 +227,42 @@ TEST(SamplePoints, planes_that_cross_close_to_each_other_do_not_make_the_size_sm
         EXPECT_LT(size, 1.35 * 2) << count;
     }
     EXPECT_GT(size, 1.2 * 2);
+}
+
+// Two structures 0.8 mm apart, on planes that lean a little from each to the next, or are parallel.
+TEST(SamplePoints, contours_side_by_side_are_split_alike_on_parallel_planes_and_on_others_that_do_not_cross) {
+    const auto segment_points = [](double turn, bool apart) {
+        Drawing drawing;
+        for (int k = 0; k < 6; ++k) {
+            const Vec3 u{1, 0, turn * k}, v{0, 1, -turn * k}, origin{0, 0, 4.0 * k};
+            for (std::uint32_t structure = 0; structure < 2; ++structure) {
+                RawContour contour;
+                contour.structure = structure;
+                contour.first_point = static_cast<std::uint32_t>(drawing.raw.points.size());
+                const std::vector<Vec2> ring = structure == 0 ? divided(rectangle({-10, -10}, {0, 10}), 5)
+                                                              : divided(rectangle({0.8, -9}, {10, 9}), 4);
+                for (const Vec2 p : ring) drawing.raw.points.push_back(origin + p.x * u + p.y * v);
+                contour.point_count =
+                    static_cast<std::uint32_t>(drawing.raw.points.size()) - contour.first_point;
+                drawing.raw.contours.push_back(contour);
+            }
+        }
+        drawing.raw.structures = {{1, "one", {}}, {2, "other", {}}};
+        const Case given = case_of(kept(drawing.raw));
+        EXPECT_EQ(is_parallel(given.set), turn == 0);
+        SampleOptions options;
+        options.size_mm = 3;
+        options.apart = apart;
+        RunContext context;
+        auto sample = sample_points(given.set, *given.field, options, context);
+        EXPECT_TRUE(sample.ok());
+        EXPECT_EQ(sample.value().graded, turn == 0 || apart);
+        return static_cast<double>(sample.value().stats.segment_points);
+    };
+    const double parallel = segment_points(0, false), leaning = segment_points(0.01, true),
+                 as_if_they_crossed = segment_points(0.01, false);
+    EXPECT_NEAR(leaning, parallel, 0.1 * parallel);
+    EXPECT_GT(leaning, 1.5 * as_if_they_crossed);
 }
 
 TEST(SamplePoints, a_size_beyond_the_reach_of_the_fields_distances_fills_the_inside) {
