@@ -45,6 +45,7 @@ constexpr int edge_tries = 6, facet_tries = 10, scouted_tries = 14;
 // All: then it is given to the other side, an edge collapses from either end, an edge gets a vertex beside
 // it.
 constexpr int collapse_tries = 12, all_tries = scouted_tries + 1 + collapse_tries + 6;
+constexpr double flat_sine = 1e-3;       // of a cell that no contours excuse: 0.06 degrees
 constexpr std::size_t most_flat = 1000;  // cells between contours that are looked at
 // So many cells at a time, or that part of those there are: more would change each other's surroundings.
 constexpr std::size_t most_scouted = 1024, scouted_part = 8, least_scouted = 64;
@@ -277,7 +278,7 @@ class Climber {
 
     // Whether no contours excuse a cell so flat.
     bool is_flat(std::uint32_t c) const {
-        return bench_.mesh.alive(c) && bench_.mesh.region(c) != 0 && bench_.sine(c) < least_crowded_sine;
+        return bench_.mesh.alive(c) && bench_.mesh.region(c) != 0 && bench_.sine(c) < flat_sine;
     }
 
     // Cells that are left flat between contours that crowd them - vertices of two segments that meet, split
