@@ -297,7 +297,8 @@ std::size_t conform_pieces(std::vector<Vec3>& points, std::vector<SegmentPiece>&
     if (!(options.growth > 0)) return points.size() - before;
     // Step by step: outlines that run beside each other all the way must not ask for many times the points.
     for (double shortest = options.shortest_mm;
-         shortest > options.shortest_graded_mm && points.size() <= (1 + options.most_added) * before;) {
+         shortest > options.shortest_graded_mm &&
+         static_cast<double>(points.size()) <= (1 + options.most_added) * static_cast<double>(before);) {
         shortest = std::max(0.5 * shortest, options.shortest_graded_mm);
         conformer.grade_to(shortest);
         split_all();

@@ -20,7 +20,7 @@ struct ConformOptions {
     // 2
     double growth = 0;
     double shortest_graded_mm = 0;
-    std::size_t most_added = 2;
+    double most_added = 2;
     int threads = 1;
 };
 

@@ -40,7 +40,8 @@ constexpr double shortest_beside_others = 0.1;  // the same for those of the sam
 // There pieces are at most so many times as long as the next vertex beside them is far, down to a length in
 // sizes: what a pixel's size is apart in the mean runs hundredths of a millimetre apart in places.
 constexpr double growth_beside_others = 3, shortest_graded = 0.015;
-constexpr std::size_t most_graded = 1;      // points for each that there was, that this may add
+// Points for each that there was, that this may add; and where planes cross, which crowd cells besides.
+constexpr double most_graded = 1, most_graded_where_planes_cross = 0.5;
 constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
 // Of the guard: 22 degrees at half the ball. On planes that cross there are short pieces in each other's
 // balls: points refused for them left bad cells.
@@ -271,7 +272,8 @@ class SegmentSplitter {
         ConformOptions beside{shortest_beside_others * size_, {}};
         beside.slices = std::move(slices_);
         beside.threads = threads;
-        sample_.graded = sample_.graded && split_graded(beside);
+        sample_.graded =
+            sample_.graded && split_graded(beside, conforming ? most_graded_where_planes_cross : most_graded);
         if (conforming) {
             ConformOptions options{shortest_piece() * size_, {}};
             options.threads = threads;
@@ -302,15 +304,15 @@ class SegmentSplitter {
 
     // Unless that asks for too many points: outlines that run side by side all round are not worth so small
     // cells.
-    bool split_graded(ConformOptions options) {
+    bool split_graded(ConformOptions options, double most) {
         options.growth = growth_beside_others;
         options.shortest_graded_mm = shortest_graded * size_;
-        options.most_added = most_graded;
+        options.most_added = most;
         std::vector<Vec3> points = sample_.points;
         std::vector<SegmentPiece> pieces = sample_.pieces;
         SegmentGuard guard = guard_;
         const std::size_t added = conform_pieces(points, pieces, guard, options);
-        if (added > most_graded * sample_.points.size()) return false;
+        if (static_cast<double>(added) > most * static_cast<double>(sample_.points.size())) return false;
         sample_.points = std::move(points);
         sample_.pieces = std::move(pieces);
         guard_ = std::move(guard);
