@@ -54,7 +54,7 @@ constexpr std::size_t broken_besides_where_planes_cross = 10, broken_besides = 2
 constexpr std::array<double, plane_sets> broken_in_all{0.001, 0.0005, 0.0005, 0.0002, 0.003, 0.0002, 0.002};
 
 constexpr double most_of_a_cut = 1e-3;  // of what is drawn, that may be wrong
-// Of all cuts of a part of the cases, those of which more is: none where planes do not cross.
+// Of all cuts of a part of the cases, those of which more is: none on stacks and fans.
 constexpr std::array<double, plane_sets> cuts_off_in_all{0, 0, 0, 0, 0.05, 0.01, 0.06};
 // Of a cell, also between contours that force it: flatter ones are of no use to finite elements.
 constexpr double flattest_degrees = 0.05;

@@ -265,8 +265,8 @@ class SegmentSplitter {
         }
         sample_.has_pole = has_pole();
         // Contours of several structures run side by side within slices too: but for those of a label map,
-        // which have the vertices of their common lines in common. About an axis all that lies about the pole
-        // does.
+        // which have the vertices of their common lines in common; and not about an axis, where contours of all
+        // slices run side by side at the pole.
         const bool several = contours.structures.size() > 1;
         sample_.graded = several && !contours.exclusive && (conforming ? !sample_.has_pole : apart);
         ConformOptions beside{shortest_beside_others * size_, {}};
