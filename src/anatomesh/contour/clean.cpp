@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <map>
@@ -14,6 +13,7 @@
 #include "anatomesh/base/text.h"
 #include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/contour/close_at_valve.h"
+#include "anatomesh/contour/empty_slices.h"
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/contour/plane_grouping.h"
 #include "anatomesh/contour/resolve.h"
@@ -29,15 +29,6 @@ namespace {
 constexpr double coordinate_bound_mm = 1e7;
 constexpr double least_span_mm = 1;   // of all contours: below it the unit is most likely not the millimetre
 constexpr double no_width_mm = 1e-6;  // a contour nowhere wider than this has no area
-
-// Shortest text that reads back as the same number, with a decimal point.
-std::string text(double number) {
-    std::array<char, 32> buffer;
-    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), number).ptr;
-    std::string result(buffer.data(), end);
-    if (result.find_first_of(".en") == std::string::npos) result += ".0";
-    return result;
-}
 
 std::string structure_text(const Structure& structure) {
     return structure.name.empty() ? std::to_string(structure.number) : structure.name;
@@ -153,7 +144,7 @@ class Cleaner {
                     if (std::abs(value) <= coordinate_bound_mm) continue;
                     Place place = place_of(static_cast<std::uint32_t>(c));
                     place.contour += ", point " + std::to_string(i);
-                    place.value = text(value);
+                    place.value = full(value);
                     if (!std::isfinite(value)) {
                         return Error{ErrorKind::input, "E-CON-002", "a coordinate is not a finite number",
                                      std::move(place), "correct or remove the contour"};
@@ -311,6 +302,20 @@ class Cleaner {
         members_.resize(groups_.slices.size());
         for (std::uint32_t c = 0; c < candidates_.size(); ++c) members_[groups_.slice_of[c]].push_back(c);
         name_slices();
+        find_empty_planes();
+    }
+
+    // Planes of the file that no contour of it is on.
+    void find_empty_planes() {
+        std::vector<std::uint8_t> is_drawn(raw_.planes.size(), 0);
+        for (const RawContour& contour : raw_.contours) {
+            if (contour.plane >= 0) is_drawn[static_cast<std::size_t>(contour.plane)] = 1;
+        }
+        for (std::size_t p = 0; p < raw_.planes.size(); ++p) {
+            if (is_drawn[p]) continue;
+            const std::string given = p < raw_.plane_names.size() ? raw_.plane_names[p] : "";
+            empty_planes_.push_back({raw_.planes[p], slice_text(raw_.planes[p], given, p)});
+        }
     }
 
     // What the file calls the plane of a contour; may be empty.
@@ -328,13 +333,9 @@ class Cleaner {
             if (!name.empty()) given[groups_.slice_of[c]].insert(name);
         }
         for (std::size_t s = 0; s < groups_.slices.size(); ++s) {
-            const Plane& plane = groups_.slices[s];
-            const int axis = axis_of(plane);
-            const double position = axis == 0 ? plane.origin.x : axis == 1 ? plane.origin.y : plane.origin.z;
             given_names_.emplace_back(given[s].begin(), given[s].end());
-            names_.push_back(!given[s].empty() ? *given[s].begin()
-                             : axis >= 0       ? std::string(1, "xyz"[axis]) + " = " + text(position)
-                                               : "plane " + std::to_string(s));
+            names_.push_back(
+                slice_text(groups_.slices[s], given[s].empty() ? std::string() : *given[s].begin(), s));
         }
     }
 
@@ -347,6 +348,7 @@ class Cleaner {
             all.push_back(given_names_[s]);
             if (all.back().size() < 2) all.back().insert(all.back().begin(), names_[s]);
         }
+        for (const EmptyPlane& plane : empty_planes_) all.push_back({plane.name});
         ANATOMESH_TRY(const std::vector<std::uint8_t> is_named,
                       named_slices(all, options_.without, raw_.source));
         bool any = false;
@@ -603,11 +605,24 @@ class Cleaner {
         return Nothing{};
     }
 
+    void keep_empty_planes() {
+        std::erase_if(empty_planes_, [&](const EmptyPlane& plane) { return is_without(plane.name); });
+        const EmptySlices slices =
+            keep_empty_slices(result_.kept, empty_planes_, options_.group_tolerance_mm);
+        if (slices.not_placed.empty()) return;
+        context_.warn({"W-CON-031",
+                       "planes without contours cross others, and how far they reach is not known",
+                       {raw_.source, slices.not_placed.front(), "", "",
+                        std::to_string(slices.not_placed.size()) + " planes"},
+                       "they tell nothing; what ends there is to be drawn on a plane that meets it"});
+    }
+
     Result<CleanResult> finish() {
         std::stable_sort(notes_.begin(), notes_.end(),
                          [](const RingNote& p, const RingNote& q) { return p.source < q.source; });
         for (RingNote& ring_note : notes_) context_.warn(std::move(ring_note.warning));
         ANATOMESH_CHECK_STATUS(keep_structures());
+        keep_empty_planes();
         ContourSet& set = result_.kept;
         set.frame = raw_.frame;
         set.pixel_mm = raw_.pixel_mm;
@@ -621,7 +636,7 @@ class Cleaner {
                     {"W-CON-021",
                      std::to_string(welded.moved) +
                          " vertices differ from one of another structure by rounding alone",
-                     {raw_.source, "", "", "", "at most " + text(welded.max_displacement_mm) + " mm"},
+                     {raw_.source, "", "", "", "at most " + full(welded.max_displacement_mm) + " mm"},
                      "moved onto it"});
             }
         }
@@ -645,6 +660,7 @@ class Cleaner {
     std::vector<std::vector<std::uint32_t>> members_;    // per slice, of candidates_
     std::vector<std::string> names_;                     // per slice
     std::vector<std::vector<std::string>> given_names_;  // per slice: of the planes in the file, sorted
+    std::vector<EmptyPlane> empty_planes_;               // by their names for messages
     std::vector<char> repaired_;                         // per raw contour
     std::map<std::uint32_t, std::vector<Vec3>> closing_;  // by raw contour: what comes after its points
     std::vector<RingNote> notes_;

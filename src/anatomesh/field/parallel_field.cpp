@@ -194,7 +194,7 @@ void warn_about_levels(const ContourSet& set, std::uint32_t structure, const Str
                       "not drawn on every slice between its first and its last one",
                       {set.source, set.slices[levels.not_drawn.front()].name, name, "",
                        std::to_string(levels.not_drawn.size()) + " slices without it"},
-                      "taken as empty there"});
+                      "taken as empty there; slices that nobody drew on are left out by --without"});
     }
     if (levels.flat_island) {
         context.warn({"W-FLD-004",

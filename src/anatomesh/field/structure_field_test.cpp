@@ -339,6 +339,22 @@ TEST(StructureField, RS18_a_slice_with_other_structures_alone_is_empty) {
     EXPECT_LT(field.value()->value(1, {0, 0, 9}), 0);
 }
 
+TEST(StructureField, a_slice_without_any_contour_is_empty) {
+    SetBuilder builder;
+    for (int k = 0; k < 9; ++k) {
+        builder.slice(axial(3.0 * k));
+        if (k != 4) builder.ring(0, circle({}, 10, 40));
+    }
+    RunContext context;
+    const auto field = make_structure_field(builder.set, {}, context);
+    ASSERT_TRUE(field.ok());
+    ASSERT_EQ(context.warnings.size(), 1u);
+    EXPECT_EQ(context.warnings[0].code, "W-FLD-003");
+    EXPECT_GT(field.value()->value(0, {0, 0, 12}), 0);
+    EXPECT_LT(field.value()->value(0, {0, 0, 9}), 0);
+    EXPECT_LT(field.value()->value(0, {0, 0, 15}), 0);
+}
+
 TEST(StructureField, RS19_a_structure_on_every_fifth_slice_is_joined_at_its_own_spacing) {
     SetBuilder builder;
     for (int k = 0; k < 31; ++k) {
