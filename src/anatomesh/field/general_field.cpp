@@ -25,7 +25,7 @@ namespace {
 constexpr std::uint32_t most_near = 16;  // patches that a query takes into account: the nearest
 constexpr std::uint32_t no_structure = 0xffffffffu, no_patch = no_structure;
 constexpr double most_widened = 3;        // times the usual, the radius within which patches count
-constexpr double most_gap = 2;            // spacings: no end of dense planes is told by wider ones
+constexpr double most_gap = 2;            // spacings: no end is told by wider ones
 constexpr std::size_t few_listed = 6;     // patches, among which hidden ones cost nothing
 constexpr double slant_cell = 1.0 / 6;    // of the grids of slants, a share of the clamp
 constexpr double least_share = 0.01;      // of a patch that others hide: less is nothing
@@ -104,15 +104,15 @@ struct Sight {
 
 class GeneralField final : public FieldQueries<GeneralField> {
   public:
-    GeneralField(PlaneSpacings spacings, bool dense, double least_reach, double margin, double clamp,
-                 bool partition, EndCaps caps)
+    GeneralField(PlaneSpacings spacings, double least_reach, double margin, double clamp, bool partition,
+                 EndCaps caps)
         : spacing_(spacings.median), margin_(margin), caps_(caps) {
         clamp_ = clamp;
         partition_ = partition;
-        // Dense planes leave gaps of many times their spacing here and there: a point in one sees both of its
-        // sides, and is not beyond the end.
+        // Planes leave gaps of many times their spacing here and there: a point in one sees both of its
+        // sides, however near to one of them it is, and is not beyond the end.
         const double usual = std::max({3 * spacings.wide, 2 * spacings.median, least_reach});
-        radius_ = dense ? std::max(usual, std::min(2 * spacings.gap, most_widened * usual)) : usual;
+        radius_ = std::max(usual, std::min(2 * spacings.gap, most_widened * usual));
         // What is between two parts of a structure, or in its hole, is wider than any gap between planes.
         const double gap = radius_ > usual ? std::min(spacings.gap, most_gap * spacing_) : 0;
         end_spacing_ = std::max({spacing_, gap, least_reach});
@@ -690,7 +690,6 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
     const PlaneSpacings spacings = plane_spacings(set, patches);
     // Where planes lie close, distances still reach as far as the vertices are apart: cells are no smaller.
     const double vertex_spacing = mean_vertex_spacing(set);
-    const bool dense = vertex_spacing > dense_spacing * spacings.median;
     const double reach = std::max(1.5 * spacings.median, vertex_spacing);
     const double clamp = options.clamp_mm > 0 ? options.clamp_mm : reach;
     const double margin = options.plane_margin_mm > 0 ? options.plane_margin_mm : spacings.median;
@@ -711,7 +710,7 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
     }
     std::vector<std::shared_ptr<const GeneralField>> fields;
     for (const std::vector<bool>& slices : left_out) {
-        auto field = std::make_shared<GeneralField>(spacings, dense, options.least_reach_mm, margin, clamp,
+        auto field = std::make_shared<GeneralField>(spacings, options.least_reach_mm, margin, clamp,
                                                     set.exclusive && several, options.caps);
         ANATOMESH_CHECK_STATUS(field->build(set, patches, slices, context));
         fields.push_back(std::move(field));

@@ -272,6 +272,35 @@ TEST(GeneralField, C27_C28_thirty_six_planes_give_the_solid_back) {
     EXPECT_LT(swept.p95, 0.3);
 }
 
+// Beside one of its planes a point in a wide gap sees the other one too: else the gap is joined in its middle
+// alone, and slits are cut along the planes.
+TEST(GeneralField, a_gap_of_several_spacings_is_joined_from_plane_to_plane) {
+    constexpr double spacing = 4;
+    for (const double gap : {3.0, 4.0, 5.0}) {
+        std::vector<Plane> planes;
+        double z = -54;
+        for (int k = 0; z < 54; ++k) {
+            const double lean = (k % 2 == 0 ? 4 : -4) * std::numbers::pi / 180;
+            planes.push_back(make_plane({0, 0, z}, {std::sin(lean), 0.3 * std::sin(lean), std::cos(lean)}));
+            z += z < 10 && z + spacing >= 10 ? gap * spacing : spacing;
+        }
+        const ContourSet set = cut_ellipsoid(planes);
+        const auto field = field_of(set);
+        int missing = 0, all = 0;
+        for (double x = -60; x <= 60; x += 2.5) {
+            for (double y = -45; y <= 45; y += 2.5) {
+                for (double at = -35; at <= 35; at += 0.5) {
+                    const Vec3 p{x, y, at};
+                    if (ellipsoid(1.05 * p) >= 0) continue;
+                    ++all;
+                    missing += field->value(0, p) >= 0;
+                }
+            }
+        }
+        EXPECT_LE(missing, 1e-4 * all) << gap;
+    }
+}
+
 // Planes about an axis that is never quite the same meet in many lines at its poles. Reconciled, their
 // contours have a vertex there for each, far nearer to each other than the planes are elsewhere.
 TEST(GeneralField, planes_that_crowd_at_poles_fill_the_gaps_between_them_elsewhere) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "anatomesh/contour/share_lines.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
 namespace anatomesh {
@@ -48,6 +49,45 @@ TEST(TouchingContours, that_share_walls_in_part_or_leave_each_other_keep_their_s
         }
     }
     EXPECT_LE(all_missed, 8u);  // of 1536
+}
+
+// One organ drawn twice: an outline and another one that winds about it, 0.1 to 0.5 mm off, in the digits of
+// a file.
+Drawing drawn_twice(double off) {
+    Drawing drawing;
+    constexpr int corners = 80;
+    for (int k = 1; k < 5; ++k) {
+        const double z = 6 * k - 15, shrink = std::sqrt(1 - z * z / 900);
+        for (std::uint32_t s = 0; s < 2; ++s) {
+            Polygon outline;
+            for (int n = 0; n < corners; ++n) {
+                const double t = 2 * pi * (n + 0.16 * s) / corners;
+                double wave = 0;
+                for (int m = 2; m < 10; ++m)
+                    wave += s * off * std::sin(m * t + 1.7 * m + 0.08 * (m - 1) * z) / 2.8;
+                const auto digits = [](double x) { return std::round(100 * x) / 100; };
+                outline.push_back(
+                    {digits((30 * shrink + wave) * std::cos(t)), digits((24 * shrink + wave) * std::sin(t))});
+            }
+            drawing.add(s, z, outline);
+        }
+    }
+    return drawing;
+}
+
+TEST(TouchingContours, of_an_organ_drawn_twice_keep_all_segments) {
+    for (const double off : {0.3, 1.0}) {
+        SCOPED_TRACE(testing::Message() << off << " mm off");
+        ContourSet set = kept(drawn_twice(off).raw);
+        share_lines(set, {});
+        const auto made = build(set);
+        ASSERT_TRUE(made.ok()) << to_line(made.error());
+        for (const StructureReport& structure : made.value().report.structures) {
+            EXPECT_EQ(structure.contour_segments, structure.contour_segments_on_surface);
+            EXPECT_EQ(structure.components, 1u);
+            EXPECT_EQ(structure.genus, 0);
+        }
+    }
 }
 
 }  // namespace

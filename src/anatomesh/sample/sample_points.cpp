@@ -40,8 +40,9 @@ constexpr double shortest_beside_others = 0.1;  // the same for those of the sam
 // There pieces are at most so many times as long as the next vertex beside them is far, down to a length in
 // sizes: what a pixel's size is apart in the mean runs hundredths of a millimetre apart in places.
 constexpr double growth_beside_others = 3, shortest_graded = 0.015;
-// Points for each that there was, that this may add; and where planes cross, which crowd cells besides.
-constexpr double most_graded = 1, most_graded_where_planes_cross = 0.5;
+// Points for each that there was, that this may add: outlines that run a tenth of a millimetre beside each
+// other all round ask for ten; and where planes cross, which crowd cells besides.
+constexpr double most_graded = 20, most_graded_where_planes_cross = 0.5;
 constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
 // Of the guard: 22 degrees at half the ball. On planes that cross there are short pieces in each other's
 // balls: points refused for them left bad cells.
@@ -302,8 +303,7 @@ class SegmentSplitter {
         return false;
     }
 
-    // Unless that asks for too many points: outlines that run side by side all round are not worth so small
-    // cells.
+    // Unless that asks for too many points.
     bool split_graded(ConformOptions options, double most) {
         options.growth = growth_beside_others;
         options.shortest_graded_mm = shortest_graded * size_;
