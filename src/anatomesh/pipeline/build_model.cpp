@@ -14,6 +14,7 @@
 #include "anatomesh/pipeline/build_once.h"
 #include "anatomesh/pipeline/even_out.h"
 #include "anatomesh/pipeline/model_warnings.h"
+#include "anatomesh/pipeline/thin_walls.h"
 
 namespace anatomesh {
 
@@ -22,6 +23,11 @@ namespace {
 constexpr double finer = 0.7;  // a further try's edge length, in those of the one before
 // Of slightly finer tries, in those of the first.
 constexpr std::array<double, Attempts::most_conforming> slightly_finer{0.9, 0.8, 0.7, 0.56};
+
+// Of a model with edges as short as walls between structures ask for, in place of one that is refused, and of
+// one that does not meet all clauses.
+constexpr double most_cells_for_walls = 2.4e7, most_cells_for_better_walls = 4e6;
+constexpr double most_of_all = 0.5;  // of what is drawn, by length, belongs to structures with such walls
 
 struct Made {
     TryOutcome outcome;
@@ -75,6 +81,9 @@ class Tries {
             BuiltOnce built = build(observer_);
             if (!built.model.ok() && built.model.error().kind == ErrorKind::cancelled)
                 return std::move(built.model);
+            if (count_ == 1) {
+                if (std::optional<Result<Model>> model = between_walls(built)) return std::move(*model);
+            }
             const NextTry next = attempts.next(built.outcome, kept_ ? &kept_->made.outcome : nullptr);
             if (next == NextTry::none) {
                 if (kept_ && is_in_vain(*kept_, built, attempts)) return before_it();
@@ -87,6 +96,54 @@ class Tries {
             if (!trial_.may_conform && kept_ && is_hardly_bad(kept_->made.outcome)) return conforming_one();
             context_.warn(again);
         }
+    }
+
+    // Where structures are nested or drawn twice, walls between them all round, longer edges only cost tries:
+    // the model that walls ask for, if the first one is refused or does not meet all clauses, and it is
+    // better. Where both are refused, or that would have too many cells, that is the end of it.
+    std::optional<Result<Model>> between_walls(BuiltOnce& first) {
+        const TryOutcome& was = first.outcome;
+        const bool refused = !first.model.ok();
+        const bool may_be_better = refused ? was.size_matters : was.unmet > 0;
+        if (!may_be_better || trial_.size_given || contours_.structures.size() < 2 || !known_.field)
+            return std::nullopt;
+        const std::optional<WallSize> walls =
+            wall_size(contours_, first.size_mm, known_.field->slice_spacing());
+        if (!walls) return std::nullopt;
+        if (walls->cells > (refused ? most_cells_for_walls : most_cells_for_better_walls)) {
+            if (!refused || walls->share < most_of_all) return std::nullopt;
+            Error error = first.model.error();
+            error.next_step = "structures run about " + brief(walls->thickness_mm) +
+                              " mm beside each other nearly everywhere: --close-gaps gives them one wall, or "
+                              "build them one by one (--separate)";
+            return Result<Model>(std::move(error));
+        }
+        return with_walls(first, *walls);
+    }
+
+    std::optional<Result<Model>> with_walls(const BuiltOnce& first, const WallSize& walls) {
+        std::vector<Warning> warnings = context_.warnings;
+        const Trial before = trial_;
+        trial_.options.size_mm = walls.size_mm;
+        context_.warnings.resize(known_.warnings);
+        BuiltOnce other = build(observer_);
+        const bool is_cancelled = !other.model.ok() && other.model.error().kind == ErrorKind::cancelled;
+        const bool is_better =
+            !first.model.ok() || (other.model.ok() && other.outcome.unmet < first.outcome.unmet);
+        if (!is_better && !is_cancelled) {
+            trial_ = before;
+            context_.warnings = std::move(warnings);
+            shown_is_another_ = true;
+            return std::nullopt;
+        }
+        taken_ = {other.outcome, other.size_mm};
+        context_.warn({"W-PIP-001",
+                       "structures run about " + brief(walls.thickness_mm) +
+                           " mm beside each other nearly everywhere, and edges of " + brief(first.size_mm) +
+                           " mm are too long for what lies between",
+                       {},
+                       "built again with " + brief(walls.size_mm) + " mm"});
+        return std::move(other.model);
     }
 
     BuiltOnce build(const StageObserver& observer) {
