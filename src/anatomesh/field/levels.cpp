@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <tuple>
 
 #include "anatomesh/contour/repeated_planes.h"
+#include "anatomesh/field/telling_slices.h"
 
 namespace anatomesh {
 
@@ -150,22 +152,7 @@ class Gaps {
     std::vector<std::size_t> place_;  // in usual_, of each gap or the next one that counts
 };
 
-// The slices that say something about a structure, as indices of intervals: those from its first to its last
-// one, or its own alone when at least half its gaps skip slices of the set.
-std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& drawn, bool every_slice) {
-    if (!every_slice && has_slices_of_its_own(drawn)) return drawn;
-    std::vector<std::uint32_t> all;
-    for (std::uint32_t i = drawn.front(); i <= drawn.back(); ++i) all.push_back(i);
-    return all;
-}
-
 }  // namespace
-
-bool has_slices_of_its_own(const std::vector<std::uint32_t>& drawn) {
-    std::size_t skips = 0;
-    for (std::size_t i = 1; i < drawn.size(); ++i) skips += drawn[i] - drawn[i - 1] >= 2;
-    return drawn.size() >= 3 && 2 * skips > drawn.size() - 1;
-}
 
 std::vector<SliceInterval> parallel_intervals(const ContourSet& set, const Plane& frame) {
     std::vector<SliceInterval> intervals;
@@ -195,12 +182,28 @@ std::vector<SliceInterval> parallel_intervals(const ContourSet& set, const Plane
     return intervals;
 }
 
+namespace {
+
+std::vector<std::uint32_t> telling_of(const std::vector<SliceInterval>& intervals,
+                                      const std::vector<std::uint32_t>& drawn, bool every_slice) {
+    if (every_slice) {
+        std::vector<std::uint32_t> all(drawn.back() - drawn.front() + 1);
+        std::iota(all.begin(), all.end(), drawn.front());
+        return all;
+    }
+    std::vector<double> heights;
+    for (const SliceInterval& interval : intervals) heights.push_back(middle(interval));
+    return telling_slices(drawn, heights);
+}
+
+}  // namespace
+
 StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                                  const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
                                  const FieldOptions& options) {
     assert(!drawn.empty() && spacing > 0);
     StructureLevels result;
-    const std::vector<std::uint32_t> telling = telling_slices(drawn, every_slice);
+    const std::vector<std::uint32_t> telling = telling_of(intervals, drawn, every_slice);
     const bool own_spacing = telling.size() < drawn.back() - drawn.front() + 1u;
     // A structure on slices of its own knows these alone.
     const auto gap_between = [&](const SliceInterval& below, const SliceInterval& above) {

@@ -48,14 +48,9 @@ struct StructureLevels {
     std::vector<std::uint32_t> not_drawn;  // slices between its first and last on which it is empty
 };
 
-// Whether a structure that is drawn on these slices, by their numbers in a stack, is drawn on slices of its
-// own: three or more, and more than half of the gaps between them hold others. Those say nothing of it.
-bool has_slices_of_its_own(const std::vector<std::uint32_t>& drawn);
-
 // Levels of a structure drawn on the slices intervals[drawn[..]] (rising, at least one).
-// `every_slice`: each slice of the set says something about it (label maps). Otherwise a structure that is
-// drawn on every n-th slice of the set only was drawn at that spacing, and the slices between say nothing
-// about it. `spacing`: of the set, for a structure whose own spacing cannot be told.
+// `every_slice`: each slice of the set says something about it (label maps). Otherwise those between its own
+// that telling_slices() names. `spacing`: of the set, for a structure whose own spacing cannot be told.
 StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                                  const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
                                  const FieldOptions& options);

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "anatomesh/field/crossed_field.h"
-#include "anatomesh/field/levels.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/sweep.h"
+#include "anatomesh/field/telling_slices.h"
 #include "anatomesh/reconcile/silences.h"
 
 namespace anatomesh {
@@ -16,10 +16,15 @@ namespace {
 
 constexpr double same_stack = 0.996;  // cosine of the angle between planes: 5 degrees
 
-// Slices of about one direction, in order along it where the structure is, with whether they draw it.
-std::vector<std::pair<std::uint32_t, bool>> in_order(const ContourSet& set, std::uint32_t structure,
-                                                     const std::vector<std::uint32_t>& slices,
-                                                     const std::vector<bool>& draws) {
+struct SliceInOrder {
+    double height = 0;
+    std::uint32_t slice = 0;
+    bool draws = false;  // the structure
+};
+
+// Slices of about one direction, in order along it where the structure is.
+std::vector<SliceInOrder> in_order(const ContourSet& set, std::uint32_t structure,
+                                   const std::vector<std::uint32_t>& slices, const std::vector<bool>& draws) {
     Vec3 middle;
     double points = 0;
     for (const std::uint32_t s : slices) {
@@ -31,27 +36,30 @@ std::vector<std::pair<std::uint32_t, bool>> in_order(const ContourSet& set, std:
     }
     middle = (1 / points) * middle;
     const Vec3 way = set.slices[slices.front()].plane.normal;
-    std::vector<std::pair<double, std::uint32_t>> heights;
+    std::vector<SliceInOrder> ordered;
     for (const std::uint32_t s : slices) {
         const Plane& plane = set.slices[s].plane;
-        heights.emplace_back(-plane.signed_distance(middle) / dot(plane.normal, way), s);
+        ordered.push_back({-plane.signed_distance(middle) / dot(plane.normal, way), s, draws[s]});
     }
-    std::sort(heights.begin(), heights.end());
-    std::vector<std::pair<std::uint32_t, bool>> ordered;
-    for (const auto& [height, s] : heights) ordered.emplace_back(s, draws[s]);
+    std::sort(ordered.begin(), ordered.end(), [](const SliceInOrder& a, const SliceInOrder& b) {
+        return a.height != b.height ? a.height < b.height : a.slice < b.slice;
+    });
     return ordered;
 }
 
 // The slices that a structure skips which is drawn on slices of its own.
-void add_skipped(const std::vector<std::pair<std::uint32_t, bool>>& ordered, std::uint32_t structure,
+void add_skipped(const std::vector<SliceInOrder>& ordered, std::uint32_t structure,
                  std::vector<std::vector<bool>>& unsaid) {
     std::vector<std::uint32_t> drawn;
+    std::vector<double> heights;
+    for (const SliceInOrder& one : ordered) heights.push_back(one.height);
     for (std::uint32_t n = 0; n < ordered.size(); ++n) {
-        if (ordered[n].second) drawn.push_back(n);
+        if (ordered[n].draws) drawn.push_back(n);
     }
-    if (!has_slices_of_its_own(drawn)) return;
+    const std::vector<std::uint32_t> telling = telling_slices(drawn, heights);
     for (std::uint32_t n = drawn.front(); n < drawn.back(); ++n) {
-        if (!ordered[n].second) unsaid[ordered[n].first][structure] = true;
+        if (!std::binary_search(telling.begin(), telling.end(), n))
+            unsaid[ordered[n].slice][structure] = true;
     }
 }
 

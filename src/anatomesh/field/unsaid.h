@@ -12,8 +12,8 @@ namespace anatomesh {
 // Of a structure that is not drawn on it a slice says that it is not there, as a rule; but nothing where
 // slices that cross it show the structure there (silences.h), and nothing where it runs across a stack
 // (crossed_field.h): the stack tells where the structure is; and nothing where the structure is drawn on
-// slices of about its direction on both sides of it and skips more than half of the slices between these, as
-// levels.h has it for a stack. In one stack or sweep every slice tells.
+// slices of about its direction on both sides of it, at a spacing of its own, as telling_slices.h has it for
+// a stack. In one stack or sweep every slice tells.
 class Unsaid {
   public:
     static Unsaid of(const ContourSet& set, RunContext& context);

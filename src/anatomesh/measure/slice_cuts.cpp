@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "anatomesh/field/telling_slices.h"
 #include "anatomesh/field/unsaid.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/measure/even_odd_area.h"
@@ -51,19 +52,6 @@ class TrianglesAtPlanes {
 };
 
 }  // namespace
-
-bool every_slice_tells(const ContourSet& contours, std::uint32_t structure) {
-    if (contours.exclusive) return true;
-    std::vector<std::uint32_t> drawn;
-    for (std::uint32_t k = 0; k < contours.slices.size(); ++k) {
-        const auto all = contours.contours_of(contours.slices[k]);
-        if (std::any_of(all.begin(), all.end(), [&](const Contour& c) { return c.structure == structure; }))
-            drawn.push_back(k);
-    }
-    std::size_t skips = 0;
-    for (std::size_t i = 1; i < drawn.size(); ++i) skips += drawn[i] - drawn[i - 1] >= 2;
-    return drawn.size() < 3 || 2 * skips <= drawn.size() - 1;
-}
 
 double on_plane_mm(const ContourSet& contours) {
     const Box3 box = contours.box();
@@ -172,7 +160,7 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
     std::vector<std::uint8_t> drawn_here(points.size(), 0);
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         TrianglesAtPlanes surface(points, surfaces[s]);
-        const bool all_tell = every_slice_tells(contours, s);
+        const std::vector<bool> tell = slices_tell(contours, s);
         for (std::uint32_t k = 0; k < contours.slices.size(); ++k) {
             const Slice& slice = contours.slices[k];
             const double off_plane = farthest_off_plane(contours, slice) + tolerance;
@@ -201,7 +189,7 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
                 measured.drawn += signed_area(ring);
                 for (std::size_t n = 0; n < ring.size(); ++n) cut.add(ring[n], ring[(n + 1) % ring.size()]);
             }
-            if (drawn || (all_tell && (parallel || slice.contour_count > 0) && !unsaid.contains(k, s))) {
+            if (drawn || (tell[k] && (parallel || slice.contour_count > 0) && !unsaid.contains(k, s))) {
                 // Twice what counts as on the plane, for rounding.
                 surface.for_each_near(slice.plane, 2 * off_plane, [&](const Triangle& t) { cut.add(t); });
                 if (parallel) {

@@ -19,8 +19,8 @@ struct SliceCut {
 
 // For every structure and every slice, in the order of structures and then of slices. A slice on which a
 // structure is not drawn says that it is not there; left out are slices without any contour where planes are
-// not parallel, those of which the field takes it that they say nothing of the structure (unsaid.h), and
-// those of a structure that was drawn on every n-th slice. `surfaces[s]` is the surface of the contour set's
+// not parallel, and those of which the field takes it that they say nothing of the structure (unsaid.h,
+// telling_slices.h). `surfaces[s]` is the surface of the contour set's
 // structure s as outward triangles of `points`, closed; `vertex_of` the mesh vertex of every contour point,
 // or no_cell (contour_fidelity()). The cut is of the solid with its boundary: a facet in the plane belongs to
 // it. Where planes are not parallel, what lies beyond the box of a slice's contours is not compared: a plane
@@ -28,10 +28,6 @@ struct SliceCut {
 std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
                                  std::span<const std::vector<Triangle>> surfaces, const ContourSet& contours,
                                  std::span<const std::uint32_t> vertex_of);
-
-// Whether a slice of a stack without a structure says that it is not there: not where most of its gaps skip
-// slices (as the field has it).
-bool every_slice_tells(const ContourSet& contours, std::uint32_t structure);
 
 // A vertex this near to a plane lies in it.
 double on_plane_mm(const ContourSet& contours);

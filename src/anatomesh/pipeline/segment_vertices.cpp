@@ -6,6 +6,7 @@
 
 #include "anatomesh/field/levels.h"
 #include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/telling_slices.h"
 #include "anatomesh/field/unsaid.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/improve/improve_dihedrals.h"
@@ -124,10 +125,10 @@ SlicesThatTell slices_that_tell(const ContourSet& contours, const ParallelPlanes
         if (drawn == 0) continue;
         const double mean = std::accumulate(first, first + static_cast<std::ptrdiff_t>(count), 0.0) /
                             static_cast<double>(drawn);
-        const bool all_tell = every_slice_tells(contours, s);
+        const std::vector<bool> tell = slices_tell(contours, s);
         for (std::uint32_t k = 0; k < count; ++k) {
             const bool tells =
-                all_tell && (parallel || contours.slices[k].contour_count > 0) && !unsaid.contains(k, s);
+                tell[k] && (parallel || contours.slices[k].contour_count > 0) && !unsaid.contains(k, s);
             const double area = areas[s * count + k];
             slices.weights[s * count + k] = area > 0 ? 1 / area : tells ? 1 / mean : 0;
         }

@@ -1,0 +1,100 @@
+#include "anatomesh/field/telling_slices.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/sweep.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double same_spacing = 0.05;    // gaps that differ by less than this share of the larger are alike
+constexpr std::size_t fewest_gaps = 3;   // that show a spacing
+constexpr std::size_t fewest_drawn = 3;  // that show slices of one's own
+
+bool alike(double a, double b) {
+    return std::abs(a - b) <= same_spacing * std::max(a, b);
+}
+
+// The spacing of a structure's gaps that hold no other slices, if they are even.
+std::optional<double> own_spacing(const std::vector<std::uint32_t>& drawn,
+                                  const std::vector<double>& heights) {
+    std::vector<double> gaps;
+    for (std::size_t i = 1; i < drawn.size(); ++i) {
+        if (drawn[i] == drawn[i - 1] + 1) gaps.push_back(heights[drawn[i]] - heights[drawn[i - 1]]);
+    }
+    if (gaps.size() < fewest_gaps) return std::nullopt;
+    const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>((gaps.size() - 1) / 2);
+    std::nth_element(gaps.begin(), middle, gaps.end());
+    const double usual = *middle;
+    const auto as_usual = static_cast<std::size_t>(
+        std::count_if(gaps.begin(), gaps.end(), [&](double gap) { return alike(gap, usual); }));
+    if (as_usual < fewest_gaps || 3 * as_usual < 2 * gaps.size()) return std::nullopt;
+    return usual;
+}
+
+// The slices in the order in which they lie, and their heights, if they are a stack or a sweep.
+struct InOrder {
+    std::vector<std::uint32_t> slices;
+    std::vector<double> heights;  // empty: not known
+};
+
+InOrder in_order(const ContourSet& set) {
+    InOrder result;
+    result.slices.resize(set.slices.size());
+    std::iota(result.slices.begin(), result.slices.end(), 0u);
+    if (set.slices.empty() || !(is_parallel(set) || Sweep::of(set))) return result;
+    const Box3 box = set.box();
+    const Vec3 middle = 0.5 * (box.low + box.high), way = set.slices.front().plane.normal;
+    std::vector<double> at;
+    for (const Slice& slice : set.slices)
+        at.push_back(-slice.plane.signed_distance(middle) / dot(slice.plane.normal, way));
+    std::stable_sort(result.slices.begin(), result.slices.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return at[a] < at[b]; });
+    for (const std::uint32_t s : result.slices) result.heights.push_back(at[s]);
+    return result;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& drawn,
+                                          const std::vector<double>& heights) {
+    assert(!drawn.empty());
+    std::size_t skips = 0;
+    for (std::size_t i = 1; i < drawn.size(); ++i) skips += drawn[i] - drawn[i - 1] >= 2;
+    if (drawn.size() >= fewest_drawn && 2 * skips > drawn.size() - 1) return drawn;
+    const std::optional<double> spacing =
+        skips > 0 && !heights.empty() ? own_spacing(drawn, heights) : std::nullopt;
+    std::vector<std::uint32_t> telling{drawn.front()};
+    for (std::size_t i = 1; i < drawn.size(); ++i) {
+        const bool is_usual = spacing && alike(heights[drawn[i]] - heights[drawn[i - 1]], *spacing);
+        for (std::uint32_t n = drawn[i - 1] + 1; n < drawn[i] && !is_usual; ++n) telling.push_back(n);
+        telling.push_back(drawn[i]);
+    }
+    return telling;
+}
+
+std::vector<bool> slices_tell(const ContourSet& set, std::uint32_t structure) {
+    std::vector<bool> tell(set.slices.size(), true);
+    if (set.exclusive) return tell;
+    const InOrder order = in_order(set);
+    std::vector<std::uint32_t> drawn;
+    for (std::uint32_t n = 0; n < order.slices.size(); ++n) {
+        const auto all = set.contours_of(set.slices[order.slices[n]]);
+        if (std::any_of(all.begin(), all.end(), [&](const Contour& c) { return c.structure == structure; }))
+            drawn.push_back(n);
+    }
+    if (drawn.empty()) return tell;
+    const std::vector<std::uint32_t> telling = telling_slices(drawn, order.heights);
+    if (telling.size() == drawn.back() - drawn.front() + 1u) return tell;
+    tell.assign(tell.size(), false);
+    for (const std::uint32_t n : telling) tell[order.slices[n]] = true;
+    return tell;
+}
+
+}  // namespace anatomesh

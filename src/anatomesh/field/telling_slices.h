@@ -1,0 +1,29 @@
+// Which slices of a stack say something about a structure that they do not draw.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/contour/contour_set.h"
+
+namespace anatomesh {
+
+// Those from the first to the last slice that a structure is drawn on, by their places in a stack: as a rule
+// all, and it is empty on those that do not draw it. But a structure may be drawn on slices of its own, at
+// its own spacing, and others between these, for others' sake, say nothing about it:
+// - where it has three slices or more, and most of its gaps hold others: its own alone tell;
+// - where its gaps that hold none are even (two in three of them, three at least, within 5 % of their lower
+//   median): one that holds others and is as wide as these is not a gap, and what is in it does not tell. One
+//   twice as wide is: there it was not drawn where it would have been.
+// `drawn`: rising, at least one; `heights`: of all slices, rising; empty where they are not known, then by
+// the first rule alone. Complexity: O(n log n).
+std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& drawn,
+                                          const std::vector<double>& heights);
+
+// By slice of a set of parallel slices or a sweep, whether it says something about the structure: all do in a
+// set whose structures exclude each other (a label map), and where all from the structure's first to its last
+// do; else those that telling_slices() names. Of planes that cross by the first rule, in the order of the
+// set. Complexity: O(contours + slices log slices), that of Sweep::of().
+std::vector<bool> slices_tell(const ContourSet& set, std::uint32_t structure);
+
+}  // namespace anatomesh

@@ -1,0 +1,75 @@
+#include "anatomesh/field/telling_slices.h"
+
+#include <gtest/gtest.h>
+
+#include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/structure_field.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+using Places = std::vector<std::uint32_t>;
+
+Places telling(const std::vector<double>& heights, const std::vector<double>& drawn_at) {
+    Places drawn;
+    for (std::uint32_t n = 0; n < heights.size(); ++n) {
+        if (std::find(drawn_at.begin(), drawn_at.end(), heights[n]) != drawn_at.end()) drawn.push_back(n);
+    }
+    return telling_slices(drawn, heights);
+}
+
+TEST(TellingSlices, RS18_one_that_is_skipped_in_an_even_stack_tells) {
+    EXPECT_EQ(telling({0, 3, 6, 9, 12, 15}, {0, 3, 9, 12, 15}), (Places{0, 1, 2, 3, 4, 5}));
+}
+
+TEST(TellingSlices, RS19_those_between_slices_of_its_own_do_not) {
+    EXPECT_EQ(telling({0, 3, 6, 9, 12, 15, 18}, {0, 6, 12, 18}), (Places{0, 2, 4, 6}));
+}
+
+// A lesion is drawn on finer slices inside an organ that is drawn every 3 mm.
+TEST(TellingSlices, those_in_a_gap_that_is_as_wide_as_its_others_do_not) {
+    const std::vector<double> heights{0, 3, 6, 8, 9, 10, 12, 14, 15, 18, 21};
+    EXPECT_EQ(telling(heights, {0, 3, 6, 9, 12, 15, 18, 21}), (Places{0, 1, 2, 4, 6, 8, 9, 10}));
+    // Not drawn at 9 either: there it is empty.
+    EXPECT_EQ(telling(heights, {0, 3, 6, 12, 15, 18, 21}), (Places{0, 1, 2, 3, 4, 5, 6, 8, 9, 10}));
+}
+
+TEST(TellingSlices, uneven_gaps_show_no_spacing) {
+    EXPECT_EQ(telling({0, 2, 3, 7, 9, 10.5, 12, 18}, {0, 2, 3, 7, 9, 12, 18}),
+              (Places{0, 1, 2, 3, 4, 5, 6, 7}));
+}
+
+// An organ on every third millimetre, and a lesion inside on every second.
+TEST(TellingSlices, an_organ_is_whole_where_a_lesion_in_it_has_slices_of_its_own) {
+    for (const double lean : {0.0, 0.004}) {
+        SetBuilder builder;
+        std::vector<std::pair<double, bool>> slices;
+        for (int z = -24; z <= 24; ++z) {
+            const bool organ = z % 3 == 0, lesion = z >= -3 && z <= 5 && (z + 3) % 2 == 0;
+            if (!organ && !lesion) continue;
+            builder.slice(make_plane({0, 0, static_cast<double>(z)}, {lean * (z % 2), lean * (z % 5), 1}));
+            if (organ) builder.ring(0, circle({}, std::sqrt(26.0 * 26 - z * z), 80));
+            if (lesion) builder.ring(1, circle({4, 0}, 5, 40));
+        }
+        RunContext context;
+        const auto field = make_structure_field(builder.set, {}, context).value();
+        for (double z = -20; z <= 20; z += 0.25) {
+            EXPECT_LT(field->value(0, {0, 10, z}), 0) << z;
+            if (z >= -2.5 && z <= 4.5) {
+                EXPECT_LT(field->value(1, {4, 0, z}), 0) << z;
+            }
+        }
+        EXPECT_EQ(std::count_if(context.warnings.begin(), context.warnings.end(),
+                                [](const Warning& warning) { return warning.code == "W-FLD-003"; }),
+                  0);
+        const std::vector<bool> tell = slices_tell(builder.set, 0);
+        for (std::uint32_t s = 0; s < tell.size(); ++s) {
+            const auto drawn = builder.set.contours_of(builder.set.slices[s]);
+            EXPECT_EQ(tell[s], drawn.front().structure == 0) << s;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh
