@@ -29,6 +29,7 @@ namespace {
 constexpr double coordinate_bound_mm = 1e7;
 constexpr double least_span_mm = 1;   // of all contours: below it the unit is most likely not the millimetre
 constexpr double no_width_mm = 1e-6;  // a contour nowhere wider than this has no area
+constexpr double speck_share = 1e-3;  // of the area of a slip of the pen: a box no larger has none either
 
 std::string structure_text(const Structure& structure) {
     return structure.name.empty() ? std::to_string(structure.number) : structure.name;
@@ -501,13 +502,20 @@ class Cleaner {
                        done});
     }
 
+    // So small all over that it is noise of what drew it, whatever it bounds and however it crosses itself.
+    bool is_speck(std::span<const Vec2> at) const {
+        Box2 box;
+        for (const Vec2 p : at) box.extend(p);
+        return (box.high.x - box.low.x) * (box.high.y - box.low.y) <= speck_share * options_.loop_mm2;
+    }
+
     void add_ring(Candidate candidate, std::uint32_t s, std::vector<Ring>& rings) {
         const std::uint32_t raw = candidate.raw;
         const std::size_t before = candidate.points.size();
         Ring ring = make_ring(std::move(candidate.points), groups_.slices[s], raw);
         ring.plane = raw_.contours[raw].plane;
         const std::size_t spikes = remove_spikes(ring);
-        if (ring.size() < 3 || has_no_width(ring.at, no_width_mm)) {
+        if (ring.size() < 3 || has_no_width(ring.at, no_width_mm) || is_speck(ring.at)) {
             note(raw, "W-CON-008", "a contour without area", std::to_string(before) + " points",
                  "left out of the surface");
             drop(raw, "no area");

@@ -597,6 +597,16 @@ TEST(Clean, C04_self_crossings_are_read_even_odd_below_the_bound) {
     EXPECT_GT(small.result.value().log[0].area_change_mm2, 0);
 }
 
+TEST(Clean, C04_a_speck_that_crosses_itself_is_no_reason_to_refuse) {
+    const Points bow_tie{{0, 0, 10}, {1e-4, 1e-4, 10}, {1e-4, 0, 10}, {0, 1e-4, 10}};
+    const Cleaned run = clean(File().add(circle(20, 0, 5, 40)).add(bow_tie));
+    EXPECT_KEPT(run);
+    EXPECT_EQ(run.kept().contours.size(), 1u);
+    EXPECT_EQ(run.count("W-CON-008"), 1u);
+    const Points small{{0, 0, 10}, {0.1, 0, 10}, {0.1, 0.1, 10}, {0, 0.1, 10}};
+    EXPECT_EQ(clean(File().add(small).add(circle(20, 0, 5, 40))).kept().contours.size(), 2u);
+}
+
 TEST(Clean, C04_random_scribbles_never_break_the_invariants) {
     CleanOptions any;
     any.max_repair_area_share = 1;

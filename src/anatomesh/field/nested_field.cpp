@@ -116,7 +116,7 @@ class NestedField final : public StructureField {
         for (const auto& level : levels_) least = std::min(least, level->union_value(p));
         return least;
     }
-    ParallelPlanes flat_ends() const override { return levels_.front()->flat_ends(); }
+    std::vector<Plane> flat_ends() const override { return levels_.front()->flat_ends(); }
     double slice_spacing() const override { return levels_.front()->slice_spacing(); }
     double clamp() const override { return clamp_; }
     Box3 box() const override {

@@ -51,10 +51,13 @@ class ParallelField final : public FieldQueries<ParallelField> {
     }
 
     double slice_spacing() const override { return spacing_; }
-    ParallelPlanes flat_ends() const override {
-        ParallelPlanes ends{frame_, {}};
-        for (const Track& track : tracks_) track.add_flat_ends(ends.heights);
-        std::sort(ends.heights.begin(), ends.heights.end());
+    std::vector<Plane> flat_ends() const override {
+        std::vector<double> heights;
+        for (const Track& track : tracks_) track.add_flat_ends(heights);
+        std::sort(heights.begin(), heights.end());
+        std::vector<Plane> ends(heights.size(), frame_);
+        for (std::size_t n = 0; n < ends.size(); ++n)
+            ends[n].origin = frame_.origin + heights[n] * frame_.normal;
         return ends;
     }
     Box3 box() const override { return box_; }

@@ -8,7 +8,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/contour_set.h"
 #include "anatomesh/geom/box.h"
-#include "anatomesh/geom/parallel_planes.h"
+#include "anatomesh/geom/plane.h"
 
 namespace anatomesh {
 
@@ -97,9 +97,9 @@ class StructureField {
         return interface_distance(p);
     }
 
-    // Planes of last contours in which structures end flat (EndCaps::flat); nothing for planes that are not
-    // parallel.
-    virtual ParallelPlanes flat_ends() const { return {}; }
+    // Planes of last contours in which structures end flat (EndCaps::flat), of slices that are parallel or a
+    // sweep; some may be there twice.
+    virtual std::vector<Plane> flat_ends() const { return {}; }
 
     virtual double slice_spacing() const = 0;  // mm between neighbouring slices (median); > 0
     virtual double clamp() const = 0;          // mm

@@ -213,6 +213,14 @@ Vec3 Sweep::straight(Vec3 p) const {
     return {mean.x, mean.y, below.height + t * (above.height - below.height)};
 }
 
+Plane Sweep::slice_at(double height) const {
+    return std::min_element(layers_.begin(), layers_.end(),
+                            [&](const Layer& a, const Layer& b) {
+                                return std::abs(a.height - height) < std::abs(b.height - height);
+                            })
+        ->plane;
+}
+
 ContourSet Sweep::straight(const ContourSet& set) const {
     ContourSet result = set;
     for (const Layer& layer : layers_) {

@@ -32,6 +32,9 @@ class Sweep {
     // Complexity: logarithmic in the slices.
     Vec3 straight(Vec3 p) const;
 
+    // The plane of the slice nearest to a straight height.
+    Plane slice_at(double height) const;
+
     // The set with its points in straight coordinates; its slices keep their order.
     ContourSet straight(const ContourSet& set) const;
 

@@ -48,6 +48,11 @@ class SweptField final : public StructureField {
     double members_and_distance(Vec3 p, std::vector<std::uint32_t>& out) const override {
         return straight_->members_and_distance(sweep_.straight(p), out);
     }
+    std::vector<Plane> flat_ends() const override {
+        std::vector<Plane> ends;
+        for (const Plane& end : straight_->flat_ends()) ends.push_back(sweep_.slice_at(end.origin.z));
+        return ends;
+    }
     double slice_spacing() const override { return straight_->slice_spacing(); }
     double clamp() const override { return straight_->clamp(); }
     Box3 box() const override { return box_; }

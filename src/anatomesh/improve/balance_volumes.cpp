@@ -127,25 +127,24 @@ class Balancer {
         return std::any_of(end_of_.begin(), end_of_.end(), [](std::uint32_t end) { return end != no_end; });
     }
 
-    // The end in whose plane a point lies, or no_end.
+    // The end in whose plane a point lies, the nearest of several, or no_end.
     std::uint32_t end_near(Vec3 p) const {
-        const std::vector<double>& heights = options_.ends.heights;
-        if (heights.empty()) return no_end;
-        const double height = options_.ends.frame.signed_distance(p);
-        const auto above = std::lower_bound(heights.begin(), heights.end(), height);
-        const auto near =
-            above == heights.begin() || (above != heights.end() && *above - height < height - *(above - 1))
-                ? above
-                : above - 1;
-        if (std::abs(*near - height) > options_.end_tolerance_mm) return no_end;
-        return static_cast<std::uint32_t>(near - heights.begin());
+        std::uint32_t near = no_end;
+        double least = options_.end_tolerance_mm;
+        for (std::uint32_t n = 0; n < options_.ends.size(); ++n) {
+            const double distance = std::abs(options_.ends[n].signed_distance(p));
+            if (distance > least || (distance == least && near != no_end)) continue;
+            least = distance;
+            near = n;
+        }
+        return near;
     }
 
     // The facets that lie in an end, and their vertices.
     void find_ends() {
         end_of_.assign(mesh_.points.size(), no_end);
         beside_end_ = end_of_;
-        if (options_.ends.heights.empty()) return;
+        if (options_.ends.empty()) return;
         std::vector<std::uint32_t> near(mesh_.points.size(), no_end);
         for (std::size_t v = 0; v < mesh_.points.size(); ++v) {
             if (start_[v + 1] > start_[v]) near[v] = end_near(mesh_.points[v]);
@@ -162,7 +161,7 @@ class Balancer {
         std::vector<double> outward(mesh_.points.size(), 0);
         for (const Facet& facet : facets_) {
             if (!facet.flat) continue;
-            const double up = dot(third_of_area(facet), options_.ends.frame.normal);
+            const double up = dot(third_of_area(facet), options_.ends[near[facet.triangle[0]]].normal);
             for (const std::uint32_t v : facet.triangle) outward[v] = up > 0 ? 1 : -1;
         }
         beside_end_ = end_of_;
@@ -185,11 +184,11 @@ class Balancer {
     // it.
     Vec3 onto_end(std::uint32_t v, Vec3 p) const {
         if (beside_end_[v] == no_end) return p;
-        const Plane& frame = options_.ends.frame;
-        const double end = options_.ends.heights[beside_end_[v]], height = frame.signed_distance(p) - end;
+        const Plane& end = options_.ends[beside_end_[v]];
+        const double height = end.signed_distance(p);
         const double beyond = outward_[v] * height;
         const bool sticks_out = beyond > 0 && beyond < 5 * options_.end_tolerance_mm;
-        return end_of_[v] != no_end || sticks_out ? p - height * frame.normal : p;
+        return end_of_[v] != no_end || sticks_out ? p - height * end.normal : p;
     }
 
     // Rather a slightly smaller angle than a step in the end.

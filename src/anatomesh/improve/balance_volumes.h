@@ -19,7 +19,7 @@ struct BalanceOptions {
     double min_dihedral_degrees =
         15;                        // angles inside may fall to this; below it they do not get worse. [0, 40]
     PlaneSides slices;             // through which no vertex passes, and none that lies in one leaves it
-    ParallelPlanes ends;           // planes in which the surface is flat
+    std::vector<Plane> ends;       // planes in which the surface is flat
     double end_tolerance_mm = 0;   // a facet whose vertices are this near to one of them lies in it. [0, 1]
     double max_difference = 1e-3;  // above it, with the ends held, they may move too. [1e-9, 1]
 };

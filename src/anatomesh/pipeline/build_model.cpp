@@ -9,6 +9,7 @@
 
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/sweep.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/pipeline/attempts.h"
 #include "anatomesh/pipeline/build_once.h"
@@ -292,6 +293,15 @@ class Tries {
 
 Result<Model> build_model(const ContourSet& contours, const ModelOptions& options, RunContext& context,
                           const StageObserver& observer) {
+    if (options.caps == EndCaps::flat && !contours.contours.empty() && !is_parallel(contours) &&
+        !Sweep::of(contours)) {
+        return Error{
+            ErrorKind::usage,
+            "E-PIP-004",
+            "slices that cross where something is drawn have no last ones on which it could end flat",
+            {contours.source, "", "", "", ""},
+            "give --caps half or rounded"};
+    }
     return Tries(contours, options, context, observer).run();
 }
 

@@ -263,6 +263,70 @@ TEST(BuildModel, the_caps_of_prisms_and_cones_are_planes) {
     }
 }
 
+// The same of slices that lean against each other, as a probe gives them that is tilted: their ends are
+// planes too.
+TEST(BuildModel, the_caps_of_a_fan_are_planes) {
+    for (const double degrees : {0.3, 1.0, 3.0}) {
+        SCOPED_TRACE(testing::Message() << degrees << " degrees from slice to slice");
+        const double far = 3 / (degrees * pi / 180);  // where the planes meet, from the middle
+        const auto turn = [&](Vec3 p) {
+            const double angle = p.z / far;
+            return Vec3{(far + p.x) * std::cos(angle) - far, p.y, (far + p.x) * std::sin(angle)};
+        };
+        Drawing drawing;
+        for (int k = -3; k <= 3; ++k) drawing.add(0, 3 * k, circle({}, std::sqrt(15.0 * 15 - 9 * k * k), 60));
+        drawing.move(turn);
+        RunContext context;
+        ModelOptions options;
+        options.caps = EndCaps::flat;
+        auto made = build_model(kept(drawing.raw, false), options, context);
+        ASSERT_TRUE(made.ok()) << to_line(made.error());
+        const Model& model = made.value();
+        for (const double end : {-9.0, 9.0}) {
+            const double angle = end / far;
+            const Plane plane = make_plane({-far, 0, 0}, {-std::sin(angle), 0, std::cos(angle)});
+            double area = 0, beyond = 0;
+            for (const RegionFacet& facet :
+                 region_facets(model.mesh, cell_neighbors(model.mesh.cells, model.mesh.points.size()))) {
+                const auto& [c, i, other] = facet;
+                std::array<Vec3, 3> p;
+                for (std::size_t k = 0; k < 3; ++k)
+                    p[k] = model.mesh.points[model.mesh.cells[c][facet_vertices[i][k]]];
+                if (std::all_of(p.begin(), p.end(),
+                                [&](Vec3 q) { return std::abs(plane.signed_distance(q)) <= 1e-6; }))
+                    area += length(cross(p[1] - p[0], p[2] - p[0])) / 2;
+                for (const Vec3& q : p)
+                    beyond = std::max(beyond, (end > 0 ? 1 : -1) * plane.signed_distance(q));
+            }
+            EXPECT_NEAR(area / (pi * 144), 1, 0.05) << end;
+            EXPECT_LT(beyond, 0.01) << end;
+        }
+        for (const SliceCutReport& cut : model.report.cuts)
+            EXPECT_LE(cut.difference_mm2, (degrees < 2 ? 1e-3 : 0.02) * cut.drawn_mm2) << cut.slice;
+    }
+}
+
+TEST(BuildModel, slices_that_cross_have_no_flat_ends) {
+    Drawing drawing, along;
+    for (int k = -2; k <= 2; ++k) {
+        drawing.add(0, 5 * k, circle({}, std::sqrt(15.0 * 15 - 25 * k * k), 60));
+        along.add(0, 5 * k, circle({}, std::sqrt(15.0 * 15 - 25 * k * k), 60));
+    }
+    along.move([](Vec3 p) { return Vec3{p.z, p.x, p.y}; });
+    for (RawContour contour : along.raw.contours) {
+        contour.first_point += static_cast<std::uint32_t>(drawing.raw.points.size());
+        drawing.raw.contours.push_back(contour);
+    }
+    drawing.raw.points.insert(drawing.raw.points.end(), along.raw.points.begin(), along.raw.points.end());
+    RunContext context;
+    ModelOptions options;
+    options.caps = EndCaps::flat;
+    const auto made = build_model(kept(drawing.raw, false), options, context);
+    ASSERT_FALSE(made.ok());
+    EXPECT_EQ(made.error().code, "E-PIP-004");
+    EXPECT_EQ(made.error().kind, ErrorKind::usage);
+}
+
 // A narrow outline has no vertices inside that hold up its end.
 TEST(BuildModel, flat_ends_of_narrow_strips_are_what_is_drawn) {
     for (const double width : {1.5, 2.0, 3.0, 4.5}) {

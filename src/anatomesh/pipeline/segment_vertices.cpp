@@ -4,7 +4,6 @@
 #include <cassert>
 #include <numeric>
 
-#include "anatomesh/field/levels.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/telling_slices.h"
 #include "anatomesh/field/unsaid.h"
@@ -107,9 +106,27 @@ std::vector<double> drawn_areas(const ContourSet& contours) {
     return areas;
 }
 
+// Whether something ends flat in a slice: one of the planes runs through its contours' points.
+bool ends_flat(const ContourSet& contours, std::uint32_t slice, const std::vector<Plane>& ends,
+               double tolerance) {
+    return std::any_of(ends.begin(), ends.end(), [&](const Plane& end) {
+        double low = 0, high = 0;
+        bool any = false;
+        for (const Contour& contour : contours.contours_of(contours.slices[slice])) {
+            for (const Vec3& p : contours.points_of(contour)) {
+                const double height = end.signed_distance(p);
+                low = any ? std::min(low, height) : height;
+                high = any ? std::max(high, height) : height;
+                any = true;
+            }
+        }
+        return any && low <= tolerance && high >= -tolerance;
+    });
+}
+
 }  // namespace
 
-SlicesThatTell slices_that_tell(const ContourSet& contours, const ParallelPlanes& ends) {
+SlicesThatTell slices_that_tell(const ContourSet& contours, const std::vector<Plane>& ends) {
     SlicesThatTell slices;
     const bool parallel = is_parallel(contours);
     place_planes(contours, parallel, slices);
@@ -134,21 +151,18 @@ SlicesThatTell slices_that_tell(const ContourSet& contours, const ParallelPlanes
         }
     }
     slices.sides.on_plane_mm = slices.on_plane_mm;
-    if (!parallel) {
-        slices.sides.planes = slices.planes;
-        slices.sides.extents = slices.extents;
-        return slices;
+    const Plane& frame = contours.slices.front().plane;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        if (ends_flat(contours, k, ends, slices.on_plane_mm)) {
+            for (std::size_t s = 0; s < structures; ++s) slices.weights[s * count + k] = 0;
+        } else if (parallel) {
+            slices.sides.stack.heights.push_back(frame.signed_distance(slices.planes[k].origin));
+        } else {
+            slices.sides.planes.push_back(slices.planes[k]);
+            slices.sides.extents.push_back(slices.extents[k]);
+        }
     }
-    for (const SliceInterval& slice : parallel_intervals(contours, ends.frame)) {
-        const bool flat = std::any_of(ends.heights.begin(), ends.heights.end(), [&](double end) {
-            return end >= slice.low - slices.on_plane_mm && end <= slice.high + slices.on_plane_mm;
-        });
-        if (!flat)
-            slices.sides.stack.heights.push_back(
-                ends.frame.signed_distance(slices.planes[slice.slice].origin));
-        for (std::size_t s = 0; flat && s < structures; ++s) slices.weights[s * count + slice.slice] = 0;
-    }
-    slices.sides.stack.frame = ends.frame;
+    slices.sides.stack.frame = frame;
     std::sort(slices.sides.stack.heights.begin(), slices.sides.stack.heights.end());
     return slices;
 }

@@ -45,6 +45,6 @@ struct SlicesThatTell {
     double on_plane_mm = 0;       // vertices this near to a plane lie in it
 };
 // Complexity: O(points + structures x slices), and that of Unsaid::of().
-SlicesThatTell slices_that_tell(const ContourSet& contours, const ParallelPlanes& ends);
+SlicesThatTell slices_that_tell(const ContourSet& contours, const std::vector<Plane>& ends);
 
 }  // namespace anatomesh
