@@ -72,6 +72,11 @@ TEST(GeneralField, C30_few_planes_that_cross_are_told) {
         }
         EXPECT_EQ(is_poorly_sampled(ball_on(normals)), count <= 3) << count;
     }
+    // At an angle so narrow that the ball is a wafer beside them.
+    for (const double degrees : {5.0, 10.0, 20.0, 30.0}) {
+        const double angle = degrees * std::numbers::pi / 180;
+        EXPECT_TRUE(is_poorly_sampled(ball_on({x, {std::cos(angle), std::sin(angle), 0}}))) << degrees;
+    }
     EXPECT_FALSE(is_poorly_sampled(crossing_stacks()));
     // A stack alone is not asked, and a plane across it takes nothing away.
     for (const double spacing : {2.0, 5.0, 8.0, 11.0}) {

@@ -12,6 +12,7 @@
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/rotation_axis.h"
 #include "anatomesh/field/rotational_field.h"
+#include "anatomesh/field/shifted_slices.h"
 #include "anatomesh/field/swept_field.h"
 
 namespace anatomesh {
@@ -28,11 +29,17 @@ Result<std::shared_ptr<const StructureField>> make_structure_field(const Contour
                      "choose a structure that has contours"};
     }
     if (set.overlapping) return make_nested_field(set, options, context);
-    if (is_parallel(set)) return make_parallel_field(set, options, context);
-    if (std::optional<Sweep> sweep = Sweep::of(set))
+    if (is_parallel(set)) {
+        warn_about_shifted_slices(set, context);
+        return make_parallel_field(set, options, context);
+    }
+    if (std::optional<Sweep> sweep = Sweep::of(set)) {
+        warn_about_shifted_slices(set, context);
         return make_swept_field(std::move(*sweep), set, options, context);
+    }
     if (std::optional<RotationalSweep> sweep = RotationalSweep::of(set, options.max_gap_spacings))
         return make_rotational_field(std::move(*sweep), set, options, context);
+    warn_about_shifted_slices(set, context);
     if (const std::optional<StackAndCrossing> slices = stack_and_crossing(set))
         return make_crossed_field(set, *slices, options, context);
     warn_about_missing_slices(set, context);
