@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <limits>
 
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/contour/plane_grouping.h"
@@ -11,33 +11,48 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double least_gap = 0.1;  // of the median spacing
+constexpr double least_gap = 0.05;  // of the way from one side to the other
 
-// On the common normal of the set, seen from its middle: a plane's own origin may lie far away on it.
-struct Placed {
-    double position = 0;
-    const EmptyPlane* plane = nullptr;
+// Where a plane lies among what is drawn.
+struct Place {
+    bool crosses = false;  // what is drawn on one slice
+    // Of what is drawn on either side the nearest to it; infinite: nothing.
+    double below = std::numeric_limits<double>::infinity(), above = below;
+
+    bool is_between() const { return !crosses && std::isfinite(below) && std::isfinite(above); }
+    double least_distance() const { return least_gap * (below + above); }
 };
 
-// The planes that are parallel to the slices, rising; the names of the others go to `crossing`.
-std::vector<Placed> place(const ContourSet& set, std::span<const EmptyPlane> planes, double tolerance_mm,
-                          std::vector<std::string>& crossing) {
-    const Vec3 normal = set.slices.front().plane.normal, middle = 0.5 * (set.box().low + set.box().high);
-    const double reach = set.box().diagonal() / 2;
-    std::vector<Placed> placed;
-    for (const EmptyPlane& one : planes) {
-        const Plane& plane = one.plane;
-        if (length(cross(normal, plane.normal)) * reach > tolerance_mm) {
-            crossing.push_back(one.name);
-            continue;
+Place place_of(const ContourSet& set, const Plane& plane) {
+    Place place;
+    for (const Slice& slice : set.slices) {
+        if (slice.contour_count == 0) continue;
+        double low = std::numeric_limits<double>::infinity(), high = -low;
+        for (const Contour& contour : set.contours_of(slice)) {
+            for (const Vec3& p : set.points_of(contour)) {
+                const double height = plane.signed_distance(p);
+                low = std::min(low, height);
+                high = std::max(high, height);
+            }
         }
-        const Vec3 foot = middle - plane.signed_distance(middle) * plane.normal;
-        placed.push_back({dot(normal, foot), &one});
+        if (low > 0) {
+            place.above = std::min(place.above, low);
+        } else if (high < 0) {
+            place.below = std::min(place.below, -high);
+        } else {
+            place.crosses = true;
+            return place;
+        }
     }
-    std::sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
-        return a.position != b.position ? a.position < b.position : a.plane->name < b.plane->name;
+    return place;
+}
+
+// Whether the plane is one with another one that is kept, as seen from the middle of the set.
+bool is_given_again(const Plane& plane, const std::vector<Slice>& kept, Vec3 middle, double distance) {
+    const Vec3 foot = middle - plane.signed_distance(middle) * plane.normal;
+    return std::any_of(kept.begin(), kept.end(), [&](const Slice& slice) {
+        return std::abs(slice.plane.signed_distance(foot)) <= distance;
     });
-    return placed;
 }
 
 // One that stands at `position` along the normal of the slices.
@@ -50,20 +65,18 @@ Plane plane_at(const Plane& slice, double position) {
     return plane;
 }
 
-void insert(ContourSet& set, std::vector<Slice> more) {
+void sort_by_position(ContourSet& set) {
     const Vec3 normal = set.slices.front().plane.normal;
-    std::vector<Slice> all = std::move(set.slices);
-    all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
-    std::stable_sort(all.begin(), all.end(), [&](const Slice& a, const Slice& b) {
+    std::stable_sort(set.slices.begin(), set.slices.end(), [&](const Slice& a, const Slice& b) {
         return dot(a.plane.origin, normal) < dot(b.plane.origin, normal);
     });
     std::uint32_t next = 0;
-    for (std::uint32_t s = 0; s < all.size(); ++s) {
-        all[s].first_contour = next;
-        for (std::uint32_t c = 0; c < all[s].contour_count; ++c) set.contours[next + c].slice = s;
-        next += all[s].contour_count;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        Slice& slice = set.slices[s];
+        slice.first_contour = next;
+        for (std::uint32_t c = 0; c < slice.contour_count; ++c) set.contours[next + c].slice = s;
+        next += slice.contour_count;
     }
-    set.slices = std::move(all);
 }
 
 }  // namespace
@@ -80,26 +93,31 @@ EmptySlices keep_empty_slices(ContourSet& set, std::span<const EmptyPlane> plane
                               double parallel_tolerance_mm) {
     EmptySlices result;
     if (planes.empty() || set.slices.empty()) return result;
-    if (!all_parallel(set, parallel_tolerance_mm)) {
-        for (const EmptyPlane& plane : planes) result.not_placed.push_back(plane.name);
-        return result;
-    }
-    const std::vector<Placed> placed = place(set, planes, parallel_tolerance_mm, result.not_placed);
-    const Vec3 normal = set.slices.front().plane.normal;
-    const double nearest = least_gap * median_spacing(set);
+    const bool parallel = all_parallel(set, parallel_tolerance_mm);
+    const Box3 box = set.box();
+    const Vec3 middle = 0.5 * (box.low + box.high), normal = set.slices.front().plane.normal;
+    std::vector<const EmptyPlane*> in_order;
+    for (const EmptyPlane& one : planes) in_order.push_back(&one);
+    std::sort(in_order.begin(), in_order.end(), [&](const EmptyPlane* a, const EmptyPlane* b) {
+        const double p = a->plane.signed_distance(middle), q = b->plane.signed_distance(middle);
+        return p != q ? p < q : a->name < b->name;
+    });
     std::vector<Slice> more;
-    std::size_t next = 0;  // the first slice with contours that is not before the plane
-    for (const Placed& one : placed) {
-        const auto position = [&](std::size_t s) { return dot(set.slices[s].plane.origin, normal); };
-        while (next < set.slices.size() && position(next) < one.position) ++next;
-        if (next == 0 || next == set.slices.size()) continue;
-        double before = one.position - position(next - 1);
-        if (!more.empty()) before = std::min(before, one.position - dot(more.back().plane.origin, normal));
-        if (std::min(before, position(next) - one.position) <= nearest) continue;
-        result.kept.push_back(one.plane->name);
-        more.push_back({plane_at(set.slices.front().plane, one.position), 0, 0, one.plane->name});
+    for (const EmptyPlane* one : in_order) {
+        const Place place = place_of(set, one->plane);
+        if (place.crosses) result.not_placed.push_back(one->name);
+        if (!place.is_between() || std::min(place.below, place.above) <= place.least_distance() ||
+            is_given_again(one->plane, more, middle, place.least_distance()))
+            continue;
+        const Vec3 foot = middle - one->plane.signed_distance(middle) * one->plane.normal;
+        const bool is_one_of_them = parallel && length(cross(normal, one->plane.normal)) * box.diagonal() <=
+                                                    2 * parallel_tolerance_mm;
+        result.kept.push_back(one->name);
+        more.push_back({is_one_of_them ? plane_at(set.slices.front().plane, dot(normal, foot)) : one->plane,
+                        static_cast<std::uint32_t>(set.contours.size()), 0, one->name});
     }
-    insert(set, std::move(more));
+    set.slices.insert(set.slices.end(), more.begin(), more.end());
+    if (all_parallel(set, parallel_tolerance_mm)) sort_by_position(set);
     return result;
 }
 

@@ -61,6 +61,27 @@ TEST(EmptySlices, of_a_tilted_stack_too) {
     EXPECT_TRUE(all_parallel(run.kept(), 1e-6));
 }
 
+TEST(EmptySlices, of_slices_that_lean_against_each_other_too) {
+    File file;
+    for (int k = 0; k < 9; ++k) {
+        const double angle = 0.03 * (k - 4);
+        const Vec3 normal{-std::sin(angle), 0, std::cos(angle)};
+        const Plane plane = make_plane({0, 0, 5.0 * k}, normal);
+        file.raw.planes.push_back(plane);
+        file.raw.plane_names.push_back("image " + std::to_string(k));
+        if (k == 3) continue;
+        Points points;
+        for (const Vec3& p : square(-5, -5, 10, 0)) points.push_back(plane.to_space({p.x, p.y}));
+        file.add(points, 0, ContourKind::closed_planar, k);
+    }
+    const Cleaned run = clean(file);
+    ASSERT_TRUE(run.ok());
+    ASSERT_EQ(run.kept().slices.size(), 9u);
+    EXPECT_EQ(run.kept().slices.back().name, "image 3");
+    EXPECT_EQ(run.kept().slices.back().contour_count, 0u);
+    EXPECT_EQ(run.count("W-CON-031"), 0u);
+}
+
 TEST(EmptySlices, not_before_the_first_drawn_slice_nor_after_the_last) {
     const Cleaned run = clean(stack({0, 3, 6}, {-6, -3, 9, 12}));
     ASSERT_TRUE(run.ok());
