@@ -15,6 +15,7 @@
 #include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/contour/slivers.h"
 #include "anatomesh/reconcile/align_slices.h"
+#include "anatomesh/reconcile/common_lines.h"
 #include "anatomesh/reconcile/contour_graph.h"
 #include "anatomesh/reconcile/contradictions.h"
 #include "anatomesh/reconcile/disagreement.h"
@@ -70,6 +71,7 @@ class Reconciler {
         if (options_.align) {
             ANATOMESH_CHECK_STATUS(align());
         }
+        if (options_.reconcile) lead_along_common_lines(set_, pairs_, {});
         drawn_ = drawn_places(set_);
         if (options_.reconcile) make_planes_true(set_);
         compare();
