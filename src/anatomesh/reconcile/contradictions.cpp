@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,30 @@ namespace {
 constexpr double at_bound_share = 1e-3;   // of the bound: a contour so near to it cannot move further
 constexpr double least_left_share = 0.1;  // of the bound: slices that differ by less are warned of
 constexpr double beside_line = 2;         // bounds: of a moved point from the other slice's plane
+
+// A slice whose contours all lie on one side of the other's plane, beside their common line: there it tells
+// within a margin only that nothing is there, and an image that ends there draws along its edge. `at`: where
+// the points were drawn.
+std::string beyond_its_contours(const ContourSet& set, const std::vector<Vec3>& at, std::uint32_t a,
+                                std::uint32_t b) {
+    for (const auto& [slice, other] : {std::pair{a, b}, std::pair{b, a}}) {
+        double low = std::numeric_limits<double>::infinity(), high = -low;
+        for (const Contour& contour : set.contours_of(set.slices[slice])) {
+            for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+                const double height = set.slices[other].plane.signed_distance(at[k]);
+                low = std::min(low, height);
+                high = std::max(high, height);
+            }
+        }
+        if (low > 0 || high < 0)
+            return "if the image of slice " + set.slices[slice].name + " ends " +
+                   brief(std::max(low, -high)) +
+                   " mm from that line, where its contours do, they are no outline there: leave it out "
+                   "(--without \"" +
+                   set.slices[slice].name + "\"); else ";
+    }
+    return {};
+}
 
 // `culprit`: the slice that is in most of the contradictions.
 std::string ways_out(const ReconcileOptions& options, const std::string& culprit) {
@@ -39,7 +64,9 @@ Error contradiction(const ContourSet& set, const WorstPlace& worst, const Reconc
                  names_of(set, worst.a, worst.b) + " contradict each other by " + brief(worst.distance_mm) +
                      " mm" + where + brief(options.max_disagreement_mm) + " mm; " +
                      std::to_string(worst.places) + which + set.slices[worst.culprit].name,
-                 place_of(set, worst), ways_out(options, set.slices[worst.culprit].name)};
+                 place_of(set, worst),
+                 beyond_its_contours(set, set.points, worst.a, worst.b) +
+                     ways_out(options, set.slices[worst.culprit].name)};
 }
 
 // A point that moved so far.
@@ -113,7 +140,9 @@ Status check_what_is_left(const ContourSet& set, const DrawnPlaces& drawn,
                      "may, " +
                      brief(bound) + " mm; " + std::to_string(worst.places) +
                      " such pairs, most of them with slice " + set.slices[worst.culprit].name,
-                 place_of(set, worst), ways_out(options, set.slices[worst.culprit].name)};
+                 place_of(set, worst),
+                 beyond_its_contours(set, drawn.at, worst.a, worst.b) +
+                     ways_out(options, set.slices[worst.culprit].name)};
 }
 
 }  // namespace anatomesh

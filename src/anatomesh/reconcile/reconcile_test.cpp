@@ -310,6 +310,29 @@ TEST(Reconcile, C25_a_long_axis_out_of_place_by_more_than_the_bound_is_refused) 
     }
 }
 
+// A slice along the stack whose image ends above the middle of the ball: its contour follows the image's
+// edge.
+TEST(Reconcile, C26_a_slice_that_its_image_cuts_off_is_named_where_others_go_on) {
+    std::mt19937 random(22);
+    std::vector<Plane> upright;
+    for (int k = -6; k <= 6; ++k) upright.push_back(make_plane({0, 0, 3.0 * k}, {0, 0, 1}));
+    ContourSet set = drawn_ball(20, upright, {0, 0, 120}, random);
+    for (const double x : {-6.0, 0.0, 6.0}) {
+        const Plane along{{x, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
+        const double radius = std::sqrt(400 - x * x);
+        Ring ring;
+        for (int n = 0; n < 120; ++n) {
+            const double t = 2 * std::numbers::pi * n / 120;
+            ring.push_back({radius * std::cos(t), std::min(radius * std::sin(t), 8.0)});
+        }
+        add_slice(set, along, ring);
+        set.slices.back().name = "cut off";
+    }
+    const std::string line = refused(set);
+    EXPECT_EQ(line.substr(0, 5), "E-RCN") << line;
+    EXPECT_NE(line.find("if the image of slice cut off ends 4 mm from that line"), std::string::npos) << line;
+}
+
 // Two stacks of a ball across each other, one of them out of place: what one slice alone has is drawn back,
 // by more than how far apart ends are.
 TEST(Reconcile, C25_slices_that_differ_when_contours_moved_by_all_of_the_bound_are_refused) {
