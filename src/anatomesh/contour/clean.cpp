@@ -18,6 +18,7 @@
 #include "anatomesh/contour/plane_grouping.h"
 #include "anatomesh/contour/resolve.h"
 #include "anatomesh/contour/ring.h"
+#include "anatomesh/contour/segment_index.h"
 #include "anatomesh/contour/weld.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/geom/polygon.h"
@@ -29,7 +30,8 @@ namespace {
 constexpr double coordinate_bound_mm = 1e7;
 constexpr double least_span_mm = 1;   // of all contours: below it the unit is most likely not the millimetre
 constexpr double no_width_mm = 1e-6;  // a contour nowhere wider than this has no area
-constexpr double speck_share = 1e-3;  // of the area of a slip of the pen: a box no larger has none either
+constexpr double speck_share =
+    1e-3;  // of the area of a slip of the pen: that crosses itself in a box no larger
 
 std::string structure_text(const Structure& structure) {
     return structure.name.empty() ? std::to_string(structure.number) : structure.name;
@@ -502,11 +504,21 @@ class Cleaner {
                        done});
     }
 
-    // So small all over that it is noise of what drew it, whatever it bounds and however it crosses itself.
+    // Crosses itself and is so small all over that it is noise of what drew it, whatever it bounds.
     bool is_speck(std::span<const Vec2> at) const {
         Box2 box;
         for (const Vec2 p : at) box.extend(p);
-        return (box.high.x - box.low.x) * (box.high.y - box.low.y) <= speck_share * options_.loop_mm2;
+        if ((box.high.x - box.low.x) * (box.high.y - box.low.y) > speck_share * options_.loop_mm2)
+            return false;
+        std::vector<Segment2> segments;
+        for (std::size_t n = 0; n < at.size(); ++n) segments.push_back({at[n], at[(n + 1) % at.size()]});
+        bool crosses = false;
+        SegmentIndex(segments).for_each_near_pair([&](std::uint32_t i, std::uint32_t j) {
+            crosses = segment_contact(segments[i].a, segments[i].b, segments[j].a, segments[j].b) ==
+                      SegmentContact::cross;
+            return !crosses;
+        });
+        return crosses;
     }
 
     void add_ring(Candidate candidate, std::uint32_t s, std::vector<Ring>& rings) {

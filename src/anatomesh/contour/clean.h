@@ -35,8 +35,8 @@ struct CleanOptions {
     // slice to slice it would be a slit, or a new tunnel where it turns. [0, 10]
     double keyhole_mm = 0.5;
     // Loops that a contour makes by crossing itself, slips of the pen, are no holes or islands of their own:
-    // below this, and where close_loops.h says so. mm^2. [0, 100]; 0: as drawn. What has no more than a
-    // thousandth of it as its box is no contour.
+    // below this, and where close_loops.h says so. mm^2. [0, 100]; 0: as drawn. What crosses itself
+    // and has no more than a thousandth of it as its box is no contour.
     double loop_mm2 = 0.1;
     // A contour that keeps this near to another of its structure in its slice, and nearer than half of their
     // mean edge length, repeats it: the smaller is dropped. [0, 1]

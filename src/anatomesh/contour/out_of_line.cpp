@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "anatomesh/geom/box.h"
 #include "anatomesh/geom/plane.h"
 
 namespace anatomesh {
@@ -18,12 +19,14 @@ constexpr std::size_t around = 4;  // slices on either side that show what is us
 constexpr std::size_t fewest_around = 3;
 constexpr double in_line_share = 1.0 / 3;  // of the distance: so near are those beside without it
 constexpr double most_area_change = 0.25;
+constexpr double as_a_whole = 0.35;  // of the distance: so much may the sides of its box differ from it
 constexpr double cos_30 = 0.8660254037844387;
 
 // What is drawn of a structure on a slice.
 struct Region {
     double area = 0, height = 0;  // of its middle along the stack
     Vec2 middle;                  // across
+    Box2 box;                     // of its contours, across
     std::uint32_t slice = 0, contours = 0;
 };
 
@@ -39,6 +42,7 @@ std::optional<Region> region_on(const ContourSet& set, std::uint32_t slice, std:
         ++region.contours;
         const auto points = set.points_of(contour);
         const Vec2 from = plane.to_plane(points[0]);
+        for (const Vec3& p : points) region.box.extend(across.to_plane(p));
         for (std::size_t n = 0; n < points.size(); ++n) {
             const Vec2 a = plane.to_plane(points[n]) - from,
                        b = plane.to_plane(points[(n + 1) % points.size()]) - from;
@@ -66,11 +70,27 @@ std::vector<Region> regions_of(const ContourSet& set, std::uint32_t structure, c
     return regions;
 }
 
-// How far the middle of one is from the line between those of two others.
-double off_line(const Region& below, const Region& one, const Region& above) {
+// What one is off the line between two others: its middle, and the corners of its box.
+struct Off {
+    Vec2 middle, low, high;
+};
+
+Off off_line(const Region& below, const Region& one, const Region& above) {
     const double gap = above.height - below.height;
     const double t = gap > 0 ? (one.height - below.height) / gap : 0.5;
-    return length(one.middle - ((1 - t) * below.middle + t * above.middle));
+    const auto off = [&](Vec2 p, Vec2 q, Vec2 r) { return q - ((1 - t) * p + t * r); };
+    return {off(below.middle, one.middle, above.middle), off(below.box.low, one.box.low, above.box.low),
+            off(below.box.high, one.box.high, above.box.high)};
+}
+
+double distance_off(const Region& below, const Region& one, const Region& above) {
+    return length(off_line(below, one, above).middle);
+}
+
+// Whether all of it has moved as its middle did: what grows or ends on one side moves that side alone.
+bool has_moved(const Off& off) {
+    const double most = as_a_whole * length(off.middle);
+    return length(off.low - off.middle) <= most && length(off.high - off.middle) <= most;
 }
 
 // Across the mean of the slices' normals; nothing where one leans by more than 30 degrees against it.
@@ -101,17 +121,18 @@ std::optional<double> out_of_line(const std::vector<Region>& regions, std::size_
     std::vector<double> usual;
     for (std::size_t j = k > around ? k - around : 1; j <= k + around && j + 1 < regions.size(); ++j) {
         if (j >= 1 && (j + 1 < k || j > k + 1) && can_be_judged(regions[j - 1], regions[j], regions[j + 1]))
-            usual.push_back(off_line(regions[j - 1], regions[j], regions[j + 1]));
+            usual.push_back(distance_off(regions[j - 1], regions[j], regions[j + 1]));
     }
     if (usual.size() < fewest_around) return std::nullopt;
-    const double off = off_line(regions[k - 1], regions[k], regions[k + 1]);
+    const Off moved = off_line(regions[k - 1], regions[k], regions[k + 1]);
+    const double off = length(moved.middle);
     const auto middle = usual.begin() + static_cast<std::ptrdiff_t>(usual.size() / 2);
     std::nth_element(usual.begin(), middle, usual.end());
     const double radius = std::sqrt(regions[k].area / std::numbers::pi);
-    const double beside = std::max(off_line(regions[k - 2], regions[k - 1], regions[k + 1]),
-                                   off_line(regions[k - 1], regions[k + 1], regions[k + 2]));
+    const double beside = std::max(distance_off(regions[k - 2], regions[k - 1], regions[k + 1]),
+                                   distance_off(regions[k - 1], regions[k + 1], regions[k + 2]));
     const bool is_out = off >= std::max({least_mm, least_of_radius * radius, times_usual * *middle}) &&
-                        beside <= in_line_share * off;
+                        beside <= in_line_share * off && has_moved(moved);
     return is_out ? off : 0;
 }
 

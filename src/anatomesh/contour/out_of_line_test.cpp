@@ -60,6 +60,21 @@ TEST(OutOfLine, what_leans_bends_winds_trembles_or_jumps_for_good_is_not) {
     EXPECT_TRUE(slices_of(organ(4, [](int k) { return Vec3{k == 2 ? 9.0 : 0, 0, 20}; })).empty());
 }
 
+TEST(OutOfLine, a_process_on_one_slice_or_a_part_that_is_larger_there_is_not) {
+    File process, kidneys;
+    for (int k = 0; k < 15; ++k) {
+        Points outline = circle(0, 0, 18, 60, 5.0 * k);
+        if (k % 7 == 3) {
+            for (Vec3& p : outline) p.x = p.x > 15 ? p.x + 20 : p.x;
+        }
+        process.add(outline);
+        for (const double side : {-60.0, 60.0})
+            kidneys.add(circle(side, 0, k == 7 && side > 0 ? 22.2 : 20, 50, 5.0 * k));
+    }
+    EXPECT_TRUE(slices_of(clean(process).kept()).empty());
+    EXPECT_TRUE(slices_of(clean(kidneys).kept()).empty());
+}
+
 TEST(OutOfLine, one_of_several_structures_that_lies_aside_alone_is_its_own_shape) {
     File file;
     for (int k = 0; k < 17; ++k) {

@@ -77,6 +77,20 @@ TEST(GeneralField, C30_few_planes_that_cross_are_told) {
         const double angle = degrees * std::numbers::pi / 180;
         EXPECT_TRUE(is_poorly_sampled(ball_on({x, {std::cos(angle), std::sin(angle), 0}}))) << degrees;
     }
+    // A plate that planes at right angles cut through its middle: they tell how thin it is.
+    SetBuilder plate;
+    for (const Vec3 normal : {x, y, z}) {
+        plate.slice(make_plane({}, normal));
+        Ring ring;
+        for (int n = 0; n < 180; ++n) {
+            const double t = 2 * std::numbers::pi * n / 180;
+            const Vec2 q{std::cos(t), std::sin(t)};
+            const Vec3 way = plate.set.slices.back().plane.to_space(q);
+            ring.push_back(1 / std::sqrt((way.x * way.x + way.y * way.y) / 900 + way.z * way.z / 4) * q);
+        }
+        plate.ring(0, ring);
+    }
+    EXPECT_FALSE(is_poorly_sampled(plate.set));
     EXPECT_FALSE(is_poorly_sampled(crossing_stacks()));
     // A stack alone is not asked, and a plane across it takes nothing away.
     for (const double spacing : {2.0, 5.0, 8.0, 11.0}) {

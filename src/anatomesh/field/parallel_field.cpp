@@ -199,6 +199,14 @@ void warn_about_levels(const ContourSet& set, std::uint32_t structure, const Str
                        std::to_string(levels.not_drawn.size()) + " slices without it"},
                       "taken as empty there; slices that nobody drew on are left out by --without"});
     }
+    if (set.drawn && !levels.untold.empty()) {
+        context.warn(
+            {"W-FLD-012",
+             "slices between its own, no further apart than these are elsewhere, on which it is not drawn",
+             {set.source, set.slices[levels.untold.front()].name, name, "",
+              std::to_string(levels.untold.size()) + " slices without it"},
+             "taken to say nothing about it: it goes on through them"});
+    }
     if (levels.flat_island) {
         context.warn({"W-FLD-004",
                       "a part drawn on one slice alone cannot end flat",

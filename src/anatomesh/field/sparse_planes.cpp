@@ -18,6 +18,7 @@ constexpr int lattice = 16;
 constexpr double far_share = 0.25;    // of the thickness
 constexpr double most_far_off = 0.1;  // of the volume
 constexpr std::size_t few_planes = 6;    // of more, gaps between them are told (missing_slices.h)
+constexpr double cos_45 = 0.7071067811865476;
 constexpr double least_thickness = 0.4;  // of the volume of a body as thick across its planes as in them
 
 // Patches of the contours of one structure alone.
@@ -68,6 +69,14 @@ Inside count_inside(const StructureField& field, std::uint32_t structure,
     return {inside * step.x * step.y * step.z, inside > 0 ? far_off / inside : 0};
 }
 
+bool are_at_narrow_angles(const std::vector<PlanePatch>& patches) {
+    return std::all_of(patches.begin(), patches.end(), [&](const PlanePatch& a) {
+        return std::all_of(patches.begin(), patches.end(), [&](const PlanePatch& b) {
+            return std::abs(dot(a.plane.normal, b.plane.normal)) >= cos_45;
+        });
+    });
+}
+
 // The volume of a body as thick across its planes as it is in them: of a ball, 4/3 of its section's area
 // times its radius, which is twice the area over the outline. Of the planes that draw a structure the
 // largest.
@@ -98,7 +107,7 @@ void warn_about_sparse_planes(const ContourSet& set, const StructureField& field
         Box3 box;
         const std::vector<PlanePatch> patches = patches_of(set, s, box);
         const double far = std::max(far_share * thickness[s], known_mm);
-        const bool are_few = patches.size() <= few_planes;
+        const bool are_few = patches.size() <= few_planes && are_at_narrow_angles(patches);
         const Inside inside = count_inside(field, s, patches, box, far, are_few);
         const Structure& structure = set.structures[s];
         const std::string name = structure.name.empty() ? std::to_string(structure.number) : structure.name,

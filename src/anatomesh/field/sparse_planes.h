@@ -12,7 +12,7 @@ namespace anatomesh {
 // length of its contours, the radius of a ball) and than `known_mm`: there the field fills in what nobody
 // drew. `known_mm`: how far from a slice the field follows from those on both sides, as within a stack. Three
 // planes at right angles through a ball leave 22 % so, n planes through its axis 20 % for n = 3, 8 % for 4,
-// 2 % for 5. And for one on six planes or fewer, all within a narrow angle or close beside each other, whose
+// 2 % for 5. And for one on six planes or fewer, within 45 degrees of each other, whose
 // volume is less than two fifths of that of a body as thick across them as in them (4/3 of a section's area
 // times its thickness, of the largest): two planes through a ball at 5 to 30 degrees leave 5 to 29 % of it.
 // Counted on a lattice of 16^3 points over the contours' box. Complexity: O(points + structures * (contours +

@@ -21,6 +21,12 @@ bool alike(double a, double b) {
     return std::abs(a - b) <= same_spacing * std::max(a, b);
 }
 
+bool has_most_gaps_with_others(const std::vector<std::uint32_t>& drawn) {
+    std::size_t skips = 0;
+    for (std::size_t i = 1; i < drawn.size(); ++i) skips += drawn[i] - drawn[i - 1] >= 2;
+    return drawn.size() >= fewest_drawn && 2 * skips > drawn.size() - 1;
+}
+
 // The spacing of a structure's gaps that hold no other slices, if they are even.
 std::optional<double> own_spacing(const std::vector<std::uint32_t>& drawn,
                                   const std::vector<double>& heights) {
@@ -65,11 +71,8 @@ InOrder in_order(const ContourSet& set) {
 std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& drawn,
                                           const std::vector<double>& heights) {
     assert(!drawn.empty());
-    std::size_t skips = 0;
-    for (std::size_t i = 1; i < drawn.size(); ++i) skips += drawn[i] - drawn[i - 1] >= 2;
-    if (drawn.size() >= fewest_drawn && 2 * skips > drawn.size() - 1) return drawn;
-    const std::optional<double> spacing =
-        skips > 0 && !heights.empty() ? own_spacing(drawn, heights) : std::nullopt;
+    if (has_most_gaps_with_others(drawn)) return drawn;
+    const std::optional<double> spacing = !heights.empty() ? own_spacing(drawn, heights) : std::nullopt;
     std::vector<std::uint32_t> telling{drawn.front()};
     for (std::size_t i = 1; i < drawn.size(); ++i) {
         const bool is_usual = spacing && alike(heights[drawn[i]] - heights[drawn[i - 1]], *spacing);
@@ -77,6 +80,11 @@ std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& draw
         telling.push_back(drawn[i]);
     }
     return telling;
+}
+
+bool has_usual_gaps_with_others(const std::vector<std::uint32_t>& drawn,
+                                const std::vector<std::uint32_t>& telling) {
+    return telling.size() < drawn.back() - drawn.front() + 1u && !has_most_gaps_with_others(drawn);
 }
 
 std::vector<bool> slices_tell(const ContourSet& set, std::uint32_t structure) {

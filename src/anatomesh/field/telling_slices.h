@@ -20,6 +20,10 @@ namespace anatomesh {
 std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& drawn,
                                           const std::vector<double>& heights);
 
+// Whether some say nothing by the second rule: a guess, to be told.
+bool has_usual_gaps_with_others(const std::vector<std::uint32_t>& drawn,
+                                const std::vector<std::uint32_t>& telling);
+
 // By slice of a set of parallel slices or a sweep, whether it says something about the structure: all do in a
 // set whose structures exclude each other (a label map), and where all from the structure's first to its last
 // do; else those that telling_slices() names. Of planes that cross by the first rule, in the order of the

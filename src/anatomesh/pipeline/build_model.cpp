@@ -26,7 +26,7 @@ constexpr double finer = 0.7;  // a further try's edge length, in those of the o
 constexpr std::array<double, Attempts::most_conforming> slightly_finer{0.9, 0.8, 0.7, 0.56};
 
 // Of a model with edges as short as walls between structures ask for, in place of one that is refused, and of
-// one that does not meet all clauses.
+// one that misses clauses.
 constexpr double most_cells_for_walls = 2.4e7, most_cells_for_better_walls = 4e6;
 constexpr double most_of_all = 0.5;  // of what is drawn, by length, belongs to structures with such walls
 
@@ -100,12 +100,13 @@ class Tries {
     }
 
     // Where structures are nested or drawn twice, walls between them all round, longer edges only cost tries:
-    // the model that walls ask for, if the first one is refused or does not meet all clauses, and it is
-    // better. Where both are refused, or that would have too many cells, that is the end of it.
+    // the model that walls ask for, if the first one is refused or misses two clauses, and it is better.
+    // Where both are refused, or that would have too many cells, that is the end of it, if most of what is
+    // drawn has such walls.
     std::optional<Result<Model>> between_walls(BuiltOnce& first) {
         const TryOutcome& was = first.outcome;
         const bool refused = !first.model.ok();
-        const bool may_be_better = refused ? was.size_matters : was.unmet > 0;
+        const bool may_be_better = refused ? was.size_matters : was.unmet > 1;
         if (!may_be_better || trial_.size_given || contours_.structures.size() < 2 || !known_.field)
             return std::nullopt;
         const std::optional<WallSize> walls =
@@ -129,8 +130,9 @@ class Tries {
         context_.warnings.resize(known_.warnings);
         BuiltOnce other = build(observer_);
         const bool is_cancelled = !other.model.ok() && other.model.error().kind == ErrorKind::cancelled;
-        const bool is_better =
-            !first.model.ok() || (other.model.ok() && other.outcome.unmet < first.outcome.unmet);
+        const bool is_better = first.model.ok()
+                                   ? other.model.ok() && other.outcome.unmet < first.outcome.unmet
+                                   : other.model.ok() || walls.share >= most_of_all;
         if (!is_better && !is_cancelled) {
             trial_ = before;
             context_.warnings = std::move(warnings);
