@@ -159,8 +159,9 @@ TEST(CrossingOutlines, at_angles_of_a_few_degrees_keep_nearly_all_of_their_segme
     }
 }
 
-// Pieces as short as the other outline asks all round would need up to 15 times the cells of one of the two.
-TEST(CrossingOutlines, side_by_side_all_round_are_built_at_no_many_times_the_cells) {
+// Pieces as short as the other outline asks all round need many times the cells of one of the two, for all of
+// their segments: fewer were missed by a quarter of them once.
+TEST(CrossingOutlines, side_by_side_all_round_keep_nearly_all_of_their_segments) {
     for (const double degrees : {1.0, 6.0}) {
         for (const double shift : {0.1, 0.4}) {
             SCOPED_TRACE(testing::Message() << "turned " << degrees << " degrees, moved " << shift << " mm");
@@ -182,7 +183,13 @@ TEST(CrossingOutlines, side_by_side_all_round_are_built_at_no_many_times_the_cel
             }
             const auto alone = build_model(kept(one.raw), options, context);
             ASSERT_TRUE(alone.ok()) << to_line(alone.error());
-            EXPECT_LE(made.value().mesh.cells.size(), 6 * alone.value().mesh.cells.size());
+            std::size_t missed = 0, all = 0;
+            for (const StructureReport& structure : made.value().report.structures) {
+                missed += structure.contour_segments - structure.contour_segments_on_surface;
+                all += structure.contour_segments;
+            }
+            EXPECT_LE(missed, all / 50) << "of " << all;
+            EXPECT_LE(made.value().mesh.cells.size(), 30 * alone.value().mesh.cells.size());
         }
     }
 }
