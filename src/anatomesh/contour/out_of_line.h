@@ -19,10 +19,12 @@ struct OutOfLine {
 // on the slices before and after. It is out of line where it lies off by 2 mm, by a tenth of the region's
 // radius (of the circle of its area) and by five times what is usual of the eight slices around, but for the
 // two beside; where the slices beside are in line without it, to a third of that; and where the three regions
-// have as many parts and holes, and its area is within a quarter of theirs: what branches, ends or opens
-// moves too. A slice is given for the structure that is furthest off, and only if most of its structures that
-// can be judged are out of line. Requires: parallel slices in order of position. In order of slices.
-// Complexity: O(points).
+// have as many parts and holes, its area is within a quarter of theirs, and its box has moved as its middle
+// did, to a third: what branches, opens or bulges moves too. The first two slices of a structure and the last
+// two are not judged, and two in a row that jumped together are not found. A slice is given for the structure
+// that is furthest off, and only if most of its structures that can be judged are out of line. Of slices that
+// all lean by 30 degrees at most against their mean; none of others. In order of slices. Complexity: O(points
+// + slices log slices) for each structure.
 std::vector<OutOfLine> slices_out_of_line(const ContourSet& set);
 
 }  // namespace anatomesh

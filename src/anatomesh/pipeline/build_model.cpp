@@ -100,13 +100,13 @@ class Tries {
     }
 
     // Where structures are nested or drawn twice, walls between them all round, longer edges only cost tries:
-    // the model that walls ask for, if the first one is refused or misses two clauses, and it is better.
-    // Where both are refused, or that would have too many cells, that is the end of it, if most of what is
-    // drawn has such walls.
+    // the model that walls ask for, if the first one is refused, misses segments or two clauses, and it is
+    // better. Where both are refused, or that would have too many cells, that is the end of it, if most of
+    // what is drawn has such walls.
     std::optional<Result<Model>> between_walls(BuiltOnce& first) {
         const TryOutcome& was = first.outcome;
         const bool refused = !first.model.ok();
-        const bool may_be_better = refused ? was.size_matters : was.unmet > 1;
+        const bool may_be_better = refused ? was.size_matters : was.unmet > 1 || was.missed > 0;
         if (!may_be_better || trial_.size_given || contours_.structures.size() < 2 || !known_.field)
             return std::nullopt;
         const std::optional<WallSize> walls =
