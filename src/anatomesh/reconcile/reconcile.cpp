@@ -71,9 +71,11 @@ class Reconciler {
         if (options_.align) {
             ANATOMESH_CHECK_STATUS(align());
         }
-        if (options_.reconcile) lead_along_common_lines(set_, pairs_, {});
         drawn_ = drawn_places(set_);
-        if (options_.reconcile) make_planes_true(set_);
+        if (options_.reconcile) {
+            lead_along_lines();
+            make_planes_true(set_);
+        }
         compare();
         stats_.pairs = disagreements(comparisons_);
         summarize(comparisons_, stats_);
@@ -100,6 +102,13 @@ class Reconciler {
         comparisons_ = compare_planes(set_, patches_, pairs_, margin_, context_);
         silences_ = find_silences(set_, comparisons_, margin_);
         strays_ = find_stray_slices(set_, patches_, comparisons_, context_);
+    }
+
+    void lead_along_lines() {
+        const ContourSet before = set_;
+        const CommonLineOptions options;
+        const CommonLineStats led = lead_along_common_lines(set_, pairs_, options);
+        if (led.led_through + led.moved > 0) drawn_ = carry_over(before, drawn_, set_, options.width_mm);
     }
 
     void compare() {
