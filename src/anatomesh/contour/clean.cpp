@@ -627,14 +627,14 @@ class Cleaner {
 
     void keep_empty_planes() {
         std::erase_if(empty_planes_, [&](const EmptyPlane& plane) { return is_without(plane.name); });
-        const EmptySlices slices =
+        const std::vector<std::string> not_placed =
             keep_empty_slices(result_.kept, empty_planes_, options_.group_tolerance_mm);
-        if (slices.not_placed.empty()) return;
-        context_.warn({"W-CON-031",
-                       "planes without contours cross others, and how far they reach is not known",
-                       {raw_.source, slices.not_placed.front(), "", "",
-                        std::to_string(slices.not_placed.size()) + " planes"},
-                       "they tell nothing; what ends there is to be drawn on a plane that meets it"});
+        if (not_placed.empty()) return;
+        context_.warn(
+            {"W-CON-031",
+             "planes without contours cross others, and how far they reach is not known",
+             {raw_.source, not_placed.front(), "", "", std::to_string(not_placed.size()) + " planes"},
+             "they tell nothing; what ends there is to be drawn on a plane that meets it"});
     }
 
     Result<CleanResult> finish() {

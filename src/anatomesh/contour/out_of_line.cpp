@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "anatomesh/contour/row_of_slices.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/geom/plane.h"
 
@@ -20,7 +21,6 @@ constexpr std::size_t fewest_around = 3;
 constexpr double in_line_share = 1.0 / 3;  // of the distance: so near are those beside without it
 constexpr double most_area_change = 0.25;
 constexpr double as_a_whole = 0.35;  // of the distance: so much may the sides of its box differ from it
-constexpr double cos_30 = 0.8660254037844387;
 
 // What is drawn of a structure on a slice.
 struct Region {
@@ -93,21 +93,6 @@ bool has_moved(const Off& off) {
     return length(off.low - off.middle) <= most && length(off.high - off.middle) <= most;
 }
 
-// Across the mean of the slices' normals; nothing where one leans by more than 30 degrees against it.
-std::optional<Plane> across_the_slices(const ContourSet& set) {
-    Vec3 mean;
-    for (const Slice& slice : set.slices) {
-        const Vec3 normal = slice.plane.normal;
-        mean = mean + (dot(normal, set.slices.front().plane.normal) < 0 ? -1.0 : 1.0) * normal;
-    }
-    if (!(length(mean) > 0)) return std::nullopt;
-    const Plane across = make_plane({}, mean);
-    const bool is_row = std::all_of(set.slices.begin(), set.slices.end(), [&](const Slice& slice) {
-        return std::abs(dot(slice.plane.normal, across.normal)) >= cos_30;
-    });
-    return is_row ? std::optional(across) : std::nullopt;
-}
-
 bool can_be_judged(const Region& below, const Region& one, const Region& above) {
     const double mean = 0.5 * (below.area + above.area);
     return one.contours == below.contours && one.contours == above.contours &&
@@ -144,11 +129,11 @@ std::vector<OutOfLine> slices_out_of_line(const ContourSet& set) {
         OutOfLine furthest;
     };
     std::vector<Votes> votes(set.slices.size());
-    if (set.slices.empty()) return {};
-    const std::optional<Plane> across = across_the_slices(set);
-    if (!across) return {};
+    const std::optional<Vec3> direction = direction_of_row(set);
+    if (!direction) return {};
+    const Plane across = make_plane({}, *direction);
     for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
-        const std::vector<Region> regions = regions_of(set, s, *across);
+        const std::vector<Region> regions = regions_of(set, s, across);
         for (std::size_t k = 0; k < regions.size(); ++k) {
             const std::optional<double> off = out_of_line(regions, k);
             if (!off) continue;

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "anatomesh/contour/row_of_slices.h"
 #include "anatomesh/field/rotation_axis.h"
 
 namespace anatomesh {
@@ -14,24 +16,8 @@ namespace anatomesh {
 namespace {
 
 constexpr std::size_t fewest_slices = 5;
-constexpr double least_cosine = 0.866;  // of the angle between a plane's normal and the mean
 constexpr double most_beside = 0.05;    // how far planes run beside the axis of a turn, of the diagonal
 constexpr double widest = 2.5;          // times the gap that three in four do not exceed
-
-// The mean of the normals, all on one side of it; nothing where one leans too far against it.
-bool mean_normal(const ContourSet& set, Vec3& mean) {
-    const Vec3 first = set.slices.front().plane.normal;
-    Vec3 sum{};
-    for (const Slice& slice : set.slices) {
-        const Vec3 n = slice.plane.normal;
-        sum += dot(n, first) < 0 ? -1.0 * n : n;
-    }
-    if (!(squared_length(sum) > 0)) return false;
-    mean = normalized(sum);
-    return std::all_of(set.slices.begin(), set.slices.end(), [&](const Slice& slice) {
-        return std::abs(dot(slice.plane.normal, mean)) >= least_cosine;
-    });
-}
 
 // The widest of some gaps, and where it is, if it is far wider than the others.
 struct Widest {
@@ -61,14 +47,14 @@ void warn(const ContourSet& set, const std::vector<std::pair<double, std::uint32
 }
 
 bool warn_about_row(const ContourSet& set, RunContext& context) {
-    Vec3 mean;
-    if (!mean_normal(set, mean)) return false;
+    const std::optional<Vec3> mean = direction_of_row(set);
+    if (!mean) return false;
     const Box3 box = set.box();
     const Vec3 middle = 0.5 * (box.low + box.high);
     std::vector<std::pair<double, std::uint32_t>> places;
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
         const Plane& plane = set.slices[s].plane;
-        places.emplace_back(-plane.signed_distance(middle) / dot(plane.normal, mean), s);
+        places.emplace_back(-plane.signed_distance(middle) / dot(plane.normal, *mean), s);
     }
     std::sort(places.begin(), places.end());
     std::vector<double> gaps;

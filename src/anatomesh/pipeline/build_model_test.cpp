@@ -228,6 +228,18 @@ TEST(BuildModel, single_slice_island_keeps_half_a_slice_on_both_sides) {
     expect_structure(model, 0, {2, 0, pi * 25 * 16 + pi * 9 * 2, 0.05});
 }
 
+// The corners of the facets between regions.
+std::vector<std::array<Vec3, 3>> facets_of(const Model& model) {
+    std::vector<std::array<Vec3, 3>> facets;
+    for (const auto& [c, i, other] :
+         region_facets(model.mesh, cell_neighbors(model.mesh.cells, model.mesh.points.size()))) {
+        std::array<Vec3, 3>& p = facets.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k)
+            p[k] = model.mesh.points[model.mesh.cells[c][facet_vertices[i][k]]];
+    }
+    return facets;
+}
+
 // Flat ends are flat: the facets in them have all vertices in the plane, and nothing sticks out of it.
 TEST(BuildModel, the_caps_of_prisms_and_cones_are_planes) {
     for (const double lean : {0.0, 0.3}) {
@@ -242,12 +254,7 @@ TEST(BuildModel, the_caps_of_prisms_and_cones_are_planes) {
         const Model& model = made.value();
         const double ends[] = {0, 21};
         double area[2] = {0, 0};
-        for (const RegionFacet& facet :
-             region_facets(model.mesh, cell_neighbors(model.mesh.cells, model.mesh.points.size()))) {
-            const auto& [c, i, other] = facet;
-            std::array<Vec3, 3> p;
-            for (std::size_t k = 0; k < 3; ++k)
-                p[k] = model.mesh.points[model.mesh.cells[c][facet_vertices[i][k]]];
+        for (const std::array<Vec3, 3>& p : facets_of(model)) {
             const Vec3 normal = cross(p[1] - p[0], p[2] - p[0]);
             for (std::size_t e = 0; e < 2; ++e) {
                 const auto in_plane = [&](Vec3 q) { return std::abs(q.z - ends[e]) <= 1e-9; };
@@ -286,12 +293,7 @@ TEST(BuildModel, the_caps_of_a_fan_are_planes) {
             const double angle = end / far;
             const Plane plane = make_plane({-far, 0, 0}, {-std::sin(angle), 0, std::cos(angle)});
             double area = 0, beyond = 0;
-            for (const RegionFacet& facet :
-                 region_facets(model.mesh, cell_neighbors(model.mesh.cells, model.mesh.points.size()))) {
-                const auto& [c, i, other] = facet;
-                std::array<Vec3, 3> p;
-                for (std::size_t k = 0; k < 3; ++k)
-                    p[k] = model.mesh.points[model.mesh.cells[c][facet_vertices[i][k]]];
+            for (const std::array<Vec3, 3>& p : facets_of(model)) {
                 if (std::all_of(p.begin(), p.end(),
                                 [&](Vec3 q) { return std::abs(plane.signed_distance(q)) <= 1e-6; }))
                     area += length(cross(p[1] - p[0], p[2] - p[0])) / 2;
