@@ -11,11 +11,12 @@ double area(Vec3 a, Vec3 b, Vec3 c) {
     return 0.5 * length(cross(b - a, c - a));
 }
 
-std::size_t count_in_one(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
-    std::size_t count = 0;
-    for (const std::uint32_t s : a) count += !std::binary_search(b.begin(), b.end(), s);
-    for (const std::uint32_t s : b) count += !std::binary_search(a.begin(), a.end(), s);
-    return count;
+template <class Weight>
+double sum_in_one(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b, const Weight& weight) {
+    double sum = 0;
+    for (const std::uint32_t s : a) sum += std::binary_search(b.begin(), b.end(), s) ? 0 : weight(s);
+    for (const std::uint32_t s : b) sum += std::binary_search(a.begin(), a.end(), s) ? 0 : weight(s);
+    return sum;
 }
 
 }  // namespace
@@ -33,6 +34,10 @@ DrawnCuts::DrawnCuts(const std::vector<Vec3>& points, const std::vector<Cell>& c
 
 void DrawnCuts::find_parts(std::uint32_t c) {
     parts_.clear();
+    slices_.cross() ? look_up_parts(c) : find_parts_of_stack(c);
+}
+
+void DrawnCuts::find_parts_of_stack(std::uint32_t c) {
     const Cell& cell = cells_[c];
     for (std::size_t i = 0; i < 4; ++i) {
         const std::uint32_t slice = slice_of(cell[i]);
@@ -54,6 +59,36 @@ void DrawnCuts::find_parts(std::uint32_t c) {
         const Vec3 p = points_[cell[f[0]]], q = points_[cell[f[1]]], r = points_[cell[f[2]]];
         parts_.push_back({area(p, q, r), (1.0 / 3) * (p + q + r), neighbors_[c][apex]});
     }
+}
+
+void DrawnCuts::look_up_parts(std::uint32_t c) {
+    const auto [place, is_new] = known_.try_emplace(c);
+    Range& known = place->second;
+    if (!is_new) {
+        const auto first = known_parts_.begin() + known.first;
+        parts_.assign(first, first + known.count);
+        return;
+    }
+    const Cell& cell = cells_[c];
+    for_each_section({points_[cell[0]], points_[cell[1]], points_[cell[2]], points_[cell[3]]}, slices_.crossing,
+                     [&](std::uint32_t k, const PlaneSection& section) {
+                         const bool is_facet = section.facet != PlaneSection::no_facet;
+                         const std::uint32_t beyond =
+                             is_facet ? neighbors_[c][static_cast<std::size_t>(section.facet)] : no_cell;
+                         if (is_facet && beyond == no_cell) return;  // there the mesh ends
+                         const std::vector<std::uint32_t>& drawn = probe_.members(section.middle);
+                         parts_.push_back({section.area, section.middle, beyond, k,
+                                           static_cast<std::uint32_t>(known_drawn_.size()),
+                                           static_cast<std::uint32_t>(drawn.size())});
+                         known_drawn_.insert(known_drawn_.end(), drawn.begin(), drawn.end());
+                     });
+    known = {static_cast<std::uint32_t>(known_parts_.size()), static_cast<std::uint32_t>(parts_.size())};
+    known_parts_.insert(known_parts_.end(), parts_.begin(), parts_.end());
+}
+
+std::span<const std::uint32_t> DrawnCuts::drawn_at(const Part& part) {
+    if (slices_.cross()) return {known_drawn_.data() + part.first_drawn, part.drawn_count};
+    return probe_.members(part.middle);
 }
 
 // The section of a cell with one or two vertices in the plane is a triangle.
@@ -80,12 +115,14 @@ void DrawnCuts::add_section(const Cell& cell, std::uint32_t slice) {
 }
 
 // How many structures are drawn there and in neither region, or in one of these and not drawn.
-double DrawnCuts::wrong_share(Region one, Region other, const std::vector<std::uint32_t>& drawn) {
-    if (one == other) return static_cast<double>(count_in_one(table_.members[one], drawn));
+double DrawnCuts::wrong_share(Region one, Region other, std::span<const std::uint32_t> drawn,
+                              std::uint32_t slice) {
+    const auto weight = [&](std::uint32_t s) { return weight_of(s, slice); };
+    if (one == other) return sum_in_one(table_.members[one], drawn, weight);
     both_.clear();
     std::set_union(table_.members[one].begin(), table_.members[one].end(), table_.members[other].begin(),
                    table_.members[other].end(), std::back_inserter(both_));
-    return static_cast<double>(count_in_one(both_, drawn));
+    return sum_in_one(both_, drawn, weight);
 }
 
 double DrawnCuts::change(std::span<const std::uint32_t> moved, Region to) {
@@ -93,16 +130,17 @@ double DrawnCuts::change(std::span<const std::uint32_t> moved, Region to) {
     for (const std::uint32_t c : moved) {
         find_parts(c);
         for (const Part& part : parts_) {
-            const std::vector<std::uint32_t>& drawn = probe_.members(part.middle);
+            const std::span<const std::uint32_t> drawn = drawn_at(part);
+            const std::uint32_t k = part.slice;
             if (part.beyond == no_cell) {
                 sum +=
-                    part.area * (wrong_share(to, to, drawn) - wrong_share(regions_[c], regions_[c], drawn));
+                    part.area * (wrong_share(to, to, drawn, k) - wrong_share(regions_[c], regions_[c], drawn, k));
                 continue;
             }
             const bool both = std::find(moved.begin(), moved.end(), part.beyond) != moved.end();
             const Region beyond = regions_[part.beyond];
             sum += (both ? 0.5 : 1) * part.area *
-                   (wrong_share(to, both ? to : beyond, drawn) - wrong_share(regions_[c], beyond, drawn));
+                   (wrong_share(to, both ? to : beyond, drawn, k) - wrong_share(regions_[c], beyond, drawn, k));
         }
     }
     return sum;
@@ -112,8 +150,8 @@ bool DrawnCuts::protrudes(std::span<const std::uint32_t> cells) {
     for (const std::uint32_t c : cells) {
         find_parts(c);
         for (const Part& part : parts_) {
-            const std::vector<std::uint32_t>&drawn = probe_.members(part.middle),
-                  &own = table_.members[regions_[c]];
+            const std::span<const std::uint32_t> drawn = drawn_at(part);
+            const std::vector<std::uint32_t>& own = table_.members[regions_[c]];
             if (!std::includes(drawn.begin(), drawn.end(), own.begin(), own.end())) return true;
         }
     }
@@ -139,12 +177,11 @@ const std::vector<std::uint32_t>* DrawnCuts::wanted(std::uint32_t c) {
     double most = 0;
     for (const Part& part : parts_) {
         if (part.area <= most) continue;
-        const std::vector<std::uint32_t>& drawn = probe_.members(part.middle);
-        if (table_.members[regions_[c]] == drawn ||
-            (part.beyond != no_cell && table_.members[regions_[part.beyond]] == drawn))
-            continue;
+        const std::span<const std::uint32_t> drawn = drawn_at(part);
+        const auto is_drawn = [&](Region region) { return std::ranges::equal(table_.members[region], drawn); };
+        if (is_drawn(regions_[c]) || (part.beyond != no_cell && is_drawn(regions_[part.beyond]))) continue;
         most = part.area;
-        drawn_ = drawn;
+        drawn_.assign(drawn.begin(), drawn.end());
     }
     return most > 0 ? &drawn_ : nullptr;
 }

@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "anatomesh/cut/star.h"
 #include "anatomesh/geom/plane.h"
+#include "anatomesh/geom/plane_sections.h"
 #include "anatomesh/sample/interface_probe.h"
 
 namespace anatomesh {
@@ -19,20 +21,30 @@ struct SlicePlanes {
     std::span<const Plane> planes;            // by slice
     const StructureField* field = nullptr;    // on a slice's plane it is what is drawn there
     std::uint32_t structures = 0;
+    // In place of these two, where planes cross: by slice; and at structure * slices + slice what an area
+    // there counts, 0 where the slice does not say where the structure is.
+    CrossingPlanes crossing = {};
+    std::span<const double> weights = {};
+
+    bool is_stack() const { return !slice_of.empty(); }
+    bool cross() const { return !crossing.empty(); }
+    bool any() const { return is_stack() || cross(); }
 
     static constexpr std::uint32_t no_slice = no_cell;
 };
 
-// Looks at cells with a vertex on a slice's contours: at their facets in its plane, which belong to the
-// structures on both sides (slice_cuts.h), and at their sections where they pass through it. Keeps scratch
-// space: one per thread.
+// Looks at cells with a vertex on a slice's contours, or, where planes cross, at all: at their facets in its
+// plane, which belong to the structures on both sides (slice_cuts.h), and at their sections where they pass
+// through it. Keeps scratch space, and where planes cross what it found of each cell: one per thread. O(1) a
+// cell, where planes cross at the first time O(planes).
 class DrawnCuts {
   public:
     DrawnCuts(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
               const std::vector<CellNeighbors>& neighbors, const std::vector<Region>& regions,
               const RegionTable& table, const SlicePlanes& slices);
 
-    // By how much the area that is wrong, summed over structures, grows if the cells go to a region; mm^2.
+    // By how much the area that is wrong, summed over structures, grows if the cells go to a region; mm^2, or,
+    // where planes cross, as the weights have it.
     double change(std::span<const std::uint32_t> moved, Region to);
 
     // The structures drawn where the cell passes through a plane, or has a facet in it of which neither side
@@ -51,19 +63,32 @@ class DrawnCuts {
     bool protrudes(std::span<const std::uint32_t> cells);
 
   private:
-    // A triangle of a plane that belongs to a cell, or a facet's to it and the one beyond.
+    // A piece of a plane that belongs to a cell, or a facet's to it and the one beyond.
     struct Part {
         double area;
         Vec3 middle;
-        std::uint32_t beyond;  // or no_cell
+        std::uint32_t beyond;     // or no_cell
+        std::uint32_t slice = 0;  // where planes cross, and the place of what is drawn in known_drawn_
+        std::uint32_t first_drawn = 0, drawn_count = 0;
+    };
+    struct Range {
+        std::uint32_t first = 0, count = 0;
     };
 
     void find_parts(std::uint32_t cell);
+    void find_parts_of_stack(std::uint32_t cell);
+    // Where planes cross. Cells stay as they are: what is drawn is found once.
+    void look_up_parts(std::uint32_t cell);
     void add_section(const Cell& cell, std::uint32_t slice);
+    // Valid until the next call.
+    std::span<const std::uint32_t> drawn_at(const Part& part);
     std::uint32_t slice_of(std::uint32_t v) const {
         return v < slices_.slice_of.size() ? slices_.slice_of[v] : SlicePlanes::no_slice;
     }
-    double wrong_share(Region one, Region other, const std::vector<std::uint32_t>& drawn);
+    double wrong_share(Region one, Region other, std::span<const std::uint32_t> drawn, std::uint32_t slice);
+    double weight_of(std::uint32_t structure, std::uint32_t slice) const {
+        return slices_.cross() ? slices_.weights[structure * slices_.crossing.planes.size() + slice] : 1;
+    }
 
     const std::vector<Vec3>& points_;
     const std::vector<Cell>& cells_;
@@ -74,6 +99,9 @@ class DrawnCuts {
     InterfaceProbe probe_;
     std::vector<Part> parts_;
     std::vector<std::uint32_t> both_, drawn_;
+    std::unordered_map<std::uint32_t, Range> known_;  // by cell, of known_parts_
+    std::vector<Part> known_parts_;
+    std::vector<std::uint32_t> known_drawn_;
 };
 
 }  // namespace anatomesh

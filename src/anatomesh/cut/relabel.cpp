@@ -20,6 +20,8 @@ constexpr int most_mends = 8;           // passes over the cells that are wrong 
 // Moves of variable depth: how many of those that bring a piece back are followed, and how far.
 constexpr std::size_t most_openings = 12;
 constexpr int most_rounds_in_depth = 6, most_passes_in_depth = 4;
+// Where planes cross, of what is drawn: there every move spoils some cut a little.
+constexpr double least_spoiled_share = 1e-4;
 constexpr double flat_share = 1e-6;     // six volumes in cubes of the longest edge
 
 struct Move {
@@ -29,7 +31,7 @@ struct Move {
     int lost = 0;        // change of the number of ends of pieces of contour segments that are lost
     int misplaced = 0;   // change of the number of vertices, cell by cell, that the field has on another side
     int spikes = 0;      // change of the number of vertices deep in a region that have a cell of another one
-    double spoiled = 0;  // mm^2 of the slices' cuts that become other than drawn, less those that were
+    double spoiled = 0;  // of the slices' cuts, by how much more is other than drawn: as DrawnCuts::change()
 };
 
 bool nearly_flat(const std::vector<Vec3>& points, const Cell& cell) {
@@ -52,11 +54,13 @@ class Relabeler {
           sides_(sides),
           deep_mm_(options.deep_mm),
           near_mm_(options.near_mm),
+          is_stack_(slices.is_stack()),
+          least_spoiled_(slices.cross() ? least_spoiled_share : 0),
           regions_(regions),
           registry_(registry),
           owners_(owners),
           analyzer_(cells, neighbors, stars, regions, registry.table(), owners) {
-        if (!slices.slice_of.empty())
+        if (slices.any())
             cuts_.emplace(points, cells, neighbors, regions, registry.table(), slices);
     }
 
@@ -231,7 +235,7 @@ class Relabeler {
     // Where pieces may be joined: where what is drawn touches itself in a point, and, sooner than a cut is
     // spoiled, where it is right.
     bool may_bridge(std::uint32_t vertex) {
-        if (!cuts_) return false;
+        if (!is_stack_) return false;
         return touches_in_point(vertex) ||
                (may_spoil_ && cuts_->in_slice(vertex) && !cuts_->protrudes(stars_.at(vertex)));
     }
@@ -426,10 +430,10 @@ class Relabeler {
         }
         if (move.spikes > 0 && !may_spike_) return;
         if (cuts_) move.spoiled = cuts_->change(move.cells, move.region);
-        if (move.spoiled > 0 && !may_spoil_) return;
-        const auto key = [](const Move& m) {
-            return std::make_tuple(std::max(m.lost, 0), m.change, m.spikes, m.spoiled > 0, m.misplaced, m.cells.size(),
-                                   m.spoiled);
+        if (move.spoiled > least_spoiled_ && !may_spoil_) return;
+        const auto key = [&](const Move& m) {
+            return std::make_tuple(std::max(m.lost, 0), m.change, m.spikes, m.spoiled > least_spoiled_,
+                                   m.misplaced, m.cells.size(), m.spoiled);
         };
         if (!best_ || key(move) < key(*best_)) best_ = std::move(move);
     }
@@ -440,6 +444,8 @@ class Relabeler {
     const std::vector<VertexSide>& sides_;
     const double deep_mm_, near_mm_;
     std::optional<DrawnCuts> cuts_;
+    const bool is_stack_;
+    const double least_spoiled_;  // that counts: as Move::spoiled
     bool may_spike_ = false, may_spoil_ = false, may_lose_ = false;
     std::vector<Region>& regions_;
     RegionRegistry& registry_;
@@ -573,7 +579,7 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
     // Of one structure the pieces of contour segments that waiting would cost are worth more than a spike;
     // but a spike is no way round a cut that is spoiled.
     const bool one_structure = registry.table().members.size() <= 2;
-    bool spoiling = slices.slice_of.empty(), spikes = one_structure && spoiling,
+    bool spoiling = !slices.any(), spikes = one_structure && !slices.is_stack(),
          losses = !options.losses_wait;
     relabeler.allow_spikes(spikes);
     relabeler.allow_spoiling(spoiling);
@@ -616,12 +622,12 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
     };
     const auto work = [&] {
         work_through();
-        if (slices.slice_of.empty()) work_in_depth();
+        if (!slices.is_stack()) work_in_depth();
     };
     std::vector<std::uint32_t> flat;
     parallel_tasks(threads, {work, [&] { flat = nearly_flat_cells(points, cells, threads); }});
     for (const std::uint32_t c : flat) stats.flat_cells_peeled += relabeler.peel(c);
-    if (!slices.slice_of.empty()) {
+    if (slices.any()) {
         const std::vector<std::uint32_t> wrong =
             wrong_cells(points, cells, neighbors, stars, regions, registry.table(), slices, look, threads);
         std::vector<std::uint32_t> touched = std::move(queue);

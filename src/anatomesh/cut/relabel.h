@@ -55,7 +55,7 @@ struct RelabelOptions {
 // moves of one effect that with the fewest vertices left on a side where the field does not have them
 // (`sides`, by find_sides() of cull/cull.h; empty: not looked at). A piece of a contour segment is not
 // brought back at the price of such a vertex, but for one less deep than near_mm: that would be a spike. With several structures, moves that
-// bring a deep vertex onto a surface are made only when no others are left. Where planes cross (no `slices`),
+// bring a deep vertex onto a surface are made only when no others are left. Where `slices` are no stack,
 // then, four times, a piece is brought back also by one of up to twelve moves that do not make the sum fall,
 // if up to six rounds of moves at the vertices concerned make it fall below what it was, with fewer pieces
 // lost and no more vertices on a side where the field does not have them (Kernighan and Lin, Bell Syst. Tech.
@@ -64,12 +64,12 @@ struct RelabelOptions {
 // interface (six volumes below a millionth of the cube of the longest edge: four vertices of two contours one
 // above the other) go to the other side where no defect rises: that moves the surface by less than a
 // millionth of an edge. `look`: the vertices that may have a defect, those of cells new since the last call
-// among them; empty: all. The figures before are of these alone. With `slices`, of parallel planes: moves
-// that make cuts less like what is drawn (drawn_cuts.h) wait until no others are left, as do, meanwhile,
-// those that bring a deep vertex onto a surface; then one that does neither is taken sooner. Two pieces of a
-// side are joined, besides, by cells of the star that lie all above the slice's plane, or all below it: where
-// what is drawn touches itself in a point of the slice, that is the only way to a manifold with the drawn
-// cut. At the end cells that are wrong where a plane cuts them are given to what is drawn there if no defect
+// among them; empty: all. The figures before are of these alone. With `slices`: moves
+// that make cuts less like what is drawn (drawn_cuts.h; where planes cross, by more than a ten-thousandth of
+// it) wait until no others are left, as do, meanwhile, of a stack, those that bring a deep vertex onto a
+// surface; then one that does neither is taken sooner. Of a stack two pieces of a side are joined, besides, by
+// cells of the star that lie all above the slice's plane, or all below it: where what is drawn touches itself
+// in a point of the slice, that is the only way to a manifold with the drawn cut. At the end cells that are wrong where a plane cuts them are given to what is drawn there if no defect
 // rises.
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,

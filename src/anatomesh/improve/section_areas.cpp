@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/geom/plane_sections.h"
 
 namespace anatomesh {
 
@@ -120,33 +121,15 @@ double SectionAreas::wrong_sections(std::uint32_t c) {
 
 SectionAreas::Piece SectionAreas::section(std::uint32_t c, std::uint32_t k) const {
     const Cell& cell = bench_.mesh.cell(c);
-    std::array<int, 4> sides{};
-    for (std::size_t i = 0; i < 4; ++i) sides[i] = side(cell[i], k);
-    const auto [low, high] = std::minmax_element(sides.begin(), sides.end());
-    if (*low >= 0 || *high <= 0) return {};
-    // Corners in the plane, then those on edges: from each vertex below to those above, there and back.
     std::array<Vec3, 4> corners;
-    std::size_t count = 0;
+    std::array<double, 4> heights{};
     for (std::size_t i = 0; i < 4; ++i) {
-        if (sides[i] == 0) corners[count++] = bench_.mesh.point(cell[i]);
+        corners[i] = bench_.mesh.point(cell[i]);
+        if (side(cell[i], k) != 0) heights[i] = plane(k).signed_distance(corners[i]);
     }
-    bool back = false;
-    for (std::size_t i = 0; i < 4; ++i) {
-        if (sides[i] >= 0) continue;
-        for (std::size_t n = 0; n < 4; ++n) {
-            const std::size_t j = back ? 3 - n : n;
-            if (sides[j] <= 0) continue;
-            const Vec3 p = bench_.mesh.point(cell[i]), q = bench_.mesh.point(cell[j]);
-            const double at_p = plane(k).signed_distance(p), at_q = plane(k).signed_distance(q);
-            corners[count++] = p + at_p / (at_p - at_q) * (q - p);
-        }
-        back = !back;
-    }
-    Vec3 middle{};
-    for (std::size_t n = 0; n < count; ++n) middle = middle + (1 / static_cast<double>(count)) * corners[n];
-    double area = triangle_area(corners[0], corners[1], corners[2]);
-    if (count == 4) area += triangle_area(corners[0], corners[2], corners[3]);
-    return {area, middle};
+    const PlaneSection section = section_at(corners, heights);
+    if (section.facet != PlaneSection::no_facet) return {};
+    return {section.area, section.middle};
 }
 
 double SectionAreas::wrong_section(std::uint32_t c, std::uint32_t k) {

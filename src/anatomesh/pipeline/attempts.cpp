@@ -19,7 +19,8 @@ constexpr double some_bad = 1e-3;          // of cells
 constexpr double unwarned_distance = 0.5;  // in edge lengths: warned of is what is further off (W-PIP-008)
 constexpr double as_far = 1.25;            // times the other one's distance
 constexpr double few_missed = 5e-3;        // of the segments
-constexpr std::size_t untangled_below = 60000;  // cells
+constexpr std::size_t untangled_below = 60000, mended_below = 100000;  // cells
+constexpr std::size_t mended_after = 3;                                // tries, at most
 
 bool lacks_fewer(const TryOutcome& one, const TryOutcome& other) {
     return one.missed <= fewer_missed * other.missed && one.missed <= other.missed - least_gain;
@@ -29,7 +30,11 @@ bool lacks_fewer(const TryOutcome& one, const TryOutcome& other) {
 
 void add_report(TryOutcome& outcome, const ModelReport& report) {
     outcome.over_bound = report.quality.radius_edge_share_over_2;
-    for (const Clause& clause : report.certificate) outcome.unmet += clause.state != ClauseState::kept;
+    for (const Clause& clause : report.certificate) {
+        if (clause.state == ClauseState::kept) continue;
+        ++outcome.unmet;
+        outcome.lacks_contours = outcome.lacks_contours || clause.number == 2;
+    }
     for (const StructureReport& structure : report.structures)
         outcome.tangles += static_cast<long long>(structure.components) + structure.genus;
 }
@@ -78,6 +83,11 @@ bool is_hardly_bad(const TryOutcome& kept) {
 
 bool is_tangled(const TryOutcome& outcome) {
     return outcome.kept_contract && outcome.untold > 0 && outcome.cells < untangled_below;
+}
+
+bool may_lack_fewer(const TryOutcome& outcome, std::size_t tries) {
+    return outcome.kept_contract && outcome.lacks_contours && outcome.cells < mended_below &&
+           tries <= mended_after;
 }
 
 bool is_less_tangled(const TryOutcome& later, const TryOutcome& kept) {

@@ -18,6 +18,7 @@
 // shorter ones. O(1).
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 namespace anatomesh {
@@ -35,6 +36,7 @@ struct TryOutcome {
     bool conformed = false;     // contour segments were split for each other's sake
     bool conformed_badly = false;  // and single cells are ill-shaped
     bool astray = false;        // and so is its surface: it goes far from the field's
+    bool lacks_contours = false;  // clause 2 of the contract was measured and not met
     double missed = 0;          // share of the contour segments that are no chains of edges of the surface
     long long tangles = 0;      // components and handles of all structures
     std::size_t untold = 0;     // places where planes cross and surfaces are joined otherwise than drawn
@@ -46,7 +48,8 @@ struct TryOutcome {
     std::size_t cells = 0;      // also where the contract was not kept
 };
 
-// What the report of a model that keeps the contract tells of its try: over_bound, tangles and unmet.
+// What the report of a model that keeps the contract tells of its try: over_bound, tangles, unmet and
+// lacks_contours.
 void add_report(TryOutcome& outcome, const ModelReport& report);
 
 class Attempts {
@@ -86,10 +89,14 @@ bool has_more_contours(const TryOutcome& kept, const TryOutcome& other);
 // more where planes are dense, and takes several tries: none is made for this.
 bool is_hardly_bad(const TryOutcome& kept);
 
-// Whether a model is worth a slightly finer one for surfaces that are joined otherwise than its contours
-// show: where planes cross that is luck.
-inline constexpr double finer_untangled = 0.95;  // in its edge lengths
+// Where planes cross it is luck, a few places in tens of thousands, where surfaces are joined otherwise than
+// contours show, and where contour segments are no edges of the surface or a cut is not what is drawn. Small models with
+// such places are built again, slightly finer: at the first of these, in its edge lengths, for either, at the
+// others for the latter.
+inline constexpr std::array<double, 2> finer_again{0.95, 0.9};
 bool is_tangled(const TryOutcome& outcome);
+// `tries`: so far. None is made after many.
+bool may_lack_fewer(const TryOutcome& outcome, std::size_t tries);
 
 // Whether a later model has fewer such places than one that is tangled, and is no worse: it meets as many
 // clauses, lacks no more contour segments, or 5 in 1,000, and its surface does not go astray where the

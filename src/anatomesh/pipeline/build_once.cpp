@@ -175,6 +175,7 @@ class Builder {
         spared_ = crammed_ && tries_before_ == 0 && !size_given_;
         is_too_dense_to_conform_ = dense_ && contours_.points.size() > few_points;
         apart_ = is_parallel(contours_) || Sweep::of(contours_);
+        slices_ = slices_that_tell(contours_, field_->flat_ends());
         conforming_ = may_conform_ && !crammed_ && !is_too_dense_to_conform_ && !apart_;
         return end_stage("field", 0.05);
     }
@@ -250,7 +251,8 @@ class Builder {
         const double deviation = conforming_ && dense_ ? dense_deviation : surface_deviation;
         RefinementOptions options{
             size_mm,     options_.max_radius_edge, 0,         deviation * size_mm, spared_,
-            conforming_, sample_->graded,          even_mean_};
+            conforming_, sample_->graded,          even_mean_, {}};
+        if (!apart_) options.slices = {crossing_planes(), slices_.weights};
         if (spared_) {
             const double share = crowded_share * plane_density(contours_, *field_);
             options.crowded_mm = std::min(share, most_crowded_share) * size_mm;
@@ -261,6 +263,7 @@ class Builder {
         report().radius_edge_mean_before_refinement = stats.radius_edge_mean_before;
         figures_ = {{"crossing_points", static_cast<double>(stats.crossing_points)},
                     {"deviation_points", static_cast<double>(stats.deviation_points)},
+                    {"cut_points", static_cast<double>(stats.cut_points)},
                     {"circumcenters", static_cast<double>(stats.circumcenters)},
                     {"surface_points", static_cast<double>(stats.surface_points)},
                     {"side_points", static_cast<double>(pieces_->side_points())},
@@ -290,6 +293,8 @@ class Builder {
         const std::size_t vertex_count = mesh_->points().size();
         std::optional<VertexStars> stars;
         ContourOwners owners;
+        SlicePlanes slices{{}, {}, field_.get(), structures_};
+        if (!apart_) slices.crossing = crossing_planes(), slices.weights = slices_.weights;
         PlanesOfStack planes;
         parallel_tasks(context_.threads,
                        {[&] { stars.emplace(mesh_->cells().cells, vertex_count, context_.threads); },
@@ -298,10 +303,11 @@ class Builder {
                             planes = planes_of_stack(contours_, vertices_of_contours(), pieces_->pieces(),
                                                      vertex_count);
                         }});
+        slices.slice_of = planes.slice_of;
+        slices.planes = planes.planes;
         return relabel(mesh_->points(), mesh_->cells().cells, mesh_->cells().neighbors, *stars, owners,
                        mesh_->sides(), {spike_share * sample_->stats.size_mm, near_mm(), !sample_->has_pole},
-                       mesh_->regions(), mesh_->registry(), unsound, look, context_.threads,
-                       {planes.slice_of, planes.planes, field_.get(), structures_});
+                       mesh_->regions(), mesh_->registry(), unsound, look, context_.threads, slices);
     }
 
     Status cut_cells() {
@@ -505,7 +511,12 @@ class Builder {
     // all the rest (but the worst at last, see improve_angles()).
     SlicesThatTell slices_to_keep(bool about_axis) const {
         if ((spared_ || (sample_->has_pole && !about_axis)) && !is_parallel(contours_)) return {};
-        return slices_that_tell(contours_, field_->flat_ends());
+        return slices_;
+    }
+
+    // Where planes cross.
+    CrossingPlanes crossing_planes() const {
+        return {slices_.planes, slices_.extents, slices_.on_plane_mm};
     }
 
     // No vertex of an interface passes through `slices`.
@@ -557,7 +568,7 @@ class Builder {
         // About an axis those that are wrong by more than they may be, at last.
         const bool worst_alone = sample_->has_pole && !spared_ && !is_parallel(contours_);
         const SlicesThatTell slices =
-            worst_alone ? slices_that_tell(contours_, field_->flat_ends()) : slices_to_keep(false);
+            worst_alone ? slices_ : slices_to_keep(false);
         const std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
         std::vector<Plane> planes;
         for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);
@@ -751,6 +762,7 @@ class Builder {
     std::vector<std::uint8_t> given_;              // by vertex: one of a contour
     std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on
     std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling, by the cut too
+    SlicesThatTell slices_;
     Model model_;
     ModelTears tears_;
     std::vector<std::pair<std::string, double>> figures_;  // of the stage under way

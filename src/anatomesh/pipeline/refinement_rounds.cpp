@@ -28,6 +28,7 @@ constexpr int changed_rounds = 4;           // of what changes later on
 constexpr double crowded_crossing_spacing =
     0.05;  // of points where edges cross an interface from others, in edges
 constexpr int dense_deviation_rounds = 2;
+constexpr int cut_rounds = 6, cut_times = 3;  // rounds each time
 
 // Radius-edge ratio of the cells inside in the mean, each at most the bound. Pieces of a fixed size: the same
 // at any number of threads.
@@ -83,8 +84,13 @@ Status RefinementRounds::run(RunContext& context) {
         crossing.min_spacing = crowded_crossing_spacing;
         ANATOMESH_CHECK_STATUS(meet_crossings(crossing, context));
     }
-    ANATOMESH_CHECK_STATUS(pieces_.finish(context));
-    ANATOMESH_CHECK_STATUS(mend_shapes(shapes_, true, context));
+    // Pieces and shapes may spoil cuts again.
+    for (int time = 0; time < cut_times; ++time) {
+        ANATOMESH_TRY(const bool met, meet_cuts(crossing, context));
+        if (time > 0 && !met) break;
+        ANATOMESH_CHECK_STATUS(pieces_.finish(context));
+        ANATOMESH_CHECK_STATUS(mend_shapes(shapes_, true, context));
+    }
     if (!options_.spared) return Nothing{};
     ANATOMESH_CHECK_STATUS(meet_crossings(crossing, context));
     return pieces_.finish(context);
@@ -122,6 +128,25 @@ Status RefinementRounds::meet_deviations(RunContext& context) {
         ANATOMESH_CHECK_STATUS(pieces_.grow(found, {}, context));
     }
     return Nothing{};
+}
+
+// Vertices in the planes of slices where cuts are wrong, and where edges to these cross an interface.
+Result<bool> RefinementRounds::meet_cuts(const CrossingOptions& options, RunContext& context) {
+    if (options_.slices.planes.empty()) return false;
+    const std::uint64_t before = stats_.cut_points;
+    CellSearch search;
+    for (int round = 0; round < cut_rounds; ++round) {
+        std::vector<Vec3> found;
+        mesh_.look_again(search);
+        find_cut_points(mesh_.points(), mesh_.cells(), mesh_.regions(), mesh_.registry().table(),
+                        options_.slices, field_, structures_, mesh_.grid(), guard_, {}, search.cells, found,
+                        context);
+        if (found.empty()) break;
+        stats_.cut_points += found.size();
+        ANATOMESH_CHECK_STATUS(pieces_.grow(found, {}, context));
+        ANATOMESH_CHECK_STATUS(meet_crossings(options, context));
+    }
+    return stats_.cut_points > before;
 }
 
 Status RefinementRounds::improve_shapes(RunContext& context) {

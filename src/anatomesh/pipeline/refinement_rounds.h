@@ -10,6 +10,7 @@
 #include "anatomesh/field/structure_field.h"
 #include "anatomesh/pipeline/contour_pieces.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
+#include "anatomesh/refine/cut_points.h"
 #include "anatomesh/refine/refine.h"
 #include "anatomesh/sample/segment_guard.h"
 
@@ -27,12 +28,14 @@ struct RefinementOptions {
     // Where the mean ratio of the cells inside, each at most the bound, is above this after the rounds for
     // their shape, further ones go on with lower bounds. What follows takes a twentieth off. [0.9, 2]
     double even_mean = 1;
+    CutSlices slices;  // whose planes cross; or none
 };
 
 struct RefinementStats {
-    // Points inserted: where edges cross an interface, at facets off it, for the shape of cells (those that
-    // were moved onto an interface by themselves).
-    std::uint64_t crossing_points = 0, deviation_points = 0, circumcenters = 0, surface_points = 0;
+    // Points inserted: where edges cross an interface, at facets off it, where cuts are wrong, for the shape of
+    // cells (those that were moved onto an interface by themselves).
+    std::uint64_t crossing_points = 0, deviation_points = 0, cut_points = 0, circumcenters = 0,
+                  surface_points = 0;
     double radius_edge_mean_before = 0;  // of the cells inside, before the rounds for their shape
 };
 
@@ -47,8 +50,9 @@ class RefinementRounds {
                      std::span<const std::uint8_t> given, const RefinementOptions& options);
 
     // First the surface: points where edges cross an interface, then where facets deviate from it. Then the
-    // shape of cells, with bounds below the given one where their mean is above 1, the pieces that are still
-    // no edges (ContourPieces::finish()), and the shapes that these spoiled. Every loop ends after a bounded
+    // shape of cells, with bounds below the given one where their mean is above 1, and, up to three times, the
+    // cuts by planes that cross, the pieces that are still no edges (ContourPieces::finish()), and the shapes
+    // that these spoiled. Every loop ends after a bounded
     // number of rounds, the longer ones when next to nothing is left.
     Status run(RunContext& context);
 
@@ -61,6 +65,8 @@ class RefinementRounds {
   private:
     Status meet_crossings(const CrossingOptions& options, RunContext& context);
     Status meet_deviations(RunContext& context);
+    // Whether there were cuts to meet.
+    Result<bool> meet_cuts(const CrossingOptions& options, RunContext& context);
     Status improve_shapes(RunContext& context);
     Status mend_shapes(CellSearch& search, bool finishing, RunContext& context);
     Status even_shapes(RunContext& context);

@@ -1,0 +1,100 @@
+#include "anatomesh/refine/cut_points.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "anatomesh/base/parallel.h"
+#include "anatomesh/sample/interface_probe.h"
+
+namespace anatomesh {
+
+namespace {
+
+struct WrongSection {
+    std::uint32_t cell;
+    std::size_t cut;  // structure * slices + slice
+    double share;     // of what is drawn
+    double area;      // mm^2
+    Vec3 middle;
+};
+
+// In the order of `look`, and of planes and structures.
+std::vector<WrongSection> wrong_sections(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
+                                         const std::vector<Region>& regions, const RegionTable& table,
+                                         const CutSlices& slices, const StructureField& field,
+                                         std::uint32_t structures, double least_share,
+                                         const std::vector<std::uint32_t>& look, int threads) {
+    constexpr std::size_t grain = 4096;
+    return parallel_collect<WrongSection>(
+        look.size(), grain, threads,
+        [&](std::size_t first, std::size_t last, std::vector<WrongSection>& found) {
+            InterfaceProbe probe(field, structures);
+            const auto add_wrong = [&](std::uint32_t c, std::uint32_t k, const PlaneSection& section) {
+                const std::vector<std::uint32_t>* drawn = nullptr;
+                for (std::uint32_t s = 0; s < structures; ++s) {
+                    const std::size_t cut = s * slices.planes.planes.size() + k;
+                    const double share = section.area * slices.weights[cut];
+                    if (!(share > least_share)) continue;
+                    if (!drawn) drawn = &probe.members(section.middle);
+                    if (std::binary_search(drawn->begin(), drawn->end(), s) != table.contains(regions[c], s))
+                        found.push_back({c, cut, share, section.area, section.middle});
+                }
+            };
+            for (std::size_t n = first; n < last; ++n) {
+                const Cell& cell = mesh.cells[look[n]];
+                for_each_section({points[cell[0]], points[cell[1]], points[cell[2]], points[cell[3]]},
+                                 slices.planes, [&](std::uint32_t k, const PlaneSection& section) {
+                                     if (section.facet == PlaneSection::no_facet)
+                                         add_wrong(look[n], k, section);
+                                 });
+            }
+        });
+}
+
+// Out of cuts that stay as they are.
+void drop_small_cuts(std::vector<WrongSection>& sections, std::size_t cuts, double least_of_cut) {
+    std::vector<double> sums(cuts, 0);
+    for (const WrongSection& section : sections) sums[section.cut] += section.share;
+    std::erase_if(sections, [&](const WrongSection& section) { return sums[section.cut] < least_of_cut; });
+}
+
+}  // namespace
+
+CutPointStats find_cut_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
+                              const std::vector<Region>& regions, const RegionTable& table,
+                              const CutSlices& slices, const StructureField& field, std::uint32_t structures,
+                              const PointGrid& all_points, const SegmentGuard& guard,
+                              const CutPointOptions& options, std::vector<std::uint32_t>& look,
+                              std::vector<Vec3>& found, RunContext& context) {
+    assert(slices.weights.size() == structures * slices.planes.planes.size());
+    std::vector<WrongSection> sections =
+        wrong_sections(points, mesh, regions, table, slices, field, structures, options.least_of_section,
+                       look, context.threads);
+    drop_small_cuts(sections, slices.weights.size(), options.least_of_cut);
+    CutPointStats stats;
+    stats.wrong = sections.size();
+    look.clear();
+    double total = 0;
+    for (const WrongSection& section : sections) {
+        if (look.empty() || look.back() != section.cell) look.push_back(section.cell);
+        total += std::sqrt(section.area);
+    }
+    std::stable_sort(sections.begin(), sections.end(),
+                     [](const WrongSection& a, const WrongSection& b) { return a.area > b.area; });
+    PointGrid chosen(sections.empty() ? 1.0 : total / static_cast<double>(sections.size()), sections.size());
+    for (const WrongSection& section : sections) {
+        const double spacing = options.min_spacing * std::sqrt(section.area);
+        if (all_points.any_within(section.middle, spacing) || !guard.outside_balls(section.middle)) {
+            ++stats.refused;
+            continue;
+        }
+        if (chosen.any_within(section.middle, 2 * spacing)) continue;
+        chosen.add(section.middle);
+        found.push_back(section.middle);
+    }
+    return stats;
+}
+
+}  // namespace anatomesh
