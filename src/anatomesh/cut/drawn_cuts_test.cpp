@@ -66,6 +66,36 @@ struct Case {
 
     SlicePlanes slices() const { return {slice_of, planes, &field, 2}; }
 
+    // Two planes that cross each other, and one on which nothing is drawn of the second structure.
+    std::vector<Plane> crossing_planes{make_plane({0, 0, 0.05}, {0.2, 0.1, 1}),
+                                       make_plane({0.1, 0, 0}, {1, 0.3, 0.2})};
+    std::vector<Box2> extents{{{-1, -1}, {1, 1}}, {{-0.4, -0.5}, {0.5, 0.6}}};
+    std::vector<double> weights{1.5, 0.5, 2, 0};
+
+    SlicePlanes crossing_slices() const {
+        return {{}, {}, &field, 2, {crossing_planes, extents, 1e-12}, weights};
+    }
+
+    // Of all sections by planes that cross.
+    double wrong_weight() const {
+        double sum = 0;
+        for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
+            std::array<Vec3, 4> corners;
+            for (std::size_t i = 0; i < 4; ++i) corners[i] = mesh.points[mesh.cells[c][i]];
+            for_each_section(corners, crossing_slices().crossing,
+                             [&](std::uint32_t k, const PlaneSection& section) {
+                                 std::vector<std::uint32_t> drawn;
+                                 field.members(section.middle, drawn);
+                                 for (std::uint32_t s = 0; s < 2; ++s) {
+                                     const bool is = registry.table().contains(mesh.regions[c], s);
+                                     if (is != std::binary_search(drawn.begin(), drawn.end(), s))
+                                         sum += section.area * weights[2 * s + k];
+                                 }
+                             });
+        }
+        return sum;
+    }
+
     std::size_t wrong_at(Vec3 p, std::vector<std::uint32_t> cut) const {
         std::vector<std::uint32_t> drawn, wrong;
         field.members(p, drawn);
@@ -126,6 +156,35 @@ struct Case {
         return sum;
     }
 };
+
+TEST(DrawnCuts, where_planes_cross_the_change_is_that_of_the_whole_mesh_by_weight) {
+    for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+        Case random(seed, seed == 2, 4);
+        DrawnCuts cuts(random.mesh.points, random.mesh.cells, random.neighbors, random.mesh.regions,
+                       random.registry.table(), random.crossing_slices());
+        std::mt19937 choose(seed);
+        int changed = 0, mended = 0;
+        for (int n = 0; n < 150; ++n) {
+            std::vector<std::uint32_t> moved{static_cast<std::uint32_t>(choose() % random.mesh.cells.size())};
+            const std::uint32_t beside = random.neighbors[moved[0]][choose() % 4];
+            if (beside != no_cell && n % 2) moved.push_back(beside);
+            const Region to =
+                random.registry.intern(n % 3 ? std::vector<std::uint32_t>{0} : std::vector<std::uint32_t>{});
+            const double before = random.wrong_weight(), told = cuts.change(moved, to);
+            for (const std::uint32_t c : moved) random.mesh.regions[c] = to;
+            EXPECT_NEAR(random.wrong_weight() - before, told, 1e-12);
+            changed += std::abs(told) > 1e-9;
+            // What is wanted makes a cell's largest part right.
+            if (const std::vector<std::uint32_t>* wanted = cuts.wanted(moved[0])) {
+                const Region drawn = random.registry.intern(*wanted);
+                EXPECT_NE(drawn, random.mesh.regions[moved[0]]);
+                mended += cuts.change(std::span(moved).first(1), drawn) < 0;
+            }
+        }
+        EXPECT_GT(changed, 20);
+        EXPECT_GT(mended, 5);
+    }
+}
 
 TEST(DrawnCuts, the_change_is_that_of_the_whole_mesh) {
     double least = 0, most = 0;

@@ -221,6 +221,23 @@ TEST(Attempts, AReportTellsOfATry) {
     EXPECT_EQ(outcome.over_bound, 0.25);
     EXPECT_EQ(outcome.unmet, 1u);
     EXPECT_EQ(outcome.tangles, 6);
+    EXPECT_TRUE(outcome.lacks_contours);
+    report.certificate[1].number = 4;
+    outcome = {};
+    add_report(outcome, report);
+    EXPECT_EQ(outcome.unmet, 1u);
+    EXPECT_FALSE(outcome.lacks_contours);
+}
+
+TEST(Attempts, ASmallModelThatLacksContoursMayLackFewerSlightlyFiner) {
+    EXPECT_FALSE(may_lack_fewer(with_cells(good, 50000), 1)) << "it lacks none";
+    TryOutcome lacking = with_cells(good, 50000);
+    lacking.lacks_contours = true;
+    for (const std::size_t tries : {1, 2, 3}) EXPECT_TRUE(may_lack_fewer(lacking, tries));
+    EXPECT_FALSE(may_lack_fewer(lacking, 4)) << "its tries are no luck";
+    EXPECT_FALSE(may_lack_fewer(with_cells(lacking, 100000), 1)) << "its tries take long";
+    lacking.kept_contract = false;
+    EXPECT_FALSE(may_lack_fewer(lacking, 1));
 }
 
 TEST(Attempts, AModelOfWhichContoursDoNotTellAllIsTangled) {

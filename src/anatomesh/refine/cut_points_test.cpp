@@ -1,0 +1,161 @@
+// Laws of the vertices that cuts by planes of slices lack.
+#include "anatomesh/refine/cut_points.h"
+
+#include <cmath>
+#include <random>
+
+#include "anatomesh/cull/culled_mesh_for_test.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+
+constexpr double radius = 5, size = 1;
+
+// A ball with slots along two planes that cross in its middle, in which nothing is drawn.
+struct Slots {
+    std::vector<Plane> planes;
+    std::vector<Box2> extents{{{-radius, -radius}, {radius, radius}}, {{-radius, -radius}, {radius, radius}}};
+    std::vector<double> weights = std::vector<double>(2, 1 / (radius * radius * M_PI));
+    AnalyticField field;
+
+    Slots(const Slots&) = delete;
+    Slots& operator=(const Slots&) = delete;
+    Slots(double angle, double width)
+        : planes{make_plane({}, {1, 0, 0.1}), make_plane({}, {std::cos(angle), std::sin(angle), 0})},
+          field({[this, width](Vec3 p) {
+                    double value = length(p) - radius;
+                    for (const Plane& plane : planes)
+                        value = std::max(value, 0.5 * width - std::abs(plane.signed_distance(p)));
+                    return value;
+                }},
+                radius + 1) {}
+
+    CutSlices slices() const { return {{planes, extents, 1e-9}, weights}; }
+};
+
+// Random points in the ball and beside it, and the corners of a large box.
+CulledMesh mesh_beside_slots(const Slots& slots, std::uint32_t seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> share(0, 1);
+    std::vector<Vec3> points;
+    for (int n = 0; n < 700; ++n) {
+        const Vec3 direction = normalized({normal(random), normal(random), normal(random)});
+        points.push_back((n % 2 ? 5.0 + 2 * share(random) : 5.0 * std::cbrt(share(random))) * direction);
+    }
+    for (int corner = 0; corner < 8; ++corner)
+        points.push_back({corner & 1 ? 20.0 : -20.0, corner & 2 ? 20.0 : -20.0, corner & 4 ? 20.0 : -20.0});
+    CulledMesh mesh{Tetrahedralization::create(points).value(), {}, {}, {}, {}, {}, PointGrid(size, 1000)};
+    mesh.update(slots.field, 1, {0.02});
+    return mesh;
+}
+
+// Of a slot's plane, the share of a cut in which cells are in the ball.
+double wrong_share(const CulledMesh& mesh, const Slots& slots) {
+    double sum = 0;
+    for (std::size_t c = 0; c < mesh.regions.size(); ++c) {
+        if (mesh.regions[c] == 0) continue;
+        std::array<Vec3, 4> corners;
+        for (std::size_t i = 0; i < 4; ++i) corners[i] = mesh.points()[mesh.cells.cells[c][i]];
+        for_each_section(corners, slots.slices().planes, [&](std::uint32_t k, const PlaneSection& section) {
+            if (section.facet == PlaneSection::no_facet) sum += section.area * slots.weights[k];
+        });
+    }
+    return sum;
+}
+
+std::vector<Vec3> cut_points(const CulledMesh& mesh, const Slots& slots, const CutPointOptions& options = {},
+                             CutPointStats* stats = nullptr,
+                             const SegmentGuard& guard = SegmentGuard(size, 0), int threads = 1) {
+    RunContext context;
+    context.threads = threads;
+    std::vector<Vec3> found;
+    std::vector<std::uint32_t> look = mesh.all_cells();
+    const CutPointStats seen =
+        find_cut_points(mesh.points(), mesh.cells, mesh.regions, mesh.registry.table(), slots.slices(),
+                        slots.field, 1, mesh.grid, guard, options, look, found, context);
+    EXPECT_LE(look.size(), seen.wrong);
+    EXPECT_TRUE(std::is_sorted(look.begin(), look.end()));
+    if (stats) *stats = seen;
+    return found;
+}
+
+TEST(CutPoints, rounds_open_slots_that_are_narrower_than_edges) {
+    for (const double angle : {1.5, 0.5}) {
+        for (const double width : {0.4, 0.1}) {
+            const Slots slots(angle, width);
+            CulledMesh mesh = mesh_beside_slots(slots, 3);
+            const double before = wrong_share(mesh, slots);
+            EXPECT_GT(before, 0.2) << width;
+            int round = 0;
+            for (std::vector<Vec3> found = cut_points(mesh, slots); !found.empty() && round < 12; ++round) {
+                mesh.delaunay.insert(found);
+                mesh.update(slots.field, 1, {0.02});
+                found = cut_points(mesh, slots);
+            }
+            EXPECT_LT(round, 12);
+            EXPECT_LT(wrong_share(mesh, slots), 0.02 * before) << "angle " << angle << ", width " << width;
+        }
+    }
+}
+
+TEST(CutPoints, they_lie_in_the_planes_apart_from_each_other_and_from_vertices) {
+    const Slots slots(0.7, 0.3);
+    const CulledMesh mesh = mesh_beside_slots(slots, 5);
+    for (const double spacing : {0.1, 0.3, 1.0}) {
+        CutPointOptions options;
+        options.min_spacing = spacing;
+        CutPointStats stats;
+        const std::vector<Vec3> found = cut_points(mesh, slots, options, &stats);
+        EXPECT_GT(found.size(), 10u);
+        EXPECT_LE(found.size() + stats.refused, stats.wrong);
+        for (const Vec3& p : found) {
+            EXPECT_LT(std::min(std::abs(slots.planes[0].signed_distance(p)),
+                               std::abs(slots.planes[1].signed_distance(p))),
+                      1e-12);
+        }
+        for (std::size_t n = 0; n < found.size(); ++n) {
+            for (std::size_t m = 0; m < n; ++m) EXPECT_NE(found[n], found[m]);
+        }
+    }
+}
+
+TEST(CutPoints, a_cut_of_which_little_is_wrong_stays) {
+    const Slots slots(0.7, 0.3);
+    const CulledMesh mesh = mesh_beside_slots(slots, 5);
+    CutPointOptions options;
+    options.least_of_cut = 1;
+    CutPointStats stats;
+    EXPECT_TRUE(cut_points(mesh, slots, options, &stats).empty());
+    EXPECT_EQ(stats.wrong, 0u);
+    Slots silent(0.7, 0.3);
+    silent.weights.assign(2, 0);
+    EXPECT_TRUE(cut_points(mesh, silent).empty()) << "the slices do not say where the structure is";
+}
+
+TEST(CutPoints, they_keep_out_of_the_balls_of_contour_segments) {
+    const Slots slots(0.7, 0.3);
+    const CulledMesh mesh = mesh_beside_slots(slots, 5);
+    SegmentGuard guard(size, 0);
+    guard.add_segment({0, 0, -3}, {0, 0, 3});
+    CutPointStats free, kept_out;
+    cut_points(mesh, slots, {}, &free);
+    const std::vector<Vec3> found = cut_points(mesh, slots, {}, &kept_out, guard);
+    EXPECT_GT(kept_out.refused, free.refused);
+    EXPECT_EQ(kept_out.wrong, free.wrong);
+    for (const Vec3& p : found) EXPECT_GE(length(p), 3);
+}
+
+TEST(CutPoints, same_points_for_any_number_of_threads) {
+    const Slots slots(1.0, 0.2);
+    const CulledMesh mesh = mesh_beside_slots(slots, 7);
+    const std::vector<Vec3> one = cut_points(mesh, slots);
+    EXPECT_GT(one.size(), 10u);
+    for (const int threads : {2, 4})
+        EXPECT_EQ(cut_points(mesh, slots, {}, nullptr, SegmentGuard(size, 0), threads), one);
+}
+
+}  // namespace
+}  // namespace anatomesh
