@@ -21,8 +21,8 @@ struct SlicePlanes {
     std::span<const Plane> planes;            // by slice
     const StructureField* field = nullptr;    // on a slice's plane it is what is drawn there
     std::uint32_t structures = 0;
-    // In place of these two, where planes cross: by slice; and at structure * slices + slice what an area
-    // there counts, 0 where the slice does not say where the structure is.
+    // In place of slice_of and planes, where planes cross: by slice; and at structure * slices + slice what
+    // an area there counts, 0 where the slice does not say where the structure is.
     CrossingPlanes crossing = {};
     std::span<const double> weights = {};
 

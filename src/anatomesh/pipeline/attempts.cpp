@@ -19,8 +19,8 @@ constexpr double some_bad = 1e-3;          // of cells
 constexpr double unwarned_distance = 0.5;  // in edge lengths: warned of is what is further off (W-PIP-008)
 constexpr double as_far = 1.25;            // times the other one's distance
 constexpr double few_missed = 5e-3;        // of the segments
-constexpr std::size_t untangled_below = 60000, mended_below = 100000;  // cells
-constexpr std::size_t mended_after = 3;                                // tries, at most
+constexpr std::size_t small_below = 100000;  // cells
+constexpr std::size_t most_tries = 3;        // before it is no luck any more
 
 bool lacks_fewer(const TryOutcome& one, const TryOutcome& other) {
     return one.missed <= fewer_missed * other.missed && one.missed <= other.missed - least_gain;
@@ -82,12 +82,17 @@ bool is_hardly_bad(const TryOutcome& kept) {
 }
 
 bool is_tangled(const TryOutcome& outcome) {
-    return outcome.kept_contract && outcome.untold > 0 && outcome.cells < untangled_below;
+    return outcome.kept_contract && outcome.untold > 0 && outcome.cells < small_below;
 }
 
-bool may_lack_fewer(const TryOutcome& outcome, std::size_t tries) {
-    return outcome.kept_contract && outcome.lacks_contours && outcome.cells < mended_below &&
-           tries <= mended_after;
+bool may_have_all_contours(const TryOutcome& outcome, std::size_t tries) {
+    return outcome.kept_contract && outcome.lacks_contours && !outcome.contradicted &&
+           outcome.cells < small_below && tries <= most_tries;
+}
+
+bool has_all_contours(const TryOutcome& later, const TryOutcome& kept) {
+    return later.kept_contract && !later.lacks_contours && later.unmet < kept.unmet &&
+           later.untold <= kept.untold;
 }
 
 bool is_less_tangled(const TryOutcome& later, const TryOutcome& kept) {

@@ -37,6 +37,7 @@ struct TryOutcome {
     bool conformed_badly = false;  // and single cells are ill-shaped
     bool astray = false;        // and so is its surface: it goes far from the field's
     bool lacks_contours = false;  // clause 2 of the contract was measured and not met
+    bool contradicted = false;    // slices draw otherwise than those that they cross, or it is not known
     double missed = 0;          // share of the contour segments that are no chains of edges of the surface
     long long tangles = 0;      // components and handles of all structures
     std::size_t untold = 0;     // places where planes cross and surfaces are joined otherwise than drawn
@@ -90,13 +91,15 @@ bool has_more_contours(const TryOutcome& kept, const TryOutcome& other);
 bool is_hardly_bad(const TryOutcome& kept);
 
 // Where planes cross it is luck, a few places in tens of thousands, where surfaces are joined otherwise than
-// contours show, and where contour segments are no edges of the surface or a cut is not what is drawn. Small models with
-// such places are built again, slightly finer: at the first of these, in its edge lengths, for either, at the
-// others for the latter.
-inline constexpr std::array<double, 2> finer_again{0.95, 0.9};
+// contours show, and where contour segments are no edges of the surface or a cut is not what is drawn. A
+// small model with such places is built again with slightly shorter edges: with the first of these, in its
+// edge lengths, for either reason, with the others for the latter alone.
+inline constexpr std::array<double, 2> slightly_shorter{0.95, 0.9};
 bool is_tangled(const TryOutcome& outcome);
-// `tries`: so far. None is made after many.
-bool may_lack_fewer(const TryOutcome& outcome, std::size_t tries);
+// `tries`: so far. Not after many, nor where slices contradict each other: no model has all of them.
+bool may_have_all_contours(const TryOutcome& outcome, std::size_t tries);
+// Whether a later model than one that may have all contours has them, and is joined as much as drawn.
+bool has_all_contours(const TryOutcome& later, const TryOutcome& kept);
 
 // Whether a later model has fewer such places than one that is tangled, and is no worse: it meets as many
 // clauses, lacks no more contour segments, or 5 in 1,000, and its surface does not go astray where the

@@ -67,7 +67,7 @@ class Tries {
         const auto start = std::chrono::steady_clock::now();
         ANATOMESH_TRY(Model model, choose());
         if (!trial_.size_given) {
-            ANATOMESH_TRY(model, slightly_finer_one(std::move(model)));
+            ANATOMESH_TRY(model, slightly_shorter_one(std::move(model)));
         }
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         note_other_tries(model.report, seconds.count());
@@ -233,34 +233,30 @@ class Tries {
         return std::move(even.model);
     }
 
-    // Another one in its place, slightly finer, if that is joined more as drawn, or has the contours where it
-    // lacks them.
-    Result<Model> slightly_finer_one(Model model) {
+    // Another one in its place, with slightly shorter edges, if that is joined more as drawn, or has the
+    // contours that it lacks.
+    Result<Model> slightly_shorter_one(Model model) {
         const bool tangled = is_tangled(taken_.outcome);
-        const bool lacks_contours = !is_parallel(contours_) && may_lack_fewer(taken_.outcome, count_);
-        if (!tangled && !lacks_contours) return model;
+        const bool lacks_contours = may_have_all_contours(taken_.outcome, count_);
         KeptModel first{std::move(model), trial_, context_.warnings, taken_, ""};
-        for (const double share : finer_again) {
+        for (const double share : slightly_shorter) {
+            if (!lacks_contours && !(tangled && share == slightly_shorter.front())) break;
             trial_.options.size_mm = share * first.made.size_mm;
             context_.warnings.resize(warnings_before_.value_or(known_.warnings));
             BuiltOnce other = build({});
             if (!other.model.ok() && other.model.error().kind == ErrorKind::cancelled)
                 return std::move(other.model);
             const bool is_untangled = tangled && is_less_tangled(other.outcome, first.made.outcome);
-            const bool has_contours =
-                lacks_contours && other.model.ok() && other.outcome.unmet < first.made.outcome.unmet;
-            if (is_untangled || has_contours) {
-                context_.warn(
-                    {"W-PIP-001",
-                     "with " + brief(first.made.size_mm) +
-                         (is_untangled ? " mm the surface was joined otherwise than the contours show"
-                                       : " mm the model was not at all places what is drawn"),
-                     {},
-                     "built again with " + brief(trial_.options.size_mm) + " mm"});
-                shown_is_another_ = true;
-                return std::move(other.model);
-            }
-            if (!lacks_contours) break;
+            if (!is_untangled && !(lacks_contours && has_all_contours(other.outcome, first.made.outcome)))
+                continue;
+            context_.warn({"W-PIP-001",
+                           "with " + brief(first.made.size_mm) +
+                               (is_untangled ? " mm the surface was joined otherwise than the contours show"
+                                             : " mm single contour segments or cuts were not as drawn"),
+                           {},
+                           "built again with " + brief(trial_.options.size_mm) + " mm"});
+            shown_is_another_ = true;
+            return std::move(other.model);
         }
         trial_ = first.trial;
         context_.warnings = std::move(first.warnings);

@@ -28,6 +28,7 @@
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/contour_field.h"
 #include "anatomesh/pipeline/contour_pieces.h"
+#include "anatomesh/pipeline/contradicted_places.h"
 #include "anatomesh/pipeline/followed_contours.h"
 #include "anatomesh/pipeline/ill_shaped_cells.h"
 #include "anatomesh/pipeline/improve_figures.h"
@@ -129,6 +130,8 @@ class Builder {
     // Contour segments that were, whether their contours follow the surface now or not.
     std::uint64_t segments_missed() const { return segments_missed_; }
     std::uint64_t drawn_segments() const { return source_.points.size(); }
+    // Whether slices contradict those that they cross, or it was not looked at.
+    bool is_contradicted() const { return !meets_cuts_ || !contradicted_.empty(); }
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
     bool spared_shapes() const { return spared_ || recovered_ || (pieces_ && pieces_->are_short()); }
 
@@ -176,6 +179,8 @@ class Builder {
         is_too_dense_to_conform_ = dense_ && contours_.points.size() > few_points;
         apart_ = is_parallel(contours_) || Sweep::of(contours_);
         slices_ = slices_that_tell(contours_, field_->flat_ends());
+        meets_cuts_ = !apart_ && !crammed_ && !is_too_dense_to_conform_;
+        if (meets_cuts_) contradicted_ = contradicted_places(contours_, slices_.weights, context_);
         conforming_ = may_conform_ && !crammed_ && !is_too_dense_to_conform_ && !apart_;
         return end_stage("field", 0.05);
     }
@@ -252,7 +257,7 @@ class Builder {
         RefinementOptions options{
             size_mm,     options_.max_radius_edge, 0,         deviation * size_mm, spared_,
             conforming_, sample_->graded,          even_mean_, {}};
-        if (!apart_) options.slices = {crossing_planes(), slices_.weights};
+        if (meets_cuts_) options.slices = {crossing_planes(), slices_.weights, contradicted_};
         if (spared_) {
             const double share = crowded_share * plane_density(contours_, *field_);
             options.crowded_mm = std::min(share, most_crowded_share) * size_mm;
@@ -294,7 +299,7 @@ class Builder {
         std::optional<VertexStars> stars;
         ContourOwners owners;
         SlicePlanes slices{{}, {}, field_.get(), structures_};
-        if (!apart_) slices.crossing = crossing_planes(), slices.weights = slices_.weights;
+        if (meets_cuts_) slices.crossing = crossing_planes(), slices.weights = slices_.weights;
         PlanesOfStack planes;
         parallel_tasks(context_.threads,
                        {[&] { stars.emplace(mesh_->cells().cells, vertex_count, context_.threads); },
@@ -753,6 +758,7 @@ class Builder {
     bool is_too_dense_to_conform_ = false;         // see few_points
     bool apart_ = false;                           // planes do not cross where something is drawn
     bool conforming_ = false;                      // where planes cross: see SampleOptions
+    bool meets_cuts_ = false;                      // and its cells are made what is drawn in the planes
     bool spared_ = false;                          // these, and the first try with a default size
     std::vector<SegmentPiece> piece_list_;         // those of pieces_, and where the cut split them further
     std::vector<SegmentPiece> cut_pieces_;         // of those that the last step of the cut split
@@ -763,6 +769,7 @@ class Builder {
     std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on
     std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling, by the cut too
     SlicesThatTell slices_;
+    std::vector<ContradictedPlace> contradicted_;  // where it is made so
     Model model_;
     ModelTears tears_;
     std::vector<std::pair<std::string, double>> figures_;  // of the stage under way
@@ -789,6 +796,7 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
     outcome.tore_walls = builder.tore_a_structure();
     outcome.untold = builder.untold_places();
     outcome.astray = builder.went_astray();
+    outcome.contradicted = builder.is_contradicted();
     outcome.conformed_badly = builder.conforming() && (report.listed_cells_bad > 0 || outcome.astray);
     outcome.farthest =
         report.field_distance.at_least ? HUGE_VAL : report.field_distance.max_mm / builder.size_mm();

@@ -29,6 +29,9 @@ constexpr double crowded_crossing_spacing =
     0.05;  // of points where edges cross an interface from others, in edges
 constexpr int dense_deviation_rounds = 2;
 constexpr int cut_rounds = 6, cut_times = 3;  // rounds each time
+// Of sections from where slices contradict each other, in sizes: fins and handles would come of vertices
+// there.
+constexpr double contradicted_clearance = 0.25;
 
 // Radius-edge ratio of the cells inside in the mean, each at most the bound. Pieces of a fixed size: the same
 // at any number of threads.
@@ -134,12 +137,13 @@ Status RefinementRounds::meet_deviations(RunContext& context) {
 Result<bool> RefinementRounds::meet_cuts(const CrossingOptions& options, RunContext& context) {
     if (options_.slices.planes.empty()) return false;
     const std::uint64_t before = stats_.cut_points;
-    CellSearch search;
+    CutPointOptions cut;
+    cut.clearance_mm = contradicted_clearance * options_.size_mm;
     for (int round = 0; round < cut_rounds; ++round) {
         std::vector<Vec3> found;
-        mesh_.look_again(search);
+        mesh_.look_again(cuts_);
         find_cut_points(mesh_.points(), mesh_.cells(), mesh_.regions(), mesh_.registry().table(),
-                        options_.slices, field_, structures_, mesh_.grid(), guard_, {}, search.cells, found,
+                        options_.slices, field_, structures_, mesh_.grid(), guard_, cut, cuts_.cells, found,
                         context);
         if (found.empty()) break;
         stats_.cut_points += found.size();

@@ -82,7 +82,7 @@ class RefinementRounds {
     const std::uint32_t structures_;
     const std::span<const std::uint8_t> given_;
     const RefinementOptions options_;
-    CellSearch crossings_, shapes_;
+    CellSearch crossings_, cuts_, shapes_;
     RefinementStats stats_;
 };
 

@@ -25,8 +25,7 @@ std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
 std::vector<std::array<std::uint32_t, 2>> segment_ends(const ContourSet& contours,
                                                        std::span<const std::uint32_t> vertex_of);
 
-// What relabel() is to know of slices: of those that are parallel. Where planes cross, cells that are right
-// in one of them may be wrong in another: both lists are empty.
+// What relabel() is to know of slices that are parallel. Where planes cross both lists are empty.
 struct PlanesOfStack {
     std::vector<std::uint32_t> slice_of;  // slices_of_vertices()
     std::vector<Plane> planes;            // by slice

@@ -20,11 +20,24 @@ struct WrongSection {
     Vec3 middle;
 };
 
+double squared_distance(Vec3 p, const ContradictedPlace& place) {
+    const Vec3 way = place.to - place.from;
+    const double share = std::clamp(dot(p - place.from, way) / squared_length(way), 0.0, 1.0);
+    return squared_length(p - (place.from + share * way));
+}
+
+bool is_contradicted(const CutSlices& slices, std::uint32_t structure, Vec3 p, double clearance) {
+    return std::any_of(
+        slices.contradicted.begin(), slices.contradicted.end(), [&](const ContradictedPlace& place) {
+            return place.structure == structure && squared_distance(p, place) < clearance * clearance;
+        });
+}
+
 // In the order of `look`, and of planes and structures.
 std::vector<WrongSection> wrong_sections(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                          const std::vector<Region>& regions, const RegionTable& table,
                                          const CutSlices& slices, const StructureField& field,
-                                         std::uint32_t structures, double least_share,
+                                         std::uint32_t structures, const CutPointOptions& options,
                                          const std::vector<std::uint32_t>& look, int threads) {
     constexpr std::size_t grain = 4096;
     return parallel_collect<WrongSection>(
@@ -36,9 +49,11 @@ std::vector<WrongSection> wrong_sections(const std::vector<Vec3>& points, const 
                 for (std::uint32_t s = 0; s < structures; ++s) {
                     const std::size_t cut = s * slices.planes.planes.size() + k;
                     const double share = section.area * slices.weights[cut];
-                    if (!(share > least_share)) continue;
+                    if (!(share > options.least_of_section)) continue;
                     if (!drawn) drawn = &probe.members(section.middle);
-                    if (std::binary_search(drawn->begin(), drawn->end(), s) != table.contains(regions[c], s))
+                    if (std::binary_search(drawn->begin(), drawn->end(), s) !=
+                            table.contains(regions[c], s) &&
+                        !is_contradicted(slices, s, section.middle, options.clearance_mm))
                         found.push_back({c, cut, share, section.area, section.middle});
                 }
             };
@@ -69,9 +84,8 @@ CutPointStats find_cut_points(const std::vector<Vec3>& points, const DelaunaySna
                               const CutPointOptions& options, std::vector<std::uint32_t>& look,
                               std::vector<Vec3>& found, RunContext& context) {
     assert(slices.weights.size() == structures * slices.planes.planes.size());
-    std::vector<WrongSection> sections =
-        wrong_sections(points, mesh, regions, table, slices, field, structures, options.least_of_section,
-                       look, context.threads);
+    std::vector<WrongSection> sections = wrong_sections(points, mesh, regions, table, slices, field,
+                                                        structures, options, look, context.threads);
     drop_small_cuts(sections, slices.weights.size(), options.least_of_cut);
     CutPointStats stats;
     stats.wrong = sections.size();
