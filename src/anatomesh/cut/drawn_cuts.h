@@ -43,8 +43,8 @@ class DrawnCuts {
               const std::vector<CellNeighbors>& neighbors, const std::vector<Region>& regions,
               const RegionTable& table, const SlicePlanes& slices);
 
-    // By how much the area that is wrong, summed over structures, grows if the cells go to a region; mm^2, or,
-    // where planes cross, as the weights have it.
+    // By how much the area that is wrong, summed over structures, grows if the cells go to a region; mm^2,
+    // or, where planes cross, as the weights have it.
     double change(std::span<const std::uint32_t> moved, Region to);
 
     // The structures drawn where the cell passes through a plane, or has a facet in it of which neither side

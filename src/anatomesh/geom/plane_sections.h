@@ -32,8 +32,8 @@ struct PlaneSection {
 // `heights`: of the corners above the plane, mm; 0 of those that lie in it.
 PlaneSection section_at(const std::array<Vec3, 4>& corners, const std::array<double, 4>& heights);
 
-// Calls visit(number of the plane, section) for each plane that does not end before the middle of its section, by
-// rising numbers. O(planes).
+// Calls visit(number of the plane, section) for each plane that does not end before the middle of its
+// section, by rising numbers. O(planes).
 template <class Visit>
 void for_each_section(const std::array<Vec3, 4>& corners, const CrossingPlanes& crossing,
                       const Visit& visit) {

@@ -106,9 +106,9 @@ bool has_all_contours(const TryOutcome& later, const TryOutcome& kept);
 // other's does not.
 bool is_less_tangled(const TryOutcome& later, const TryOutcome& kept);
 
-// Whether of two that conformed badly the later one is worse. Of those with few bad cells it is not, for it is finer,
-// unless both go astray and it alone by more than half an edge length, or both or none so far and the first has more
-// contours, or as many and fewer components and handles.
+// Whether of two that conformed badly the later one is worse. Of those with few bad cells it is not, for it
+// is finer, unless both go astray and it alone by more than half an edge length, or both or none so far and
+// the first has more contours, or as many and fewer components and handles.
 bool is_worse(const TryOutcome& later, const TryOutcome& kept);
 
 }  // namespace anatomesh

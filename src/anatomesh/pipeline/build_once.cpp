@@ -659,25 +659,10 @@ class Builder {
                          "clause " + std::to_string(clause.number) +
                              " of the contract is broken: " + clause.statement + " (" + clause.evidence + ")",
                          {},
-                         advice_on_size() + "; nothing was written"};
+                         advice_on_size(mean_thickness(contours_), sample_->stats.size_mm, size_given_) +
+                             "; nothing was written"};
         }
         return Nothing{};
-    }
-
-    std::string advice_on_size() const {
-        const std::vector<double> thickness = mean_thickness(contours_);
-        double thinnest = sample_->stats.size_mm;
-        for (const double t : thickness) {
-            if (t > 0) thinnest = std::min(thinnest, t);
-        }
-        if (!size_given_) {
-            return "edge lengths down to " + brief(sample_->stats.size_mm) +
-                   " mm were tried: leave out what is thin or jagged (--structure, --min-area), or give a "
-                   "smaller --size";
-        }
-        if (!(thinnest < thin_sizes * sample_->stats.size_mm)) return "try another --size";
-        return "what is drawn is only " + brief(thinnest) + " mm thick in the mean: give --size " +
-               brief(thinnest) + " or leave --size out";
     }
 
     // Clauses 1 to 6 hold for a plate with holes as well.

@@ -241,6 +241,22 @@ void warn_of_thin_structures(const ContourSet& contours, const std::vector<doubl
     }
 }
 
+std::string advice_on_size(const std::vector<double>& thickness, double size_mm, bool size_given) {
+    if (!size_given) {
+        return "edge lengths down to " + brief(size_mm) +
+               " mm were tried: leave out what is thin or jagged (--structure, --min-area), or give a "
+               "smaller "
+               "--size";
+    }
+    double thinnest = size_mm;
+    for (const double t : thickness) {
+        if (t > 0) thinnest = std::min(thinnest, t);
+    }
+    if (!(thinnest < thin_sizes * size_mm)) return "try another --size";
+    return "what is drawn is only " + brief(thinnest) + " mm thick in the mean: give --size " +
+           brief(thinnest) + " or leave --size out";
+}
+
 void warn_of_crowded_cells(const ModelReport& report, const std::string& file, RunContext& context) {
     const QualityReport& quality = report.quality;
     Place place;

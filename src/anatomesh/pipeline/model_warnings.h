@@ -38,6 +38,9 @@ inline constexpr double thin_sizes = 0.8;
 void warn_of_thin_structures(const ContourSet& contours, const std::vector<double>& thickness, double size_mm,
                              RunContext& context);
 
+// What to try in place of a size with which a model broke its contract. `thickness`: as above.
+std::string advice_on_size(const std::vector<double>& thickness, double size_mm, bool size_given);
+
 // Of a model for the shapes of which less was done than can be, W-PIP-005: what that left.
 void warn_of_crowded_cells(const ModelReport& report, const std::string& file, RunContext& context);
 

@@ -17,8 +17,19 @@ struct WrongSection {
     std::size_t cut;  // structure * slices + slice
     double share;     // of what is drawn
     double area;      // mm^2
-    Vec3 middle;
+    Vec3 place;       // of a vertex for it
 };
+
+// Of a section's middle towards the middle of the cell, in roots of the section's area: in the plane itself a
+// vertex would make flat cells with those of contours.
+constexpr double beside_share = 0.05;
+
+Vec3 beside_plane(const Plane& plane, const PlaneSection& section, const std::vector<Vec3>& points,
+                  const Cell& cell) {
+    const Vec3 centre = 0.25 * (points[cell[0]] + points[cell[1]] + points[cell[2]] + points[cell[3]]);
+    const double beside = beside_share * std::sqrt(section.area);
+    return section.middle + (plane.signed_distance(centre) > 0 ? beside : -beside) * plane.normal;
+}
 
 double squared_distance(Vec3 p, const ContradictedPlace& place) {
     const Vec3 way = place.to - place.from;
@@ -54,7 +65,9 @@ std::vector<WrongSection> wrong_sections(const std::vector<Vec3>& points, const 
                     if (std::binary_search(drawn->begin(), drawn->end(), s) !=
                             table.contains(regions[c], s) &&
                         !is_contradicted(slices, s, section.middle, options.clearance_mm))
-                        found.push_back({c, cut, share, section.area, section.middle});
+                        found.push_back(
+                            {c, cut, share, section.area,
+                             beside_plane(slices.planes.planes[k], section, points, mesh.cells[c])});
                 }
             };
             for (std::size_t n = first; n < last; ++n) {
@@ -100,13 +113,13 @@ CutPointStats find_cut_points(const std::vector<Vec3>& points, const DelaunaySna
     PointGrid chosen(sections.empty() ? 1.0 : total / static_cast<double>(sections.size()), sections.size());
     for (const WrongSection& section : sections) {
         const double spacing = options.min_spacing * std::sqrt(section.area);
-        if (all_points.any_within(section.middle, spacing) || !guard.outside_balls(section.middle)) {
+        if (all_points.any_within(section.place, spacing) || !guard.outside_balls(section.place)) {
             ++stats.refused;
             continue;
         }
-        if (chosen.any_within(section.middle, 2 * spacing)) continue;
-        chosen.add(section.middle);
-        found.push_back(section.middle);
+        if (chosen.any_within(section.place, 2 * spacing)) continue;
+        chosen.add(section.place);
+        found.push_back(section.place);
     }
     return stats;
 }

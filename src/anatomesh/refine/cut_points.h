@@ -24,7 +24,8 @@ struct ContradictedPlace {
 // The slices whose planes cross.
 struct CutSlices {
     CrossingPlanes planes;  // by slice; a plane ends where its contours do
-    // At structure * slices + slice: 1 / area drawn, or 0 where the slice does not say where the structure is; 1 / mm^2.
+    // At structure * slices + slice: 1 / area drawn, or 0 where the slice does not say where the structure
+    // is; 1 / mm^2.
     std::span<const double> weights;
     std::span<const ContradictedPlace> contradicted;  // where no surface has all cuts
 };
@@ -44,12 +45,12 @@ struct CutPointStats {
 // A section of a cell by a plane is wrong where the cell is in a structure that is not drawn there, or the
 // other way round, away from where slices contradict each other: cells all of whose vertices lie on surfaces
 // may pass from one plane to the next through what a plane between them has drawn, where planes lie closer
-// than edges are long. The point in its middle becomes a vertex that is on one side of the surface, so that
-// its cells are what is drawn. Points of larger sections come first; those of one round keep twice their
-// spacing from each other, and out of the diametral balls of contour segments. `look`: as in refine.h.
-// Complexity: O(look x planes). Same result at any thread count. Follows: the criterion of the cut
-// (design.md, contract of a model, clause 2), met as Boissonnat and Oudot, Graph. Models 67, 2005, meet
-// theirs.
+// than edges are long. A point at its middle, a twentieth of its width beside the plane, becomes a vertex
+// that is on one side of the surface, so that its cells are what is drawn. Points of larger sections come
+// first; those of one round keep twice their spacing from each other, and out of the diametral balls of
+// contour segments. `look`: as in refine.h. Complexity: O(look x planes). Same result at any thread count.
+// Follows: the criterion of the cut (design.md, contract of a model, clause 2), met as Boissonnat and Oudot,
+// Graph. Models 67, 2005, meet theirs.
 CutPointStats find_cut_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                               const std::vector<Region>& regions, const RegionTable& table,
                               const CutSlices& slices, const StructureField& field, std::uint32_t structures,

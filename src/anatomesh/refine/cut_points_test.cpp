@@ -12,6 +12,7 @@ namespace {
 using namespace fixtures;
 
 constexpr double radius = 5, size = 1;
+constexpr double beside = 0.15;  // the planes, at most: a twentieth of a section's width
 
 // A ball with slots along two planes that cross in its middle, in which nothing is drawn.
 struct Slots {
@@ -32,7 +33,9 @@ struct Slots {
                 }},
                 radius + 1) {}
 
-    CutSlices slices() const { return {{planes, extents, 1e-9}, weights}; }
+    std::vector<ContradictedPlace> contradicted;
+
+    CutSlices slices() const { return {{planes, extents, 1e-9}, weights, contradicted}; }
 };
 
 // Random points in the ball and beside it, and the corners of a large box.
@@ -101,9 +104,11 @@ TEST(CutPoints, rounds_open_slots_that_are_narrower_than_edges) {
     }
 }
 
-TEST(CutPoints, they_lie_in_the_planes_apart_from_each_other_and_from_vertices) {
+TEST(CutPoints, they_lie_beside_the_planes_apart_from_each_other_and_from_vertices) {
     const Slots slots(0.7, 0.3);
     const CulledMesh mesh = mesh_beside_slots(slots, 5);
+    double closest_before = 0;
+    std::size_t found_before = mesh.cells.cells.size();
     for (const double spacing : {0.1, 0.3, 1.0}) {
         CutPointOptions options;
         options.min_spacing = spacing;
@@ -114,11 +119,17 @@ TEST(CutPoints, they_lie_in_the_planes_apart_from_each_other_and_from_vertices) 
         for (const Vec3& p : found) {
             EXPECT_LT(std::min(std::abs(slots.planes[0].signed_distance(p)),
                                std::abs(slots.planes[1].signed_distance(p))),
-                      1e-12);
+                      beside);
         }
+        double closest = radius;
         for (std::size_t n = 0; n < found.size(); ++n) {
-            for (std::size_t m = 0; m < n; ++m) EXPECT_NE(found[n], found[m]);
+            for (std::size_t m = 0; m < n; ++m) closest = std::min(closest, length(found[n] - found[m]));
+            for (const Vec3& p : mesh.points()) closest = std::min(closest, length(found[n] - p));
         }
+        EXPECT_GT(closest, closest_before) << spacing;
+        EXPECT_LT(found.size(), found_before) << spacing;
+        closest_before = closest;
+        found_before = found.size();
     }
 }
 
@@ -146,6 +157,27 @@ TEST(CutPoints, they_keep_out_of_the_balls_of_contour_segments) {
     EXPECT_GT(kept_out.refused, free.refused);
     EXPECT_EQ(kept_out.wrong, free.wrong);
     for (const Vec3& p : found) EXPECT_GE(length(p), 3);
+}
+
+TEST(CutPoints, they_keep_away_from_where_slices_contradict_each_other) {
+    Slots slots(0.7, 0.3);
+    const CulledMesh mesh = mesh_beside_slots(slots, 5);
+    CutPointOptions options;
+    options.clearance_mm = 1.5;
+    const Vec3 low{0, 0, -2}, high{0, 0, 2};
+    const auto near_place = [&](const std::vector<Vec3>& found) {
+        return std::count_if(found.begin(), found.end(), [&](Vec3 p) {
+            return length(p - Vec3{0, 0, std::clamp(p.z, -2.0, 2.0)}) < options.clearance_mm - beside;
+        });
+    };
+    const std::vector<Vec3> all = cut_points(mesh, slots, options);
+    EXPECT_GT(near_place(all), 3);
+    slots.contradicted = {{1, low, high}};
+    EXPECT_EQ(cut_points(mesh, slots, options), all) << "it is of another structure";
+    slots.contradicted = {{0, low, high}};
+    const std::vector<Vec3> found = cut_points(mesh, slots, options);
+    EXPECT_EQ(near_place(found), 0);
+    EXPECT_GT(found.size(), 10u);
 }
 
 TEST(CutPoints, same_points_for_any_number_of_threads) {
