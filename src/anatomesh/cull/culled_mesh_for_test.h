@@ -54,6 +54,15 @@ struct CulledMesh {
     }
 };
 
+// Of these points and the corners of a large box.
+inline CulledMesh culled_mesh_of(std::vector<Vec3> points, const StructureField& field, double size) {
+    for (int corner = 0; corner < 8; ++corner)
+        points.push_back({corner & 1 ? 20.0 : -20.0, corner & 2 ? 20.0 : -20.0, corner & 4 ? 20.0 : -20.0});
+    CulledMesh mesh{Tetrahedralization::create(points).value(), {}, {}, {}, {}, {}, PointGrid(size, 1000)};
+    mesh.update(field, 1, {0.02});
+    return mesh;
+}
+
 inline CulledMesh culled_mesh(const StructureField& field, std::uint32_t structures, double size,
                               int threads = 1) {
     ContourSet no_contours;

@@ -7,10 +7,6 @@ namespace anatomesh {
 
 namespace {
 
-double area(Vec3 a, Vec3 b, Vec3 c) {
-    return 0.5 * length(cross(b - a, c - a));
-}
-
 template <class Weight>
 double sum_in_one(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b, const Weight& weight) {
     double sum = 0;
@@ -41,24 +37,27 @@ void DrawnCuts::find_parts_of_stack(std::uint32_t c) {
     const Cell& cell = cells_[c];
     for (std::size_t i = 0; i < 4; ++i) {
         const std::uint32_t slice = slice_of(cell[i]);
-        if (slice == SlicePlanes::no_slice) continue;
-        std::size_t on = 0;
-        bool first = true;
+        const auto is_in_slice = [&](std::uint32_t v) { return slice_of(v) == slice; };
+        // Each slice once.
+        if (slice == SlicePlanes::no_slice ||
+            std::any_of(cell.begin(), cell.begin() + static_cast<std::ptrdiff_t>(i), is_in_slice))
+            continue;
+        std::array<Vec3, 4> corners;
+        std::array<double, 4> heights{};
         for (std::size_t j = 0; j < 4; ++j) {
-            const bool same = slice_of(cell[j]) == slice;
-            on += same;
-            first = first && !(same && j < i);
+            corners[j] = points_[cell[j]];
+            if (!is_in_slice(cell[j])) heights[j] = slices_.planes[slice].signed_distance(corners[j]);
         }
-        if (!first) continue;
-        if (on < 3) add_section(cell, slice);
-        if (on != 3) continue;
-        const std::size_t apex = static_cast<std::size_t>(
-            std::find_if(cell.begin(), cell.end(), [&](std::uint32_t v) { return slice_of(v) != slice; }) -
-            cell.begin());
-        const auto& f = facet_vertices[apex];
-        const Vec3 p = points_[cell[f[0]]], q = points_[cell[f[1]]], r = points_[cell[f[2]]];
-        parts_.push_back({area(p, q, r), (1.0 / 3) * (p + q + r), neighbors_[c][apex]});
+        const PlaneSection section = section_at(corners, heights);
+        if (section.area > 0) parts_.push_back({section.area, section.middle, beyond(c, section)});
     }
+}
+
+// The cell on the other side of a facet in a plane.
+std::uint32_t DrawnCuts::beyond(std::uint32_t cell, const PlaneSection& section) const {
+    return section.facet == PlaneSection::no_facet
+               ? no_cell
+               : neighbors_[cell][static_cast<std::size_t>(section.facet)];
 }
 
 void DrawnCuts::look_up_parts(std::uint32_t c) {
@@ -70,14 +69,10 @@ void DrawnCuts::look_up_parts(std::uint32_t c) {
         return;
     }
     const Cell& cell = cells_[c];
-    for_each_section({points_[cell[0]], points_[cell[1]], points_[cell[2]], points_[cell[3]]}, slices_.crossing,
-                     [&](std::uint32_t k, const PlaneSection& section) {
-                         const bool is_facet = section.facet != PlaneSection::no_facet;
-                         const std::uint32_t beyond =
-                             is_facet ? neighbors_[c][static_cast<std::size_t>(section.facet)] : no_cell;
-                         if (is_facet && beyond == no_cell) return;  // there the mesh ends
+    for_each_section({points_[cell[0]], points_[cell[1]], points_[cell[2]], points_[cell[3]]},
+                     slices_.crossing, [&](std::uint32_t k, const PlaneSection& section) {
                          const std::vector<std::uint32_t>& drawn = probe_.members(section.middle);
-                         parts_.push_back({section.area, section.middle, beyond, k,
+                         parts_.push_back({section.area, section.middle, beyond(c, section), k,
                                            static_cast<std::uint32_t>(known_drawn_.size()),
                                            static_cast<std::uint32_t>(drawn.size())});
                          known_drawn_.insert(known_drawn_.end(), drawn.begin(), drawn.end());
@@ -91,30 +86,7 @@ std::span<const std::uint32_t> DrawnCuts::drawn_at(const Part& part) {
     return probe_.members(part.middle);
 }
 
-// The section of a cell with one or two vertices in the plane is a triangle.
-void DrawnCuts::add_section(const Cell& cell, std::uint32_t slice) {
-    const Plane& plane = slices_.planes[slice];
-    std::array<Vec3, 4> corners;
-    std::array<double, 4> height{};
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-        if (slice_of(cell[i]) == slice) {
-            corners[count++] = points_[cell[i]];
-        } else {
-            height[i] = plane.signed_distance(points_[cell[i]]);
-        }
-    }
-    for (const auto& [i, j] : cell_edges) {
-        if (!(height[i] * height[j] < 0) || count == 4) continue;
-        corners[count++] =
-            points_[cell[i]] + height[i] / (height[i] - height[j]) * (points_[cell[j]] - points_[cell[i]]);
-    }
-    if (count != 3) return;
-    parts_.push_back({area(corners[0], corners[1], corners[2]),
-                      (1.0 / 3) * (corners[0] + corners[1] + corners[2]), no_cell});
-}
-
-// How many structures are drawn there and in neither region, or in one of these and not drawn.
+// How much structures count that are drawn there and in neither region, or in one of these and not drawn.
 double DrawnCuts::wrong_share(Region one, Region other, std::span<const std::uint32_t> drawn,
                               std::uint32_t slice) {
     const auto weight = [&](std::uint32_t s) { return weight_of(s, slice); };

@@ -79,7 +79,7 @@ class DrawnCuts {
     void find_parts_of_stack(std::uint32_t cell);
     // Where planes cross. Cells stay as they are: what is drawn is found once.
     void look_up_parts(std::uint32_t cell);
-    void add_section(const Cell& cell, std::uint32_t slice);
+    std::uint32_t beyond(std::uint32_t cell, const PlaneSection& section) const;
     // Valid until the next call.
     std::span<const std::uint32_t> drawn_at(const Part& part);
     std::uint32_t slice_of(std::uint32_t v) const {

@@ -4,14 +4,6 @@
 
 namespace anatomesh {
 
-namespace {
-
-double triangle_area(Vec3 a, Vec3 b, Vec3 c) {
-    return 0.5 * length(cross(b - a, c - a));
-}
-
-}  // namespace
-
 PlaneSection section_at(const std::array<Vec3, 4>& corners, const std::array<double, 4>& heights) {
     PlaneSection section;
     std::array<Vec3, 4> outline;

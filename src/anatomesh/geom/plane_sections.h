@@ -29,6 +29,10 @@ struct PlaneSection {
     int facet = no_facet;  // the number of the vertex opposite the facet
 };
 
+inline double triangle_area(Vec3 a, Vec3 b, Vec3 c) {
+    return 0.5 * length(cross(b - a, c - a));
+}
+
 // `heights`: of the corners above the plane, mm; 0 of those that lie in it.
 PlaneSection section_at(const std::array<Vec3, 4>& corners, const std::array<double, 4>& heights);
 

@@ -15,10 +15,6 @@ namespace {
 constexpr double rounding = 1 + 1e-9;
 constexpr double least_share = 1e-6;  // of what is drawn, that a section counts from
 
-double triangle_area(Vec3 a, Vec3 b, Vec3 c) {
-    return 0.5 * length(cross(b - a, c - a));
-}
-
 }  // namespace
 
 SectionAreas::SectionAreas(Workbench& bench, const DrawnSlices& drawn)

@@ -14,6 +14,7 @@
 #include "anatomesh/cut/crumbs.h"
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
+#include "anatomesh/field/crossed_field.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/sweep.h"
 #include "anatomesh/field/volume.h"
@@ -89,22 +90,6 @@ constexpr double most_astray = 0.3;
 constexpr double smooth_mean = 0.947;
 constexpr double most_followed = 0.5;  // of a contour segment along the surface, from its place, in sizes
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
-
-// Whether all slices but one in seven or fewer are one stack: a plane or two across it come near to others
-// only where they cross them, and vertices for cuts there cost shapes of cells (seven above ratio 4 in a
-// ball).
-bool is_hardly_crossed(const ContourSet& contours) {
-    constexpr double one_degree = 0.99985, most = 6.0 / 7;
-    std::size_t largest = 0;
-    for (const Slice& one : contours.slices) {
-        const auto parallel =
-            std::count_if(contours.slices.begin(), contours.slices.end(), [&](const Slice& other) {
-                return std::abs(dot(one.plane.normal, other.plane.normal)) > one_degree;
-            });
-        largest = std::max(largest, static_cast<std::size_t>(parallel));
-    }
-    return static_cast<double>(largest) >= most * static_cast<double>(contours.slices.size());
-}
 
 // Everything that one run of the method carries from stage to stage. The stages work relative to the low
 // corner of the contours' box: far from (0, 0, 0) coordinates are coarse, and a model must not depend on
@@ -195,7 +180,9 @@ class Builder {
         is_too_dense_to_conform_ = dense_ && contours_.points.size() > few_points;
         apart_ = is_parallel(contours_) || Sweep::of(contours_);
         slices_ = slices_that_tell(contours_, field_->flat_ends());
-        meets_cuts_ = !apart_ && !crammed_ && !is_too_dense_to_conform_ && !is_hardly_crossed(contours_);
+        // A few planes across a stack come near to others only where they cross them: vertices for cuts there
+        // cost shapes of cells (seven above ratio 4 in a ball) and, where they contradict it, handles.
+        meets_cuts_ = !apart_ && !crammed_ && !is_too_dense_to_conform_ && !stack_and_crossing(contours_);
         if (meets_cuts_) contradicted_ = contradicted_places(contours_, slices_.weights, context_);
         conforming_ = may_conform_ && !crammed_ && !is_too_dense_to_conform_ && !apart_;
         return end_stage("field", 0.05);

@@ -28,7 +28,7 @@ constexpr int changed_rounds = 4;           // of what changes later on
 constexpr double crowded_crossing_spacing =
     0.05;  // of points where edges cross an interface from others, in edges
 constexpr int dense_deviation_rounds = 2;
-constexpr int cut_rounds = 6, cut_times = 3;  // rounds each time
+constexpr int cut_rounds = 6, cut_times = 3;  // so many rounds, in turns with pieces and shapes
 // Of sections from where slices contradict each other, in sizes: fins and handles would come of vertices
 // there.
 constexpr double contradicted_clearance = 0.25;
@@ -133,7 +133,7 @@ Status RefinementRounds::meet_deviations(RunContext& context) {
     return Nothing{};
 }
 
-// Vertices in the planes of slices where cuts are wrong, and where edges to these cross an interface.
+// Vertices beside the planes of slices where cuts are wrong, and where edges to these cross an interface.
 Result<bool> RefinementRounds::meet_cuts(const CrossingOptions& options, RunContext& context) {
     if (options_.slices.planes.empty()) return false;
     const std::uint64_t before = stats_.cut_points;

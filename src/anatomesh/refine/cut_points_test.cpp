@@ -48,11 +48,7 @@ CulledMesh mesh_beside_slots(const Slots& slots, std::uint32_t seed) {
         const Vec3 direction = normalized({normal(random), normal(random), normal(random)});
         points.push_back((n % 2 ? 5.0 + 2 * share(random) : 5.0 * std::cbrt(share(random))) * direction);
     }
-    for (int corner = 0; corner < 8; ++corner)
-        points.push_back({corner & 1 ? 20.0 : -20.0, corner & 2 ? 20.0 : -20.0, corner & 4 ? 20.0 : -20.0});
-    CulledMesh mesh{Tetrahedralization::create(points).value(), {}, {}, {}, {}, {}, PointGrid(size, 1000)};
-    mesh.update(slots.field, 1, {0.02});
-    return mesh;
+    return culled_mesh_of(std::move(points), slots.field, size);
 }
 
 // Of a slot's plane, the share of a cut in which cells are in the ball.

@@ -39,12 +39,7 @@ CulledMesh random_ball(const StructureField& field, std::uint32_t seed) {
         points.push_back((6 + 2 * share(random)) *
                          normalized({normal(random), normal(random), normal(random)}));
     }
-    for (int corner = 0; corner < 8; ++corner) {
-        points.push_back({corner & 1 ? 20.0 : -20.0, corner & 2 ? 20.0 : -20.0, corner & 4 ? 20.0 : -20.0});
-    }
-    CulledMesh mesh{Tetrahedralization::create(points).value(), {}, {}, {}, {}, {}, PointGrid(size, 1000)};
-    mesh.update(field, 1, {0.02});
-    return mesh;
+    return culled_mesh_of(std::move(points), field, size);
 }
 
 TEST(Refine, repeated_rounds_end_with_the_ratio_below_the_bound) {
