@@ -48,6 +48,9 @@ void DrawnCuts::find_parts_of_stack(std::uint32_t c) {
             corners[j] = points_[cell[j]];
             if (!is_in_slice(cell[j])) heights[j] = slices_.planes[slice].signed_distance(corners[j]);
         }
+        // One with another vertex in the plane, by chance, tells nothing here.
+        const auto in_plane = std::count(heights.begin(), heights.end(), 0.0);
+        if (in_plane != std::count_if(cell.begin(), cell.end(), is_in_slice)) continue;
         const PlaneSection section = section_at(corners, heights);
         if (section.area > 0) parts_.push_back({section.area, section.middle, beyond(c, section)});
     }
