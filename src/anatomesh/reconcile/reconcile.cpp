@@ -26,6 +26,7 @@
 #include "anatomesh/reconcile/line_votes.h"
 #include "anatomesh/reconcile/movement.h"
 #include "anatomesh/reconcile/reconcile_warnings.h"
+#include "anatomesh/reconcile/settle_pieces.h"
 #include "anatomesh/reconcile/settle_poles.h"
 #include "anatomesh/reconcile/shared_points.h"
 #include "anatomesh/reconcile/silences.h"
@@ -54,6 +55,7 @@ constexpr double shortening_reach_mm = 3;   // along the contour
 constexpr double least_moved_share = 0.05;  // of the radius about poles: else the slices agreed as drawn
 constexpr double pole_radius_share = 0.3;   // of the mean distance between vertices
 constexpr double sharp_pole_degrees = 70;
+constexpr double parted_share = 2;  // of the mean distance between vertices: contours are parted or joined
 
 class Reconciler {
   public:
@@ -82,8 +84,6 @@ class Reconciler {
         if (options_.reconcile) {
             ANATOMESH_CHECK_STATUS(check_bound(set_, comparisons_, options_));
             ANATOMESH_CHECK_STATUS(make_agree());
-            if (context_.cancelled()) return cancelled_error();
-            ANATOMESH_CHECK_STATUS(check_what_is_left(set_, drawn_, comparisons_, options_));
         }
         if (context_.cancelled()) return cancelled_error();
         note_difference_after();
@@ -115,7 +115,10 @@ class Reconciler {
         patches_ = plane_patches(set_);
         pairs_ = crossing_pairs(patches_, margin_);
         comparisons_ = compare_planes(set_, patches_, pairs_, margin_, context_);
-        std::erase_if(comparisons_, [&](const LineComparison& c) {
+        leave_out_silent(comparisons_);
+    }
+    void leave_out_silent(std::vector<LineComparison>& comparisons) const {
+        std::erase_if(comparisons, [&](const LineComparison& c) {
             return is_silent(silences_, c.a, c.structure) || is_silent(silences_, c.b, c.structure);
         });
     }
@@ -206,9 +209,33 @@ class Reconciler {
         if (!stats_.taken_over.empty()) {
             ANATOMESH_CHECK_STATUS(repeat(false));
         }
+        ANATOMESH_CHECK_STATUS(check_what_is_left(set_, drawn_, comparisons_, options_));
+        settle_what_is_left();
         settle();
         unite_walls();
         return Nothing{};
+    }
+
+    // What movement could not bring together.
+    void settle_what_is_left() {
+        if (left_mm() <= on_plane_mm) return;
+        const auto compare_set = [&](const ContourSet& set) {
+            std::vector<LineComparison> comparisons =
+                compare_planes(set, plane_patches(set), pairs_, margin_, context_);
+            leave_out_silent(comparisons);
+            return comparisons;
+        };
+        const SettlePiecesOptions options{clearance_mm_, options_.max_disagreement_mm,
+                                          parted_share * mean_vertex_spacing(set_)};
+        stats_.settled = settle_pieces(set_, drawn_, comparisons_, compare_set, options, context_);
+        if (stats_.settled.empty()) return;
+        compare();
+        const ContourSet before = set_;
+        std::vector<bool> is_moved(set_.points.size());
+        for (std::size_t k = 0; k < is_moved.size(); ++k) is_moved[k] = set_.points[k] != drawn_.at[k];
+        stats_.shared_points = insert_shared_points(set_, comparisons_, normal_reach_mm, is_moved).points;
+        drawn_ = carry_over(before, drawn_, set_, joined_mm);
+        compare();
     }
 
     // With more vertices, and, where asked, with what slices lack altogether taken over the line. A time is

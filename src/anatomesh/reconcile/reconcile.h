@@ -9,6 +9,7 @@
 #include "anatomesh/contour/share_lines.h"
 #include "anatomesh/contour/slivers.h"
 #include "anatomesh/reconcile/flatten_folds.h"
+#include "anatomesh/reconcile/settle_pieces.h"
 #include "anatomesh/reconcile/settle_poles.h"
 
 namespace anatomesh {
@@ -69,6 +70,7 @@ struct ReconcileStats {
     FoldStats folds;                    // that the movement made, cut off
     PoleStats poles;                    // where contours rose and fell from plane to plane
     std::vector<TakenOver> taken_over;  // by slice and structure
+    std::vector<SettledPiece> settled;  // pieces of common lines, in order
     LedStats slivers;                   // between structures, closed where the movement left them
     LedStats shared_lines;              // of structures that came to lie on each other
     std::uint32_t rounds = 0;
@@ -88,17 +90,17 @@ struct ReconcileResult {
 // and spikes that the movement made are cut off (flatten_folds.h). Where slices still differ, all that is
 // repeated, as long as they differ by a fifth less, with vertices at just those ends; and once more for what
 // a slice lacks altogether though most of those through the line have it: the stretch of its contour nearest
-// to it is taken over the line (facing_stretch.h), if none of that has to move further than the bound. Where
-// four planes or more share a line, contours that rise and fall in turn beside it are turned
-// (settle_poles.h). Slivers that are left between structures are closed, and what came to lie on one line
-// shares it. Of a structure that a slice leaves undrawn where others show it the slice says nothing
-// (silences.h).
+// to it is taken over the line (facing_stretch.h), if none of that has to move further than the bound. What
+// is left after that is settled by a small change of one of the two slices (settle_pieces.h). Where four
+// planes or more share a line, contours that rise and fall in turn beside it are turned (settle_poles.h).
+// Slivers that are left between structures are closed, and what came to lie on one line shares it. Of a
+// structure that a slice leaves undrawn where others show it the slice says nothing (silences.h).
 //
 // Requires: a kept contour set. Guarantees: a kept contour set again: contours stay simple, do not cross and
 // keep their nesting, by exact predicates; where that needs it a step is shortened. Slices that agree on
 // their common line afterwards (difference_after_mm of 0; all that can) have the same points there, bit for
 // bit. Where all ends agree within rounding no vertex moves. Parallel slices come back as they are. What
-// moved and what is left is said in stats and warnings W-RCN-001..011. Errors: geometry E-RCN-001 slices
+// moved and what is left is said in stats and warnings W-RCN-001..012. Errors: geometry E-RCN-001 slices
 // further apart than the bound (names both), E-RCN-002 a shift above it, E-RCN-003 slices that still differ
 // when contours have moved as far as they may. The same at any thread count. Complexity: O(n log n +
 // crossings) per round. No earlier method is followed.

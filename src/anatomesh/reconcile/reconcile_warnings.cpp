@@ -11,6 +11,7 @@ namespace anatomesh {
 namespace {
 
 constexpr std::size_t most_named_pairs = 10;
+constexpr double least_named_change_mm = 0.1;  // of a contour that moving did not bring to agree
 constexpr double outlier_mm = 2,
                  outlier_factor = 4;  // of a slice's median disagreement, and over that of all
 
@@ -32,6 +33,7 @@ class Warner {
         warn_of_folds();
         warn_of_poles();
         warn_of_taken_over();
+        warn_of_settled();
         warn_of_walls();
         warn_of_rest();
         warn_of_outliers();
@@ -133,6 +135,33 @@ class Warner {
                                      ? "; " + std::to_string(named.size()) + " such slices and structures"
                                      : ""),
                  std::move(place), "its contour was taken over the line, as the others have it"});
+        }
+    }
+
+    void warn_of_settled() {
+        std::vector<SettledPiece> named;
+        for (const SettledPiece& piece : stats_.settled) {
+            if (piece.farthest_mm >= least_named_change_mm) named.push_back(piece);
+        }
+        std::stable_sort(named.begin(), named.end(), [](const SettledPiece& p, const SettledPiece& q) {
+            return p.farthest_mm > q.farthest_mm;
+        });
+        for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
+            const SettledPiece& piece = named[n];
+            Place place = place_of_slice(set_, piece.slice, piece.farthest_mm);
+            const Structure& structure = set_.structures[piece.structure];
+            place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+            context_.warn(
+                {"W-RCN-012",
+                 "the slice contradicts slice " + set_.slices[piece.other].name + " on " +
+                     brief(piece.length_mm) + " mm of their common line, and moving contours did not help" +
+                     (named.size() > most_named_pairs && n == 0
+                          ? "; " + std::to_string(named.size()) + " such places"
+                          : ""),
+                 std::move(place),
+                 std::string("its contours were changed there by up to ") + brief(piece.farthest_mm) +
+                     " mm, so that the structure " + (piece.inside ? "has" : "does not have") +
+                     " the place, as on the other slice"});
         }
     }
 
