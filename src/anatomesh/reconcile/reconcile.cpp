@@ -22,10 +22,12 @@
 #include "anatomesh/reconcile/drawn_places.h"
 #include "anatomesh/reconcile/facing_stretch.h"
 #include "anatomesh/reconcile/flatten_folds.h"
+#include "anatomesh/reconcile/keep_apart.h"
 #include "anatomesh/reconcile/line_ends.h"
 #include "anatomesh/reconcile/line_votes.h"
 #include "anatomesh/reconcile/movement.h"
 #include "anatomesh/reconcile/reconcile_warnings.h"
+#include "anatomesh/reconcile/settle_flanks.h"
 #include "anatomesh/reconcile/settle_pieces.h"
 #include "anatomesh/reconcile/settle_poles.h"
 #include "anatomesh/reconcile/shared_points.h"
@@ -55,6 +57,7 @@ constexpr double shortening_reach_mm = 3;   // along the contour
 constexpr double least_moved_share = 0.05;  // of the radius about poles: else the slices agreed as drawn
 constexpr double pole_radius_share = 0.3;   // of the mean distance between vertices
 constexpr double sharp_pole_degrees = 70;
+constexpr double apart_share = 0.5;  // of the clearance, from one another
 constexpr double parted_share = 2;  // of the mean distance between vertices: contours are parted or joined
 
 class Reconciler {
@@ -212,6 +215,7 @@ class Reconciler {
         ANATOMESH_CHECK_STATUS(check_what_is_left(set_, drawn_, comparisons_, options_));
         settle_what_is_left();
         settle();
+        part();
         unite_walls();
         return Nothing{};
     }
@@ -340,7 +344,31 @@ class Reconciler {
         const State before = state();
         const double left = left_mm();
         stats_.poles = settle_poles(set_, drawn_, options);
-        if (stats_.poles.poles == 0) return;
+        if (stats_.poles.poles > 0) {
+            note_movements();
+            compare();
+            if (left_mm() > left) go_back_to(before);
+        }
+        settle_beside({options.radius_mm, options.least_degrees, options.most_moved_mm});
+    }
+
+    // Contours that run along lines beside which many planes come near to each other.
+    void settle_beside(const FlankOptions& options) {
+        const State before = state();
+        const double left = left_mm();
+        stats_.flanks = settle_flanks(set_, drawn_, options);
+        if (stats_.flanks.points == 0) return;
+        note_movements();
+        compare();
+        if (left_mm() > left) go_back_to(before);
+    }
+
+    // Contours that came to touch each other but for a hair.
+    void part() {
+        const State before = state();
+        const double left = left_mm();
+        stats_.kept_apart = keep_apart(set_, drawn_, apart_share * clearance_mm_);
+        if (stats_.kept_apart.places == 0) return;
         note_movements();
         compare();
         if (left_mm() > left) go_back_to(before);

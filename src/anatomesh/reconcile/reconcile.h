@@ -9,6 +9,8 @@
 #include "anatomesh/contour/share_lines.h"
 #include "anatomesh/contour/slivers.h"
 #include "anatomesh/reconcile/flatten_folds.h"
+#include "anatomesh/reconcile/keep_apart.h"
+#include "anatomesh/reconcile/settle_flanks.h"
 #include "anatomesh/reconcile/settle_pieces.h"
 #include "anatomesh/reconcile/settle_poles.h"
 
@@ -71,6 +73,8 @@ struct ReconcileStats {
     PoleStats poles;                    // where contours rose and fell from plane to plane
     std::vector<TakenOver> taken_over;  // by slice and structure
     std::vector<SettledPiece> settled;  // pieces of common lines, in order
+    FlankStats flanks;                  // the same beside lines, along them
+    KeptApart kept_apart;               // contours that all but touched
     LedStats slivers;                   // between structures, closed where the movement left them
     LedStats shared_lines;              // of structures that came to lie on each other
     std::uint32_t rounds = 0;
@@ -100,7 +104,7 @@ struct ReconcileResult {
 // keep their nesting, by exact predicates; where that needs it a step is shortened. Slices that agree on
 // their common line afterwards (difference_after_mm of 0; all that can) have the same points there, bit for
 // bit. Where all ends agree within rounding no vertex moves. Parallel slices come back as they are. What
-// moved and what is left is said in stats and warnings W-RCN-001..012. Errors: geometry E-RCN-001 slices
+// moved and what is left is said in stats and warnings W-RCN-001..013. Errors: geometry E-RCN-001 slices
 // further apart than the bound (names both), E-RCN-002 a shift above it, E-RCN-003 slices that still differ
 // when contours have moved as far as they may. The same at any thread count. Complexity: O(n log n +
 // crossings) per round. No earlier method is followed.

@@ -32,6 +32,7 @@ class Warner {
         warn_of_pairs();
         warn_of_folds();
         warn_of_poles();
+        warn_of_parting();
         warn_of_taken_over();
         warn_of_settled();
         warn_of_walls();
@@ -108,14 +109,27 @@ class Warner {
 
     void warn_of_poles() {
         const PoleStats& poles = stats_.poles;
-        if (poles.poles == 0) return;
+        const FlankStats& flanks = stats_.flanks;
+        if (poles.poles + flanks.points == 0) return;
+        const double highest = std::max(poles.highest_mm, flanks.farthest_mm);
         context_.warn(
             {"W-RCN-009",
              "contours rise and fall from plane to plane beside a line in which four planes or more "
              "meet, at " +
-                 std::to_string(poles.poles) + (poles.poles == 1 ? " place" : " places"),
-             {set_.source, "", "", "", brief(poles.highest_mm) + " mm"},
-             "turned there, by " + brief(poles.highest_mm) + " mm at most"});
+                 std::to_string(poles.poles) + (poles.poles == 1 ? " place" : " places") + " on it and " +
+                 std::to_string(flanks.points) + (flanks.points == 1 ? " point" : " points") + " along it",
+             {set_.source, "", "", "", brief(highest) + " mm"},
+             "turned and moved there, by " + brief(highest) + " mm at most"});
+    }
+
+    void warn_of_parting() {
+        const KeptApart& apart = stats_.kept_apart;
+        if (apart.places == 0) return;
+        context_.warn({"W-RCN-013",
+                       "contours came to touch each other but for a hair as they were moved, at " +
+                           std::to_string(apart.places) + (apart.places == 1 ? " place" : " places"),
+                       {set_.source, "", "", "", brief(apart.farthest_mm) + " mm"},
+                       "taken apart, by " + brief(apart.farthest_mm) + " mm at most"});
     }
 
     void warn_of_taken_over() {

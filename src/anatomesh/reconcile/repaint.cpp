@@ -39,13 +39,8 @@ struct PutIn {
     Vec3 at;
 };
 
-std::vector<PutIn> to_put_in(const ContourSet& set, std::span<const LineEnd> places) {
-    std::vector<PutIn> all;
-    for (const LineEnd& place : places) {
-        if (place.from == place.to) continue;
-        const SegmentKey segment = key_of(set.points[place.from], set.points[place.to]);
-        if (place.at != segment[0] && place.at != segment[1]) all.push_back({segment, place.at});
-    }
+// By segment, and along it.
+std::vector<PutIn> in_order(std::vector<PutIn> all) {
     std::sort(all.begin(), all.end(), [](const PutIn& p, const PutIn& q) {
         if (p.segment != q.segment) return key_less(p.segment, q.segment);
         return squared_length(p.at - p.segment[0]) < squared_length(q.at - q.segment[0]);
@@ -55,6 +50,16 @@ std::vector<PutIn> to_put_in(const ContourSet& set, std::span<const LineEnd> pla
                     [](const PutIn& p, const PutIn& q) { return p.segment == q.segment && p.at == q.at; }),
         all.end());
     return all;
+}
+
+std::vector<PutIn> to_put_in(const ContourSet& set, std::span<const LineEnd> places) {
+    std::vector<PutIn> all;
+    for (const LineEnd& place : places) {
+        if (place.from == place.to) continue;
+        const SegmentKey segment = key_of(set.points[place.from], set.points[place.to]);
+        if (place.at != segment[0] && place.at != segment[1]) all.push_back({segment, place.at});
+    }
+    return in_order(std::move(all));
 }
 
 std::vector<Vec3> with_places(const ContourSet& set, const Contour& contour, const std::vector<PutIn>& all) {
@@ -95,6 +100,30 @@ class Canvas {
 
     bool is_painted(std::uint32_t structure) const {
         return set_.exclusive || structure == painting_.structure;
+    }
+
+    // Where segments of the contours were cut, for others that have the same segments.
+    std::vector<PutIn> cuts() const {
+        std::vector<PutIn> all;
+        std::size_t ring = 0;
+        for (const Contour& contour : set_.contours_of(set_.slices[painting_.slice])) {
+            if (!is_painted(contour.structure)) continue;
+            const std::vector<std::uint32_t>& cycle = graph_->cycles[ring++];
+            const auto points = set_.points_of(contour);
+            std::vector<PutIn> of_ring;
+            std::size_t last = points.size() - 1;  // of the contour's points, the one passed last
+            for (const std::uint32_t vertex : cycle) {
+                const Vec3 at = graph_->points[vertex];
+                if (at == points[(last + 1) % points.size()]) {
+                    last = (last + 1) % points.size();
+                } else {
+                    of_ring.push_back({key_of(points[last], points[(last + 1) % points.size()]), at});
+                }
+            }
+            // Not where a crossing took the place of a point.
+            if (last + 1 == points.size()) all.insert(all.end(), of_ring.begin(), of_ring.end());
+        }
+        return in_order(std::move(all));
     }
 
     // The rings that bound what a structure comes to have.
@@ -198,22 +227,25 @@ std::optional<std::vector<PaintedRing>> repaint(const ContourSet& set, const Pai
     const Slice& slice = set.slices[painting.slice];
     Canvas canvas(set, painting);
     if (!canvas.arrange_rings()) return std::nullopt;
+    const std::vector<PutIn> cuts = canvas.cuts();
     std::vector<PaintedRing> rings;
     for (std::uint32_t structure = 0; structure < set.structures.size(); ++structure) {
         if (canvas.is_painted(structure)) {
             const std::vector<SegmentKey> before = segments_of(set, slice, structure);
             for (std::vector<Vec3>& points : canvas.rings_of(structure)) {
                 PaintedRing ring{structure, std::move(points), false};
-                for (const SegmentKey& segment : segments_of({&ring, 1}, structure))
-                    ring.is_new |= !has(before, segment);
+                for (const SegmentKey& segment : segments_of({&ring, 1}, structure)) {
+                    if (has(before, segment)) continue;
+                    ring.is_new = true;
+                    if (length(segment[1] - segment[0]) < sliver_width_mm) return std::nullopt;
+                }
                 rings.push_back(std::move(ring));
             }
             continue;
         }
         for (const Contour& contour : set.contours_of(slice)) {
             if (contour.structure != structure) continue;
-            const auto points = set.points_of(contour);
-            rings.push_back({structure, {points.begin(), points.end()}, false});
+            rings.push_back({structure, with_places(set, contour, cuts), false});
         }
     }
     if (!is_sound(set, slice, rings)) return std::nullopt;

@@ -29,10 +29,11 @@ struct Painting {
 };
 
 // The contours of the slice with the regions painted: of the one structure, and of all others too where
-// structures exclude each other: they lose what becomes its, and what ceases to be its is nobody's. Points
-// that stay keep their bits; new ones are the polygons' and the crossings with them; what is narrower than
-// 1e-3 mm is left out. Nothing where contours would cross, touch, or nest as no kept set does, or where they
-// cross too often. Requires: a kept contour set. Complexity: O(n log n), n points of the slice.
+// structures exclude each other: they lose what becomes its, and what ceases to be its is nobody's. Contours
+// that shared a cut segment get its cuts. Points that stay keep their bits; new ones are the polygons' and
+// the crossings with them; what is narrower than 1e-3 mm is left out. Nothing where contours would cross,
+// touch, or nest as no kept set does, where they would get segments as short as that, or where they cross too
+// often. Requires: a kept contour set. Complexity: O(n log n), n points of the slice.
 std::optional<std::vector<PaintedRing>> repaint(const ContourSet& set, const Painting& painting);
 
 // How far the contours that changed come from where they were, or were from where they come: the largest

@@ -81,24 +81,21 @@ class Ways {
           options_(options) {}
 
     void add_to(std::vector<Change>& all) {
-        std::vector<std::vector<Vec3>> regions{beside_the_line()};
-        const std::optional<std::vector<PaintedRing>> narrow = add(regions, {}, all);
+        const std::vector<std::vector<Vec3>> strip{beside_the_line()};
+        const std::optional<std::vector<PaintedRing>> narrow =
+            repaint(set_, {slice_, piece_.structure, inside_, strip, {}});
         if (narrow) {
-            // What was cut off goes, or is filled.
-            for (const PaintedRing& ring : *narrow) {
-                if (!ring.is_new) continue;
-                regions.resize(1);
-                regions.push_back(ring.points);
-                add(regions, {}, all);
-            }
+            add(*narrow, all);
+            add_without_cut_off(*narrow, all);
         }
         if (piece_.low.of_a == of_a_ && piece_.high.of_a == of_a_) return;
         const FacingStretch stretch = facing_stretch(set_, slice_, piece_.structure, piece_.line,
                                                      set_.slices[other_].plane, piece_.low.t, piece_.high.t);
         if (stretch.empty()) return;
-        regions.resize(1);
-        regions.push_back(up_to(stretch));
-        if (regions.back().size() > 2) add(regions, stretch.places, all);
+        const std::vector<std::vector<Vec3>> regions{strip.front(), up_to(stretch)};
+        if (regions.back().size() < 3) return;
+        if (auto rings = repaint(set_, {slice_, piece_.structure, inside_, regions, stretch.places}))
+            add(std::move(*rings), all);
     }
 
     // What lies beside the line alone, where no contour is near that could come there.
@@ -112,18 +109,23 @@ class Ways {
     }
 
   private:
-    std::optional<std::vector<PaintedRing>> add(const std::vector<std::vector<Vec3>>& regions,
-                                                std::span<const LineEnd> places,
-                                                std::vector<Change>& all) const {
-        std::optional<std::vector<PaintedRing>> rings =
-            repaint(set_, {slice_, piece_.structure, inside_, regions, places});
-        if (!rings) return rings;
-        if (rings->size() != set_.slices[slice_].contour_count &&
-            piece_.length_mm() > options_.most_parted_mm)
-            return rings;
-        const double farthest = farthest_change(set_, slice_, *rings);
-        if (farthest <= options_.most_mm) all.push_back({slice_, other_, inside_, farthest, *rings});
-        return rings;
+    void add(std::vector<PaintedRing> rings, std::vector<Change>& all) const {
+        if (rings.size() != set_.slices[slice_].contour_count && piece_.length_mm() > options_.most_parted_mm)
+            return;
+        const double farthest = farthest_change(set_, slice_, rings);
+        if (farthest <= options_.most_mm)
+            all.push_back({slice_, other_, inside_, farthest, std::move(rings)});
+    }
+
+    // What was cut off goes, or is filled.
+    void add_without_cut_off(const std::vector<PaintedRing>& narrow, std::vector<Change>& all) const {
+        const ContourSet painted = with_painted(set_, slice_, narrow);
+        for (const PaintedRing& ring : narrow) {
+            if (!ring.is_new || ring.structure != piece_.structure) continue;
+            const std::vector<std::vector<Vec3>> region{ring.points};
+            if (auto rings = repaint(painted, {slice_, piece_.structure, inside_, region, {}}))
+                add(std::move(*rings), all);
+        }
     }
 
     // A strip along the piece, that goes on a little beyond an end of the slice's own contour, and runs out
