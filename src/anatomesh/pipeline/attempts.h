@@ -94,7 +94,7 @@ bool is_hardly_bad(const TryOutcome& kept);
 // contours show, and where contour segments are no edges of the surface or a cut is not what is drawn. A
 // small model with such places is built again with slightly shorter edges: with the first of these, in its
 // edge lengths, for either reason, with the others for the latter alone.
-inline constexpr std::array<double, 2> slightly_shorter{0.95, 0.9};
+inline constexpr std::array<double, 4> slightly_shorter{0.95, 0.9, 0.85, 0.8};
 bool is_tangled(const TryOutcome& outcome);
 // `tries`: so far. Not after many, nor where slices contradict each other: no model has all of them.
 bool may_have_all_contours(const TryOutcome& outcome, std::size_t tries);

@@ -132,7 +132,7 @@ class Builder {
     std::uint64_t segments_missed() const { return segments_missed_; }
     std::uint64_t drawn_segments() const { return source_.points.size(); }
     // Whether slices contradict those that they cross, or it was not looked at.
-    bool is_contradicted() const { return !meets_cuts_ || !contradicted_.empty(); }
+    bool is_contradicted() const { return !apart_ && (!meets_cuts_ || !contradicted_.empty()); }
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
     bool spared_shapes() const { return spared_ || recovered_ || (pieces_ && pieces_->are_short()); }
 

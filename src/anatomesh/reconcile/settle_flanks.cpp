@@ -211,18 +211,19 @@ class AxisSettler {
         };
         const double back = gap(before, half), on = gap(half, after);
         if (back + on > radians(widest_gap_degrees)) return;
-        const double far = reach * options_.radius_mm;
+        const double radius = options_.radius_mm, far = reach * radius;
         for (const FlankSegment& segment : half.segments) {
             const Vec2 way{half.points[segment.b].along - half.points[segment.a].along,
                            half.points[segment.b].from_line - half.points[segment.a].from_line};
             for (const std::uint32_t n : {segment.a, segment.b}) {
                 const FlankPoint& point = half.points[n];
-                if (!point.may_move || half.first_at(point.along, far) < point.from_line - same_line_mm)
+                if (!point.may_move || point.from_line >= radius ||
+                    half.first_at(point.along, far) < point.from_line - same_line_mm)
                     continue;
                 const double p = before.first_at(point.along, far), q = after.first_at(point.along, far);
                 if (!(p > 0) || !(q > 0) || !is_sharp(point.from_line, way, p, back, q, on)) continue;
                 const double chord = p * q * std::sin(back + on) / (p * std::sin(back) + q * std::sin(on));
-                moves.push_back({h, n, point.from_line + 0.5 * (chord - point.from_line)});
+                moves.push_back({h, n, std::min(radius, point.from_line + 0.5 * (chord - point.from_line))});
             }
         }
     }

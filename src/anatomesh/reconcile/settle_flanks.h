@@ -25,8 +25,8 @@ struct FlankStats {
 // lie near to it and far from it in turn leave fins and slits that no cells fit into. Where the surface's two
 // sides, as they go to the flanks of the two half planes beside it, make an angle below the least at a flank,
 // it is moved to or from the line, each time half way to where the chord between those two passes its plane,
-// until it is none, at most 50 times. Flanks get vertices for that, about a radius apart. (At the line's
-// poles, see settle_poles.h.)
+// until it is none or lies at the radius, at most 50 times. Flanks get vertices for that, about a radius
+// apart. (At the line's poles, see settle_poles.h.)
 //
 // Requires: a kept contour set with common points (insert_shared_points); `drawn` of it. Guarantees: points
 // that other slices have too, and those at which contours branch, keep their bits; no contour comes to or
