@@ -23,6 +23,7 @@
 #include "anatomesh/reconcile/facing_stretch.h"
 #include "anatomesh/reconcile/flatten_folds.h"
 #include "anatomesh/reconcile/keep_apart.h"
+#include "anatomesh/reconcile/lay_out_points.h"
 #include "anatomesh/reconcile/line_ends.h"
 #include "anatomesh/reconcile/line_votes.h"
 #include "anatomesh/reconcile/movement.h"
@@ -306,34 +307,6 @@ class Reconciler {
         if (same && left_mm() <= left && stats_.max_movement_mm <= most) return true;
         go_back_to(before);
         return false;
-    }
-
-    // A set with its contours in the order of those of another one that have points of theirs; nothing where
-    // one has none.
-    static std::optional<ContourSet> in_order_of(const ContourSet& order, const ContourSet& set) {
-        ContourSet result = set;
-        for (std::size_t c = 0; c < order.contours.size(); ++c) {
-            const Contour& now = order.contours[c];
-            const std::vector<Vec3> points = sorted_points(order, now);
-            const std::span<const Contour> slice = set.contours_of(set.slices[now.slice]);
-            const auto was = std::find_if(slice.begin(), slice.end(), [&](const Contour& contour) {
-                if (contour.structure != now.structure) return false;
-                const auto all = set.points_of(contour);
-                return std::any_of(all.begin(), all.end(), [&](const Vec3& p) {
-                    return std::binary_search(points.begin(), points.end(), p, lexicographic_less_3);
-                });
-            });
-            if (was == slice.end()) return std::nullopt;
-            result.contours[c] = *was;
-        }
-        return result;
-    }
-
-    static std::vector<Vec3> sorted_points(const ContourSet& set, const Contour& contour) {
-        const auto points = set.points_of(contour);
-        std::vector<Vec3> sorted(points.begin(), points.end());
-        std::sort(sorted.begin(), sorted.end(), lexicographic_less_3);
-        return sorted;
     }
 
     // Where the drawings agree a sharp edge is one, and stays; so it does where slices would agree less.
