@@ -235,12 +235,7 @@ class Reconciler {
         stats_.settled = settle_pieces(set_, drawn_, comparisons_, compare_set, options, context_);
         if (stats_.settled.empty()) return;
         compare();
-        const ContourSet before = set_;
-        std::vector<bool> is_moved(set_.points.size());
-        for (std::size_t k = 0; k < is_moved.size(); ++k) is_moved[k] = set_.points[k] != drawn_.at[k];
-        stats_.shared_points = insert_shared_points(set_, comparisons_, normal_reach_mm, is_moved).points;
-        drawn_ = carry_over(before, drawn_, set_, joined_mm);
-        compare();
+        share_again(state(), left_mm());
     }
 
     // With more vertices, and, where asked, with what slices lack altogether taken over the line. A time is
@@ -329,11 +324,10 @@ class Reconciler {
     void settle_beside(const FlankOptions& options) {
         const State before = state();
         const double left = left_mm();
-        stats_.flanks = settle_flanks(set_, drawn_, options);
-        if (stats_.flanks.points == 0) return;
-        note_movements();
-        compare();
-        if (left_mm() > left) go_back_to(before);
+        FlankBounds most_mm;
+        for (const SliceMovement& movement : stats_.movements) most_mm.push_back(movement.max_mm);
+        stats_.flanks = settle_flanks(set_, drawn_, most_mm, options);
+        if (stats_.flanks.points > 0) share_again(before, left);
     }
 
     // Contours that came to touch each other but for a hair.
@@ -341,10 +335,7 @@ class Reconciler {
         const State before = state();
         const double left = left_mm();
         stats_.kept_apart = keep_apart(set_, drawn_, apart_share * clearance_mm_);
-        if (stats_.kept_apart.places == 0) return;
-        note_movements();
-        compare();
-        if (left_mm() > left) go_back_to(before);
+        if (stats_.kept_apart.places > 0) share_again(before, left);
     }
 
     // What a step changes, to be taken back where it does not help.
@@ -360,6 +351,20 @@ class Reconciler {
         drawn_ = before.drawn;
         comparisons_ = before.comparisons;
         stats_ = before.stats;
+    }
+
+    // Common points once more, of contours that were changed; back to what was before where slices would
+    // agree less than they did.
+    void share_again(const State& before, double left) {
+        compare();
+        const ContourSet without = set_;
+        std::vector<bool> is_moved(set_.points.size());
+        for (std::size_t k = 0; k < is_moved.size(); ++k) is_moved[k] = set_.points[k] != drawn_.at[k];
+        stats_.shared_points = insert_shared_points(set_, comparisons_, normal_reach_mm, is_moved).points;
+        drawn_ = carry_over(without, drawn_, set_, joined_mm);
+        note_movements();
+        compare();
+        if (left_mm() > left) go_back_to(before);
     }
 
     double left_mm() const {

@@ -155,7 +155,7 @@ class Warner {
     void warn_of_settled() {
         std::vector<SettledPiece> named;
         for (const SettledPiece& piece : stats_.settled) {
-            if (piece.farthest_mm >= least_named_change_mm) named.push_back(piece);
+            if (piece.parts || piece.farthest_mm >= least_named_change_mm) named.push_back(piece);
         }
         std::stable_sort(named.begin(), named.end(), [](const SettledPiece& p, const SettledPiece& q) {
             return p.farthest_mm > q.farthest_mm;

@@ -105,9 +105,9 @@ struct HalfPlane {
 
 class AxisSettler {
   public:
-    AxisSettler(const ContourSet& set, const Axis& axis, std::uint32_t structure, const FlankOptions& options,
-                const std::vector<bool>& stays)
-        : set_(set), axis_(axis), options_(options), stays_(stays) {
+    AxisSettler(const ContourSet& set, const Axis& axis, std::uint32_t structure, const FlankBounds& most_mm,
+                const FlankOptions& options, const std::vector<bool>& stays)
+        : set_(set), axis_(axis), most_mm_(most_mm), options_(options), stays_(stays) {
         const Vec3 across = set.slices[axis.slices.front()].plane.normal,
                    along = cross(axis.line.direction, across);
         for (const std::uint32_t slice : axis.slices) {
@@ -186,7 +186,8 @@ class AxisSettler {
         }
         for (const std::uint32_t n : {low, high}) {
             FlankPoint& end = half.points[n];
-            end.may_move = end.from_line > 0 && end.from_line < radius && !stays_[end.point];
+            end.may_move = end.from_line > 0 && end.from_line < radius && !stays_[end.point] &&
+                           !is_near_another_plane(half, {end.along, end.from_line});
         }
         const int parts = std::max(1, static_cast<int>(std::ceil(length(b - a) / radius)));
         std::uint32_t last = low;
@@ -194,11 +195,23 @@ class AxisSettler {
             const double share = static_cast<double>(n) / parts;
             const Vec2 at = a + share * (b - a);
             const auto next = static_cast<std::uint32_t>(half.points.size());
-            half.points.push_back({at.x, at.y, from.point, share, low, high, at.y, at.y < radius});
+            const bool may_move = at.y < radius && !is_near_another_plane(half, at);
+            half.points.push_back({at.x, at.y, from.point, share, low, high, at.y, may_move});
             half.segments.push_back({last, next});
             last = next;
         }
         half.segments.push_back({last, high});
+    }
+
+    // There contours meet those of that slice, too.
+    bool is_near_another_plane(const HalfPlane& half, Vec2 at) const {
+        const Vec3 p = axis_.line.at(at.x) + at.y * half.outward;
+        for (std::uint32_t s = 0; s < set_.slices.size(); ++s) {
+            if (!std::binary_search(axis_.slices.begin(), axis_.slices.end(), s) &&
+                std::abs(set_.slices[s].plane.signed_distance(p)) < options_.radius_mm)
+                return true;
+        }
+        return false;
     }
 
     void find_moves(std::size_t h, std::vector<Move>& moves) const {
@@ -223,7 +236,11 @@ class AxisSettler {
                 const double p = before.first_at(point.along, far), q = after.first_at(point.along, far);
                 if (!(p > 0) || !(q > 0) || !is_sharp(point.from_line, way, p, back, q, on)) continue;
                 const double chord = p * q * std::sin(back + on) / (p * std::sin(back) + q * std::sin(on));
-                moves.push_back({h, n, std::min(radius, point.from_line + 0.5 * (chord - point.from_line))});
+                const double to = std::min(radius, point.from_line + 0.5 * (chord - point.from_line)),
+                             most = most_mm_[half.slice];
+                const double within =
+                    std::clamp(to, point.drawn_from_line - most, point.drawn_from_line + most);
+                if (within != point.from_line) moves.push_back({h, n, within});
             }
         }
     }
@@ -241,6 +258,7 @@ class AxisSettler {
 
     const ContourSet& set_;
     const Axis& axis_;
+    const FlankBounds& most_mm_;
     const FlankOptions& options_;
     const std::vector<bool>& stays_;
     std::vector<HalfPlane> halves_;
@@ -248,8 +266,8 @@ class AxisSettler {
 
 class Settler {
   public:
-    Settler(ContourSet& set, DrawnPlaces& drawn, const FlankOptions& options)
-        : set_(set), drawn_(drawn), options_(options), graph_(make_contour_graph(set)) {}
+    Settler(ContourSet& set, DrawnPlaces& drawn, const FlankBounds& most_mm, const FlankOptions& options)
+        : set_(set), drawn_(drawn), most_mm_(most_mm), options_(options), graph_(make_contour_graph(set)) {}
 
     FlankStats run() {
         const std::vector<Axis> axes = find_axes(set_);
@@ -259,11 +277,11 @@ class Settler {
         put_in_.resize(graph_.segments.size());
         for (const Axis& axis : axes) {
             for (std::uint32_t s = 0; s < set_.structures.size(); ++s) {
-                AxisSettler settler(set_, axis, s, options_, stays_);
+                AxisSettler settler(set_, axis, s, most_mm_, options_, stays_);
                 if (settler.run()) take(settler.halves());
             }
         }
-        if (stats_.points > 0) lay_out();
+        if (any_) lay_out();
         return stats_;
     }
 
@@ -272,6 +290,7 @@ class Settler {
     struct PutIn {
         double share = 0;  // of the way from its lower node
         Vec3 at, was;
+        double by_mm = 0;
     };
 
     void find_stays() {
@@ -307,23 +326,24 @@ class Settler {
                 if (!(std::abs(point.from_line - without) >= least_share * without)) continue;
                 const Vec3 way = (point.from_line - point.drawn_from_line) * half.outward;
                 if (length(way) > options_.most_moved_mm) continue;
-                if (point.share > 0 ? put_in(point, way) : move(point, way)) {
-                    ++stats_.points;
-                    stats_.farthest_mm = std::max(stats_.farthest_mm, length(way));
+                if (point.share > 0) {
+                    put_in(point, way);
+                } else {
+                    move(point, way);
                 }
+                any_ = true;
             }
         }
     }
 
-    bool move(const FlankPoint& point, Vec3 way) {
+    void move(const FlankPoint& point, Vec3 way) {
         Vec3& moved = moved_[graph_.node_of_point[point.point]];
         const Vec3 to = set_.points[point.point] + way;
-        if (moved != Vec3{} || length(to - drawn_.at[point.point]) > options_.most_moved_mm) return false;
+        if (moved != Vec3{} || length(to - drawn_.at[point.point]) > options_.most_moved_mm) return;
         moved = way;
-        return true;
     }
 
-    bool put_in(const FlankPoint& point, Vec3 way) {
+    void put_in(const FlankPoint& point, Vec3 way) {
         const std::uint32_t segment = graph_.segment_of_point[point.point];
         const auto [low, high] = graph_.segments[segment];
         const double share = graph_.node_of_point[point.point] == low ? point.share : 1 - point.share;
@@ -331,11 +351,10 @@ class Settler {
         constexpr double same_share = 1e-9;
         if (std::any_of(all.begin(), all.end(),
                         [&](const PutIn& put) { return std::abs(put.share - share) < same_share; }))
-            return false;
+            return;
         const std::uint32_t a = graph_.point_of_node[low], b = graph_.point_of_node[high];
         all.push_back({share, set_.points[a] + share * (set_.points[b] - set_.points[a]) + way,
-                       drawn_.at[a] + share * (drawn_.at[b] - drawn_.at[a])});
-        return true;
+                       drawn_.at[a] + share * (drawn_.at[b] - drawn_.at[a]), length(way)});
     }
 
     struct Laid {
@@ -364,6 +383,17 @@ class Settler {
         return result;
     }
 
+    void count(const Contour& contour) {
+        const auto add = [&](double by) {
+            stats_.points += by > 0;
+            stats_.farthest_mm = std::max(stats_.farthest_mm, by);
+        };
+        for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+            add(length(moved_[graph_.node_of_point[k]]));
+            for (const PutIn& put : put_in_[graph_.segment_of_point[k]]) add(put.by_mm);
+        }
+    }
+
     void lay_out() {
         std::vector<std::vector<Vec3>> fresh(set_.contours.size());
         DrawnPlaces drawn;
@@ -379,6 +409,7 @@ class Settler {
             const bool is_sound = slice_faults(rings, set_.exclusive).empty();
             for (std::uint32_t c = slice.first_contour; c < end; ++c) {
                 Laid contour = laid(set_.contours[c], is_sound);
+                if (is_sound) count(set_.contours[c]);
                 fresh[c] = std::move(contour.points);
                 drawn.at.insert(drawn.at.end(), contour.drawn.begin(), contour.drawn.end());
                 drawn.is_drawn.insert(drawn.is_drawn.end(), contour.is_drawn.begin(), contour.is_drawn.end());
@@ -390,9 +421,11 @@ class Settler {
 
     ContourSet& set_;
     DrawnPlaces& drawn_;
+    const FlankBounds& most_mm_;
     const FlankOptions& options_;
     const ContourGraph graph_;
     FlankStats stats_;
+    bool any_ = false;
     std::vector<bool> stays_;                 // per point of the set
     std::vector<Vec3> moved_;                 // per node: by how much
     std::vector<std::vector<PutIn>> put_in_;  // per segment
@@ -400,10 +433,12 @@ class Settler {
 
 }  // namespace
 
-FlankStats settle_flanks(ContourSet& set, DrawnPlaces& drawn, const FlankOptions& options) {
+FlankStats settle_flanks(ContourSet& set, DrawnPlaces& drawn, const FlankBounds& most_mm,
+                         const FlankOptions& options) {
     assert(options.radius_mm > 0 && options.least_degrees > 0 && options.least_degrees < 180);
     assert(drawn.at.size() == set.points.size());
-    return Settler(set, drawn, options).run();
+    assert(most_mm.size() == set.slices.size());
+    return Settler(set, drawn, most_mm, options).run();
 }
 
 }  // namespace anatomesh

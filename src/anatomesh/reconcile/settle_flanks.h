@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "anatomesh/contour/contour_set.h"
 #include "anatomesh/reconcile/drawn_places.h"
@@ -14,6 +15,10 @@ struct FlankOptions {
     double most_moved_mm = 10;  // of a vertex from where it was drawn. mm, > 0
 };
 
+// By slice, how far its flanks may move: no further than its contours had to move elsewhere, for one that
+// agreed as it was drawn has no flanks that noise made.
+using FlankBounds = std::vector<double>;
+
 struct FlankStats {
     std::uint64_t points = 0;  // that were moved
     double farthest_mm = 0;
@@ -25,8 +30,8 @@ struct FlankStats {
 // lie near to it and far from it in turn leave fins and slits that no cells fit into. Where the surface's two
 // sides, as they go to the flanks of the two half planes beside it, make an angle below the least at a flank,
 // it is moved to or from the line, each time half way to where the chord between those two passes its plane,
-// until it is none or lies at the radius, at most 50 times. Flanks get vertices for that, about a radius
-// apart. (At the line's poles, see settle_poles.h.)
+// until it is none, lies at the radius or has moved as far as its slice's bound, at most 50 times. Flanks get
+// vertices for that, about a radius apart. (At the line's poles, see settle_poles.h.)
 //
 // Requires: a kept contour set with common points (insert_shared_points); `drawn` of it. Guarantees: points
 // that other slices have too, and those at which contours branch, keep their bits; no contour comes to or
@@ -34,6 +39,7 @@ struct FlankStats {
 // contours. The set's points are laid out anew, in the same order, and `drawn` with them. Complexity: O(s^3)
 // for s slices to find the lines, small; then O(flanks' points times those of a half plane beside the line).
 // No earlier method is followed.
-FlankStats settle_flanks(ContourSet& set, DrawnPlaces& drawn, const FlankOptions& options);
+FlankStats settle_flanks(ContourSet& set, DrawnPlaces& drawn, const FlankBounds& most_mm,
+                         const FlankOptions& options);
 
 }  // namespace anatomesh

@@ -54,9 +54,9 @@ double distance_at(const ContourSet& set, int half) {
     return least;
 }
 
-FlankStats settle(ContourSet& set, const ContourSet& drawn_set, const FlankOptions& options = {1.5, 70, 10}) {
+FlankStats settle(ContourSet& set, const ContourSet& drawn_set, double bound = 10) {
     DrawnPlaces drawn = drawn_places(drawn_set);
-    const FlankStats stats = settle_flanks(set, drawn, options);
+    const FlankStats stats = settle_flanks(set, drawn, FlankBounds(set.slices.size(), bound), {1.5, 70, 10});
     EXPECT_EQ(drawn.at.size(), set.points.size());
     for (const Slice& slice : set.slices)
         EXPECT_TRUE(slice_faults(plane_rings(set, slice), set.exclusive).empty());
@@ -129,7 +129,14 @@ TEST(SettleFlanks, what_rises_and_falls_by_turns_is_settled_and_stays_off_the_li
 TEST(SettleFlanks, no_vertex_moves_further_than_it_may) {
     ContourSet set = channel([](int n) { return n == 4 ? 0.1 : 1.0; });
     const ContourSet before = set;
-    EXPECT_LE(settle(set, before, {1.5, 70, 0.1}).farthest_mm, 0.1);
+    const FlankStats stats = settle(set, before, 0.1);
+    EXPECT_GT(stats.points, 0u);
+    EXPECT_LE(stats.farthest_mm, 0.1 + 1e-12);
+    EXPECT_NEAR(distance_at(set, 4), 0.2, 1e-9);
+    // Slices that agreed as drawn keep theirs.
+    ContourSet exact = before;
+    EXPECT_EQ(settle(exact, before, 0).points, 0u);
+    EXPECT_EQ(exact.points, before.points);
 }
 
 }  // namespace

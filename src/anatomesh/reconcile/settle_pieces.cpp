@@ -16,7 +16,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_changes = 200;
+constexpr std::size_t most_changes = 200, most_tries = 1000;
+constexpr double most_times = 3;  // a change may be larger than the piece, or the clearance: a spike
 constexpr double least_clearance_mm = 0.1;
 // Shorter ones are left: contours would get segments as short, and cells of that size.
 constexpr double least_piece_mm = 0.01;
@@ -113,8 +114,9 @@ class Ways {
         if (rings.size() != set_.slices[slice_].contour_count && piece_.length_mm() > options_.most_parted_mm)
             return;
         const double farthest = farthest_change(set_, slice_, rings);
-        if (farthest <= options_.most_mm)
-            all.push_back({slice_, other_, inside_, farthest, std::move(rings)});
+        const double most =
+            std::min(options_.most_mm, most_times * std::max(piece_.length_mm(), options_.clearance_mm));
+        if (farthest <= most) all.push_back({slice_, other_, inside_, farthest, std::move(rings)});
     }
 
     // What was cut off goes, or is filled.
@@ -219,7 +221,7 @@ class Settler {
           context_(context) {}
 
     std::vector<SettledPiece> run() {
-        while (settled_.size() < most_changes && !context_.cancelled() && settle_one()) {
+        while (settled_.size() < most_changes && settle_one()) {
         }
         return std::move(settled_);
     }
@@ -240,7 +242,7 @@ class Settler {
                 if (at != given_up_.end() && *at == key_of(piece)) continue;
                 given_up_.insert(at, key_of(piece));
                 if (settle(piece, comparisons_[c], votes)) return true;
-                if (context_.cancelled()) return false;
+                if (tries_ > most_tries || context_.cancelled()) return false;
             }
         }
         return false;
@@ -262,14 +264,16 @@ class Settler {
                          [](const Change& p, const Change& q) { return p.farthest_mm < q.farthest_mm; });
         const double left = left_mm(comparisons_);
         for (const Change& change : changes) {
+            if (++tries_ > most_tries || context_.cancelled()) return false;
             const ContourSet changed = with_painted(set_, change.slice, change.rings);
             std::vector<LineComparison> after = compare_(changed);
             if (left_mm(after) > left - least_gain * piece.length_mm()) continue;
+            const bool parts = change.rings.size() != set_.slices[change.slice].contour_count;
             carry_drawn(changed);
             set_ = changed;
             comparisons_ = std::move(after);
-            settled_.push_back({change.slice, piece.structure, change.other, change.inside, piece.length_mm(),
-                                change.farthest_mm});
+            settled_.push_back({change.slice, piece.structure, change.other, change.inside, parts,
+                                piece.length_mm(), change.farthest_mm});
             return true;
         }
         return false;
@@ -311,6 +315,7 @@ class Settler {
     RunContext& context_;
     std::vector<Key> given_up_;  // sorted: pieces that were tried
     std::vector<SettledPiece> settled_;
+    std::size_t tries_ = 0;
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ struct SettlePiecesOptions {
     // Beside the line so much is given or taken, less for short pieces: nearer to it two planes are so close
     // to each other that no cells of any shape fit between. mm, above 0
     double clearance_mm = 0.5;
-    // No contour changes further than this. mm, above 0
+    // No contour changes further than this, nor than three times the piece or the clearance. mm, above 0
     double most_mm = 10;
     // Contours are parted or joined over pieces up to this length alone, about two segments: what is wider
     // was seen by whoever drew it. mm, above 0
@@ -28,6 +28,7 @@ struct SettlePiecesOptions {
 struct SettledPiece {
     std::uint32_t slice = 0, structure = 0, other = 0;
     bool inside = false;     // whether the structure came to have the piece, or lost it
+    bool parts = false;      // whether contours were parted or joined, or came or went as a whole
     double length_mm = 0;    // of the piece of the line
     double farthest_mm = 0;  // of the contours from where they were
 };
