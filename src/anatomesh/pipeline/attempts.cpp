@@ -85,12 +85,12 @@ bool is_tangled(const TryOutcome& outcome) {
     return outcome.kept_contract && outcome.untold > 0 && outcome.cells < small_below;
 }
 
-bool may_have_all_contours(const TryOutcome& outcome, std::size_t tries) {
-    return outcome.kept_contract && outcome.lacks_contours && !outcome.contradicted &&
+bool may_meet_all_clauses(const TryOutcome& outcome, std::size_t tries) {
+    return outcome.kept_contract && outcome.unmet > 0 && !outcome.contradicted &&
            outcome.cells < small_below && tries <= most_tries;
 }
 
-bool has_all_contours(const TryOutcome& later, const TryOutcome& kept) {
+bool meets_more_clauses(const TryOutcome& later, const TryOutcome& kept) {
     return later.kept_contract && !later.lacks_contours && later.unmet < kept.unmet &&
            later.untold <= kept.untold;
 }

@@ -91,15 +91,16 @@ bool has_more_contours(const TryOutcome& kept, const TryOutcome& other);
 bool is_hardly_bad(const TryOutcome& kept);
 
 // Where planes cross it is luck, a few places in tens of thousands, where surfaces are joined otherwise than
-// contours show, and where contour segments are no edges of the surface or a cut is not what is drawn. A
-// small model with such places is built again with slightly shorter edges: with the first of these, in its
-// edge lengths, for either reason, with the others for the latter alone.
+// contours show, and where contour segments are no edges of the surface, a cut is not what is drawn or cells
+// are ill-shaped. A small model with such places is built again with slightly shorter edges: with the first
+// of these, in its edge lengths, for either reason, with the others where a clause is not met.
 inline constexpr std::array<double, 4> slightly_shorter{0.95, 0.9, 0.85, 0.8};
 bool is_tangled(const TryOutcome& outcome);
 // `tries`: so far. Not after many, nor where slices contradict each other: no model has all of them.
-bool may_have_all_contours(const TryOutcome& outcome, std::size_t tries);
-// Whether a later model than one that may have all contours has them, and is joined as much as drawn.
-bool has_all_contours(const TryOutcome& later, const TryOutcome& kept);
+bool may_meet_all_clauses(const TryOutcome& outcome, std::size_t tries);
+// Whether a later model than one that may meet all clauses meets more, has all contours, and is joined as
+// much as drawn.
+bool meets_more_clauses(const TryOutcome& later, const TryOutcome& kept);
 
 // Whether a later model has fewer such places than one that is tangled, and is no worse: it meets as many
 // clauses, lacks no more contour segments, or 5 in 1,000, and its surface does not go astray where the

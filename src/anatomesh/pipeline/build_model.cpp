@@ -237,24 +237,25 @@ class Tries {
     // contours that it lacks.
     Result<Model> slightly_shorter_one(Model model) {
         const bool tangled = is_tangled(taken_.outcome);
-        const bool lacks_contours = may_have_all_contours(taken_.outcome, count_);
+        const bool lacks_clauses = may_meet_all_clauses(taken_.outcome, count_);
         KeptModel first{std::move(model), trial_, context_.warnings, taken_, ""};
         for (const double share : slightly_shorter) {
-            if (!lacks_contours && !(tangled && share == slightly_shorter.front())) break;
+            if (!lacks_clauses && !(tangled && share == slightly_shorter.front())) break;
             trial_.options.size_mm = share * first.made.size_mm;
             context_.warnings.resize(warnings_before_.value_or(known_.warnings));
             BuiltOnce other = build({});
             if (!other.model.ok() && other.model.error().kind == ErrorKind::cancelled)
                 return std::move(other.model);
             const bool is_untangled = tangled && is_less_tangled(other.outcome, first.made.outcome);
-            if (!is_untangled && !(lacks_contours && has_all_contours(other.outcome, first.made.outcome)))
+            if (!is_untangled && !(lacks_clauses && meets_more_clauses(other.outcome, first.made.outcome)))
                 continue;
-            context_.warn({"W-PIP-001",
-                           "with " + brief(first.made.size_mm) +
-                               (is_untangled ? " mm the surface was joined otherwise than the contours show"
-                                             : " mm single contour segments or cuts were not as drawn"),
-                           {},
-                           "built again with " + brief(trial_.options.size_mm) + " mm"});
+            context_.warn(
+                {"W-PIP-001",
+                 "with " + brief(first.made.size_mm) +
+                     (is_untangled ? " mm the surface was joined otherwise than the contours show"
+                                   : " mm single contour segments, cuts or cells were not as they may be"),
+                 {},
+                 "built again with " + brief(trial_.options.size_mm) + " mm"});
             shown_is_another_ = true;
             return std::move(other.model);
         }
