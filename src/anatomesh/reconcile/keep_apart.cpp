@@ -83,9 +83,10 @@ class SliceKeeper {
 
     // How far apart the two are to be: nothing where they are far enough.
     double wanted(const Point& v, const Point& a, const Point& b) const {
-        const Foot foot = foot_of(v.here, a.here, b.here);
-        const double was = foot_of(v.was, a.was, b.was).distance, least = std::min(least_mm_, was);
-        return foot.distance < nearly_touching * least ? least : 0;
+        const double was = foot_of(v.was, a.was, b.was).distance;
+        if (was < nearly_touching * least_mm_) return 0;  // drawn so
+        const double least = std::min(least_mm_, was);
+        return foot_of(v.here, a.here, b.here).distance < nearly_touching * least ? least : 0;
     }
 
     bool is_touch(const Touch& touch) const {

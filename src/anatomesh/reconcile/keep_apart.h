@@ -14,8 +14,8 @@ struct KeptApart {
 };
 
 // Where a vertex has come nearer to a segment of its structure's contours on the slice (of any structure's,
-// where they exclude each other) than half of `least_mm`, or half of what it was away when drawn if that was
-// less, it goes away from the segment to that distance; one that lies in the plane of another slice stays,
+// where they exclude each other) than half of `least_mm`, and was not so when drawn, it goes away from the
+// segment to that distance, or to the one it was drawn at; one that lies in the plane of another slice stays,
 // and the segment gets a vertex that goes. No cell fits between contours that all but touch, and movement
 // that is shortened where contours would cross leaves them so. What contours share stays shared. A slice that
 // would not be sound keeps a place as it is. `drawn` is kept up. Requires: a kept contour set, least_mm > 0.
