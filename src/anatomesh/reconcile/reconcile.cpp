@@ -213,6 +213,7 @@ class Reconciler {
         if (!stats_.taken_over.empty()) {
             ANATOMESH_CHECK_STATUS(repeat(false));
         }
+        if (context_.cancelled()) return cancelled_error();
         ANATOMESH_CHECK_STATUS(check_what_is_left(set_, drawn_, comparisons_, options_));
         settle_what_is_left();
         settle();
