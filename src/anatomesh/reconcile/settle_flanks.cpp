@@ -1,12 +1,9 @@
 #include "anatomesh/reconcile/settle_flanks.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <optional>
 #include <utility>
 #include <vector>
 

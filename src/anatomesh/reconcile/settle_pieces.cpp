@@ -1,7 +1,6 @@
 #include "anatomesh/reconcile/settle_pieces.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
