@@ -108,7 +108,7 @@ class Carver {
         for (const SectionPatch& patch : find_patches(bench_, areas_, structure, plane)) {
             if (patch.wrong < worth_a_patch || is_enough()) break;
             ++stats_.patches_found;
-            pieces_before(patch);
+            for (const bool has : {false, true}) pieces_before(patch, has);
             if (!carve(patch, cut, may_part)) continue;
             ++stats_.patches_carved;
             pieces_ = {};
@@ -117,8 +117,13 @@ class Carver {
         return false;
     }
 
-    Pieces pieces_beside(const SectionPatch& patch, std::uint32_t first_new = no_cell) const {
-        const bool has = bench_.table->contains(patch.own, patch.structure);
+    // Whether the patch is of the structure; it goes to the other side.
+    bool is_inside(const SectionPatch& patch) const {
+        return bench_.table->contains(patch.own, patch.structure);
+    }
+
+    // Of the structure, or of what is outside it.
+    Pieces pieces_beside(const SectionPatch& patch, bool has, std::uint32_t first_new = no_cell) const {
         std::vector<std::uint8_t> seen(bench_.mesh.cell_count(), 0);
         const auto take = [&](std::uint32_t c) {
             if (c == no_cell || seen[c] || !bench_.mesh.alive(c) ||
@@ -150,9 +155,9 @@ class Carver {
     }
 
     // Before the patch is carved.
-    const Pieces& pieces_before(const SectionPatch& patch) {
-        std::optional<Pieces>& known = pieces_[bench_.table->contains(patch.own, patch.structure)];
-        if (!known) known = pieces_beside(patch);
+    const Pieces& pieces_before(const SectionPatch& patch, bool has) {
+        std::optional<Pieces>& known = pieces_[has];
+        if (!known) known = pieces_beside(patch, has);
         return *known;
     }
 
@@ -161,8 +166,9 @@ class Carver {
     // may.
     bool may_be_parted(const SectionPatch& patch, bool may_part, std::uint32_t first_new,
                        std::vector<std::uint32_t>& changed, std::uint64_t& crumbs) {
-        Pieces after = pieces_beside(patch, first_new);
-        const Pieces& before = pieces_before(patch);
+        const bool has = is_inside(patch);
+        Pieces after = pieces_beside(patch, has, first_new);
+        const Pieces& before = pieces_before(patch, has);
         for (const std::vector<std::uint32_t>& crumb : after.crumbs) {
             if (after.bare <= before.bare) break;
             if (!give_crumb(crumb, patch)) return false;
@@ -172,6 +178,12 @@ class Carver {
             --after.all;
         }
         return after.bare <= before.bare && (after.all <= before.all || may_part);
+    }
+
+    // Whether two parts of where it goes, apart before, are one by it: else it made a handle or a tunnel.
+    bool joins_parts(const SectionPatch& patch) {
+        const bool has = !is_inside(patch);
+        return pieces_beside(patch, has).all + 1 == pieces_before(patch, has).all;
     }
 
     bool give_crumb(const std::vector<std::uint32_t>& crumb, const SectionPatch& patch) {
@@ -235,6 +247,7 @@ class Carver {
         std::vector<std::uint32_t> changed = std::move(made->changed);
         if (!made->parted.empty() && !may_be_parted(patch, may_part, first_new, changed, crumbs))
             return Outcome::unsound;
+        if (made->joins && (!may_part || !joins_parts(patch))) return Outcome::unsound;
         // Those round the edges that pass through the patch too.
         for (auto v = first_new; v < bench_.mesh.point_count(); ++v) {
             bench_.mesh.star(v, bench_.star);

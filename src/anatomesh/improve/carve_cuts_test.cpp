@@ -21,8 +21,8 @@ namespace {
 constexpr int width = 8, height = 6;
 constexpr double any_shape = 1e-3, wall = 3, slice = 3;
 
-// A structure, drawn in the slice z = 3 up to x = 3, and what is beside it: cells of a grid, the free
-// vertices of which are shaken, so that the slice's plane passes through them.
+// A structure, drawn in the slice z = 3 up to x = 3, or from x = `back` on, and what is beside it: cells of a
+// grid, the free vertices of which are shaken, so that the slice's plane passes through them.
 struct Block {
     TetMesh mesh = testing::brick_mesh({width, width, height}, [](int, int, int) { return Region{1}; });
     RegionTable table{{{}, {0}}};
@@ -32,12 +32,14 @@ struct Block {
     std::vector<Plane> planes{make_plane({0, 0, slice}, {0, 0, 1})};
     std::vector<double> weights{1.0 / (wall * width)};
     ContourOwners owners;
-    fixtures::AnalyticField field{{[](Vec3 p) { return p.x - wall; }}, 10};
+    double back;
+    fixtures::AnalyticField field{{[this](Vec3 p) { return std::max(p.x - wall, back - p.x); }}, 10};
     CarveStats stats;
 
     // `inside`: of the middles of the grid's cubes. `also`: a vertex that a contour of another slice has.
     explicit Block(const std::function<bool(Vec3)>& inside, unsigned seed = 1, double shaken = 0.25,
-                   std::optional<Vec3> also = std::nullopt) {
+                   std::optional<Vec3> also = std::nullopt, double from = -10)
+        : back(from) {
         for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
             Vec3 p;
             for (const std::uint32_t v : mesh.cells[c]) p += 0.25 * mesh.points[v];
@@ -49,12 +51,12 @@ struct Block {
         std::uniform_real_distribution<double> shift(-shaken, shaken);
         std::vector<std::array<std::uint32_t, 2>> vertices;
         std::vector<std::array<std::uint32_t, 3>> pieces;
-        std::uint32_t last = no_cell;
+        std::array<std::uint32_t, 2> last{no_cell, no_cell};
         for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
             Vec3& p = mesh.points[v];
             const bool rim =
                 p.x == 0 || p.x == width || p.y == 0 || p.y == width || p.z == 0 || p.z == height;
-            const bool on = p.x == wall && p.z == slice;
+            const bool on = (p.x == wall || p.x == back) && p.z == slice;
             slice_of.push_back(on ? 0 : no_slice);
             fixed.push_back(rim || on);
             if (also && p == *also) {
@@ -64,12 +66,14 @@ struct Block {
             if (!fixed.back()) p = p + Vec3{shift(random), shift(random), shift(random)};
             if (!on) continue;
             vertices.push_back({v, 0});
-            if (last != no_cell) {
-                pieces.push_back({last, v, 0});
-                contour.push_back({last, v});
+            std::uint32_t& before = last[p.x == wall];
+            if (before != no_cell) {
+                pieces.push_back({before, v, 0});
+                contour.push_back({before, v});
             }
-            last = v;
+            before = v;
         }
+        std::sort(contour.begin(), contour.end());
         owners = ContourOwners(vertices, mesh.points.size(), pieces);
     }
 
@@ -183,6 +187,35 @@ TEST(CarveCuts, a_pit_through_what_is_drawn_is_filled_at_the_slice) {
         return left_of_wall(p) && p.z > 1 && !(p.x > 1 && p.x < 2 && p.y > 3 && p.y < 4 && p.z < 5);
     };
     expect_carved(with_pit, Vec3{2, 4, 4}, 0, 2);  // what is left of the pit over the slice is a void
+}
+
+// Between two parts, which the slice has as one.
+TEST(CarveCuts, a_gap_through_what_is_drawn_is_bridged_at_the_slice) {
+    for (unsigned seed = 0; seed < 3; ++seed) {
+        Block block([](Vec3 p) { return left_of_wall(p) && p.x > 1 && p.z > 1 && !(p.y > 3 && p.y < 5); },
+                    seed, 0.25, std::nullopt, 1);
+        ASSERT_EQ(block.topology().components, 2u);
+        const auto [before, after] = block.carve();
+        EXPECT_GT(before, 0.1);
+        EXPECT_LT(after, 1e-3);
+        block.expect_sound();
+        EXPECT_EQ(block.topology().components, 1u);
+        EXPECT_EQ(block.topology().genus, 0);
+    }
+}
+
+// It would be a handle: the two legs are one over the slice.
+TEST(CarveCuts, what_is_joined_beside_a_slice_is_not_joined_twice) {
+    for (unsigned seed = 0; seed < 3; ++seed) {
+        Block block(
+            [](Vec3 p) { return left_of_wall(p) && p.x > 1 && p.z > 1 && !(p.y > 3 && p.y < 5 && p.z < 5); },
+            seed, 0.25, std::nullopt, 1);
+        const auto [before, after] = block.carve();
+        EXPECT_GT(before, 0.1);
+        EXPECT_EQ(before, after);
+        EXPECT_EQ(block.topology().components, 1u);
+        EXPECT_EQ(block.topology().genus, 0);
+    }
 }
 
 // More than a crumb: it stays, and the cut as it is.

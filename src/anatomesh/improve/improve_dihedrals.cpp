@@ -126,6 +126,7 @@ class Climber {
         close_small_handles(std::max(least, listed_degrees), context);
         mend_worst_cuts(context);
         mended.left.insert(mended.left.end(), watched_.begin(), watched_.end());
+        bench_.release_edges();  // those that could not be brought would be in the way of cuts
         carve(std::max(least, listed_degrees), mended.left, context);
         follow(std::max(least, listed_degrees), context);
         mend_flat_cells(context);

@@ -82,9 +82,13 @@ class Thickening {
         const std::span<const int> was = count.of_structures(before), is = count.of_structures(after);
         for (std::size_t n = 0; n < was.size(); ++n) {
             if (is[n] == was[n]) continue;
-            const bool may_rise =
-                across_ && (across_->sides != SheetSides::both || count.structures()[n] == chain_.structure);
-            if (!may_rise || is[n] != was[n] + 2) return false;
+            const bool of_chain = count.structures()[n] == chain_.structure;
+            const bool both = across_ && across_->sides == SheetSides::both;
+            if (both && of_chain && is[n] == was[n] - 2) {
+                made_.joins = true;
+                continue;
+            }
+            if (!across_ || (both && !of_chain) || is[n] != was[n] + 2) return false;
             made_.parted.push_back(count.structures()[n]);
         }
         return true;

@@ -17,6 +17,7 @@ struct ThickenedSheet {
     double wrong_of_cuts = 0;            // that came of it, a share of what is drawn
     bool parts_cells = false;            // of the chain's region, at a vertex of the sheet
     std::vector<std::uint32_t> parted;  // structures that lose a handle or a tunnel by it, or fall into parts
+    bool joins = false;                 // parts of where the cells go, or makes a handle or a tunnel there
 };
 
 // On which sides of a sheet cells go: of the two cells at its first facet that of the lower number, or the
@@ -44,10 +45,10 @@ enum class SheetReach { wide, joined, near, others };
 // that facets at vertices of the sheet join there, so that what is on the sheet's rim stays on the surface.
 // At vertices where what goes meets the other side in no facet, what is between them goes, so that all is in
 // one part there; and the characteristic of the chain's structure may rise by two, and, on one side, those of
-// others. Returns nothing where a cell would not be positive, a surface not
-// one disc at each vertex concerned, that of a structure of another Euler characteristic, a contour vertex or
-// piece off its surface, or the chain not on it. What was done to the mesh then is the caller's to take back.
-// Complexity: O(cells at the sheet).
+// others, and on both sides it may fall by two. Returns nothing where a cell would not be positive, a surface
+// not one disc at each vertex concerned, that of a structure of another Euler characteristic, a contour
+// vertex or piece off its surface, or the chain not on it. What was done to the mesh then is the caller's to
+// take back. Complexity: O(cells at the sheet).
 std::optional<ThickenedSheet> thicken_sheet(Workbench& bench, const ContourOwners& owners, const Chain& chain,
                                             const Sheet& sheet, Region own, SheetReach reach,
                                             double thickness, SectionAreas* areas,

@@ -18,9 +18,16 @@ constexpr double most_tangles = 4;         // times those of the other one
 constexpr double some_bad = 1e-3;          // of cells
 constexpr double unwarned_distance = 0.5;  // in edge lengths: warned of is what is further off (W-PIP-008)
 constexpr double as_far = 1.25;            // times the other one's distance
+// In edge lengths: of one that meets all clauses, in place of one that does not.
+constexpr double bearable_distance = 0.75;
 constexpr double few_missed = 5e-3;        // of the segments
 constexpr std::size_t small_below = 100000;  // cells
-constexpr std::size_t most_tries = 3;        // before it is no luck any more
+constexpr std::size_t most_tries = 6;        // before it is no luck any more
+
+// Whether it is all that is promised, wherever its surface goes between contours.
+bool meets_all(const TryOutcome& outcome) {
+    return outcome.kept_contract && outcome.unmet == 0 && outcome.untold == 0 && !outcome.tore_walls;
+}
 
 bool lacks_fewer(const TryOutcome& one, const TryOutcome& other) {
     return one.missed <= fewer_missed * other.missed && one.missed <= other.missed - least_gain;
@@ -72,8 +79,9 @@ bool has_more_contours(const TryOutcome& kept, const TryOutcome& other) {
     // As many times the components and handles as the other one lacks times the segments.
     const double times =
         other.missed < most_tangles * kept.missed ? other.missed / kept.missed : most_tangles;
+    const double far = meets_all(kept) && !meets_all(other) ? bearable_distance : unwarned_distance;
     return static_cast<double>(kept.tangles) <= times * static_cast<double>(other.tangles) &&
-           kept.bad <= some_bad && kept.farthest <= std::max(unwarned_distance, as_far * other.farthest);
+           kept.bad <= some_bad && kept.farthest <= std::max(far, as_far * other.farthest);
 }
 
 bool is_hardly_bad(const TryOutcome& kept) {
@@ -101,6 +109,10 @@ bool is_less_tangled(const TryOutcome& later, const TryOutcome& kept) {
 }
 
 bool is_worse(const TryOutcome& later, const TryOutcome& kept) {
+    const auto is_whole = [](const TryOutcome& one) {
+        return meets_all(one) && one.bad <= Attempts::few_bad && one.farthest <= unwarned_distance;
+    };
+    if (is_whole(later) != is_whole(kept)) return is_whole(kept);
     if (later.astray != kept.astray) return later.astray;
     if (later.astray) {
         const bool is_far = later.farthest > unwarned_distance;

@@ -80,9 +80,9 @@ class Attempts {
 
 // Whether a model that conformed badly has so many more of its contours than another one, which did not
 // conform, that this is worth more than what is bad in it: single ill-shaped cells, and a surface off the
-// field's by half an edge length, or a quarter further than the other's. Not where its surfaces have more
-// times the components and handles in all than the other one lacks times the segments, or more than four
-// times.
+// field's by half an edge length (three quarters where it meets all clauses and the other one does not), or a
+// quarter further than the other's. Not where its surfaces have more times the components and handles in all
+// than the other one lacks times the segments, or more than four times.
 bool has_more_contours(const TryOutcome& kept, const TryOutcome& other);
 
 // Whether a model that conformed badly is hardly bad: with few bad cells, no torn walls, and a surface off
@@ -107,9 +107,10 @@ bool meets_more_clauses(const TryOutcome& later, const TryOutcome& kept);
 // other's does not.
 bool is_less_tangled(const TryOutcome& later, const TryOutcome& kept);
 
-// Whether of two that conformed badly the later one is worse. Of those with few bad cells it is not, for it
-// is finer, unless both go astray and it alone by more than half an edge length, or both or none so far and
-// the first has more contours, or as many and fewer components and handles.
+// Whether of two that conformed badly the later one is worse. If one alone meets all clauses, with few bad
+// cells and a surface off the field's by half an edge length at most, the other one is. Of those with few bad
+// cells it is not, for it is finer, unless both go astray and it alone by more than half an edge length, or
+// both or none so far and the first has more contours, or as many and fewer components and handles.
 bool is_worse(const TryOutcome& later, const TryOutcome& kept);
 
 }  // namespace anatomesh

@@ -165,6 +165,18 @@ TEST(Attempts, ContoursAreWorthSingleBadCellsButNoHandles) {
     EXPECT_FALSE(has_more_contours(half_the_contours, half_the_contours)) << "did not conform";
 }
 
+TEST(Attempts, OneThatMeetsAllClausesMayGoFartherThanOneThatDoesNot) {
+    TryOutcome other = half_the_contours;
+    other.unmet = 1;
+    EXPECT_TRUE(has_more_contours(with_contours(0.09, 4, 0, 0.75), other));
+    EXPECT_FALSE(has_more_contours(with_contours(0.09, 4, 0, 0.76), other));
+    for (int what = 0; what < 2; ++what) {
+        TryOutcome kept = with_contours(0.09, 4, 0, 0.6);
+        (what == 0 ? kept.unmet : kept.untold) = 1;
+        EXPECT_FALSE(has_more_contours(kept, other)) << what;
+    }
+}
+
 TEST(Attempts, WhereTheModelThatIsKeptHasMoreContoursNoFinerOneIsTried) {
     TryOutcome other = half_the_contours;
     other.over_bound = ill_shaped.over_bound;
@@ -233,8 +245,8 @@ TEST(Attempts, ASmallModelThatDoesNotMeetAllClausesMayDoSoWithShorterEdges) {
     EXPECT_FALSE(may_meet_all_clauses(with_cells(good, 50000), 1)) << "it meets all";
     TryOutcome lacking = with_cells(good, 50000);
     lacking.unmet = 1;
-    for (const std::size_t tries : {1, 2, 3}) EXPECT_TRUE(may_meet_all_clauses(lacking, tries));
-    EXPECT_FALSE(may_meet_all_clauses(lacking, 4)) << "its tries are no luck";
+    for (const std::size_t tries : {1, 3, 6}) EXPECT_TRUE(may_meet_all_clauses(lacking, tries));
+    EXPECT_FALSE(may_meet_all_clauses(lacking, 7)) << "its tries are no luck";
     EXPECT_FALSE(may_meet_all_clauses(with_cells(lacking, 100000), 1)) << "its tries take long";
     lacking.contradicted = true;
     EXPECT_FALSE(may_meet_all_clauses(lacking, 1)) << "no model has all";
@@ -331,6 +343,20 @@ TEST(Attempts, OfTwoAstrayTheOneWithMoreContoursOrFewerHandlesIsKept) {
     EXPECT_TRUE(is_worse(far, astray(0.2, 8))) << "a spike that a warning tells of";
     EXPECT_FALSE(is_worse(astray(0.2, 8), far));
     EXPECT_FALSE(is_worse(far, far));
+}
+
+TEST(Attempts, OneThatMeetsAllClausesComesBeforeOneThatDoesNot) {
+    const TryOutcome lacking = [] {
+        TryOutcome outcome = with_contours(0, 4, 2e-4, 0.2);
+        outcome.unmet = 1;
+        return outcome;
+    }();
+    TryOutcome whole = with_contours(0.01, 4, 0, 0.5);
+    whole.astray = true;
+    EXPECT_FALSE(is_worse(whole, lacking));
+    EXPECT_TRUE(is_worse(lacking, whole));
+    whole.farthest = 0.51;
+    EXPECT_TRUE(is_worse(whole, lacking)) << "a spike that a warning tells of";
 }
 
 }  // namespace

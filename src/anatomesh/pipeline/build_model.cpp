@@ -234,34 +234,38 @@ class Tries {
     }
 
     // Another one in its place, with slightly shorter edges, if that is joined more as drawn, or has the
-    // contours that it lacks.
+    // contours that it lacks; after the first, until all clauses are met.
     Result<Model> slightly_shorter_one(Model model) {
         const bool tangled = is_tangled(taken_.outcome);
-        const bool lacks_clauses = may_meet_all_clauses(taken_.outcome, count_);
-        KeptModel first{std::move(model), trial_, context_.warnings, taken_, ""};
+        const std::size_t tries = count_;
+        const double first_mm = taken_.size_mm;
+        KeptModel best{std::move(model), trial_, context_.warnings, taken_, ""};
         for (const double share : slightly_shorter) {
-            if (!lacks_clauses && !(tangled && share == slightly_shorter.front())) break;
-            trial_.options.size_mm = share * first.made.size_mm;
+            const bool lacks_clauses = may_meet_all_clauses(best.made.outcome, tries);
+            const bool untangles = tangled && share == slightly_shorter.front();
+            if (!lacks_clauses && !untangles) break;
+            trial_.options.size_mm = share * first_mm;
             context_.warnings.resize(warnings_before_.value_or(known_.warnings));
             BuiltOnce other = build({});
             if (!other.model.ok() && other.model.error().kind == ErrorKind::cancelled)
                 return std::move(other.model);
-            const bool is_untangled = tangled && is_less_tangled(other.outcome, first.made.outcome);
-            if (!is_untangled && !(lacks_clauses && meets_more_clauses(other.outcome, first.made.outcome)))
+            const bool is_untangled = untangles && is_less_tangled(other.outcome, best.made.outcome);
+            if (!is_untangled && !(lacks_clauses && meets_more_clauses(other.outcome, best.made.outcome)))
                 continue;
             context_.warn(
                 {"W-PIP-001",
-                 "with " + brief(first.made.size_mm) +
+                 "with " + brief(first_mm) +
                      (is_untangled ? " mm the surface was joined otherwise than the contours show"
                                    : " mm single contour segments, cuts or cells were not as they may be"),
                  {},
                  "built again with " + brief(trial_.options.size_mm) + " mm"});
             shown_is_another_ = true;
-            return std::move(other.model);
+            taken_ = {other.outcome, other.size_mm};
+            best = {std::move(other.model.value()), trial_, context_.warnings, taken_, ""};
         }
-        trial_ = first.trial;
-        context_.warnings = std::move(first.warnings);
-        return std::move(first.model);
+        trial_ = best.trial;
+        context_.warnings = std::move(best.warnings);
+        return std::move(best.model);
     }
 
     // So that the stages tell the time of all tries.

@@ -378,9 +378,10 @@ class Builder {
     }
 
     CrumbStats give_crumbs(std::span<const std::uint8_t> given) {
-        // Elsewhere what is between several regions is a wedge between outlines, whose cells would be no
-        // better.
-        const RegionTable* table = contours_.overlapping ? &mesh_->registry().table() : nullptr;
+        // Of outlines beside each other on parallel planes what is between several is a wedge, whose cells
+        // would be no better.
+        const bool may_be_between = contours_.overlapping || !is_parallel(contours_);
+        const RegionTable* table = may_be_between ? &mesh_->registry().table() : nullptr;
         return give_crumbs_away(model_.mesh, neighbors_, given,
                                 {crumb_share * std::pow(sample_->stats.size_mm, 3)}, context_.threads, table);
     }
