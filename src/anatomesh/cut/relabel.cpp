@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <tuple>
 
@@ -15,6 +16,7 @@ namespace {
 
 constexpr int defect_weight =
     256;  // against one end of a lost piece of a contour segment: a manifold comes first
+constexpr int any_change = std::numeric_limits<int>::max();
 constexpr std::size_t stars_ahead = 2;  // are fetched into the cache so many before they are looked at
 constexpr int most_mends = 8;           // passes over the cells that are wrong in a slice's plane
 // Moves of variable depth: how many of those that bring a piece back are followed, and how far.
@@ -59,7 +61,8 @@ class Relabeler {
           regions_(regions),
           registry_(registry),
           owners_(owners),
-          analyzer_(cells, neighbors, stars, regions, registry.table(), owners) {
+          analyzer_(cells, neighbors, stars, regions, registry.table(), owners),
+          known_(points.size()) {
         if (slices.any())
             cuts_.emplace(points, cells, neighbors, regions, registry.table(), slices);
     }
@@ -72,8 +75,8 @@ class Relabeler {
     // Whether moves by which pieces of contour segments are lost are made.
     void allow_losses(bool allowed) { may_lose_ = allowed; }
 
-    int defect(std::uint32_t vertex) { return analyzer_.defect(vertex); }
-    int lost_pieces(std::uint32_t vertex) { return analyzer_.lost_piece_count(vertex); }
+    int defect(std::uint32_t vertex) { return figures_at(vertex).defect; }
+    int lost_pieces(std::uint32_t vertex) { return figures_at(vertex).lost_pieces; }
     int total(std::uint32_t vertex) { return defect_weight * defect(vertex) + lost_pieces(vertex); }
 
     bool lost(std::uint32_t vertex) {
@@ -86,7 +89,7 @@ class Relabeler {
         find_best(vertex);
         if (!best_) return 0;
         for (const std::uint32_t c : best_->cells) {
-            regions_[c] = best_->region;
+            give(c, best_->region);
             touched.insert(touched.end(), cells_[c].begin(), cells_[c].end());
         }
         return best_->cells.size();
@@ -104,8 +107,7 @@ class Relabeler {
                     touched.insert(touched.end(), cells_[c].begin(), cells_[c].end());
                 return made_.size();
             }
-            for (auto made = made_.rbegin(); made != made_.rend(); ++made)
-                regions_[made->first] = made->second;
+            for (auto made = made_.rbegin(); made != made_.rend(); ++made) give(made->first, made->second);
         }
         return 0;
     }
@@ -119,8 +121,8 @@ class Relabeler {
             for (const std::uint32_t m : neighbors_[cell])
                 shared += m != no_cell && regions_[m] == regions_[n];
             Move move{{cell}, regions_[n]};
-            if (shared < 2 || change_of(move) > 0) continue;
-            regions_[cell] = regions_[n];
+            if (shared < 2 || change_of(move, 1) > 0) continue;
+            give(cell, regions_[n]);
             return true;
         }
         return false;
@@ -132,14 +134,30 @@ class Relabeler {
         const std::vector<std::uint32_t>* drawn = cuts_ ? cuts_->wanted(cell) : nullptr;
         if (!drawn) return false;
         Move move{{cell}, registry_.intern(*drawn)};
-        if (cuts_->change(move.cells, move.region) >= 0 || change_of(move) > 0) return false;
+        if (cuts_->change(move.cells, move.region) >= 0 || change_of(move, 1) > 0) return false;
         if (misplaced(cell, move.region) > misplaced(cell, regions_[cell]) || spikes(move) > 0) return false;
-        regions_[cell] = move.region;
+        give(cell, move.region);
         touched.insert(touched.end(), cells_[cell].begin(), cells_[cell].end());
         return true;
     }
 
   private:
+    struct Figures {
+        int defect = -1, lost_pieces = 0;  // defect below 0: not known
+    };
+
+    // Of a vertex, as regions are: most are asked for again and again by moves that are not made.
+    const Figures& figures_at(std::uint32_t vertex) {
+        Figures& known = known_[vertex];
+        if (known.defect < 0) known = {analyzer_.defect(vertex), analyzer_.lost_piece_count(vertex)};
+        return known;
+    }
+
+    void give(std::uint32_t cell, Region region) {
+        regions_[cell] = region;
+        for (const std::uint32_t v : cells_[cell]) known_[v].defect = -1;
+    }
+
     // The best move at the vertex that makes the sum fall, if any.
     void find_best(std::uint32_t vertex) {
         best_.reset();
@@ -216,7 +234,7 @@ class Relabeler {
     void make(const Move& move, std::vector<std::uint32_t>& touched) {
         for (const std::uint32_t c : move.cells) {
             made_.emplace_back(c, regions_[c]);
-            regions_[c] = move.region;
+            give(c, move.region);
             touched.insert(touched.end(), cells_[c].begin(), cells_[c].end());
         }
     }
@@ -364,24 +382,30 @@ class Relabeler {
             ->first;
     }
 
-    // How the sum of defects would change, which the move is told.
-    int change_of(Move& move) {
-        int defects = 0, lost = 0;
+    // How the sum of defects would change, which the move is told; or, where that is `enough` or more, a part
+    // of it that is.
+    int change_of(Move& move, int enough) {
         around_.clear();
         for (const std::uint32_t c : move.cells)
             around_.insert(around_.end(), cells_[c].begin(), cells_[c].end());
         std::sort(around_.begin(), around_.end());
         around_.erase(std::unique(around_.begin(), around_.end()), around_.end());
-        for (const std::uint32_t v : around_) defects -= defect(v), lost -= lost_pieces(v);
+        move.change = move.lost = 0;
+        const auto add = [&](int defect, int lost, int times) {
+            move.lost += times * lost;
+            move.change += times * (defect_weight * defect + lost);
+        };
+        for (const std::uint32_t v : around_) add(figures_at(v).defect, figures_at(v).lost_pieces, -1);
         before_.clear();
         for (const std::uint32_t c : move.cells) {
             before_.push_back(regions_[c]);
             regions_[c] = move.region;
         }
-        for (const std::uint32_t v : around_) defects += defect(v), lost += lost_pieces(v);
+        for (const std::uint32_t v : around_) {
+            if (move.change >= enough) break;  // it only rises from here on
+            add(analyzer_.defect(v), analyzer_.lost_piece_count(v), 1);
+        }
         for (std::size_t n = 0; n < move.cells.size(); ++n) regions_[move.cells[n]] = before_[n];
-        move.lost = lost;
-        move.change = defect_weight * defects + lost;
         return move.change;
     }
 
@@ -418,7 +442,8 @@ class Relabeler {
     void consider(Move move) {
         if (std::any_of(move.cells.begin(), move.cells.end(), [&](std::uint32_t c) { return is_held(c); }))
             return;
-        const bool falls = change_of(move) < 0;
+        // Openings are compared by it.
+        const bool falls = change_of(move, openings_ ? any_change : 0) < 0;
         if (falls == openings_.has_value() || (move.lost > 0 && !may_lose_)) return;
         for (const std::uint32_t c : move.cells)
             move.misplaced += misplaced(c, move.region) - misplaced(c, regions_[c]);
@@ -451,6 +476,7 @@ class Relabeler {
     RegionRegistry& registry_;
     const ContourOwners& owners_;
     StarAnalyzer analyzer_;
+    std::vector<Figures> known_;  // by vertex
     std::optional<Move> best_;
     std::optional<std::vector<Move>> openings_;  // while they are sought
     std::vector<std::uint32_t> held_;            // cells that no move takes

@@ -146,6 +146,7 @@ class Closer {
                 return !is_enough() && in_vain.insert(part.vertices).second && close(part.vertices, sides);
             });
             if (!closed) return;
+            parts_before_.clear();
             ++stats_.closed;
         }
     }
@@ -184,7 +185,6 @@ class Closer {
         }
         std::stable_sort(sheets.begin(), sheets.end(),
                          [](const auto& x, const auto& y) { return x.first.price < y.first.price; });
-        parts_before_.clear();
         return std::any_of(sheets.begin(), sheets.end(),
                            [&](const auto& sheet) { return thicken(sheet.first, sheet.second); });
     }
