@@ -8,6 +8,7 @@
 #include "anatomesh_io/contour/write_contours.h"
 #include "anatomesh_io/dicom/write_objects.h"
 #include "anatomesh_io/file/atomic_file.h"
+#include "anatomesh_io/report/options_json.h"
 #include "answer.h"
 #include "dicom_input.h"
 #include "input_options.h"
@@ -48,8 +49,7 @@ nlohmann::ordered_json answer_of(const InputContours& contours, const std::strin
     answer["version"] = ANATOMESH_VERSION;
     answer["output"] = output;
     answer["inputs"] = inputs_json(contours.files);
-    answer["options"] = nlohmann::ordered_json::object();
-    for (const auto& [name, value] : contours.options) answer["options"][name] = value;
+    answer["options"] = options_json(contours.options);
     answer["structures"] = kept.structures.size();
     answer["slices"] = kept.slices.size();
     answer["contours"] = kept.contours.size();

@@ -8,6 +8,7 @@
 #include "anatomesh/field/slice_stack.h"
 #include "anatomesh_io/file/atomic_file.h"
 #include "anatomesh_io/image/write_image.h"
+#include "anatomesh_io/report/options_json.h"
 #include "answer.h"
 #include "input_options.h"
 #include "option_values.h"
@@ -84,8 +85,7 @@ Status run_field(FieldOptions options, Session& session) {
     answer["version"] = ANATOMESH_VERSION;
     answer["output"] = options.output;
     answer["inputs"] = inputs_json(contours.files);
-    answer["options"] = nlohmann::ordered_json::object();
-    for (const auto& [name, value] : contours.options) answer["options"][name] = value;
+    answer["options"] = options_json(contours.options);
     answer["what"] = options.what;
     answer["size"] = size;
     answer["pixel_mm"] = pixel;

@@ -316,7 +316,7 @@ Status give_to_first(InputContours& contours, const ModelVerbOptions& options, R
                       {options.input.input, "", "", "", ""},
                       "no contour was changed; between the slices the structures exclude each other"});
     for (std::size_t s = 0; s < result.given.size(); ++s) {
-        if (result.given[s].slices == 0) continue;
+        if (result.given[s].slices == 0 || result.given[s].all) continue;
         context.warn(
             {"W-CMD-006",
              "the structure overlaps others, which keep what they have in common",
@@ -486,8 +486,7 @@ Work declare_model(CLI::App& verb) {
     add_element_options(verb, options->element);
     add_texts(verb, "--priority", options->priority, "NAME",
               "Where structures overlap, NAME (or number) keeps what they have in common; may be repeated, "
-              "the first "
-              "wins");
+              "the first wins; of those not named the smaller one");
     verb.add_flag(
         "--separate", options->separate,
         "Make one model of each structure by itself: MODEL-NUMBER.vtu, and so for every other output");

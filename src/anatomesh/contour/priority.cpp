@@ -9,6 +9,7 @@
 #include "anatomesh/contour/boundary_loops.h"
 #include "anatomesh/contour/choose_structures.h"
 #include "anatomesh/contour/clean.h"
+#include "anatomesh/contour/message_text.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {
@@ -155,10 +156,29 @@ class SlicePartition {
     std::vector<Face> owners_;  // per winding
 };
 
-std::vector<std::uint32_t> ranks_of(const std::vector<std::uint32_t>& order, std::size_t structures) {
-    std::vector<std::uint32_t> rank(structures);
-    std::iota(rank.begin(), rank.end(), static_cast<std::uint32_t>(order.size()));
-    for (std::uint32_t r = 0; r < order.size(); ++r) rank[order[r]] = r;
+// By structure, over all slices.
+std::vector<double> drawn_areas(const ContourSet& set) {
+    std::vector<double> areas(set.structures.size(), 0);
+    for (const Contour& contour : set.contours) {
+        const std::span<const Vec3> points = set.points_of(contour);
+        Vec3 twice;
+        for (std::size_t n = 2; n < points.size(); ++n)
+            twice += cross(points[n - 1] - points[0], points[n] - points[0]);
+        areas[contour.structure] += 0.5 * dot(twice, set.slices[contour.slice].plane.normal);
+    }
+    return areas;
+}
+
+std::vector<std::uint32_t> ranks_of(const std::vector<std::uint32_t>& order, const ContourSet& set) {
+    const std::vector<double> areas = drawn_areas(set);
+    std::vector<std::uint32_t> all = order;
+    for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
+        if (std::find(order.begin(), order.end(), s) == order.end()) all.push_back(s);
+    }
+    std::stable_sort(all.begin() + static_cast<std::ptrdiff_t>(order.size()), all.end(),
+                     [&](std::uint32_t s, std::uint32_t t) { return areas[s] < areas[t]; });
+    std::vector<std::uint32_t> rank(all.size());
+    for (std::uint32_t r = 0; r < all.size(); ++r) rank[all[r]] = r;
     return rank;
 }
 
@@ -296,7 +316,13 @@ Result<ContourSet> given_on_slices(const ContourSet& set, const std::vector<std:
             ++given[s].slices;
         }
     }
+    const std::size_t warnings = context.warnings.size();
     ANATOMESH_TRY(CleanResult cleaned, clean_contours(raw, {}, context));
+    // Structures without contours: those that gave all.
+    context.warnings.erase(std::remove_if(context.warnings.begin() + static_cast<std::ptrdiff_t>(warnings),
+                                          context.warnings.end(),
+                                          [](const Warning& warning) { return warning.code == "W-CON-001"; }),
+                           context.warnings.end());
     ContourSet kept = std::move(cleaned.kept);
     kept.exclusive = true;
     kept.drawn = set.drawn;
@@ -307,11 +333,22 @@ Result<ContourSet> given_on_slices(const ContourSet& set, const std::vector<std:
 
 Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<std::uint32_t>& order,
                                      RunContext& context) {
-    const std::vector<std::uint32_t> rank = ranks_of(order, set.structures.size());
+    const std::vector<std::uint32_t> rank = ranks_of(order, set);
     PriorityResult result;
     result.given.resize(set.structures.size());
     Relations relations(set.structures.size());
     ANATOMESH_TRY(result.kept, given_on_slices(set, rank, result.given, &relations, context));
+    for (std::size_t s = 0; s < set.structures.size(); ++s) {
+        const auto is_it = [&](const Structure& kept) { return kept.number == set.structures[s].number; };
+        result.given[s].all =
+            std::none_of(result.kept.structures.begin(), result.kept.structures.end(), is_it);
+        if (result.given[s].all)
+            context.warn(
+                {"W-PRI-001",
+                 "the structure lies wholly in others that come before it",
+                 {set.source, "", set.structures[s].name, "", brief(result.given[s].area_mm2) + " mm2"},
+                 "left out: there is nothing of it in the model; name it before them to keep it"});
+    }
     result.kept = on_all_slices(result.kept, set);
     if (result.kept.slices.size() == set.slices.size()) {
         ANATOMESH_TRY(result.kept.overlapping, overlapping_contours(set, rank, relations, context));

@@ -64,7 +64,7 @@ TEST(Priority, an_overlap_goes_to_the_structure_named_first) {
     EXPECT_EQ(first.given[0].slices, 0u);
     EXPECT_NEAR(area_of(second.kept, 0), 76, 1e-9);
     EXPECT_NEAR(area_of(second.kept, 1), 60, 1e-9);
-    EXPECT_NEAR(area_of(none.kept, 1), 36, 1e-9);
+    EXPECT_NEAR(area_of(none.kept, 1), 60, 1e-9) << "the smaller one";
     EXPECT_TRUE(first.kept.exclusive);
 }
 
@@ -111,7 +111,25 @@ TEST(Priority, a_structure_wholly_inside_one_before_it_is_left_out_and_said) {
     ASSERT_TRUE(result.ok());
     EXPECT_EQ(result.value().kept.structures.size(), 1u);
     ASSERT_FALSE(context.warnings.empty());
-    EXPECT_EQ(context.warnings.front().code, "W-CON-001");
+    EXPECT_EQ(context.warnings.size(), 1u);
+    EXPECT_EQ(context.warnings.front().code, "W-PRI-001");
+    EXPECT_TRUE(result.value().given[1].all);
+    EXPECT_FALSE(result.value().given[0].all);
+}
+
+// A body's outline, drawn first, and what is drawn in it.
+TEST(Priority, of_structures_that_are_not_named_the_smaller_one_comes_first) {
+    const ContourSet set = kept({{0, square({0, 0}, {40, 40})},
+                                 {1, square({5, 5}, {15, 15})},
+                                 {2, square({8, 8}, {12, 12})},
+                                 {3, square({20, 20}, {24, 24})}});
+    const PriorityResult result = given(set, {3});
+    ASSERT_EQ(result.kept.structures.size(), 4u);
+    const std::vector<double> left{1600 - 100 - 16, 100 - 16, 16, 16};
+    for (std::uint32_t s = 0; s < 4; ++s) {
+        EXPECT_NEAR(area_of(result.kept, s), left[s], 1e-9);
+        EXPECT_FALSE(result.given[s].all);
+    }
 }
 
 // Discs at random: areas add up to that of the union, whatever the order.
@@ -146,7 +164,7 @@ TEST(Priority, what_lies_in_another_one_stays_as_drawn_level_by_level) {
     const PriorityResult result = given(set, {2, 1});
     ASSERT_TRUE(result.kept.overlapping);
     const OverlappingContours& overlapping = *result.kept.overlapping;
-    EXPECT_EQ(overlapping.order, (std::vector<std::int32_t>{3, 2, 1, 4, 5}));
+    EXPECT_EQ(overlapping.order, (std::vector<std::int32_t>{3, 2, 4, 5, 1}));
     ASSERT_EQ(overlapping.levels.size(), 3u);
     EXPECT_EQ(overlapping.levels[0].structures.size(), 3u);
     EXPECT_TRUE(overlapping.levels[0].exclusive);

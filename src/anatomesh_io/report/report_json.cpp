@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
+#include "anatomesh_io/report/options_json.h"
+
 namespace anatomesh {
 
 namespace {
@@ -47,11 +49,9 @@ Json inputs_json(std::vector<InputReport> inputs) {
     return list;
 }
 
-Json options_json(const ModelReport& report) {
-    Json options = Json::object();
-    for (const auto& [name, value] : report.options) {
-        if (name != "threads") options[name] = value;
-    }
+Json options_but_threads(const ModelReport& report) {
+    Json options = options_json(report.options);
+    options.erase("threads");
     return options;
 }
 
@@ -282,7 +282,7 @@ std::string report_json(const ModelReport& report) {
         {"format_version", 1},
         {"versions", std::move(versions)},
         {"inputs", inputs_json(report.inputs)},
-        {"options", options_json(report)},
+        {"options", options_but_threads(report)},
         {"space", report.space},
         {"unit", report.unit},
         {"rules", {{"holes", report.hole_rule}, {"end_caps", report.end_caps}}},

@@ -65,7 +65,9 @@ TEST(ReportJson, is_valid_against_its_schema) {
     }
     const std::filesystem::path file =
         std::filesystem::path(::testing::TempDir()) / "anatomesh_report_test.json";
-    std::ofstream(file) << report_json(Sample().report);
+    Sample sample;
+    for (const char* name : {"1", "2"}) sample.report.options.emplace_back("structure", name);
+    std::ofstream(file) << report_json(sample.report);
     const std::string script = std::string(ANATOMESH_SOURCE_DIR) + "/tests/formats/report_schema_test.py";
     EXPECT_EQ(std::system((python + " '" + script + "' '" + file.string() + "'").c_str()), 0);
 
@@ -91,6 +93,14 @@ TEST(ReportJson, two_runs_differ_in_timing_alone) {
     a.erase("timing");
     b.erase("timing");
     EXPECT_EQ(a.dump(), b.dump());
+}
+
+TEST(ReportJson, an_option_that_was_repeated_has_all_its_values) {
+    Sample sample;
+    for (const char* name : {"GTV", "CTV", "PTV1"}) sample.report.options.emplace_back("priority", name);
+    const auto options = nlohmann::ordered_json::parse(report_json(sample.report))["options"];
+    EXPECT_EQ(options["priority"], nlohmann::ordered_json({"GTV", "CTV", "PTV1"}));
+    EXPECT_TRUE(options[sample.report.options[0].first].is_string());
 }
 
 TEST(ReportJson, what_is_not_known_is_null) {
