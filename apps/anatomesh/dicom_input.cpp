@@ -149,6 +149,17 @@ Result<OpenedInput> open_dicom(const InputOptions& options, RunContext& context)
     return opened;
 }
 
+void warn_of_absent_images(const InputOptions& options, RunContext& context) {
+    RunContext apart;  // all else is said as the contours are read
+    const auto folder = read_dicom_folder(options.input, folder_options(options), apart);
+    if (!folder.ok() || !choose_dicom(folder.value(), "", apart).ok()) return;
+    for (Warning& warning : apart.warnings) {
+        if (warning.code != "W-DCM-018") continue;
+        warning.place.file = options.input;
+        context.warn(std::move(warning));
+    }
+}
+
 Result<DicomSource> output_source(const InputOptions& options, const std::optional<DicomSource>& source,
                                   RunContext& context) {
     if (source) return *source;

@@ -14,6 +14,9 @@ namespace anatomesh {
 // Errors and warnings: those of the DICOM readers.
 Result<OpenedInput> open_dicom(const InputOptions& options, RunContext& context);
 
+// Of an RTSTRUCT that is given alone: warns W-DCM-018 when it refers to images.
+void warn_of_absent_images(const InputOptions& options, RunContext& context);
+
 // The study that DICOM outputs belong to: that of the input, if it has one.
 Result<DicomSource> output_source(const InputOptions& options, const std::optional<DicomSource>& source,
                                   RunContext& context);

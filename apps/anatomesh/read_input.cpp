@@ -511,6 +511,7 @@ Result<OpenedInput> open_input(const InputOptions& options, RunContext& context)
     }
     if (kind == FileKind::dicom || kind == FileKind::dicom_segmentation) return open_dicom(options, context);
     if (is_image(kind)) return open_image(options, kind, context);
+    if (kind == FileKind::dicom_rtstruct) warn_of_absent_images(options, context);
     if (is_contour_file(kind)) return open_contours(options, kind, false, context);
     return Error{
         ErrorKind::input,

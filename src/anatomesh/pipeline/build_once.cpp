@@ -378,9 +378,10 @@ class Builder {
     }
 
     CrumbStats give_crumbs(std::span<const std::uint8_t> given) {
-        // Of outlines beside each other on parallel planes what is between several is a wedge, whose cells
-        // would be no better.
-        const bool may_be_between = contours_.overlapping || !is_parallel(contours_);
+        // Of outlines beside each other on parallel planes, each with its own, what is between several is a
+        // wedge, whose cells would be no better.
+        const bool gave_overlaps = contours_.exclusive && contours_.drawn;
+        const bool may_be_between = gave_overlaps || contours_.overlapping || !is_parallel(contours_);
         const RegionTable* table = may_be_between ? &mesh_->registry().table() : nullptr;
         return give_crumbs_away(model_.mesh, neighbors_, given,
                                 {crumb_share * std::pow(sample_->stats.size_mm, 3)}, context_.threads, table);
@@ -648,6 +649,7 @@ class Builder {
         measure_model(input, context_, report());
         ANATOMESH_CHECK_STATUS(end_stage("certificate", 1.0));
         warn_of_model(report(), sample_->stats.size_mm, contours_.source, context_);
+        warn_of_overlaps(model_.mesh, model_.regions, model_.structures, contours_.source, context_);
         // Alone, a structure that tapers fast has another volume than its areas tell, and rightly.
         if (contours_.exclusive) warn_of_volumes(volumes_, model_.structures, contours_.source, context_);
         look_for_tears();

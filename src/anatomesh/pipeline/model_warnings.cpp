@@ -1,11 +1,15 @@
 #include "anatomesh/pipeline/model_warnings.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/number_text.h"
+#include "anatomesh/mesh/quality.h"
 
 namespace anatomesh {
 
@@ -223,6 +227,41 @@ void warn_of_model(const ModelReport& report, double size_mm, const std::string&
     warn_of_joints(report, size_mm, file, context);
     warn_of_difference(report, size_mm, file, context);
     warn_of_flat_cells(report, file, context);
+}
+
+void warn_of_overlaps(const TetMesh& mesh, const RegionTable& regions, std::span<const Structure> structures,
+                      const std::string& file, RunContext& context) {
+    std::vector<double> volumes(regions.members.size(), 0), of_structure(structures.size(), 0);
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+        const Cell& v = mesh.cells[c];
+        volumes[mesh.regions[c]] +=
+            signed_volume(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]);
+    }
+    std::map<std::pair<std::uint32_t, std::uint32_t>, double> common;
+    for (std::size_t r = 0; r < volumes.size(); ++r) {
+        const std::vector<std::uint32_t>& members = regions.members[r];
+        for (std::size_t n = 0; n < members.size(); ++n) {
+            of_structure[members[n]] += volumes[r];
+            for (std::size_t m = 0; m < n; ++m) common[{members[m], members[n]}] += volumes[r];
+        }
+    }
+    std::erase_if(common, [](const auto& pair) { return !(pair.second > 0); });
+    if (common.empty()) return;
+    const auto& [pair, volume] = *std::max_element(
+        common.begin(), common.end(), [](const auto& p, const auto& q) { return p.second < q.second; });
+    const auto name = [&](std::uint32_t s) {
+        return structures[s].name.empty() ? std::to_string(structures[s].number) : structures[s].name;
+    };
+    const auto [smaller, larger] =
+        of_structure[pair.second] < of_structure[pair.first] ? std::pair(pair.second, pair.first) : pair;
+    context.warn(
+        {"W-PIP-015",
+         counted(common.size(), "pair") + " of structures " +
+             (common.size() == 1 ? "overlaps" : "overlap; the one that has most in common is named"),
+         {file, "", name(smaller) + " and " + name(larger), "",
+          brief(volume) + " mm3, " + brief(100 * volume / of_structure[smaller]) + " % of " + name(smaller)},
+         "kept whole, both: what they have in common is a region of its own; --priority gives it to "
+         "one"});
 }
 
 void warn_of_thin_structures(const ContourSet& contours, const std::vector<double>& thickness, double size_mm,

@@ -10,6 +10,7 @@
 #include "anatomesh/contour/contour_set.h"
 #include "anatomesh/field/structure_field.h"
 #include "anatomesh/measure/report.h"
+#include "anatomesh/mesh/tet_mesh.h"
 #include "anatomesh/pipeline/attempts.h"
 
 namespace anatomesh {
@@ -29,6 +30,11 @@ void warn_of_model(const ModelReport& report, double size_mm, const std::string&
 // from a structure there, or gives it more than is drawn. Nothing is said where planes are not parallel.
 void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const Structure> structures,
                      const std::string& file, RunContext& context);
+
+// Of a model, W-PIP-015: structures that overlap, and what both have, as volumes of the mesh; the pair that
+// has most is named. Requires: as measure_model(). O(cells)
+void warn_of_overlaps(const TetMesh& mesh, const RegionTable& regions, std::span<const Structure> structures,
+                      const std::string& file, RunContext& context);
 
 // Below so many edge lengths a mean thickness is warned of.
 inline constexpr double thin_sizes = 0.8;

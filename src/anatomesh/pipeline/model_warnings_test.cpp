@@ -146,5 +146,40 @@ TEST(ModelWarnings, a_model_built_again_says_why_and_how) {
     EXPECT_EQ(sought_by(NextTry::finer, outcome), "a shorter edge length for the sake of torn walls");
 }
 
+// Single tetrahedra in a row, each of a region.
+TEST(ModelWarnings, C11_structures_that_overlap_are_told_with_the_volume_of_both) {
+    TetMesh mesh;
+    const auto add = [&](double x, double size, Region region) {
+        const auto first = static_cast<std::uint32_t>(mesh.points.size());
+        for (const Vec3 p : {Vec3{0, 0, 0}, Vec3{size, 0, 0}, Vec3{0, size, 0}, Vec3{0, 0, size}})
+            mesh.points.push_back(Vec3{x, 0, 0} + p);
+        mesh.cells.push_back({first, first + 1, first + 2, first + 3});
+        mesh.regions.push_back(region);
+    };
+    const std::vector<Structure> structures{{1, "liver", {}}, {2, "", {}}, {3, "rib", {}}};
+    RegionTable regions{{{}, {0}, {0, 1}, {1}, {2}, {0, 2}}};
+    add(0, 2, 1);
+    add(3, 1, 3);
+    add(6, 1, 4);
+    RunContext apart;
+    warn_of_overlaps(mesh, regions, structures, "file", apart);
+    EXPECT_TRUE(apart.warnings.empty());
+    add(9, 1, 2);
+    RunContext context;
+    warn_of_overlaps(mesh, regions, structures, "file", context);
+    ASSERT_EQ(context.warnings.size(), 1u);
+    EXPECT_EQ(context.warnings[0].code, "W-PIP-015");
+    EXPECT_EQ(context.warnings[0].place.structure, "2 and liver");
+    EXPECT_EQ(context.warnings[0].place.value, "0.167 mm3, 50 % of 2");
+    EXPECT_NE(context.warnings[0].message.find("1 pair of"), std::string::npos);
+    add(12, 1, 5);
+    add(15, 1, 5);
+    RunContext more;
+    warn_of_overlaps(mesh, regions, structures, "file", more);
+    ASSERT_EQ(more.warnings.size(), 1u);
+    EXPECT_EQ(more.warnings[0].place.structure, "rib and liver");
+    EXPECT_NE(more.warnings[0].message.find("2 pairs of"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace anatomesh

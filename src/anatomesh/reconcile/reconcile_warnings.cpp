@@ -11,6 +11,8 @@ namespace anatomesh {
 namespace {
 
 constexpr std::size_t most_named_pairs = 10;
+// Of pairs: that differ by more, or by this share of the bound.
+constexpr double named_mm = 0.5, named_share = 0.05;
 constexpr double least_named_change_mm = 0.1;  // of a contour that moving did not bring to agree
 constexpr double outlier_mm = 2,
                  outlier_factor = 4;  // of a slice's median disagreement, and over that of all
@@ -262,7 +264,7 @@ class Warner {
         const auto figure = [](const PairDisagreement& pair) {
             return std::max(pair.max_mm, pair.difference_mm);
         };
-        const auto named = largest(figure, std::max(1.0, 0.1 * options_.max_disagreement_mm));
+        const auto named = largest(figure, std::max(named_mm, named_share * options_.max_disagreement_mm));
         for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
             const PairDisagreement& pair = *named[n];
             context_.warn({"W-RCN-003",
