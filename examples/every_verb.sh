@@ -10,7 +10,7 @@ mkdir -p "$folder"
 # What is in the file?
 "$program" info "$here/organ_and_tumour.json"
 
-# A model of both structures, which overlap, with its surface, its contours and a page to look at.
+# A model of both structures, which overlap (a warning says how much), with its surface, its contours and a page to look at.
 "$program" model "$here/organ_and_tumour.json" -o "$folder/both.vtu" --surface "$folder/both.stl" \
     --contours "$folder/both.contours.json" --html "$folder/both.html"
 
