@@ -332,7 +332,8 @@ void ParallelField::warn_about_ambiguities(const ContourSet& set, RunContext& co
                       "which becomes which is ambiguous",
                       {set.source, name(worst_pair.below) + " and " + name(worst_pair.above),
                        structure_text(set.structures[s]), "", value},
-                      "joined where they overlap, as seen along the normal; draw a slice between the two"});
+                      "joined as their overlaps suggest, not every two that overlap; look at the pieces, or draw a slice "
+                      "between the two"});
     }
 }
 

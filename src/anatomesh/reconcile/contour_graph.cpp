@@ -45,6 +45,26 @@ ContourGraph make_contour_graph(const ContourSet& set) {
     return graph;
 }
 
+std::vector<bool> points_that_stay(const ContourSet& set, const ContourGraph& graph) {
+    std::vector<std::uint32_t> degree(graph.point_of_node.size(), 0), order(set.points.size());
+    for (const auto& segment : graph.segments) {
+        for (const std::uint32_t node : segment) ++degree[node];
+    }
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) {
+        return lexicographic_less(set.points[p], set.points[q]);
+    });
+    std::vector<bool> stays(set.points.size(), false);
+    for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
+        const std::uint32_t node = graph.node_of_point[order[first]];
+        bool stay = degree[node] > 2;
+        for (; last < order.size() && set.points[order[last]] == set.points[order[first]]; ++last)
+            stay = stay || graph.node_of_point[order[last]] != node;  // another slice's
+        for (std::size_t n = first; n < last; ++n) stays[order[n]] = stay;
+    }
+    return stays;
+}
+
 EndPlaces place_ends(const ContourSet& set, const ContourGraph& graph,
                      std::span<const LineComparison> comparisons) {
     struct Found {

@@ -26,6 +26,10 @@ struct ContourGraph {
 // O(n log n).
 ContourGraph make_contour_graph(const ContourSet& set);
 
+// Per point of the set, whether it stays where one slice's contours are moved: where several slices have it,
+// and where the contours of its slice branch. O(n log n).
+std::vector<bool> points_that_stay(const ContourSet& set, const ContourGraph& graph);
+
 // A place of the graph: a node, or a place inside a segment.
 struct GraphPlace {
     std::uint32_t node = no_node;  // no_node: inside the segment

@@ -269,7 +269,7 @@ class Settler {
     FlankStats run() {
         const std::vector<Axis> axes = find_axes(set_);
         if (axes.empty()) return {};
-        find_stays();
+        stays_ = points_that_stay(set_, graph_);
         moved_.assign(graph_.point_of_node.size(), Vec3{});
         put_in_.resize(graph_.segments.size());
         for (const Axis& axis : axes) {
@@ -289,28 +289,6 @@ class Settler {
         Vec3 at, was;
         double by_mm = 0;
     };
-
-    void find_stays() {
-        std::vector<std::uint32_t> degree(graph_.point_of_node.size(), 0), order(set_.points.size());
-        for (const auto& segment : graph_.segments) {
-            for (const std::uint32_t node : segment) ++degree[node];
-        }
-        stays_.assign(set_.points.size(), false);
-        for (std::uint32_t k = 0; k < order.size(); ++k) {
-            order[k] = k;
-            stays_[k] = degree[graph_.node_of_point[k]] > 2;
-        }
-        std::sort(order.begin(), order.end(), [&](std::uint32_t p, std::uint32_t q) {
-            return lexicographic_less(set_.points[p], set_.points[q]);
-        });
-        const auto slice_of = [&](std::uint32_t k) { return graph_.slice_of_node[graph_.node_of_point[k]]; };
-        for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
-            bool stays = false;
-            for (; last < order.size() && set_.points[order[last]] == set_.points[order[first]]; ++last)
-                stays |= slice_of(order[last]) != slice_of(order[first]);
-            for (std::size_t n = first; stays && n < last; ++n) stays_[order[n]] = true;
-        }
-    }
 
     // What moved enough, of contours that no structure before has moved there.
     void take(const std::vector<HalfPlane>& halves) {

@@ -72,8 +72,7 @@ class Settler {
     }
 
   private:
-    // The points of all contours by place, and in what places they stay: where several slices have them, and
-    // where the contours of a slice branch.
+    // The points of all contours by place.
     void find_places() {
         for (std::uint32_t c = 0; c < set_.contours.size(); ++c) {
             const Contour& contour = set_.contours[c];
@@ -84,22 +83,11 @@ class Settler {
             if (p.at != q.at) return lexicographic_less(p.at, q.at);
             return std::pair(p.structure, p.point) < std::pair(q.structure, q.point);
         });
-        std::vector<std::uint32_t> degree(graph_.point_of_node.size(), 0);
-        for (const auto& segment : graph_.segments) {
-            for (const std::uint32_t node : segment) ++degree[node];
-        }
-        stays_.assign(set_.points.size(), false);
-        for (std::size_t first = 0; first < visits_.size();) {
-            std::size_t last = first;
-            bool stays = false;
-            for (; last < visits_.size() && visits_[last].at == visits_[first].at; ++last) {
-                stays = stays || visits_[last].slice != visits_[first].slice ||
-                        degree[graph_.node_of_point[visits_[last].point]] > 2;
-            }
+        for (std::size_t first = 0, last = 0; first < visits_.size(); first = last) {
+            while (last < visits_.size() && visits_[last].at == visits_[first].at) ++last;
             places_.push_back(std::span(visits_).subspan(first, last - first));
-            for (const Visit& visit : places_.back()) stays_[visit.point] = stays;
-            first = last;
         }
+        stays_ = points_that_stay(set_, graph_);
     }
 
     // The direction of the line that the planes of all visits share.
