@@ -14,9 +14,7 @@
 #include "anatomesh/cut/crumbs.h"
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
-#include "anatomesh/field/crossed_field.h"
 #include "anatomesh/field/parallel_field.h"
-#include "anatomesh/field/sweep.h"
 #include "anatomesh/field/volume.h"
 #include "anatomesh/improve/balance_volumes.h"
 #include "anatomesh/improve/improve.h"
@@ -31,6 +29,7 @@
 #include "anatomesh/pipeline/contour_pieces.h"
 #include "anatomesh/pipeline/contradicted_places.h"
 #include "anatomesh/pipeline/followed_contours.h"
+#include "anatomesh/pipeline/how_planes_lie.h"
 #include "anatomesh/pipeline/ill_shaped_cells.h"
 #include "anatomesh/pipeline/improve_figures.h"
 #include "anatomesh/pipeline/labelled_mesh.h"
@@ -77,13 +76,8 @@ constexpr std::array<RecoveryBounds, 3> recovery_bounds{{{0.003, 0.1}, {0.001, 0
 constexpr std::size_t few_pieces = 10;
 // Of a label map, slices far apart against its voxels lack more pieces, where structures meet.
 constexpr std::size_t last_few_of_labels = 40;
-constexpr double most_dense = 3;  // as plane_density() has it: more are left as they come first
-// Between dense planes pieces of contours are so many and so near to each other that splitting all for each
-// other's sake, and bringing back what is missing, costs a hundred times the rest; but not where there are
-// few.
-constexpr std::size_t few_points = 5000;
-// There contours leave few vertices of the surface free: more points between them are needed to make the
-// volume right, and a surface so far from the field's, in sizes, is one of bumps and pits.
+// Between dense planes contours leave few vertices of the surface free: more points between them are needed
+// to make the volume right, and a surface so far from the field's, in sizes, is one of bumps and pits.
 constexpr double dense_deviation = 0.03;  // as surface_deviation
 constexpr double most_astray = 0.3;
 // Radius-edge ratio inside: 0.95 is asked for, and what comes after the last smoothing takes a little of it.
@@ -126,13 +120,14 @@ class Builder {
     bool conforming() const { return conforming_; }
     // Whether that was done between dense planes, and bumps or pits came of it.
     bool went_astray() const {
-        return conforming_ && dense_ && report_so_far().field_distance.max_mm > most_astray * size_mm();
+        return conforming_ && planes_.dense &&
+               report_so_far().field_distance.max_mm > most_astray * size_mm();
     }
     // Contour segments that were, whether their contours follow the surface now or not.
     std::uint64_t segments_missed() const { return segments_missed_; }
     std::uint64_t drawn_segments() const { return source_.points.size(); }
     // Whether slices contradict those that they cross, or it was not looked at.
-    bool is_contradicted() const { return !apart_ && (!meets_cuts_ || !contradicted_.empty()); }
+    bool is_contradicted() const { return !planes_.apart && (!planes_.meet_cuts || !contradicted_.empty()); }
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
     bool spared_shapes() const { return spared_ || recovered_ || (pieces_ && pieces_->are_short()); }
 
@@ -173,18 +168,11 @@ class Builder {
         }
         warnings_of_field_ = context_.warnings.size();
         report().slice_spacing_mm = field_->slice_spacing();
-        const double density = plane_density(contours_, *field_);
-        dense_ = density > 1;
-        crammed_ = density > most_dense || (dense_ && contours_.points.size() > options_.spare_dense_above);
-        spared_ = crammed_ && tries_before_ == 0 && !size_given_;
-        is_too_dense_to_conform_ = dense_ && contours_.points.size() > few_points;
-        apart_ = is_parallel(contours_) || Sweep::of(contours_);
+        planes_ = how_planes_lie(contours_, *field_, options_.spare_dense_above);
+        spared_ = planes_.crammed && tries_before_ == 0 && !size_given_;
         slices_ = slices_that_tell(contours_, field_->flat_ends());
-        // A few planes across a stack come near to others only where they cross them: vertices for cuts there
-        // cost shapes of cells (seven above ratio 4 in a ball) and, where they contradict it, handles.
-        meets_cuts_ = !apart_ && !crammed_ && !is_too_dense_to_conform_ && !stack_and_crossing(contours_);
-        if (meets_cuts_) contradicted_ = contradicted_places(contours_, slices_.weights, context_);
-        conforming_ = may_conform_ && !crammed_ && !is_too_dense_to_conform_ && !apart_;
+        if (planes_.meet_cuts) contradicted_ = contradicted_places(contours_, slices_.weights, context_);
+        conforming_ = may_conform_ && planes_.may_conform;
         return end_stage("field", 0.05);
     }
 
@@ -192,7 +180,7 @@ class Builder {
         SampleOptions options;
         options.size_mm = options_.size_mm;
         options.conforming = conforming_;
-        options.apart = apart_;
+        options.apart = planes_.apart;
         if (spared_) options.growth = dense_growth;
         ANATOMESH_TRY(sample_, sample_points(contours_, *field_, options, context_));
         const SampleStats& stats = sample_->stats;
@@ -233,9 +221,9 @@ class Builder {
         for (const SegmentPiece& piece : sample_->pieces) {
             pieces.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
         }
-        ContourPieceOptions options{sample_->stats.size_mm, spared_,
-                                    dense_ && !crammed_,    conforming_,
-                                    sample_->graded,        tries_before_ == 0};
+        ContourPieceOptions options{
+            sample_->stats.size_mm, spared_,           planes_.dense && !planes_.crammed, conforming_,
+            sample_->graded,        tries_before_ == 0};
         if (is_parallel(contours_) && contours_.exclusive) options.last_few = last_few_of_labels;
         pieces_.emplace(*mesh_, sample_->guard, *field_, std::move(pieces), options);
         given_.assign(mesh_->points().size(), 0);
@@ -256,13 +244,13 @@ class Builder {
 
     Status refine_cells() {
         const double size_mm = sample_->stats.size_mm;
-        const double deviation = conforming_ && dense_ ? dense_deviation : surface_deviation;
+        const double deviation = conforming_ && planes_.dense ? dense_deviation : surface_deviation;
         RefinementOptions options{
             size_mm,     options_.max_radius_edge, 0,         deviation * size_mm, spared_,
             conforming_, sample_->graded,          even_mean_, {}};
-        if (meets_cuts_) options.slices = {crossing_planes(), slices_.weights, contradicted_};
+        if (planes_.meet_cuts) options.slices = {crossing_planes(), slices_.weights, contradicted_};
         if (spared_) {
-            const double share = crowded_share * plane_density(contours_, *field_);
+            const double share = crowded_share * planes_.density;
             options.crowded_mm = std::min(share, most_crowded_share) * size_mm;
         }
         refinement_.emplace(*mesh_, *pieces_, sample_->guard, *field_, structures_, given_, options);
@@ -302,7 +290,7 @@ class Builder {
         std::optional<VertexStars> stars;
         ContourOwners owners;
         SlicePlanes slices{{}, {}, field_.get(), structures_};
-        if (meets_cuts_) slices.crossing = crossing_planes(), slices.weights = slices_.weights;
+        if (planes_.meet_cuts) slices.crossing = crossing_planes(), slices.weights = slices_.weights;
         PlanesOfStack planes;
         parallel_tasks(context_.threads,
                        {[&] { stars.emplace(mesh_->cells().cells, vertex_count, context_.threads); },
@@ -348,7 +336,7 @@ class Builder {
                         }});
         RecoverStats recovered;
         // Some ms each.
-        if (!crammed_ && !is_too_dense_to_conform_ && ill_shaped_before_ < recovery_bounds.size())
+        if (planes_.bear_all && ill_shaped_before_ < recovery_bounds.size())
             recovered = recover_pieces(unsound, relabelled);
         const ContourOwners owners = contour_owners(piece_list_, mesh.points.size());
         ANATOMESH_TRY(const SplitStats split,
@@ -743,14 +731,9 @@ class Builder {
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
     std::optional<ContourPieces> pieces_;         // of contour segments, in mesh_
     std::optional<RefinementRounds> refinement_;  // of mesh_
-    bool dense_ = false;  // the planes: closer than two thirds of the contours' vertices
-    bool crammed_ =
-        false;  // so much so, or so many, that all that can be done would take several times as long
-    bool is_too_dense_to_conform_ = false;         // see few_points
-    bool apart_ = false;                           // planes do not cross where something is drawn
+    HowPlanesLie planes_;
     bool conforming_ = false;                      // where planes cross: see SampleOptions
-    bool meets_cuts_ = false;                      // and its cells are made what is drawn in the planes
-    bool spared_ = false;                          // these, and the first try with a default size
+    bool spared_ = false;  // planes are crammed, and it is the first try with a default size
     std::vector<SegmentPiece> piece_list_;         // those of pieces_, and where the cut split them further
     std::vector<SegmentPiece> cut_pieces_;         // of those that the last step of the cut split
     std::vector<FollowedContour> followed_;        // by contour
@@ -760,7 +743,7 @@ class Builder {
     std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on
     std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling, by the cut too
     SlicesThatTell slices_;
-    std::vector<ContradictedPlace> contradicted_;  // where it is made so
+    std::vector<ContradictedPlace> contradicted_;  // where planes_.meet_cuts
     Model model_;
     ModelTears tears_;
     std::vector<std::pair<std::string, double>> figures_;  // of the stage under way
