@@ -176,7 +176,7 @@ class AxisSettler {
         const Vec2 a{from.along, from.from_line}, b{to.along, to.from_line};
         const double radius = options_.radius_mm;
         const bool is_flank = std::abs(b.y - a.y) <= steepest * std::abs(b.x - a.x) &&
-                              std::min(a.y, b.y) < radius && std::min(a.y, b.y) >= 0;
+                              std::min(a.y, b.y) < radius && std::min(a.y, b.y) > -same_line_mm;
         if (!is_flank) {
             half.segments.push_back({low, high});
             return;

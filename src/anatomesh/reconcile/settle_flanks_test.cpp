@@ -95,6 +95,28 @@ TEST(SettleFlanks, a_slit_and_a_fin_beside_the_line_go_as_far_as_they_are_sharp)
     }
 }
 
+// On it, or over it by rounding: it is a flank as any other.
+TEST(SettleFlanks, a_fin_that_begins_on_the_line_goes_too) {
+    const int half = 3;
+    const double angle = std::numbers::pi * half / planes;
+    const Vec3 out{std::cos(angle), std::sin(angle), 0};
+    for (const double end : {0.0, 1e-15, -1e-15}) {
+        ContourSet set = channel([&](int n) { return n == half ? 0.1 : 1.0; });
+        for (Vec3& p : set.points) {
+            if (p.z == 10 && std::abs(dot(p, out) - 0.1) < 1e-9) p = p + (end - dot(p, out)) * out;
+        }
+        const ContourSet before = set;
+        settle(set, before);
+        int between = 0;
+        for (const Vec3& p : set.points) {
+            if (p.z < 3.5 || p.z > 9.5) continue;
+            ++between;
+            EXPECT_GT(dot(p, out), 0.2);
+        }
+        EXPECT_GT(between, 0) << end;
+    }
+}
+
 TEST(SettleFlanks, slopes_over_several_planes_and_what_is_far_from_the_line_keep_their_bits) {
     const std::function<double(int)> shapes[] = {
         [](int) { return 0.1; }, [](int n) { return 0.5 + 0.3 * std::sin(n * std::numbers::pi / planes); },
