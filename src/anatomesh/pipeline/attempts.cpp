@@ -99,8 +99,8 @@ bool may_meet_all_clauses(const TryOutcome& outcome, std::size_t tries) {
 }
 
 bool meets_more_clauses(const TryOutcome& later, const TryOutcome& kept) {
-    return later.kept_contract && !later.lacks_contours && later.unmet < kept.unmet &&
-           later.untold <= kept.untold;
+    const bool lacks_no_more = !later.lacks_contours || (kept.lacks_contours && later.missed <= kept.missed);
+    return later.kept_contract && lacks_no_more && later.unmet < kept.unmet && later.untold <= kept.untold;
 }
 
 bool is_less_tangled(const TryOutcome& later, const TryOutcome& kept) {

@@ -98,8 +98,8 @@ inline constexpr std::array<double, 4> slightly_shorter{0.95, 0.9, 0.85, 0.8};
 bool is_tangled(const TryOutcome& outcome);
 // `tries`: so far. Not after many, nor where slices contradict each other: no model has all of them.
 bool may_meet_all_clauses(const TryOutcome& outcome, std::size_t tries);
-// Whether a later model than one that may meet all clauses meets more, has all contours, and is joined as
-// much as drawn.
+// Whether a later model than one that may meet all clauses meets more, has all contours, or, if that lacks
+// some, no fewer, and is joined as much as drawn.
 bool meets_more_clauses(const TryOutcome& later, const TryOutcome& kept);
 
 // Whether a later model has fewer such places than one that is tangled, and is no worse: it meets as many

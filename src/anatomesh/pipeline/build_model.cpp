@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/field/parallel_field.h"
@@ -28,6 +30,7 @@ constexpr std::array<double, Attempts::most_conforming> slightly_finer{0.9, 0.8,
 // Of a model with edges as short as walls between structures ask for, in place of one that is refused, and of
 // one that misses clauses.
 constexpr double most_cells_for_walls = 2.4e7, most_cells_for_better_walls = 4e6;
+constexpr double same_size = 0.01, hardly_shorter = 0.975;  // of edge lengths
 constexpr double most_of_all = 0.5;  // of what is drawn, by length, belongs to structures with such walls
 
 struct Made {
@@ -152,6 +155,7 @@ class Tries {
     BuiltOnce build(const StageObserver& observer) {
         BuiltOnce built = build_once(contours_, trial_, context_, observer, known_);
         known_ = built.known;
+        sizes_.push_back(built.size_mm);
         ++count_;
         return built;
     }
@@ -244,7 +248,7 @@ class Tries {
             const bool lacks_clauses = may_meet_all_clauses(best.made.outcome, tries);
             const bool untangles = tangled && share == slightly_shorter.front();
             if (!lacks_clauses && !untangles) break;
-            trial_.options.size_mm = share * first_mm;
+            trial_.options.size_mm = untried(share * first_mm);
             context_.warnings.resize(warnings_before_.value_or(known_.warnings));
             BuiltOnce other = build({});
             if (!other.model.ok() && other.model.error().kind == ErrorKind::cancelled)
@@ -266,6 +270,16 @@ class Tries {
         trial_ = best.trial;
         context_.warnings = std::move(best.warnings);
         return std::move(best.model);
+    }
+
+    // An edge length like this with which no model was built yet.
+    double untried(double size_mm) const {
+        const auto was_tried = [&](double size) {
+            return std::any_of(sizes_.begin(), sizes_.end(),
+                               [&](double tried) { return std::abs(tried - size) < same_size * size; });
+        };
+        while (was_tried(size_mm)) size_mm *= hardly_shorter;
+        return size_mm;
     }
 
     // So that the stages tell the time of all tries.
@@ -300,6 +314,7 @@ class Tries {
     std::optional<KeptModel> kept_;
     Made taken_;  // of the model to be returned
     std::size_t count_ = 0;
+    std::vector<double> sizes_;  // of all tries
     double first_size_mm_ = 0;  // of tries that conform, before slightly finer ones
     bool shown_is_another_ = false;
 };

@@ -70,9 +70,8 @@ constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
 struct RecoveryBounds {
     double most_more_bad, least_shape;
 };
-constexpr std::array<RecoveryBounds, 3> recovery_bounds{{{0.003, 0.1}, {0.001, 0.2}, {0.001, 0.4}}};
-// Pieces that the recovery leaves no shape untried for: about an axis, and where planes are not parallel at
-// the first try.
+constexpr std::array<RecoveryBounds, 3> recovery_bounds{{{0.003, 0.01}, {0.001, 0.2}, {0.001, 0.4}}};
+// Pieces that the recovery leaves no shape untried for: about an axis, and elsewhere at the first try.
 constexpr std::size_t few_pieces = 10;
 // Of a label map, slices far apart against its voxels lack more pieces, where structures meet.
 constexpr std::size_t last_few_of_labels = 40;
@@ -382,7 +381,7 @@ class Builder {
         for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
             held[vertices[n]] = 1;
         const RecoveryBounds& bounds = recovery_bounds[ill_shaped_before_];
-        const bool may_cost_shape = sample_->has_pole || (tries_before_ == 0 && !is_parallel(contours_));
+        const bool may_cost_shape = sample_->has_pole || tries_before_ == 0;
         RecoveredPieces recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},

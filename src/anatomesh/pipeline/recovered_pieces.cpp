@@ -19,11 +19,13 @@ namespace anatomesh {
 
 namespace {
 
-// Of cells, as in cavity.h.
-constexpr std::array<double, 6> least_shapes{0.99, 0.8, 0.6, 0.4, 0.2, 0.1};
+// Of cells, as in cavity.h. From the one of that number on only where few pieces are missing: a contour that
+// is a hundredth of a millimetre from itself has no better ones.
+constexpr std::array<double, 9> least_shapes{0.99, 0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01};
+constexpr std::size_t for_few = 5;
 constexpr double worth_splits = 0.2;          // from there on pieces are split that nothing else recovers,
 constexpr int most_splits = 5;                // each so often
-constexpr double worth_any_shape = 2e-4;      // of the pieces, if no more are missing: the last of the shapes
+constexpr double worth_any_shape = 2e-4;      // of the pieces: if no more are missing, they are few
 constexpr double most_more_forced = 0.03;     // a share of the cells inside
 constexpr double most_more_far_above = 2e-5;  // a share of the cells inside
 constexpr int most_attempts = 3;              // at a shape, without the pieces that cost too much
@@ -69,7 +71,7 @@ void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& cont
         const bool few = stats_.missing_after <= options_.few_missing ||
                          static_cast<double>(stats_.missing_after) <=
                              worth_any_shape * static_cast<double>(drawn_.pieces.size());
-        if (least_shapes[n] < options_.least_shape || (n + 1 == least_shapes.size() && !few)) return;
+        if (least_shapes[n] < options_.least_shape || (n >= for_few && !few)) return;
         options.least_shape = least_shapes[n];
         options.most_splits = least_shapes[n] <= worth_splits ? most_splits : 0;
         const auto before = std::make_tuple(mesh_, neighbors_, drawn_.pieces, sides_);
