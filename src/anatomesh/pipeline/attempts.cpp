@@ -100,7 +100,8 @@ bool may_meet_all_clauses(const TryOutcome& outcome, std::size_t tries) {
 
 bool meets_more_clauses(const TryOutcome& later, const TryOutcome& kept) {
     const bool lacks_no_more = !later.lacks_contours || (kept.lacks_contours && later.missed <= kept.missed);
-    return later.kept_contract && lacks_no_more && later.unmet < kept.unmet && later.untold <= kept.untold;
+    const bool joined_no_worse = later.untold <= kept.untold || later.tangles < kept.tangles;
+    return later.kept_contract && lacks_no_more && joined_no_worse && later.unmet < kept.unmet;
 }
 
 bool is_less_tangled(const TryOutcome& later, const TryOutcome& kept) {

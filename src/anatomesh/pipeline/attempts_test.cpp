@@ -267,13 +267,18 @@ TEST(Attempts, OneThatHasTheContoursIsTakenUnlessItIsJoinedOtherwise) {
     EXPECT_TRUE(meets_more_clauses(later, kept));
     later.untold = 1;
     EXPECT_FALSE(meets_more_clauses(later, kept)) << "joined otherwise than drawn";
+    later.tangles = kept.tangles - 1;
+    EXPECT_TRUE(meets_more_clauses(later, kept)) << "elsewhere less than before";
     later.untold = 0;
+    later.tangles = kept.tangles;
     later.kept_contract = false;
     EXPECT_FALSE(meets_more_clauses(later, kept));
     kept.unmet = 2;
     later = kept;
     later.unmet = 1;
-    EXPECT_FALSE(meets_more_clauses(later, kept)) << "it lacks contours still";
+    EXPECT_TRUE(meets_more_clauses(later, kept)) << "it lacks no more contours";
+    later.missed = kept.missed + 1e-4;
+    EXPECT_FALSE(meets_more_clauses(later, kept)) << "it lacks more";
 }
 
 TEST(Attempts, AModelOfWhichContoursDoNotTellAllIsTangled) {
