@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -78,8 +79,13 @@ std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& descrip
         done.steps.emplace_back("slices that cross were made to agree (reconcile 1)");
     }
     if (const std::vector<std::string> names = options_of(description, "priority"); !names.empty()) {
-        const auto order = find_in_order(done.kept.structures, names, "");
-        if (!order.ok()) return std::nullopt;
+        // Some may not be among these.
+        std::vector<std::string> here;
+        std::copy_if(names.begin(), names.end(), std::back_inserter(here), [&](const std::string& name) {
+            return find_in_order(done.kept.structures, {name}, "").ok();
+        });
+        const auto order = find_in_order(done.kept.structures, here, "");
+        if (here.empty() || !order.ok()) return std::nullopt;
         Result<PriorityResult> given = give_overlaps(done.kept, order.value(), apart);
         if (!given.ok()) return std::nullopt;
         const std::vector<GivenOverlap>& overlaps = given.value().given;

@@ -307,8 +307,9 @@ Status give_to_first(InputContours& contours, const ModelVerbOptions& options, R
     if (options.priority.empty()) return Nothing{};
     ANATOMESH_TRY(const std::vector<std::uint32_t> order,
                   find_in_order(contours.kept.structures, options.priority, options.input.input));
-    for (const std::string& name : options.priority) contours.options.emplace_back("priority", name);
     ANATOMESH_TRY(PriorityResult result, give_overlaps(contours.kept, order, context));
+    for (const std::uint32_t s : result.order)
+        contours.options.emplace_back("priority", unique_text(contours.kept.structures, s));
     if (std::all_of(result.given.begin(), result.given.end(),
                     [](const auto& given) { return given.slices == 0; }))
         context.warn({"W-CMD-007",
@@ -322,7 +323,7 @@ Status give_to_first(InputContours& contours, const ModelVerbOptions& options, R
              "the structure overlaps others, which keep what they have in common",
              {options.input.input, "", contours.kept.structures[s].name, "",
               fmt::format("{:.4g} mm2 on {} slices", result.given[s].area_mm2, result.given[s].slices)},
-             "taken from it, as --priority says"});
+             "taken from it; --priority names what comes first, and of the others the smaller one does"});
     }
     contours.kept = std::move(result.kept);
     if (contours.kept.overlapping) contours.options.emplace_back("overlaps", "nested");

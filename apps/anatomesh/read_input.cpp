@@ -588,6 +588,14 @@ Result<std::vector<std::uint32_t>> find_in_order(const std::vector<Structure>& a
     return order;
 }
 
+std::string unique_text(const std::vector<Structure>& all, std::uint32_t structure) {
+    const Structure& own = all[structure];
+    const auto has_name = [&](const Structure& each) { return each.name == own.name; };
+    return own.name.empty() || std::count_if(all.begin(), all.end(), has_name) > 1
+               ? fmt::format("{}", own.number)
+               : own.name;
+}
+
 ContourSet every_nth_slice(const ContourSet& set, std::uint32_t every, std::uint32_t offset) {
     std::vector<std::uint32_t> slices;
     for (std::size_t s = offset; s < set.slices.size(); s += every)

@@ -73,6 +73,9 @@ Result<std::vector<std::uint32_t>> find_in_order(const std::vector<Structure>& a
                                                  const std::vector<std::string>& wanted,
                                                  const std::string& file);
 
+// A structure's name where no other one has it, else its number: what find_structures() finds it by.
+std::string unique_text(const std::vector<Structure>& all, std::uint32_t structure);
+
 // The slices offset, offset + every, ... of a set of parallel slices. Requires: a kept set; every >= 1.
 ContourSet every_nth_slice(const ContourSet& set, std::uint32_t every, std::uint32_t offset);
 

@@ -16,6 +16,7 @@ namespace anatomesh {
 
 namespace {
 
+constexpr std::uint32_t no_slice = 0xFFFFFFFFu;
 constexpr double sliver_width_mm = 1e-3;
 constexpr std::size_t most_edges = 20'000'000;
 constexpr double least_given_mm2 = 1e-6;  // on a slice
@@ -156,30 +157,34 @@ class SlicePartition {
     std::vector<Face> owners_;  // per winding
 };
 
-// By structure, over all slices.
-std::vector<double> drawn_areas(const ContourSet& set) {
+// By structure, of the slices that draw it.
+std::vector<double> mean_areas(const ContourSet& set) {
     std::vector<double> areas(set.structures.size(), 0);
+    std::vector<std::uint32_t> slices(set.structures.size(), 0), last(set.structures.size(), no_slice);
     for (const Contour& contour : set.contours) {
+        // Those of a slice come one after the other.
+        slices[contour.structure] += last[contour.structure] != contour.slice;
+        last[contour.structure] = contour.slice;
         const std::span<const Vec3> points = set.points_of(contour);
         Vec3 twice;
         for (std::size_t n = 2; n < points.size(); ++n)
             twice += cross(points[n - 1] - points[0], points[n] - points[0]);
         areas[contour.structure] += 0.5 * dot(twice, set.slices[contour.slice].plane.normal);
     }
+    for (std::size_t s = 0; s < areas.size(); ++s) areas[s] /= std::max(1u, slices[s]);
     return areas;
 }
 
-std::vector<std::uint32_t> ranks_of(const std::vector<std::uint32_t>& order, const ContourSet& set) {
-    const std::vector<double> areas = drawn_areas(set);
+// All structures, those of `order` first.
+std::vector<std::uint32_t> whole_order(const std::vector<std::uint32_t>& order, const ContourSet& set) {
+    const std::vector<double> areas = mean_areas(set);
     std::vector<std::uint32_t> all = order;
     for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
         if (std::find(order.begin(), order.end(), s) == order.end()) all.push_back(s);
     }
     std::stable_sort(all.begin() + static_cast<std::ptrdiff_t>(order.size()), all.end(),
                      [&](std::uint32_t s, std::uint32_t t) { return areas[s] < areas[t]; });
-    std::vector<std::uint32_t> rank(all.size());
-    for (std::uint32_t r = 0; r < all.size(); ++r) rank[all[r]] = r;
-    return rank;
+    return all;
 }
 
 // The slices of `part` among those of `whole`, of which it has some, in the same order; the others empty.
@@ -333,8 +338,10 @@ Result<ContourSet> given_on_slices(const ContourSet& set, const std::vector<std:
 
 Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<std::uint32_t>& order,
                                      RunContext& context) {
-    const std::vector<std::uint32_t> rank = ranks_of(order, set);
     PriorityResult result;
+    result.order = whole_order(order, set);
+    std::vector<std::uint32_t> rank(result.order.size());
+    for (std::uint32_t r = 0; r < rank.size(); ++r) rank[result.order[r]] = r;
     result.given.resize(set.structures.size());
     Relations relations(set.structures.size());
     ANATOMESH_TRY(result.kept, given_on_slices(set, rank, result.given, &relations, context));
@@ -343,11 +350,12 @@ Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<st
         result.given[s].all =
             std::none_of(result.kept.structures.begin(), result.kept.structures.end(), is_it);
         if (result.given[s].all)
-            context.warn(
-                {"W-PRI-001",
-                 "the structure lies wholly in others that come before it",
-                 {set.source, "", set.structures[s].name, "", brief(result.given[s].area_mm2) + " mm2"},
-                 "left out: there is nothing of it in the model; name it before them to keep it"});
+            context.warn({"W-PRI-001",
+                          "the structure lies wholly in others that come before it",
+                          {set.source, "", set.structures[s].name, "",
+                           brief(result.given[s].area_mm2) + " mm2 on " +
+                               std::to_string(result.given[s].slices) + " slices"},
+                          "left out: there is nothing of it in the model; name it before them to keep it"});
     }
     result.kept = on_all_slices(result.kept, set);
     if (result.kept.slices.size() == set.slices.size()) {

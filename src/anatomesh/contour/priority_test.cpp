@@ -18,10 +18,16 @@ Polygon square(Vec2 low, Vec2 high) {
     return {low, {high.x, low.y}, high, {low.x, high.y}};
 }
 
-// Drawn on one axial slice, structure by structure.
-ContourSet kept(const std::vector<std::pair<std::uint32_t, Polygon>>& drawn) {
+struct Drawn {
+    std::uint32_t structure;
+    Polygon polygon;
+    double z = 5;
+};
+
+// Drawn on axial slices, structure by structure.
+ContourSet kept(const std::vector<Drawn>& drawn) {
     RawContours raw;
-    for (const auto& [structure, polygon] : drawn) {
+    for (const auto& [structure, polygon, z] : drawn) {
         while (raw.structures.size() <= structure) {
             const auto number = static_cast<std::int32_t>(raw.structures.size()) + 1;
             raw.structures.push_back({number, "S" + std::to_string(number), {}});
@@ -31,7 +37,7 @@ ContourSet kept(const std::vector<std::pair<std::uint32_t, Polygon>>& drawn) {
         contour.first_point = static_cast<std::uint32_t>(raw.points.size());
         contour.point_count = static_cast<std::uint32_t>(polygon.size());
         raw.contours.push_back(contour);
-        for (const Vec2 q : polygon) raw.points.push_back({q.x, q.y, 5});
+        for (const Vec2 q : polygon) raw.points.push_back({q.x, q.y, z});
     }
     RunContext context;
     return clean_contours(raw, {}, context).value().kept;
@@ -132,16 +138,26 @@ TEST(Priority, of_structures_that_are_not_named_the_smaller_one_comes_first) {
     }
 }
 
+// A lesion on every slice of an organ that is drawn on every eighth: more area in all, and the smaller one.
+TEST(Priority, the_smaller_one_is_so_on_its_slices) {
+    std::vector<Drawn> drawn{{0, square({0, 0}, {10, 10}), 0}};
+    for (int z = 0; z < 8; ++z) drawn.push_back({1, square({3, 3}, {7, 7}), static_cast<double>(z)});
+    const PriorityResult result = given(kept(drawn), {});
+    EXPECT_EQ(result.order, (std::vector<std::uint32_t>{1, 0}));
+    EXPECT_NEAR(area_of(result.kept, 1), 8 * 16, 1e-9);
+    EXPECT_NEAR(result.given[0].area_mm2, 16, 1e-9);
+}
+
 // Discs at random: areas add up to that of the union, whatever the order.
 TEST(Priority, nothing_is_lost_and_nothing_is_twice) {
-    std::vector<std::pair<std::uint32_t, Polygon>> drawn;
+    std::vector<Drawn> drawn;
     for (std::uint32_t s = 0; s < 5; ++s) {
         Polygon polygon;
         for (int i = 0; i < 40; ++i) {
             const double a = 2 * std::acos(-1.0) * i / 40 + 0.1 * s;
             polygon.push_back(Vec2{3.1 * s, 1.7 * (s % 3)} + (5 + 0.3 * s) * Vec2{std::cos(a), std::sin(a)});
         }
-        drawn.emplace_back(s, polygon);
+        drawn.push_back({s, polygon});
     }
     const ContourSet set = kept(drawn);
     double all = 0;

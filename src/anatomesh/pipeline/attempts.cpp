@@ -101,7 +101,9 @@ bool may_meet_all_clauses(const TryOutcome& outcome, std::size_t tries) {
 bool meets_more_clauses(const TryOutcome& later, const TryOutcome& kept) {
     const bool lacks_no_more = !later.lacks_contours || (kept.lacks_contours && later.missed <= kept.missed);
     const bool joined_no_worse = later.untold <= kept.untold || later.tangles < kept.tangles;
-    return later.kept_contract && lacks_no_more && joined_no_worse && later.unmet < kept.unmet;
+    const bool as_near = later.farthest <= std::max(unwarned_distance, kept.farthest);
+    return later.kept_contract && lacks_no_more && joined_no_worse && as_near &&
+           (kept.tore_walls || !later.tore_walls) && later.unmet < kept.unmet;
 }
 
 bool is_less_tangled(const TryOutcome& later, const TryOutcome& kept) {

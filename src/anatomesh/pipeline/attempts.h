@@ -99,7 +99,8 @@ bool is_tangled(const TryOutcome& outcome);
 // `tries`: so far. Not after many, nor where slices contradict each other: no model has all of them.
 bool may_meet_all_clauses(const TryOutcome& outcome, std::size_t tries);
 // Whether a later model than one that may meet all clauses meets more, has all contours, or, if that lacks
-// some, no fewer, and is joined as much as drawn, or has fewer components and handles.
+// some, no fewer, and is joined as much as drawn, or has fewer components and handles; and its walls are not
+// torn, nor is its surface further from the field's, if these are not so already.
 bool meets_more_clauses(const TryOutcome& later, const TryOutcome& kept);
 
 // Whether a later model has fewer such places than one that is tangled, and is no worse: it meets as many

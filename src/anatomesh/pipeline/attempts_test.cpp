@@ -269,6 +269,13 @@ TEST(Attempts, OneThatHasTheContoursIsTakenUnlessItIsJoinedOtherwise) {
     EXPECT_FALSE(meets_more_clauses(later, kept)) << "joined otherwise than drawn";
     later.tangles = kept.tangles - 1;
     EXPECT_TRUE(meets_more_clauses(later, kept)) << "elsewhere less than before";
+    later.tore_walls = true;
+    EXPECT_FALSE(meets_more_clauses(later, kept));
+    later.tore_walls = false;
+    later.farthest = 0.51;
+    EXPECT_FALSE(meets_more_clauses(later, kept)) << "a spike that a warning tells of";
+    later.farthest = 0.5;
+    EXPECT_TRUE(meets_more_clauses(later, kept));
     later.untold = 0;
     later.tangles = kept.tangles;
     later.kept_contract = false;

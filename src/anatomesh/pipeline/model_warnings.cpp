@@ -18,6 +18,7 @@ namespace {
 constexpr double widest_cut = 0.01;           // more of a drawn region's area amiss on its slice is warned of
 constexpr double widest_distance = 0.5;       // of the edge length: a surface further from the field
 constexpr double widest_volume_share = 0.05;  // of slice integration: a field that differs by more
+constexpr double least_overlap = 1e-3;        // of the smaller one: less is between outlines that touch
 constexpr double widest_joint = 0.5;  // of the edge length: surfaces further apart that meet in the mesh
 
 std::string counted(std::uint64_t count, const std::string& noun) {
@@ -245,7 +246,10 @@ void warn_of_overlaps(const TetMesh& mesh, const RegionTable& regions, std::span
             for (std::size_t m = 0; m < n; ++m) common[{members[m], members[n]}] += volumes[r];
         }
     }
-    std::erase_if(common, [](const auto& pair) { return !(pair.second > 0); });
+    std::erase_if(common, [&](const auto& pair) {
+        const auto [s, t] = pair.first;
+        return !(pair.second > least_overlap * std::min(of_structure[s], of_structure[t]));
+    });
     if (common.empty()) return;
     const auto& [pair, volume] = *std::max_element(
         common.begin(), common.end(), [](const auto& p, const auto& q) { return p.second < q.second; });

@@ -31,8 +31,8 @@ void warn_of_model(const ModelReport& report, double size_mm, const std::string&
 void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const Structure> structures,
                      const std::string& file, RunContext& context);
 
-// Of a model, W-PIP-015: structures that overlap, and what both have, as volumes of the mesh; the pair that
-// has most is named. Requires: as measure_model(). O(cells)
+// Of a model, W-PIP-015: structures that overlap by more than a thousandth of the smaller one, and what both
+// have, as volumes of the mesh; the pair that has most is named. Requires: as measure_model(). O(cells)
 void warn_of_overlaps(const TetMesh& mesh, const RegionTable& regions, std::span<const Structure> structures,
                       const std::string& file, RunContext& context);
 

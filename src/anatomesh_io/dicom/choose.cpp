@@ -200,10 +200,11 @@ class Chooser {
         for (const std::string& instance : object.referenced_instances) absent += !there.contains(instance);
         if (absent == 0) return;
         context_.warn({"W-DCM-018",
-                       fmt::format("{} of {} images that the object refers to are not here", absent,
-                                   object.referenced_instances.size()),
+                       fmt::format("{} of {} images that the object refers to are not in what was given",
+                                   absent, object.referenced_instances.size()),
                        {object.label, {}, {}, {}, {}},
-                       images.empty() ? "it was read without its images, and not compared with them"
+                       images.empty() ? "it was read without its images, and not compared with them; give a "
+                                        "folder that holds both for that"
                                       : "it was compared with those that are here"});
     }
 
