@@ -25,19 +25,23 @@ constexpr double parallel_tolerance_mm = 0.01;
 constexpr double most_across = 0.02;      // of a structure's area: to one of another level beside it
 constexpr double most_shared = 0.1;       // of its outline, of what lies in another one: along the other's
 
-// What any two structures have in common, over all slices: area, and length of outlines.
+// What any two structures have to do with each other, over all slices that draw both.
+struct Relation {
+    double common = 0;     // area
+    double shared = 0;     // length of outlines that both have
+    double area = 0;       // of the first one
+    double perimeter = 0;  // the same
+};
+
 class Relations {
   public:
-    explicit Relations(std::size_t count)
-        : count_(count), common_(count * count, 0), shared_(count * count, 0) {}
-    double& common(std::size_t s, std::size_t t) { return common_[s * count_ + t]; }
-    double& shared(std::size_t s, std::size_t t) { return shared_[s * count_ + t]; }
-    double common(std::size_t s, std::size_t t) const { return common_[s * count_ + t]; }
-    double shared(std::size_t s, std::size_t t) const { return shared_[s * count_ + t]; }
+    explicit Relations(std::size_t count) : count_(count), all_(count * count) {}
+    Relation& of(std::size_t s, std::size_t t) { return all_[s * count_ + t]; }
+    const Relation& of(std::size_t s, std::size_t t) const { return all_[s * count_ + t]; }
 
   private:
     std::size_t count_;
-    std::vector<double> common_, shared_;
+    std::vector<Relation> all_;
 };
 
 bool are_one(const Plane& p, const Plane& q) {
@@ -100,21 +104,33 @@ class SlicePartition {
     }
 
     void add_to(Relations& relations) const {
+        const auto count = static_cast<std::uint32_t>(rank_.size());
+        std::vector<double> area(count, 0), perimeter(count, 0);
         for (const Arrangement::Edge& edge : graph_->edges) {
             const Vec2 origin = graph_->at[0], a = graph_->at[edge.a] - origin,
                        b = graph_->at[edge.b] - origin;
             const double under = 0.5 * cross(a, b);
             for (const auto& [face, sign] : {std::pair{edge.left, 1}, std::pair{edge.right, -1}}) {
                 for (const std::uint32_t s : owners_[face].drawn) {
-                    for (const std::uint32_t t : owners_[face].drawn) relations.common(s, t) += sign * under;
+                    area[s] += sign * under;
+                    for (const std::uint32_t t : owners_[face].drawn)
+                        relations.of(s, t).common += sign * under;
                 }
             }
             std::vector<std::uint32_t> bounded;
-            for (std::uint32_t s = 0; s < rank_.size(); ++s) {
+            for (std::uint32_t s = 0; s < count; ++s) {
                 if (draws(edge.left, s) != draws(edge.right, s)) bounded.push_back(s);
             }
             for (const std::uint32_t s : bounded) {
-                for (const std::uint32_t t : bounded) relations.shared(s, t) += length(b - a);
+                perimeter[s] += length(b - a);
+                for (const std::uint32_t t : bounded) relations.of(s, t).shared += length(b - a);
+            }
+        }
+        for (std::uint32_t s = 0; s < count; ++s) {
+            for (std::uint32_t t = 0; t < count; ++t) {
+                if (!(perimeter[s] > 0 && perimeter[t] > 0)) continue;
+                relations.of(s, t).area += area[s];
+                relations.of(s, t).perimeter += perimeter[s];
             }
         }
     }
@@ -213,23 +229,21 @@ ContourSet on_all_slices(const ContourSet& part, const ContourSet& whole) {
 // Whether a structure lies in a larger one, which comes after it, and leaves it room all round.
 bool lies_in(std::uint32_t s, std::uint32_t outer, const Relations& relations,
              const std::vector<std::uint32_t>& rank) {
-    const double common = relations.common(s, outer);
-    return rank[s] < rank[outer] && relations.common(s, s) <= relations.common(outer, outer) &&
-           common > least_given_mm2 && common >= nested_share * relations.common(s, s) &&
-           relations.shared(s, outer) <= most_shared * relations.shared(s, s);
+    const Relation& here = relations.of(s, outer);
+    return rank[s] < rank[outer] && here.area <= relations.of(outer, s).area &&
+           here.common > least_given_mm2 && here.common >= nested_share * here.area &&
+           here.shared <= most_shared * here.perimeter;
 }
 
 // By structure, how many others it lies in, one in another.
 std::vector<std::uint32_t> levels_of(const Relations& relations, const std::vector<std::uint32_t>& rank) {
-    std::vector<std::uint32_t> by_area(rank.size()), level(rank.size(), 0);
-    std::iota(by_area.begin(), by_area.end(), 0u);
-    std::stable_sort(by_area.begin(), by_area.end(), [&](std::uint32_t s, std::uint32_t t) {
-        return relations.common(s, s) > relations.common(t, t);
-    });
-    for (std::size_t n = 0; n < by_area.size(); ++n) {
-        const std::uint32_t s = by_area[n];
-        for (std::size_t m = 0; m < n; ++m) {
-            if (lies_in(s, by_area[m], relations, rank)) level[s] = std::max(level[s], level[by_area[m]] + 1);
+    std::vector<std::uint32_t> by_rank(rank.size()), level(rank.size(), 0);
+    for (std::uint32_t s = 0; s < rank.size(); ++s) by_rank[rank[s]] = s;
+    // Those that others may lie in come last.
+    for (std::size_t n = by_rank.size(); n-- > 0;) {
+        const std::uint32_t s = by_rank[n];
+        for (std::size_t m = n + 1; m < by_rank.size(); ++m) {
+            if (lies_in(s, by_rank[m], relations, rank)) level[s] = std::max(level[s], level[by_rank[m]] + 1);
         }
     }
     return level;
@@ -242,8 +256,19 @@ bool gives_much_across(const Relations& relations, const std::vector<std::uint32
     for (std::uint32_t s = 0; s < rank.size(); ++s) {
         for (std::uint32_t t = 0; t < rank.size(); ++t) {
             if (rank[t] < rank[s] && level[t] != level[s] && !lies_in(t, s, relations, rank) &&
-                relations.common(s, t) > most_across * relations.common(s, s))
+                relations.of(s, t).common > most_across * relations.of(s, s).area)
                 return true;
+        }
+    }
+    return false;
+}
+
+// Whether any two of them have anything in common.
+bool have_walls(const std::vector<std::uint32_t>& structures, const Relations& relations) {
+    for (const std::uint32_t s : structures) {
+        for (const std::uint32_t t : structures) {
+            const Relation& relation = relations.of(s, t);
+            if (s != t && (relation.common > least_given_mm2 || relation.shared > 0)) return true;
         }
     }
     return false;
@@ -286,7 +311,8 @@ Result<std::shared_ptr<const OverlappingContours>> overlapping_contours(
             if (part.slices.size() != set.slices.size())  // planes so near that they became one
                 return std::shared_ptr<const OverlappingContours>();
         }
-        part.exclusive = own.size() > 1;
+        // Those apart need not be told to be: each goes on through slices that draw others alone.
+        part.exclusive = have_walls(own, relations);
         overlapping.levels.push_back(std::move(part));
     }
     return std::make_shared<const OverlappingContours>(std::move(overlapping));

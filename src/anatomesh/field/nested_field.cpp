@@ -71,7 +71,7 @@ class NestedField final : public StructureField {
         double value = levels_[drawn.level]->value_within(drawn.index, p, reach);
         for (std::uint32_t rank = 0; rank < rank_[structure]; ++rank) {
             const Drawn& other = drawn_[rank];
-            if (other.level != drawn.level && other.level != none)
+            if (other.level != none && !excludes(other.level, drawn.level))
                 value = std::max(value, -levels_[other.level]->value_within(other.index, p, reach));
         }
         return value;
@@ -177,12 +177,17 @@ class NestedField final : public StructureField {
         return all;
     }
 
-    // What of it those before it leave; those of its level exclude it already.
+    // Whether structures of the two exclude each other by themselves: of one with walls between them.
+    bool excludes(std::uint32_t level, std::uint32_t other) const {
+        return level == other && levels_[level]->exclusive();
+    }
+
+    // What of it those before it leave; those of its level may exclude it already.
     double left_of(const Near& one, const std::vector<Near>& all) const {
         double value = one.value;
         for (const Near& other : all) {
             if (other.structure < one.structure &&
-                drawn_[other.structure].level != drawn_[one.structure].level)
+                !excludes(drawn_[other.structure].level, drawn_[one.structure].level))
                 value = std::max(value, -other.value);
         }
         return value;
@@ -265,7 +270,9 @@ Result<std::shared_ptr<const StructureField>> make_nested_field(const ContourSet
         RunContext apart;  // what it would warn of is no part of the field
         apart.threads = context.threads;
         apart.cancel = context.cancel;
-        ANATOMESH_TRY(of_slices, make_parallel_field(set, options, apart));
+        ContourSet plain = set;
+        plain.exclusive = false;  // slices that draw others alone are none of a structure's
+        ANATOMESH_TRY(of_slices, make_parallel_field(plain, options, apart));
     }
     return std::shared_ptr<const StructureField>(
         std::make_shared<NestedField>(levels, std::move(of_slices), set));

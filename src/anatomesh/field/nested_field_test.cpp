@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <random>
 
 #include "anatomesh/contour/choose_structures.h"
@@ -200,6 +201,40 @@ TEST(NestedField, a_tumour_at_the_capsule_is_parted_from_its_organ_as_neighbours
         builder.set.slices.back().name = "slice " + std::to_string(k);
     }
     EXPECT_FALSE(given(builder.set, {1}).overlapping);
+}
+
+// A lesion drawn every millimetre in an organ drawn every four, alone and beside a rod: what lies between the
+// organ's slices is the organ's, whatever else is drawn there.
+TEST(NestedField, slices_that_draw_others_alone_say_nothing_of_a_structure) {
+    for (const bool beside : {false, true}) {
+        SetBuilder builder;
+        for (int z = 0; z <= 24; ++z) {
+            const bool of_organ = z % 4 == 0, of_lesion = z >= 8 && z <= 16;
+            if (!of_organ && !of_lesion) continue;
+            builder.slice(make_plane({0, 0, 1.0 * z}, {0, 0, 1}));
+            builder.set.slices.back().name = "slice " + std::to_string(z);
+            if (of_lesion) builder.ring(0, circle({0, 0}, 8, 60));
+            if (of_organ) builder.ring(1, circle({0, 0}, 20, 120));
+            if (of_organ && beside) builder.ring(2, circle({40, 0}, 5, 40));
+        }
+        const ContourSet set = given(builder.set, {});
+        ASSERT_TRUE(set.overlapping);
+        const auto field = field_of(set);
+        for (const double z : {0.0, 2.0, 9.0, 10.0, 11.5, 15.0, 24.0}) {
+            for (const double x : {10.0, 19.0}) {
+                std::vector<std::uint32_t> members;
+                field->members({x, 0, z}, members);
+                EXPECT_EQ(members, (std::vector<std::uint32_t>{1})) << x << " " << z;
+            }
+        }
+        RunContext context;
+        const auto volumes = field_volumes(*field, beside ? 3 : 2, {}, context).value();
+        const double lesion = std::numbers::pi * 64 * 9, organ = std::numbers::pi * 400 * 28 - lesion;
+        EXPECT_NEAR(volumes[0].by_field, lesion, 0.01 * lesion);
+        EXPECT_NEAR(volumes[1].by_field, organ, 0.01 * organ);
+        EXPECT_NEAR(volumes[0].by_slices, lesion, 0.01 * lesion);
+        EXPECT_NEAR(volumes[1].by_slices, organ, 0.02 * organ);
+    }
 }
 
 }  // namespace

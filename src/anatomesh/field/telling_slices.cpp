@@ -89,6 +89,14 @@ bool has_usual_gaps_with_others(const std::vector<std::uint32_t>& drawn,
 
 std::vector<bool> slices_tell(const ContourSet& set, std::uint32_t structure) {
     std::vector<bool> tell(set.slices.size(), true);
+    if (set.overlapping) {
+        for (const ContourSet& level : set.overlapping->levels) {
+            for (std::uint32_t s = 0; s < level.structures.size(); ++s) {
+                if (level.structures[s].number != set.structures[structure].number) continue;
+                return level.slices.size() == set.slices.size() ? slices_tell(level, s) : tell;
+            }
+        }
+    }
     if (set.exclusive) return tell;
     const InOrder order = in_order(set);
     std::vector<std::uint32_t> drawn;

@@ -71,6 +71,7 @@ struct RecoveryBounds {
     double most_more_bad, least_shape;
 };
 constexpr std::array<RecoveryBounds, 3> recovery_bounds{{{0.003, 0.01}, {0.001, 0.2}, {0.001, 0.4}}};
+constexpr double least_shape_across = 0.1;  // where planes cross: worse ones are not single there
 // Pieces that the recovery leaves no shape untried for: about an axis, and elsewhere at the first try.
 constexpr std::size_t few_pieces = 10;
 // Of a label map, slices far apart against its voxels lack more pieces, where structures meet.
@@ -381,12 +382,13 @@ class Builder {
         for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
             held[vertices[n]] = 1;
         const RecoveryBounds& bounds = recovery_bounds[ill_shaped_before_];
+        const double least_shape = std::max(bounds.least_shape, planes_.apart ? 0 : least_shape_across);
         const bool may_cost_shape = sample_->has_pole || tries_before_ == 0;
         RecoveredPieces recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
             {sample_->stats.size_mm, tolerance_at_vertices(), options_.max_radius_edge, bounds.most_more_bad,
-             bounds.least_shape, may_cost_shape ? few_pieces : 0, near_mm(), !sample_->has_pole});
+             least_shape, may_cost_shape ? few_pieces : 0, near_mm(), !sample_->has_pole});
         recovered.run(unsound, relabelled, context_);
         piece_list_ = recovered.pieces();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
