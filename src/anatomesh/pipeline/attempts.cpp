@@ -20,6 +20,7 @@ constexpr double unwarned_distance = 0.5;  // in edge lengths: warned of is what
 constexpr double as_far = 1.25;            // times the other one's distance
 // In edge lengths: of one that meets all clauses, in place of one that does not.
 constexpr double bearable_distance = 0.75;
+constexpr double twice_as_far = 2;         // the same, of one that meets more clauses
 constexpr double few_missed = 5e-3;        // of the segments
 constexpr std::size_t small_below = 100000;  // cells
 constexpr std::size_t most_tries = 6;        // before it is no luck any more
@@ -101,7 +102,7 @@ bool may_meet_all_clauses(const TryOutcome& outcome, std::size_t tries) {
 bool meets_more_clauses(const TryOutcome& later, const TryOutcome& kept) {
     const bool lacks_no_more = !later.lacks_contours || (kept.lacks_contours && later.missed <= kept.missed);
     const bool joined_no_worse = later.untold <= kept.untold || later.tangles < kept.tangles;
-    const bool as_near = later.farthest <= std::max(unwarned_distance, kept.farthest);
+    const bool as_near = later.farthest <= std::max(unwarned_distance, twice_as_far * kept.farthest);
     return later.kept_contract && lacks_no_more && joined_no_worse && as_near &&
            (kept.tore_walls || !later.tore_walls) && later.unmet < kept.unmet;
 }

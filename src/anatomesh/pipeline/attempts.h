@@ -93,14 +93,18 @@ bool is_hardly_bad(const TryOutcome& kept);
 // Where planes cross it is luck, a few places in tens of thousands, where surfaces are joined otherwise than
 // contours show, and where contour segments are no edges of the surface, a cut is not what is drawn or cells
 // are ill-shaped. A small model with such places is built again with slightly shorter edges: with the first
-// of these, in its edge lengths, for either reason, with the others where a clause is not met.
-inline constexpr std::array<double, 4> slightly_shorter{0.95, 0.9, 0.85, 0.8};
+// of these, in its edge lengths, for either reason, with the others where a clause is not met: a very small
+// one with all of them.
+inline constexpr std::array<double, 8> slightly_shorter{0.95, 0.9, 0.85, 0.8, 0.75, 0.7, 0.65, 0.6};
+inline constexpr std::size_t shorter_tries = 4;
+inline constexpr std::size_t very_small_below = 25000;  // cells
 bool is_tangled(const TryOutcome& outcome);
 // `tries`: so far. Not after many, nor where slices contradict each other: no model has all of them.
 bool may_meet_all_clauses(const TryOutcome& outcome, std::size_t tries);
 // Whether a later model than one that may meet all clauses meets more, has all contours, or, if that lacks
 // some, no fewer, and is joined as much as drawn, or has fewer components and handles; and its walls are not
-// torn, nor is its surface further from the field's, if these are not so already.
+// torn, nor is its surface off the field's by more than half an edge length and twice the other one's
+// distance.
 bool meets_more_clauses(const TryOutcome& later, const TryOutcome& kept);
 
 // Whether a later model has fewer such places than one that is tangled, and is no worse: it meets as many

@@ -276,6 +276,10 @@ TEST(Attempts, OneThatHasTheContoursIsTakenUnlessItIsJoinedOtherwise) {
     EXPECT_FALSE(meets_more_clauses(later, kept)) << "a spike that a warning tells of";
     later.farthest = 0.5;
     EXPECT_TRUE(meets_more_clauses(later, kept));
+    kept.farthest = 0.3;
+    later.farthest = 0.6;
+    EXPECT_TRUE(meets_more_clauses(later, kept)) << "not much further";
+    kept.farthest = later.farthest = 0;
     later.untold = 0;
     later.tangles = kept.tangles;
     later.kept_contract = false;

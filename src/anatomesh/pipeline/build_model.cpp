@@ -238,15 +238,17 @@ class Tries {
     }
 
     // Another one in its place, with slightly shorter edges, if that is joined more as drawn, or has the
-    // contours that it lacks; after the first, until all clauses are met.
+    // contours that it lacks; until all clauses are met.
     Result<Model> slightly_shorter_one(Model model) {
         const bool tangled = is_tangled(taken_.outcome);
         const std::size_t tries = count_;
         const double first_mm = taken_.size_mm;
         KeptModel best{std::move(model), trial_, context_.warnings, taken_, ""};
-        for (const double share : slightly_shorter) {
-            const bool lacks_clauses = may_meet_all_clauses(best.made.outcome, tries);
-            const bool untangles = tangled && share == slightly_shorter.front();
+        for (std::size_t n = 0; n < slightly_shorter.size(); ++n) {
+            const double share = slightly_shorter[n];
+            const bool is_worth_it = n < shorter_tries || best.made.outcome.cells < very_small_below;
+            const bool lacks_clauses = is_worth_it && may_meet_all_clauses(best.made.outcome, tries);
+            const bool untangles = tangled && n == 0;
             if (!lacks_clauses && !untangles) break;
             trial_.options.size_mm = untried(share * first_mm);
             context_.warnings.resize(warnings_before_.value_or(known_.warnings));
