@@ -51,11 +51,11 @@ constexpr Bounds coarse_bounds{0.3, 1, 0.8, 2.5, 0.7}, fine_bounds{0.3, 1, 0.3, 
 constexpr double most_broken_where_planes_cross = 0.4, most_broken_beside_others = 0.03;
 constexpr std::size_t broken_besides_where_planes_cross = 10, broken_besides = 2;
 // Of all segments of a part of the cases of a set of planes.
-constexpr std::array<double, plane_sets> broken_in_all{0.001, 0.0005, 0.0005, 0.0002, 0.002, 0.0002, 0.001};
+constexpr std::array<double, plane_sets> broken_in_all{0.0005, 0.0002, 0.0002, 0.0002, 0.001, 0.0002, 0.0005};
 
 constexpr double most_of_a_cut = 1e-3;  // of what is drawn, that may be wrong
 // Of all cuts of a part of the cases, those of which more is: none where planes do not cross.
-constexpr std::array<double, plane_sets> cuts_off_in_all{0, 0, 0, 0, 0.01, 0, 0.02};
+constexpr std::array<double, plane_sets> cuts_off_in_all{0, 0, 0, 0, 0.005, 0, 0.005};
 // Of a cell, also between contours that force it: flatter ones are of no use to finite elements.
 constexpr double flattest_degrees = 0.05;
 
