@@ -31,11 +31,16 @@ struct Relation {
     double shared = 0;     // length of outlines that both have
     double area = 0;       // of the first one
     double perimeter = 0;  // the same
+    bool alone = false;    // a slice between the first one's own draws the second one alone
 };
 
 class Relations {
   public:
     explicit Relations(std::size_t count) : count_(count), all_(count * count) {}
+    // From now on whole drawings count alone.
+    void forget_own_slices() {
+        for (Relation& relation : all_) relation.alone = true;
+    }
     Relation& of(std::size_t s, std::size_t t) { return all_[s * count_ + t]; }
     const Relation& of(std::size_t s, std::size_t t) const { return all_[s * count_ + t]; }
 
@@ -227,12 +232,18 @@ ContourSet on_all_slices(const ContourSet& part, const ContourSet& whole) {
 }
 
 // Whether a structure lies in a larger one, which comes after it, and leaves it room all round.
+// On the slices that draw both, if there is none between its own that draws the larger one alone: there what
+// was drawn does not leave it the room that it has between its slices.
 bool lies_in(std::uint32_t s, std::uint32_t outer, const Relations& relations,
              const std::vector<std::uint32_t>& rank) {
-    const Relation& here = relations.of(s, outer);
-    return rank[s] < rank[outer] && here.area <= relations.of(outer, s).area &&
-           here.common > least_given_mm2 && here.common >= nested_share * here.area &&
-           here.shared <= most_shared * here.perimeter;
+    const Relation &here = relations.of(s, outer), &whole = relations.of(s, s);
+    const auto lies = [&](double area, double perimeter, double area_of_outer) {
+        return area <= area_of_outer && here.common > least_given_mm2 && here.common >= nested_share * area &&
+               here.shared <= most_shared * perimeter;
+    };
+    return rank[s] < rank[outer] &&
+           (lies(whole.area, whole.perimeter, relations.of(outer, outer).area) ||
+            (!here.alone && lies(here.area, here.perimeter, relations.of(outer, s).area)));
 }
 
 // By structure, how many others it lies in, one in another.
@@ -263,27 +274,73 @@ bool gives_much_across(const Relations& relations, const std::vector<std::uint32
     return false;
 }
 
-// Whether any two of them have anything in common.
-bool have_walls(const std::vector<std::uint32_t>& structures, const Relations& relations) {
+bool overlap(const Box3& p, const Box3& q) {
+    return p.low.x <= q.high.x && q.low.x <= p.high.x && p.low.y <= q.high.y && q.low.y <= p.high.y &&
+           p.low.z <= q.high.z && q.low.z <= p.high.z;
+}
+
+// Whether any two of them have anything in common, or may have between slices, of which none draws both.
+bool have_walls(const ContourSet& set, const std::vector<std::uint32_t>& structures,
+                const Relations& relations) {
+    std::vector<Box3> boxes(set.structures.size());
+    for (const Contour& contour : set.contours) {
+        for (const Vec3& p : set.points_of(contour)) boxes[contour.structure].extend(p);
+    }
     for (const std::uint32_t s : structures) {
         for (const std::uint32_t t : structures) {
             const Relation& relation = relations.of(s, t);
-            if (s != t && (relation.common > least_given_mm2 || relation.shared > 0)) return true;
+            if (s == t) continue;
+            if (relation.common > least_given_mm2 || relation.shared > 0 ||
+                (relation.perimeter == 0 && overlap(boxes[s], boxes[t])))
+                return true;
         }
     }
     return false;
+}
+
+// Notes the slices that draw one structure alone between those of another one. Slices lie in their order
+// where planes are parallel; elsewhere any slice is such a one.
+void note_alone(const ContourSet& set, Relations& relations) {
+    const auto count = static_cast<std::uint32_t>(set.structures.size());
+    const bool in_order = all_parallel(set, parallel_tolerance_mm);
+    std::vector<std::vector<bool>> draws(set.slices.size(), std::vector<bool>(count, false));
+    for (const Contour& contour : set.contours) draws[contour.slice][contour.structure] = true;
+    for (std::uint32_t s = 0; s < count; ++s) {
+        const auto has = [&](const std::vector<bool>& slice) { return slice[s]; };
+        auto first = std::find_if(draws.begin(), draws.end(), has);
+        auto last = std::find_if(draws.rbegin(), draws.rend(), has).base();
+        if (!in_order) first = draws.begin(), last = draws.end();
+        for (auto slice = first; slice < last; ++slice) {
+            for (std::uint32_t t = 0; t < count; ++t) {
+                if (!(*slice)[s] && (*slice)[t]) relations.of(s, t).alone = true;
+            }
+        }
+    }
 }
 
 Result<ContourSet> given_on_slices(const ContourSet& set, const std::vector<std::uint32_t>& rank,
                                    std::vector<GivenOverlap>& given, Relations* relations,
                                    RunContext& context);
 
+std::vector<std::uint32_t> of_level(const std::vector<std::uint32_t>& level_of, std::uint32_t level) {
+    std::vector<std::uint32_t> structures;
+    for (std::uint32_t s = 0; s < level_of.size(); ++s) {
+        if (level_of[s] == level) structures.push_back(s);
+    }
+    return structures;
+}
+
 // Nothing where no structure lies in another one.
 Result<std::shared_ptr<const OverlappingContours>> overlapping_contours(
-    const ContourSet& set, const std::vector<std::uint32_t>& rank, const Relations& relations,
+    const ContourSet& set, const std::vector<std::uint32_t>& rank, Relations& relations,
     const RunContext& context) {
     const std::size_t count = set.structures.size();
-    const std::vector<std::uint32_t> level_of = levels_of(relations, rank);
+    std::vector<std::uint32_t> level_of = levels_of(relations, rank);
+    // Of structures with walls between them every slice tells; then slices of one's own help none.
+    for (std::uint32_t level = 0; level < count; ++level) {
+        if (have_walls(set, of_level(level_of, level), relations)) relations.forget_own_slices();
+    }
+    level_of = levels_of(relations, rank);
     const std::uint32_t highest = *std::max_element(level_of.begin(), level_of.end());
     if (highest == 0 || gives_much_across(relations, rank, level_of) ||
         (highest + 1 < count && !all_parallel(set, parallel_tolerance_mm)))
@@ -295,12 +352,9 @@ Result<std::shared_ptr<const OverlappingContours>> overlapping_contours(
               [&](std::uint32_t a, std::uint32_t b) { return rank[a] < rank[b]; });
     for (const std::uint32_t s : order) overlapping.order.push_back(set.structures[s].number);
     for (std::uint32_t level = 0; level <= highest; ++level) {
-        std::vector<std::uint32_t> own, own_rank;
-        for (std::uint32_t s = 0; s < count; ++s) {
-            if (level_of[s] != level) continue;
-            own.push_back(s);
-            own_rank.push_back(rank[s]);
-        }
+        const std::vector<std::uint32_t> own = of_level(level_of, level);
+        std::vector<std::uint32_t> own_rank;
+        for (const std::uint32_t s : own) own_rank.push_back(rank[s]);
         ContourSet part = choose_structures(set, own);
         if (own.size() > 1) {
             RunContext apart;  // what is said of the whole set is said of it
@@ -312,7 +366,7 @@ Result<std::shared_ptr<const OverlappingContours>> overlapping_contours(
                 return std::shared_ptr<const OverlappingContours>();
         }
         // Those apart need not be told to be: each goes on through slices that draw others alone.
-        part.exclusive = have_walls(own, relations);
+        part.exclusive = have_walls(set, own, relations);
         overlapping.levels.push_back(std::move(part));
     }
     return std::make_shared<const OverlappingContours>(std::move(overlapping));
@@ -371,6 +425,7 @@ Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<st
     result.given.resize(set.structures.size());
     Relations relations(set.structures.size());
     ANATOMESH_TRY(result.kept, given_on_slices(set, rank, result.given, &relations, context));
+    note_alone(set, relations);
     for (std::size_t s = 0; s < set.structures.size(); ++s) {
         const auto is_it = [&](const Structure& kept) { return kept.number == set.structures[s].number; };
         result.given[s].all =

@@ -192,6 +192,28 @@ TEST(Priority, what_lies_in_another_one_stays_as_drawn_level_by_level) {
     EXPECT_DOUBLE_EQ(area_of(result.kept, 1), 400 - 84);
 }
 
+// An organ on every fourth slice: with a lesion on every slice, and on slices between which others draw the
+// organ alone.
+TEST(Priority, what_lies_in_another_one_on_slices_of_its_own_leaves_none_between_them) {
+    for (const int step : {1, 3}) {
+        for (const bool touching : {false, true}) {
+            std::vector<Drawn> drawn;
+            for (int z = 0; z <= 24; z += 4) {
+                drawn.push_back({0, square({0, 0}, {30, 30}), 1.0 * z});
+                drawn.push_back({2, square({touching ? 30.0 : 40.0, 0}, {50, 30}), 1.0 * z});
+            }
+            for (int z = 8; z <= 17; z += step) drawn.push_back({1, square({8, 8}, {20, 20}), 1.0 * z});
+            const PriorityResult result = given(kept(drawn), {});
+            ASSERT_EQ(result.kept.overlapping != nullptr, step == 1 && !touching) << step;
+            if (!result.kept.overlapping) continue;
+            const std::vector<ContourSet>& levels = result.kept.overlapping->levels;
+            ASSERT_EQ(levels.size(), 2u);
+            EXPECT_FALSE(levels[0].exclusive);
+            EXPECT_EQ(levels[1].structures[0].name, "S2");
+        }
+    }
+}
+
 TEST(Priority, what_runs_along_another_ones_outline_or_beside_it_does_not_lie_in_it) {
     // Along a side of it; two that overlap in less than half; one and itself.
     for (const auto& [low, high] :

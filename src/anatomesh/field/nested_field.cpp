@@ -116,7 +116,14 @@ class NestedField final : public StructureField {
         for (const auto& level : levels_) least = std::min(least, level->union_value(p));
         return least;
     }
-    std::vector<Plane> flat_ends() const override { return levels_.front()->flat_ends(); }
+    std::vector<Plane> flat_ends() const override {
+        std::vector<Plane> ends;
+        for (const auto& level : levels_) {
+            const std::vector<Plane> more = level->flat_ends();
+            ends.insert(ends.end(), more.begin(), more.end());
+        }
+        return ends;
+    }
     double slice_spacing() const override { return levels_.front()->slice_spacing(); }
     double clamp() const override { return clamp_; }
     Box3 box() const override {
