@@ -124,9 +124,14 @@ class Folders(harness.TestCase):
         if shutil.which("drtdump"):
             done = subprocess.run(["drtdump", str(self.folder / "rs.dcm")], capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stderr)
+        # RS-21: alone it is not compared with its images, and that is said; beside them it is.
+        alone = self.run_program("contours", "rs.dcm", "-o", "alone.json").err
+        self.assertEqual(alone.count("W-DCM-018"), 1, alone)
+        self.assertIn("not compared with them", alone)
         # Beside its images it is what the folder's model is made of.
         shutil.copy(self.folder / "rs.dcm", self.study / "rs")
-        self.run_program("contours", "study", "-o", "b.json")
+        beside = self.run_program("contours", "study", "-o", "b.json").err
+        self.assertNotIn("W-DCM-018", beside)
         a, b = (json.loads((self.folder / name).read_text()) for name in ("a.json", "b.json"))
         self.assertEqual(sum(len(s["contours"]) for s in a["slices"]), sum(len(s["contours"]) for s in b["slices"]))
         points = [numpy.array([p for s in each["slices"] for c in s["contours"] for p in c["points"]]) for each in (a, b)]

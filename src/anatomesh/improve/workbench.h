@@ -80,7 +80,7 @@ class Workbench {
 
     void keep_edge(std::uint32_t a, std::uint32_t b);  // whole, wherever it lies, until it is released
     void release_edge(std::uint32_t a, std::uint32_t b);
-    void release_edges() { kept_edges_.clear(); }
+    void release_edges() { kept_edges_.clear(); }  // all
     bool keeps_edge(std::uint32_t a, std::uint32_t b) const;
     // Whether a facet between two regions lies in the plane of one of `slices`, so that the cut there has the
     // structures of both, and these are not what is drawn there.

@@ -263,6 +263,23 @@ TEST(Reconcile, C25_the_movement_is_shared_between_two_slices_that_cross) {
     expect_exact_agreement(result.kept);
 }
 
+TEST(Reconcile, C25_pairs_that_differ_by_more_than_half_a_millimetre_are_named) {
+    for (const auto& [radius, named] : {std::pair{20.35, true}, {20.2, false}}) {
+        std::mt19937 random(1);
+        ContourSet set = drawn_ball(20, {make_plane({}, {0, 0, 1})}, {0, 0, 400}, random);
+        const ContourSet larger = drawn_ball(radius, {make_plane({}, {1, 0, 0})}, {0, 0, 400}, random);
+        Ring ring;
+        for (const Vec3& p : larger.points) ring.push_back(larger.slices[0].plane.to_plane(p));
+        add_slice(set, larger.slices[0].plane, ring);
+        RunContext context;
+        ASSERT_TRUE(reconcile_contours(set, {}, context).ok());
+        const auto is_pair = [](const Warning& warning) {
+            return warning.code == "W-RCN-003" && warning.message.rfind("slices ", 0) == 0;
+        };
+        EXPECT_EQ(std::count_if(context.warnings.begin(), context.warnings.end(), is_pair), named) << radius;
+    }
+}
+
 TEST(Reconcile, C25_refuses_above_the_bound_and_names_both_slices) {
     std::mt19937 random(2);
     ContourSet set = drawn_ball(40, three_stacks(30, 10, 0), {0, 0, 150}, random);
