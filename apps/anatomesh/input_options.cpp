@@ -135,7 +135,7 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
                     "(default {})",
                     cleaning.keyhole_mm));
     add("--close-loops", cleaning.loop_mm2, 0, 100, "MM2",
-        fmt::format("Close loops below MM2 that a contour makes by crossing itself, up to 0.05 % of its "
+        fmt::format("Close loops below MM2 that a contour makes by crossing itself, up to 0.2 % of its "
                     "area: no holes "
                     "or islands of their own, 0 to 100 (default {}; 0: as drawn)",
                     cleaning.loop_mm2));

@@ -31,7 +31,7 @@ constexpr double coordinate_bound_mm = 1e7;
 constexpr double least_span_mm = 1;   // of all contours: below it the unit is most likely not the millimetre
 constexpr double no_width_mm = 1e-6;  // a contour nowhere wider than this has no area
 constexpr double speck_share =
-    1e-3;  // of the area of a slip of the pen: that crosses itself in a box no larger
+    1e-4;  // of the area of a slip of the pen: that crosses itself in a box no larger
 
 std::string structure_text(const Structure& structure) {
     return structure.name.empty() ? std::to_string(structure.number) : structure.name;

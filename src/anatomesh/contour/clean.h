@@ -37,15 +37,16 @@ struct CleanOptions {
     // Loops that a contour makes by crossing itself, slips of the pen, are no holes or islands of their own:
     // below this, and where close_loops.h says so. mm^2. [0, 100]; 0: as drawn. What crosses itself
     // and has no more than a thousandth of it as its box is no contour.
-    double loop_mm2 = 0.1;
+    double loop_mm2 = 1;
     // A contour that keeps this near to another of its structure in its slice, and nearer than half of their
     // mean edge length, repeats it: the smaller is dropped. [0, 1]
     double repeat_mm = 0.05;
     // A hole that follows its outline as near as that is warned about, if that is also less than a tenth of
     // its radius or half of their mean edge length. [0, 10]
     double doubtful_wall_mm = 0.5;
-    // Rings that share a vertex are moved apart there by at most this. (0, 1]
-    double separation_mm = 0.05;
+    // Rings that share a vertex are moved apart there by at most this: a nearer wall or gap, on slice after
+    // slice, would have holes. (0, 1]
+    double separation_mm = 0.2;
     // Vertices of different structures nearer than this become one: a wall that two structures share. [0,
     // 0.01]; 0: not.
     double weld_mm = 1e-4;

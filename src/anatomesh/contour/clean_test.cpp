@@ -588,8 +588,8 @@ TEST(Clean, C04_self_crossings_are_read_even_odd_below_the_bound) {
     EXPECT_EQ(points.kept().contours.size(), 5u);
     // A small loop where the pen crossed its own beginning.
     Points loop = circle(0, 0, 20, 60);
-    loop.push_back({loop[0].x + 0.5, loop[0].y + 0.3, 10});
-    loop.push_back({loop[0].x + 0.5, loop[0].y - 1.5, 10});
+    loop.push_back({loop[0].x + 1.5, loop[0].y + 1, 10});
+    loop.push_back({loop[0].x + 1.5, loop[0].y - 4.5, 10});
     const Cleaned small = clean(File().add(loop));
     EXPECT_KEPT(small);
     EXPECT_EQ(small.count("W-CON-014"), 1u);
@@ -642,7 +642,7 @@ TEST(Clean, C05_contour_touching_itself_is_split) {
     EXPECT_EQ(run.kept().contours.size(), 2u);
     EXPECT_EQ(run.count("W-CON-015"), 1u);
     EXPECT_EQ(run.count("W-CON-020"), 1u);
-    EXPECT_LE(run.result.value().stats.max_displacement_mm, 0.05);
+    EXPECT_LE(run.result.value().stats.max_displacement_mm, CleanOptions().separation_mm);
     const Points along_edge{{0, 0, 10}, {10, 0, 10}, {10, 4, 10}, {6, 4, 10}, {6, 2, 10},
                             {4, 2, 10}, {4, 4, 10},  {8, 4, 10},  {8, 9, 10}, {0, 9, 10}};
     const Cleaned edge = clean(File().add(along_edge));

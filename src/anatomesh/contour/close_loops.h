@@ -11,10 +11,9 @@
 namespace anatomesh {
 
 struct CloseLoopsOptions {
-    double most_mm2 = 0.1;  // of a loop: smaller ones are closed. 0: none. [0, 100]
-    // Of what the ring bounds, all of its loops together: half of what a cut of the model may be wrong by.
-    // [0, 1]
-    double most_of_region = 5e-4;
+    double most_mm2 = 1;  // of a loop: smaller ones are closed. 0: none. [0, 100]
+    // Of what the ring bounds, all of its loops together. [0, 1]
+    double most_of_region = 2e-3;
 };
 
 struct ClosedLoops {

@@ -66,13 +66,13 @@ TEST(CloseLoops, slips_of_the_pen_are_no_holes_and_no_islands) {
 
 TEST(CloseLoops, what_is_not_small_stays_as_drawn) {
     // Above the bound by area, though small for the contour.
-    const File large = File().add(slipped(1, 0.6, false));
+    const File large = File().add(slipped(1, 1.8, false));
     EXPECT_EQ(clean(large).kept().contours.size(), 2u);
     CleanOptions wider;
-    wider.loop_mm2 = 1;
+    wider.loop_mm2 = 10;
     EXPECT_EQ(clean(large, wider).kept().contours.size(), 1u);
     // Below it, but a part of a contour as small: all is scaled.
-    Points small = slipped(1, 1.6, false);
+    Points small = slipped(1, 3, false);
     for (Vec3& p : small) p = {0.02 * p.x, 0.02 * p.y, p.z};
     File with_scale;
     with_scale.add(small).add(circle(50, 0, 5, 30), 1);
@@ -81,7 +81,7 @@ TEST(CloseLoops, what_is_not_small_stays_as_drawn) {
     EXPECT_EQ(kept.count("W-CON-030"), 0u);
     // A small loop beside a large one.
     Points both = slipped(4, 0.2, false);
-    const Points wide = slipped(1, 0.6, false);
+    const Points wide = slipped(1, 1.8, false);
     both.erase(both.begin(), both.begin() + 4);
     both.insert(both.begin(), wide.begin(), wide.begin() + 4);
     EXPECT_EQ(clean(File().add(both)).kept().contours.size(), 5u);

@@ -155,23 +155,46 @@ class CorridorFinder {
 // A ring's vertex that another ring has too.
 struct Shared {
     std::uint32_t ring = 0, position = 0;
-    Vec2 from, direction;  // unit, into the ring's polygon
-    double most = 0;       // how far it may move
-    int rank = 0;          // 0: the smallest ring there, 1 the next larger ...
+    Vec2 from, inward;             // the vertex; unit bisector of the polygon's angle there
+    Vec2 to_before, to_after;      // units, along the edges
+    double before = 0, after = 0;  // their lengths
+    int rank = 0;                  // 0: the smallest ring there, 1 the next larger ...
 };
 
-// Unit bisector of the polygon's angle at a vertex.
-Vec2 inward(const Ring& ring, std::size_t i, double orientation) {
-    const Vec2 p = ring.at[i], before = ring.at[preceding(ring, i)] - p,
-               after = ring.at[following(ring, i)] - p;
-    const Vec2 to_before = (1 / length(before)) * before, to_after = (1 / length(after)) * after;
+// Unit bisector of the polygon's angle between two edges that leave a vertex.
+Vec2 bisector(Vec2 to_before, Vec2 to_after, double orientation) {
     // The inner normals of both edges: their sum halves the angle, convex or not.
     Vec2 sum = orientation * (Vec2{to_before.y, -to_before.x} + Vec2{-to_after.y, to_after.x});
     if (length(sum) < 1e-6) sum = to_before + to_after;  // a needle: straight into it
     return (1 / length(sum)) * sum;
 }
 
-std::vector<Shared> find_shared(const std::vector<Ring>& rings, double distance) {
+struct Parted {
+    std::vector<Vec2> line;  // in the place of the vertex
+    double displacement_mm;  // how far that is from it
+};
+
+// What takes the place of a shared vertex, in the ring's order: an acute corner is cut off at a depth, so
+// that no more of the region goes than must; of an obtuse one the vertex goes in as far, and the edges bend
+// where they are as far from lines of the other ring that run straight on.
+Parted parted(const Shared& shared, double distance) {
+    const double room = 0.25 * std::min(shared.before, shared.after),
+                 cosine = dot(shared.inward, shared.to_before),
+                 sine = std::abs(cross(shared.to_before, shared.to_after));
+    if (cosine > 0.5) {
+        const double along = std::min(distance / cosine, room);
+        return {{shared.from + along * shared.to_before, shared.from + along * shared.to_after},
+                along * cosine};
+    }
+    const double depth = std::min(distance, room);
+    std::vector<Vec2> line{shared.from + depth * shared.inward};
+    if (depth < 0.5 * sine * shared.before)
+        line.insert(line.begin(), shared.from + (depth / sine) * shared.to_before);
+    if (depth < 0.5 * sine * shared.after) line.push_back(shared.from + (depth / sine) * shared.to_after);
+    return {std::move(line), depth};
+}
+
+std::vector<Shared> find_shared(const std::vector<Ring>& rings) {
     struct Visit {
         Vec2 at;
         std::uint32_t ring, position;
@@ -192,16 +215,34 @@ std::vector<Shared> find_shared(const std::vector<Ring>& rings, double distance)
         if (!(visits[v].at == visits[v - 1].at)) continue;
         const Ring& ring = rings[visits[v].ring];
         const std::size_t i = visits[v].position;
-        const double room = std::min(length(ring.at[preceding(ring, i)] - ring.at[i]),
-                                     length(ring.at[following(ring, i)] - ring.at[i]));
-        shared.push_back({visits[v].ring, visits[v].position, ring.at[i],
-                          inward(ring, i, area[visits[v].ring] >= 0 ? 1.0 : -1.0),
-                          std::min(distance, 0.25 * room), 0});
+        Shared found{visits[v].ring, visits[v].position, ring.at[i], {}, {}, {}};
+        found.to_before = ring.at[preceding(ring, i)] - ring.at[i];
+        found.to_after = ring.at[following(ring, i)] - ring.at[i];
+        found.before = length(found.to_before);
+        found.after = length(found.to_after);
+        found.to_before = (1 / found.before) * found.to_before;
+        found.to_after = (1 / found.after) * found.to_after;
+        found.inward = bisector(found.to_before, found.to_after, area[visits[v].ring] >= 0 ? 1.0 : -1.0);
+        shared.push_back(found);
     }
     for (std::size_t s = shared.size(); s-- > 1;) {
         if (shared[s - 1].from == shared[s].from) shared[s - 1].rank = shared[s].rank + 1;
     }
     return shared;
+}
+
+// Puts a ring's vertices in the place of a shared one; returns how far its line is from that now.
+double replace(Ring& ring, const Shared& shared, const Plane& plane, double distance) {
+    const auto [line, displacement] = parted(shared, distance);
+    const auto at = [&](auto& list) { return list.begin() + static_cast<std::ptrdiff_t>(shared.position); };
+    ring.points.erase(at(ring.points));
+    ring.at.erase(at(ring.at));
+    for (std::size_t n = line.size(); n-- > 0;) {
+        const Vec3 point = plane.to_space(line[n]);
+        ring.points.insert(at(ring.points), point);
+        ring.at.insert(at(ring.at), plane.to_plane(point));
+    }
+    return displacement;
 }
 
 // Gives each second edge the vertices of its first; returns the largest move.
@@ -232,25 +273,29 @@ double close_keyholes(Ring& ring, double width, double crossing) {
 
 bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distance,
                     std::vector<Separation>& done) {
-    const std::vector<Shared> shared = find_shared(rings, distance);
+    std::vector<Shared> shared = find_shared(rings);
     if (shared.empty()) return true;
+    // From the back of each ring, so that positions hold.
+    std::sort(shared.begin(), shared.end(), [](const Shared& a, const Shared& b) {
+        return a.ring != b.ring ? a.ring < b.ring : a.position > b.position;
+    });
     // Where more than two meet, one inside the other, the larger must move less than the smaller: how much
     // less depends on the angles, so ever smaller shares and moves are tried.
     for (double share : {0.5, 0.05, 0.005}) {
         for (double scale = 1; scale > 1e-3; scale *= 0.5) {
+            std::vector<Ring> apart = rings;
             std::map<std::uint32_t, Separation> by_ring;
             for (const Shared& s : shared) {
-                const double move = scale * std::pow(share, s.rank) * s.most;
-                const Vec3 point = plane.to_space(s.from + move * s.direction);
-                rings[s.ring].points[s.position] = point;
-                rings[s.ring].at[s.position] = plane.to_plane(point);
                 Separation& separation = by_ring[s.ring];
                 separation.ring = s.ring;
                 ++separation.vertices;
-                separation.displacement_mm = std::max(separation.displacement_mm, move);
+                separation.displacement_mm =
+                    std::max(separation.displacement_mm,
+                             replace(apart[s.ring], s, plane, scale * std::pow(share, s.rank) * distance));
             }
-            if (!keep_apart(RingEdges(rings), rings)) continue;
+            if (!keep_apart(RingEdges(apart), apart)) continue;
             for (const auto& [ring, separation] : by_ring) done.push_back(separation);
+            rings = std::move(apart);
             return true;
         }
     }

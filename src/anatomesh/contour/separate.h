@@ -24,13 +24,14 @@ double close_keyholes(Ring& ring, double width, double crossing);
 // What separate_rings did at one ring.
 struct Separation {
     std::uint32_t ring = 0;      // index into the rings
-    std::uint32_t vertices = 0;  // moved
-    double displacement_mm = 0;  // the largest move
+    std::uint32_t vertices = 0;  // that it shared
+    double displacement_mm = 0;  // how far the line is from a vertex that was there, at most
 };
 
-// Where rings share a vertex, all but the largest move their copy along the bisector of their own polygon's
-// angle, by at most `distance` and a quarter of the shorter edge there; less where that would make rings
-// meet. Requires: simple rings that meet in common vertices only. Returns false when no room was found.
+// Where rings share a vertex, all but the largest leave it: a sharp corner is cut off at `distance`, of a
+// blunt one the vertex goes as far along the bisector of their own polygon's angle, and the edges bend near
+// it. By less where edges there are short (a quarter) and where that would make rings meet. Requires: simple
+// rings that meet in common vertices only. Returns false when no room was found.
 bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distance,
                     std::vector<Separation>& done);
 
