@@ -390,6 +390,7 @@ Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& op
     ANATOMESH_CHECK_STATUS(check_spaces(raw, options, context));
     CleanOptions cleaning = options.cleaning;
     cleaning.without = options.without;
+    if (options.epsilon_mm == 0.0) cleaning.crowded_mm = 0;
     ANATOMESH_TRY(CleanResult cleaned, clean_contours(raw, cleaning, context));
 
     InputContours result;

@@ -13,6 +13,7 @@
 #include "anatomesh/base/text.h"
 #include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/contour/close_at_valve.h"
+#include "anatomesh/contour/crowded_points.h"
 #include "anatomesh/contour/empty_slices.h"
 #include "anatomesh/contour/message_text.h"
 #include "anatomesh/contour/plane_grouping.h"
@@ -30,6 +31,7 @@ namespace {
 constexpr double coordinate_bound_mm = 1e7;
 constexpr double least_span_mm = 1;   // of all contours: below it the unit is most likely not the millimetre
 constexpr double no_width_mm = 1e-6;  // a contour nowhere wider than this has no area
+constexpr double crowded_off = 0.1;   // of how near crowded points lie: so far off the line may one be
 constexpr double speck_share =
     1e-4;  // of the area of a slip of the pen: that crosses itself in a box no larger
 
@@ -281,9 +283,10 @@ class Cleaner {
         }
         if (candidates_.empty() || box.diagonal() >= least_span_mm) return;
         const double scale = box.diagonal() / least_span_mm;
-        for (double* tolerance : {&options_.plane_tolerance_mm, &options_.group_tolerance_mm,
-                                  &options_.corridor_mm, &options_.keyhole_mm, &options_.repeat_mm,
-                                  &options_.doubtful_wall_mm, &options_.separation_mm, &options_.weld_mm})
+        for (double* tolerance :
+             {&options_.plane_tolerance_mm, &options_.group_tolerance_mm, &options_.corridor_mm,
+              &options_.keyhole_mm, &options_.repeat_mm, &options_.doubtful_wall_mm, &options_.separation_mm,
+              &options_.weld_mm, &options_.crowded_mm})
             *tolerance *= scale;
         options_.loop_mm2 *= scale * scale;
         context_.warn({"W-CON-023",
@@ -637,6 +640,40 @@ class Cleaner {
              "they tell nothing; what ends there is to be drawn on a plane that meets it"});
     }
 
+    Status thin_crowds() {
+        ANATOMESH_TRY(CrowdedPoints thin,
+                      leave_out_crowded(std::move(result_.kept),
+                                        {options_.crowded_mm, crowded_off * options_.crowded_mm}, context_));
+        result_.kept = std::move(thin.kept);
+        if (thin.left_out.empty()) return Nothing{};
+        std::uint32_t first = 0;
+        for (std::uint32_t raw = static_cast<std::uint32_t>(raw_.contours.size()); raw-- > 0;) {
+            const std::span<const Vec3> points =
+                std::span(raw_.points)
+                    .subspan(raw_.contours[raw].first_point, raw_.contours[raw].point_count);
+            const auto count = std::count_if(points.begin(), points.end(), [&](Vec3 p) {
+                return std::binary_search(thin.left_out.begin(), thin.left_out.end(), p,
+                                          [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); });
+            });
+            if (count == 0) continue;
+            first = raw;
+            ContourLog& log = result_.log[raw];
+            log.points_kept -= std::min(log.points_kept, static_cast<std::uint32_t>(count));
+            log.max_displacement_mm = std::max(log.max_displacement_mm, thin.distance_mm);
+            add_rule(raw, "crowded points left out");
+            repaired_[raw] = 1;
+        }
+        Place place = place_of(first);
+        place.value = std::to_string(thin.left_out.size()) + " points";
+        context_.warn(
+            {"W-CON-032",
+             std::to_string(thin.left_out.size()) + " points lie nearer than " + brief(options_.crowded_mm) +
+                 " mm to the next; the first such contour is named",
+             std::move(place),
+             "left out: they are within " + brief(thin.distance_mm) + " mm of the line that is kept"});
+        return Nothing{};
+    }
+
     Result<CleanResult> finish() {
         std::stable_sort(notes_.begin(), notes_.end(),
                          [](const RingNote& p, const RingNote& q) { return p.source < q.source; });
@@ -660,6 +697,7 @@ class Cleaner {
                      "moved onto it"});
             }
         }
+        ANATOMESH_CHECK_STATUS(thin_crowds());
         stats.points_kept = set.points.size();
         stats.contours_kept = static_cast<std::uint32_t>(set.contours.size());
         for (char repaired : repaired_) stats.repaired += repaired;

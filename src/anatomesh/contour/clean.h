@@ -47,6 +47,10 @@ struct CleanOptions {
     // Rings that share a vertex are moved apart there by at most this: a nearer wall or gap, on slice after
     // slice, would have holes. (0, 1]
     double separation_mm = 0.2;
+    // Points nearer than this to the next one of their contour, that lie within a tenth of it of the line
+    // that is kept, are left out: cells as fine as they lie would be finer than anything that is drawn. [0,
+    // 1]; 0: all stay.
+    double crowded_mm = 0.01;
     // Vertices of different structures nearer than this become one: a wall that two structures share. [0,
     // 0.01]; 0: not.
     double weld_mm = 1e-4;
@@ -91,9 +95,9 @@ struct CleanResult {
 // copy moves into the smaller one's own polygon by at most separation_mm: a shared vertex would make every
 // surface non-manifold. Every repair is counted and warned about, with its displacement and area; above its
 // bound it is an error. Contours that span less than 1 mm in all are most likely in another unit: there the
-// tolerances (plane, group, corridor, separation, weld) shrink with the span, so that nothing is lost.
-// Errors: E-CON-001..011, warnings: W-CON-001..031. Complexity: O(n log n) per slice in its points, plus the
-// crossings found.
+// tolerances (plane, group, corridor, separation, crowded, weld) shrink with the span, so that nothing is
+// lost. Errors: E-CON-001..011, warnings: W-CON-001..032. Complexity: O(n log n) per slice in its points,
+// plus the crossings found.
 Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context);
 
 }  // namespace anatomesh

@@ -717,9 +717,11 @@ TEST(Clean, C13_C14_C15_any_number_and_spacing_of_points) {
         stairs.push_back({k + 1.0, k + 1.0, 10});
     }
     stairs.push_back({0, 50, 10});
+    CleanOptions all;
+    all.crowded_mm = 0;  // crowded points: see crowded_points_test.cpp
     for (const Points& points : {Points{{0, 0, 10}, {1, 0, 10}, {0, 1, 10}}, square(0, 0, 1), uneven, stairs,
                                  circle(0, 0, 50, 100000)}) {
-        const Cleaned run = clean(File().add(points).add(square(500, 0, 1), 1));
+        const Cleaned run = clean(File().add(points).add(square(500, 0, 1), 1), all);
         EXPECT_KEPT(run);
         EXPECT_TRUE(run.warnings.empty());
         EXPECT_EQ(run.kept().points.size(), points.size() + 4);

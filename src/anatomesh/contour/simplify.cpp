@@ -21,7 +21,7 @@ constexpr double clearance_share = 0.3;
 // The contours of one slice as a network: equal points are one vertex, equal segments one edge.
 class SliceNetwork {
   public:
-    SliceNetwork(const ContourSet& set, const Slice& slice) {
+    SliceNetwork(const ContourSet& set, const Slice& slice, double crowded) : crowded_(crowded) {
         unite_points(set, slice);
         collect_edges(set, slice);
         walk_chains();
@@ -73,9 +73,15 @@ class SliceNetwork {
         walked_.assign(edges_.size(), 0);
     }
 
-    // A vertex where something begins, ends or parts is kept.
+    // A vertex where something begins, ends or parts is kept, and one that is not crowded where that counts.
     bool is_junction(std::uint32_t vertex) const {
-        return first_edge_[vertex + 1] - first_edge_[vertex] != 2;
+        const std::size_t first = first_edge_[vertex];
+        if (first_edge_[vertex + 1] - first != 2) return true;
+        return crowded_ > 0 && std::min(length_of(first), length_of(first + 1)) >= crowded_;
+    }
+
+    double length_of(std::size_t edge) const {
+        return length(network_.points[edges_[edge].second] - network_.points[edges_[edge].first]);
     }
 
     void walk_chains() {
@@ -107,6 +113,7 @@ class SliceNetwork {
 
     using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
+    const double crowded_;
     ChainNetwork network_;
     std::vector<std::uint32_t> vertex_of_;
     std::vector<Edge> edges_;
@@ -123,7 +130,7 @@ struct ThinSlice {
 };
 
 ThinSlice simplify_slice(const ContourSet& set, const Slice& slice, const SimplifyOptions& options) {
-    const SliceNetwork slice_network(set, slice);
+    const SliceNetwork slice_network(set, slice, options.crowded_mm);
     const double spacing = options.min_vertex_spacing_mm;
     const ThinResult thin =
         thin_chains(slice_network.network(), {options.epsilon_mm, spacing, clearance_share * spacing});

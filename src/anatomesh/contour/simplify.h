@@ -9,6 +9,7 @@ namespace anatomesh {
 struct SimplifyOptions {
     double epsilon_mm = 0;  // every input vertex stays within this of the kept polygon. 0: keep all. [0, 10]
     double min_vertex_spacing_mm = 0;  // aimed at between kept vertices where epsilon allows; 0: none
+    double crowded_mm = 0;  // only vertices nearer than this to the next one may go; 0: any may. >= 0
 };
 
 struct SimplifyStats {
