@@ -90,5 +90,44 @@ TEST(TouchingContours, of_an_organ_drawn_twice_keep_all_segments) {
     }
 }
 
+// A circle whose line crosses itself and goes on in a triangle `deep` beyond it, 2 * `half` wide there: an
+// island that touches it. `deep` below 0: round what is inside already, which is a hole then.
+Drawing crossing_itself(double half, double deep) {
+    Drawing drawing;
+    for (int k = 0; k < 8; ++k) {
+        Polygon outline;
+        for (int n = 0; n < 40; ++n) {
+            const double t = 2 * pi * n / 40;
+            if (n != 20) {
+                outline.push_back({15 * std::cos(t), 15 * std::sin(t)});
+                continue;
+            }
+            outline.push_back({-15 - deep, -half});
+            outline.push_back({-15 - deep, half});
+        }
+        drawing.add(0, 3 * k, outline);
+    }
+    return drawing;
+}
+
+TEST(TouchingContours, C04_of_a_line_that_crosses_itself_are_parted_or_closed) {
+    for (const double half : {0.3, 1.0, 2.0}) {
+        for (const double deep : {-6.0, -3.0, -1.0, 3.0, 6.0}) {
+            SCOPED_TRACE(testing::Message() << half << " wide, " << deep << " deep");
+            const ContourSet set = kept(crossing_itself(half, deep).raw);
+            const auto made = build(set);
+            ASSERT_TRUE(made.ok()) << to_line(made.error());
+            expect_certified(made.value(), set);
+            // A slip of the pen is closed; a larger loop is a piece, or a hole through all slices.
+            const bool closed = set.contours.size() == 8;
+            EXPECT_EQ(closed, half < 1 || (half == 1 && std::abs(deep) < 6) || deep == -1);
+            const StructureReport& structure = made.value().report.structures[0];
+            EXPECT_EQ(structure.components, closed || deep < 0 ? 1u : 2u);
+            EXPECT_EQ(structure.genus, closed || deep > 0 ? 0 : 1);
+            EXPECT_EQ(structure.contour_segments, structure.contour_segments_on_surface);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh
