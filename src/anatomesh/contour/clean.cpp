@@ -72,7 +72,7 @@ class Cleaner {
         note_structure_names();
         ANATOMESH_CHECK_STATUS(check_coordinates());
         ANATOMESH_CHECK_STATUS(gather());
-        drop_repeats();
+        ANATOMESH_CHECK_STATUS(drop_repeats());
         fit_tolerances();
         group();
         ANATOMESH_CHECK_STATUS(leave_out_slices());
@@ -259,12 +259,13 @@ class Cleaner {
     }
 
     // Equal candidates of a structure stand together.
-    void drop_repeats() {
+    Status drop_repeats() {
         std::vector<Candidate> kept;
         for (Candidate& candidate : candidates_) {
             if (!kept.empty() && rank_of(kept.back().raw) == rank_of(candidate.raw) &&
                 kept.back().points == candidate.points) {
                 // Stable sorting keeps the first of the input.
+                ANATOMESH_CHECK_STATUS(check_repeat(candidate.raw, kept.back().raw));
                 note(candidate.raw, "W-CON-011", "a contour repeats another one of its structure",
                      "contour " + place_of(kept.back().raw).contour, "dropped");
                 result_.log[candidate.raw].rule = "repeat of " + std::to_string(kept.back().raw);
@@ -273,6 +274,16 @@ class Cleaner {
             kept.push_back(std::move(candidate));
         }
         candidates_ = std::move(kept);
+        return Nothing{};
+    }
+
+    // A hole that is the outline itself leaves nothing of what is drawn, or nothing of it is a hole.
+    Status check_repeat(std::uint32_t raw, std::uint32_t of) const {
+        if (raw_.contours[raw].is_hole == raw_.contours[of].is_hole) return Nothing{};
+        return Error{ErrorKind::geometry, "E-CON-012",
+                     "a contour that the file calls a hole is an outline of its structure as well: contour " +
+                         place_of(raw_.contours[raw].is_hole ? of : raw).contour,
+                     place_of(raw_.contours[raw].is_hole ? raw : of), "take one of the two out of the file"};
     }
 
     // Tolerances in mm would swallow contours in metres.
@@ -463,12 +474,28 @@ class Cleaner {
             auto resolved = resolve_rings(std::move(rings), groups_.slices[s], exclusive_or, options_,
                                           [&](std::uint32_t raw) { return place_in(s, raw); });
             if (!resolved.ok()) return with_planes(std::move(resolved).error(), s);
+            ANATOMESH_CHECK_STATUS(check_holes(resolved.value()));
             take(std::move(resolved).value(), structure);
         }
         if (groups_.spread_mm[s] > range + 1e-9) {
             warn_of_spread(s);
         }
         close_slice();
+        return Nothing{};
+    }
+
+    // What the file calls a hole and what lies as one.
+    Status check_holes(const Resolved& resolved) {
+        for (const RingReading& reading : resolved.readings) {
+            if (reading.repeats >= 0) {
+                ANATOMESH_CHECK_STATUS(
+                    check_repeat(reading.source, static_cast<std::uint32_t>(reading.repeats)));
+            }
+            if (!raw_.contours[reading.source].is_hole || !reading.adds) continue;
+            note(reading.source, "W-CON-033",
+                 "a contour that the file calls a hole lies in no outline of its structure", "",
+                 "treated as part of the structure");
+        }
         return Nothing{};
     }
 

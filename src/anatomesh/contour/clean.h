@@ -96,7 +96,7 @@ struct CleanResult {
 // surface non-manifold. Every repair is counted and warned about, with its displacement and area; above its
 // bound it is an error. Contours that span less than 1 mm in all are most likely in another unit: there the
 // tolerances (plane, group, corridor, separation, crowded, weld) shrink with the span, so that nothing is
-// lost. Errors: E-CON-001..011, warnings: W-CON-001..032. Complexity: O(n log n) per slice in its points,
+// lost. Errors: E-CON-001..012, warnings: W-CON-001..033. Complexity: O(n log n) per slice in its points,
 // plus the crossings found.
 Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context);
 

@@ -697,6 +697,34 @@ TEST(Clean, C09_contour_beside_another_is_a_part_of_its_own) {
     EXPECT_EQ(run.area(), 125);
 }
 
+TEST(Clean, C09_what_the_file_calls_a_hole_lies_in_an_outline) {
+    File in, out, same, near, across;
+    for (File* file : {&in, &out, &same, &near, &across}) file->add(circle(0, 0, 10, 40));
+    in.add(circle(2, 0, 4, 20));
+    out.add(circle(30, 0, 4, 20));
+    same.add(circle(0, 0, 10, 40));
+    near.add(circle(0, 0, 9.97, 40));
+    across.add(circle(9, 0, 4, 20));
+    const auto told = [](File& file) {
+        file.raw.contours[1].is_hole = true;
+        return clean(file);
+    };
+    EXPECT_EQ(told(in).count("W-CON-033"), 0u);
+    for (File* file : {&out, &across}) {
+        const Cleaned plain = clean(*file), run = told(*file);
+        ASSERT_TRUE(run.ok());
+        EXPECT_EQ(plain.count("W-CON-033"), 0u);
+        EXPECT_EQ(run.count("W-CON-033"), 1u);
+        EXPECT_EQ(run.area(), plain.area());  // part of the structure
+    }
+    for (File* file : {&same, &near}) {
+        EXPECT_TRUE(clean(*file).ok());  // drawn twice
+        const Cleaned run = told(*file);
+        EXPECT_EQ(run.code(), "E-CON-012");
+        EXPECT_FALSE(run.result.error().next_step.empty());
+    }
+}
+
 TEST(Clean, C10_structures_that_share_a_wall_or_cross_stay_as_they_are) {
     for (double x : {10.0, 5.0, 0.0}) {
         const Cleaned run = clean(File().add(square(0, 0, 10)).add(square(x, 0, 10), 1));

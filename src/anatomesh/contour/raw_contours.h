@@ -30,6 +30,7 @@ struct RawContour {
     // reference that the file names, 0 where it names none.
     std::uint32_t space = 0;
     std::string slice = {};  // what the file calls its slice where it gives no plane; may be empty
+    bool is_hole = false;  // the file itself calls it one; which contours are holes follows from how they lie
 };
 
 struct RawContours {

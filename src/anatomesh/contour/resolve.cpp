@@ -129,6 +129,7 @@ class Resolver {
                  brief(pair.apart_mm) + " mm apart", "dropped");
             RingReading& reading = readings_[ring.source];
             reading.rule = "near repeat of " + number(pair.larger);
+            reading.repeats = rings_[pair.larger].source;
             reading.points_kept = 0;
             reading.area_change_mm2 =
                 std::abs(signed_area(rings_[pair.larger].at)) - std::abs(signed_area(ring.at));
@@ -231,6 +232,7 @@ class Resolver {
                          brief(all - common) + " mm2", "dropped");
                     RingReading& reading = readings_[rings_[r].source];
                     reading.rule = "near repeat of " + number(q);
+                    reading.repeats = rings_[q].source;
                     reading.points_kept = 0;
                     reading.area_change_mm2 = all - common;
                     rings_.erase(rings_.begin() + r);
@@ -262,6 +264,7 @@ class Resolver {
                 continue;
             }
             const std::string parent = fate.parent < 0 ? "" : number(static_cast<std::uint32_t>(fate.parent));
+            reading.adds = fate.parent < 0 || fate.level % 2 == 0;
             append(reading.rule, fate.parent < 0 || fate.level == 0 ? "outer"
                                  : fate.level % 2 == 1              ? "hole of " + parent
                                                                     : "island in hole " + parent);
@@ -386,6 +389,7 @@ class Resolver {
     void read_nesting(const Nesting& nesting) {
         for (std::size_t r = 0; r < rings_.size(); ++r) {
             RingReading& reading = readings_[rings_[r].source];
+            reading.adds = nesting.depth[r] % 2 == 0;
             if (nesting.depth[r] == 0) {
                 append(reading.rule, "outer");
             } else if (options_.holes == HoleRule::united && !exclusive_or_) {

@@ -20,6 +20,8 @@ struct RingReading {
     std::uint32_t points_kept = 0;  // vertices of the result that are vertices of the source
     double displacement_mm = 0, area_change_mm2 = 0;
     bool repaired = false;
+    bool adds = false;          // an outer one or an island: what it bounds is inside
+    std::int64_t repeats = -1;  // the source that it nearly repeats, for which it is dropped
 };
 
 // A warning about a source ring; its place is filled in by the caller.

@@ -151,6 +151,7 @@ class CslReader {
                 "component " + std::to_string(index) + " is a hole without an outer contour as its parent",
                 std::to_string(hole.parent));
         const Component& parent = components_[hole.parent];
+        builder_.set_hole(hole.contour);
         if (parent.label == hole.label) return Nothing{};
         Place where = place(std::to_string(hole.label));
         where.contour = std::to_string(index);

@@ -35,6 +35,8 @@ TEST(Csl, reads_planes_components_and_holes) {
     EXPECT_EQ(raw.structures[1].number, 7);
     ASSERT_EQ(raw.contours.size(), 4u);
     EXPECT_EQ(raw.contours[1].structure, 0u);
+    EXPECT_TRUE(raw.contours[1].is_hole);
+    EXPECT_FALSE(raw.contours[0].is_hole || raw.contours[2].is_hole);
     EXPECT_EQ(raw.contours[2].structure, 1u);
     EXPECT_EQ(raw.contours[2].point_count, 3u);
     EXPECT_EQ(raw.points[raw.contours[2].first_point + 2], (Vec3{20, 15, 5}));

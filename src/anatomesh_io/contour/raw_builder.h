@@ -59,6 +59,7 @@ class RawBuilder {
     void set_structure(std::size_t contour, std::uint32_t structure) {
         raw_.contours[contour].structure = structure;
     }
+    void set_hole(std::size_t contour) { raw_.contours[contour].is_hole = true; }
     void set_plane(std::size_t contour, std::int32_t plane) { raw_.contours[contour].plane = plane; }
     void set_kind(std::size_t contour, ContourKind kind) { raw_.contours[contour].kind = kind; }
 
