@@ -22,6 +22,7 @@ constexpr double on_segment = 1e-6;  // a vertex within it lies on a segment, in
 constexpr std::size_t most_missed = 1000;   // segments: where more are, the cells do not fit the contours
 constexpr std::size_t most_attempts = 400;  // to lead one
 constexpr int rounds = 3;                   // over the contours: one may need that beside it
+constexpr std::size_t last_missed = 10;     // segments: no more than these may ask for worse shapes
 constexpr std::size_t most_beside = 6;      // segments on either side of a missed one that a way may replace
 constexpr double reach = 2;                 // and how far along them it may end, in most_mm
 constexpr int turns = 3;                    // of drawing a way near, shapes being improved in between
@@ -85,13 +86,14 @@ struct Attempt {
 class Follower {
   public:
     Follower(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded, double least_sine,
-             const ImproveCells& improve, const RunContext& context)
+             double last_sine, const ImproveCells& improve, const RunContext& context)
         : bench_(bench),
           drawn_(drawn),
           crowded_(crowded),
           following_(drawn.following),
           sides_(bench),
           least_sine_(least_sine),
+          last_sine_(last_sine),
           improve_(improve),
           context_(context) {}
 
@@ -105,10 +107,14 @@ class Follower {
         }
         if (contours_.empty() || stats.missed > most_missed) return stats;
         find_vertices();
-        for (int round = 0; round < rounds; ++round) {
-            bool any = false;
-            for (Led& led : contours_) any |= lead(led);
-            if (!any) break;
+        lead_all();
+        std::size_t left = 0;
+        for (const Led& led : contours_) left += count_missed(led);
+        if (left > 0 && left <= last_missed) {
+            least_sine_ = std::min(least_sine_, last_sine_);
+            tried_.clear();
+            attempts_ = 0;
+            lead_all();
         }
         for (const Led& led : contours_) {
             if (!led.is_led || is_as_drawn(led)) continue;
@@ -122,6 +128,14 @@ class Follower {
     }
 
   private:
+    void lead_all() {
+        for (int round = 0; round < rounds; ++round) {
+            bool any = false;
+            for (Led& led : contours_) any |= lead(led);
+            if (!any) break;
+        }
+    }
+
     Led as_drawn(std::uint32_t number) const {
         const Contour& contour = following_.contours[number];
         const auto vertices = following_.vertices.subspan(contour.first_point, contour.point_count);
@@ -575,7 +589,7 @@ class Follower {
     std::span<std::uint8_t> crowded_;
     const FollowingContours& following_;
     SidesAt sides_;
-    double least_sine_;
+    double least_sine_, last_sine_;  // of cells inside that no contour forces
     const ImproveCells& improve_;
     const RunContext& context_;
     std::size_t attempts_ = 0;
@@ -592,10 +606,11 @@ class Follower {
 }  // namespace
 
 FollowStats follow_surface(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded,
-                           double least_sine, const ImproveCells& improve, const RunContext& context) {
+                           double least_sine, double last_sine, const ImproveCells& improve,
+                           const RunContext& context) {
     if (!drawn.table || !drawn.owners || drawn.following.contours.empty() || !(drawn.following.most_mm > 0))
         return {};
-    return Follower(bench, drawn, crowded, least_sine, improve, context).run();
+    return Follower(bench, drawn, crowded, least_sine, last_sine, improve, context).run();
 }
 
 }  // namespace anatomesh

@@ -392,6 +392,7 @@ class Climber {
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
         FollowStats stats = follow_surface(
             bench_, drawn_, crowded_, std::sin(least_degrees * radians_per_degree),
+            std::sin(listed_degrees * radians_per_degree),
             [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context);
         bench_.stats.segments_missed = stats.missed;
         bench_.stats.followed = std::move(stats.followed);

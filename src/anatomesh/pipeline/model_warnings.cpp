@@ -104,16 +104,16 @@ void warn_of_followed(const ModelReport& report, const std::string& file, RunCon
     place.slice = farthest->slice;
     place.structure = farthest->structure;
     place.value = brief(farthest->farthest_mm) + " mm";
-    context.warn({"W-PIP-013",
-                  counted(contours.size(), "contour") + " " + (contours.size() == 1 ? "follows" : "follow") +
-                      " the surface in place of " + counted(segments, "drawn segment") +
-                      " that no edges of it run along, where planes come too near to each other" +
-                      (left > 0 ? ", passing by " + std::to_string(left) + " of the drawn vertices"
-                                : std::string()) +
-                      "; the one that goes farthest is named",
-                  place,
-                  "kept as they run on the surface, and reported (followed_contours); --reconcile 0 leaves "
-                  "all as they are drawn"});
+    context.warn(
+        {"W-PIP-013",
+         counted(contours.size(), "contour") + " " + (contours.size() == 1 ? "follows" : "follow") +
+             " the surface in place of " + counted(segments, "drawn segment") +
+             " that no edges of it run along, where planes or contours come too near to each other" +
+             (left > 0 ? ", passing by " + std::to_string(left) + " of the drawn vertices" : std::string()) +
+             "; the one that goes farthest is named",
+         place,
+         "kept as they run on the surface, and reported (followed_contours); --reconcile 0 leaves "
+         "all as they are drawn"});
 }
 
 void warn_of_shells(const StructureReport& structure, const std::string& file, RunContext& context) {
