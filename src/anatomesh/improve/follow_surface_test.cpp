@@ -91,7 +91,7 @@ struct Followed {
     std::vector<std::uint8_t> fixed;
 };
 
-Followed follow(const Drawn& drawn, double most_mm, double least_sine = any_sine) {
+Followed follow(const Drawn& drawn, double most_mm, double least_sine = any_sine, double last_sine = 1) {
     Followed result;
     result.fixed = drawn.labelled.fixed;
     EditMesh mesh(drawn.labelled.mesh, drawn.neighbors);
@@ -106,7 +106,7 @@ Followed follow(const Drawn& drawn, double most_mm, double least_sine = any_sine
     std::vector<std::uint8_t> crowded(drawn.labelled.mesh.points.size(), 0);
     slices.crowded = crowded;
     const auto as_they_are = [](const std::vector<std::uint32_t>&) { return std::vector<std::uint32_t>{}; };
-    result.stats = follow_surface(bench, slices, crowded, least_sine, as_they_are, {});
+    result.stats = follow_surface(bench, slices, crowded, least_sine, last_sine, as_they_are, {});
     std::vector<std::uint32_t> neighbors = drawn.neighbors;
     result.mesh = std::move(mesh).take(neighbors);
     return result;
@@ -266,6 +266,31 @@ TEST(FollowSurface, cells_that_come_out_flat_are_taken_back) {
         EXPECT_GE(fixtures::worst_sine(followed.mesh),
                   std::min(fixtures::worst_sine(drawn.labelled.mesh), least_crowded_sine));
     }
+}
+
+// No more than ten segments are left by these contours: what strict shapes refuse is led at last by others.
+TEST(FollowSurface, the_last_segments_may_ask_for_worse_shapes) {
+    constexpr double strict = 0.3;
+    std::size_t gained = 0, few = 0;
+    for (Drawn& drawn : drawn_cases()) {
+        if (drawn.contours.size() > 1) continue;
+        const auto missed_after = [&](double last_sine) {
+            const Followed followed = follow(drawn, 3, strict, last_sine);
+            const Edges edges = edges_of_surface(followed.mesh, drawn.labelled.regions);
+            return followed.stats.followed.empty() ? missed_of(edges, drawn.vertices)
+                                                   : missed_of(edges, followed.stats.followed[0].vertices);
+        };
+        const std::size_t kept = missed_after(1), at_last = missed_after(any_sine);
+        EXPECT_LE(at_last, kept);
+        if (kept > 10) {
+            EXPECT_EQ(at_last, kept);  // too many
+            continue;
+        }
+        ++few;
+        gained += kept - at_last;
+    }
+    EXPECT_GT(few, 0u);
+    EXPECT_GT(gained, 0u);
 }
 
 TEST(FollowSurface, contours_that_are_edges_already_stay_as_they_are) {

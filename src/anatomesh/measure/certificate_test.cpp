@@ -406,6 +406,29 @@ TEST(Volume, slices_that_cross_are_not_integrated) {
     EXPECT_TRUE(slice_volumes(turned.contours).empty());
 }
 
+// Each of two structures, squares of 4 by 4, on slices of its own: others' slices are none of its.
+TEST(Volume, RS19_slices_that_say_nothing_about_a_structure_are_none_of_its) {
+    for (const double shift : {0.5, 1.0}) {
+        ContourSet set;
+        set.structures = {{1, "organ", {}}, {2, "lesion", {}}};
+        const auto draw = [&](double z, std::uint32_t structure) {
+            const auto slice = static_cast<std::uint32_t>(set.slices.size());
+            set.slices.push_back({make_plane({0, 0, z}, {0, 0, 1}), slice, 1, "z"});
+            set.contours.push_back({structure, slice, 4 * slice, 4});
+            for (const Vec2 p : {Vec2{0, 0}, Vec2{4, 0}, Vec2{4, 4}, Vec2{0, 4}})
+                set.points.push_back({p.x, p.y, z});
+        };
+        for (int k = 0; k < 6; ++k) {
+            draw(3 * k, 0);
+            if (k < 4) draw(3 * k + shift, 1);
+        }
+        const std::vector<double> volumes = slice_volumes(set);
+        ASSERT_EQ(volumes.size(), 2u);
+        EXPECT_NEAR(volumes[0], 6 * 3 * 16, 1e-9);
+        EXPECT_NEAR(volumes[1], 4 * 3 * 16, 1e-9);
+    }
+}
+
 TEST(QualityReport, figures_of_cubes_cut_in_six) {
     RunContext context;
     const CellShapes shapes = measure_shapes(testing::brick_mesh({3, 3, 3}, everywhere), context);

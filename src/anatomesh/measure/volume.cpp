@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <cstdint>
+#include <map>
+#include <utility>
 
+#include "anatomesh/field/telling_slices.h"
 #include "anatomesh/mesh/quality.h"
 
 namespace anatomesh {
@@ -19,17 +22,20 @@ double signed_area(std::span<const Vec3> polygon, Vec3 normal) {
     return dot(sum, normal) / 2;
 }
 
-// The thickness that each slice stands for.
-std::vector<double> slice_thickness(const ContourSet& set) {
+// The thickness that each slice stands for among those that count; 0 for the others. Requires: two that
+// count.
+std::vector<double> slice_thickness(const ContourSet& set, const std::vector<bool>& counts) {
     const Vec3 normal = set.slices.front().plane.normal;
     std::vector<double> position;
     for (const Slice& slice : set.slices) position.push_back(dot(slice.plane.origin, normal));
-    std::vector<std::size_t> order(position.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::vector<std::size_t> order;
+    for (std::size_t s = 0; s < position.size(); ++s) {
+        if (counts[s]) order.push_back(s);
+    }
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return position[a] < position[b]; });
     const auto gap = [&](std::size_t i) { return position[order[i + 1]] - position[order[i]]; };
-    std::vector<double> thickness(order.size());
+    std::vector<double> thickness(position.size());
     for (std::size_t i = 0; i < order.size(); ++i) {
         const double before = i > 0 ? gap(i - 1) : gap(i);
         const double after = i + 1 < order.size() ? gap(i) : gap(i - 1);
@@ -57,7 +63,17 @@ std::vector<double> mesh_volumes(const TetMesh& mesh, const RegionTable& regions
 
 std::vector<double> slice_volumes(const ContourSet& set) {
     if (set.slices.size() < 2 || !all_parallel(set, 0.01)) return {};
-    const std::vector<double> thickness = slice_thickness(set);
+    // By structure: most have all slices in common.
+    std::map<std::vector<bool>, std::vector<double>> thickness_of;
+    std::vector<const std::vector<double>*> thickness;
+    const std::vector<bool> all(set.slices.size(), true);
+    for (std::uint32_t i = 0; i < set.structures.size(); ++i) {
+        std::vector<bool> counts = slices_tell(set, i);
+        if (std::count(counts.begin(), counts.end(), true) < 2) counts = all;
+        const auto [found, is_new] = thickness_of.try_emplace(std::move(counts));
+        if (is_new) found->second = slice_thickness(set, found->first);
+        thickness.push_back(&found->second);
+    }
     std::vector<double> volumes(set.structures.size(), 0.0);
     std::vector<double> areas(set.structures.size());
     for (std::size_t s = 0; s < set.slices.size(); ++s) {
@@ -66,7 +82,7 @@ std::vector<double> slice_volumes(const ContourSet& set) {
         for (const Contour& contour : set.contours_of(slice)) {
             areas[contour.structure] += signed_area(set.points_of(contour), slice.plane.normal);
         }
-        for (std::size_t i = 0; i < areas.size(); ++i) volumes[i] += std::abs(areas[i]) * thickness[s];
+        for (std::size_t i = 0; i < areas.size(); ++i) volumes[i] += std::abs(areas[i]) * (*thickness[i])[s];
     }
     return volumes;
 }
