@@ -31,9 +31,19 @@ ContourSet chosen_slices(const ContourSet& set, std::span<const std::uint32_t> s
         part.slices.push_back(std::move(slice));
     }
     if (set.overlapping) {
-        OverlappingContours overlapping{{}, set.overlapping->order};
-        for (const ContourSet& level : set.overlapping->levels)
-            overlapping.levels.push_back(chosen_slices(level, slices));
+        OverlappingContours overlapping{{}, {}, set.overlapping->order};
+        for (std::size_t n = 0; n < set.overlapping->levels.size(); ++n) {
+            const std::vector<std::uint32_t>& of_level = set.overlapping->slices[n];
+            std::vector<std::uint32_t> chosen, places;
+            for (std::uint32_t k = 0; k < slices.size(); ++k) {
+                const auto found = std::lower_bound(of_level.begin(), of_level.end(), slices[k]);
+                if (found == of_level.end() || *found != slices[k]) continue;
+                chosen.push_back(static_cast<std::uint32_t>(found - of_level.begin()));
+                places.push_back(k);
+            }
+            overlapping.levels.push_back(chosen_slices(set.overlapping->levels[n], chosen));
+            overlapping.slices.push_back(std::move(places));
+        }
         part.overlapping = std::make_shared<const OverlappingContours>(std::move(overlapping));
     }
     return part;

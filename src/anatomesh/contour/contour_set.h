@@ -73,7 +73,8 @@ struct ContourSet {
 // Structures that overlap, of which the first keeps what it has in common with others: those that lie in
 // none, those that lie in these, and so on.
 struct OverlappingContours {
-    std::vector<ContourSet> levels;  // each of structures that exclude each other, on the slices of the whole
+    std::vector<ContourSet> levels;                  // each of structures that exclude each other
+    std::vector<std::vector<std::uint32_t>> slices;  // by level: which of the whole's its own are; rising
     std::vector<std::int32_t> order;  // the numbers of all structures, the first first
 };
 

@@ -8,8 +8,10 @@
 #include "anatomesh/contour/arrangement.h"
 #include "anatomesh/contour/boundary_loops.h"
 #include "anatomesh/contour/choose_structures.h"
+#include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/contour/clean.h"
 #include "anatomesh/contour/message_text.h"
+#include "anatomesh/contour/telling_slices.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {
@@ -318,6 +320,25 @@ void note_alone(const ContourSet& set, Relations& relations) {
     }
 }
 
+// The slices that say something about any of the structures: all, unless they have slices of their own.
+std::vector<std::uint32_t> slices_of(const ContourSet& set, const std::vector<std::uint32_t>& structures) {
+    std::vector<std::uint32_t> all(set.slices.size()), drawn;
+    std::iota(all.begin(), all.end(), 0u);
+    if (structures.empty() || !all_parallel(set, parallel_tolerance_mm)) return all;
+    std::vector<double> heights;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        heights.push_back(dot(set.slices[s].plane.origin, set.slices.front().plane.normal));
+        const auto contours = set.contours_of(set.slices[s]);
+        if (std::any_of(contours.begin(), contours.end(), [&](const Contour& contour) {
+                return std::find(structures.begin(), structures.end(), contour.structure) != structures.end();
+            }))
+            drawn.push_back(s);
+    }
+    if (drawn.empty()) return all;
+    std::vector<std::uint32_t> telling = telling_slices(drawn, heights);
+    return telling.size() == drawn.back() - drawn.front() + 1u ? all : telling;
+}
+
 Result<ContourSet> given_on_slices(const ContourSet& set, const std::vector<std::uint32_t>& rank,
                                    std::vector<GivenOverlap>& given, Relations* relations,
                                    RunContext& context);
@@ -336,9 +357,12 @@ Result<std::shared_ptr<const OverlappingContours>> overlapping_contours(
     const RunContext& context) {
     const std::size_t count = set.structures.size();
     std::vector<std::uint32_t> level_of = levels_of(relations, rank);
-    // Of structures with walls between them every slice tells; then slices of one's own help none.
+    // Of structures with walls between them every slice tells, unless they have slices of their own together;
+    // else those of one's own help none.
     for (std::uint32_t level = 0; level < count; ++level) {
-        if (have_walls(set, of_level(level_of, level), relations)) relations.forget_own_slices();
+        const std::vector<std::uint32_t> own = of_level(level_of, level);
+        if (have_walls(set, own, relations) && slices_of(set, own).size() == set.slices.size())
+            relations.forget_own_slices();
     }
     level_of = levels_of(relations, rank);
     const std::uint32_t highest = *std::max_element(level_of.begin(), level_of.end());
@@ -367,6 +391,9 @@ Result<std::shared_ptr<const OverlappingContours>> overlapping_contours(
         }
         // Those apart need not be told to be: each goes on through slices that draw others alone.
         part.exclusive = have_walls(set, own, relations);
+        overlapping.slices.push_back(slices_of(set, part.exclusive ? own : std::vector<std::uint32_t>{}));
+        if (overlapping.slices.back().size() < set.slices.size())
+            part = chosen_slices(part, overlapping.slices.back());
         overlapping.levels.push_back(std::move(part));
     }
     return std::make_shared<const OverlappingContours>(std::move(overlapping));

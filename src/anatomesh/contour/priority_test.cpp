@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/contour/clean.h"
 #include "anatomesh/contour/contour_laws_test.h"
 #include "anatomesh/geom/polygon.h"
@@ -204,12 +205,34 @@ TEST(Priority, what_lies_in_another_one_on_slices_of_its_own_leaves_none_between
             }
             for (int z = 8; z <= 17; z += step) drawn.push_back({1, square({8, 8}, {20, 20}), 1.0 * z});
             const PriorityResult result = given(kept(drawn), {});
-            ASSERT_EQ(result.kept.overlapping != nullptr, step == 1 && !touching) << step;
+            ASSERT_EQ(result.kept.overlapping != nullptr, step == 1) << step;
             if (!result.kept.overlapping) continue;
             const std::vector<ContourSet>& levels = result.kept.overlapping->levels;
             ASSERT_EQ(levels.size(), 2u);
-            EXPECT_FALSE(levels[0].exclusive);
+            EXPECT_EQ(levels[0].exclusive, touching);
             EXPECT_EQ(levels[1].structures[0].name, "S2");
+            // Neighbours have slices of their own together: 0, 4, 8, and so on.
+            std::size_t own = 0;
+            for (const std::uint32_t s : result.kept.overlapping->slices[0]) {
+                const double z = result.kept.slices[s].plane.origin.z;
+                EXPECT_EQ(levels[0].slices[own++].plane.origin.z, z);
+                EXPECT_TRUE(!touching || std::fmod(z, 4) == 0) << z;
+            }
+            EXPECT_EQ(own, touching ? 7u : result.kept.slices.size());
+            EXPECT_EQ(levels[0].slices.size(), own);
+            EXPECT_EQ(levels[1].slices.size(), result.kept.slices.size());
+            // So they have of some of the slices.
+            std::vector<std::uint32_t> some;
+            for (std::uint32_t s = 1; s < result.kept.slices.size(); s += 3) some.push_back(s);
+            const ContourSet part = chosen_slices(result.kept, some);
+            for (std::size_t n = 0; n < 2; ++n) {
+                const std::vector<std::uint32_t>& of_level = part.overlapping->slices[n];
+                const ContourSet& level = part.overlapping->levels[n];
+                ASSERT_EQ(of_level.size(), level.slices.size());
+                for (std::size_t k = 0; k < of_level.size(); ++k)
+                    EXPECT_EQ(level.slices[k].plane.origin, part.slices[of_level[k]].plane.origin);
+            }
+            EXPECT_EQ(part.overlapping->levels[1].slices.size(), some.size());
         }
     }
 }

@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "anatomesh/contour/repeated_planes.h"
-#include "anatomesh/field/telling_slices.h"
+#include "anatomesh/contour/telling_slices.h"
 
 namespace anatomesh {
 

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
@@ -257,12 +258,34 @@ class NestedField final : public StructureField {
     double clamp_ = 0;
 };
 
+// Slices between those of a level that it has not.
+void warn_of_silent_slices(const ContourSet& set, RunContext& context) {
+    for (std::size_t n = 0; n < set.overlapping->levels.size() && set.drawn; ++n) {
+        const std::vector<std::uint32_t>& own = set.overlapping->slices[n];
+        const ContourSet& level = set.overlapping->levels[n];
+        const auto gap = std::adjacent_find(own.begin(), own.end(),
+                                            [](std::uint32_t a, std::uint32_t b) { return b > a + 1; });
+        if (gap == own.end()) continue;
+        std::string names;
+        for (const Structure& structure : level.structures)
+            names += (names.empty() ? "" : ", ") +
+                     (structure.name.empty() ? std::to_string(structure.number) : structure.name);
+        context.warn(
+            {"W-FLD-012",
+             "slices between its own, no further apart than these are elsewhere, on which it is not drawn",
+             {set.source, set.slices[*gap + 1].name, names, "",
+              std::to_string(own.back() - own.front() + 1 - own.size()) + " slices without it"},
+             "taken to say nothing about it: it goes on through them"});
+    }
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const StructureField>> make_nested_field(const ContourSet& set,
                                                                 const FieldOptions& options,
                                                                 RunContext& context) {
     Fields levels;
+    warn_of_silent_slices(set, context);
     for (const ContourSet& level : set.overlapping->levels) {
         if (level.contours.empty()) {
             levels.push_back(nullptr);

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "anatomesh/contour/telling_slices.h"
 #include "anatomesh/field/crossed_field.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/sweep.h"
-#include "anatomesh/field/telling_slices.h"
 #include "anatomesh/reconcile/silences.h"
 
 namespace anatomesh {

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "anatomesh/field/telling_slices.h"
+#include "anatomesh/field/slices_tell.h"
 #include "anatomesh/field/unsaid.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/measure/even_odd_area.h"

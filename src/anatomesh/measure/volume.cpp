@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "anatomesh/field/telling_slices.h"
+#include "anatomesh/field/slices_tell.h"
 #include "anatomesh/mesh/quality.h"
 
 namespace anatomesh {

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "anatomesh/field/parallel_field.h"
-#include "anatomesh/field/telling_slices.h"
+#include "anatomesh/field/slices_tell.h"
 #include "anatomesh/field/unsaid.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/improve/improve_dihedrals.h"

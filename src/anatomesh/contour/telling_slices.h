@@ -1,10 +1,8 @@
-// Which slices of a stack say something about a structure that they do not draw.
+// telling_slices: which slices of a stack say something about a structure that they do not draw.
 #pragma once
 
 #include <cstdint>
 #include <vector>
-
-#include "anatomesh/contour/contour_set.h"
 
 namespace anatomesh {
 
@@ -23,12 +21,5 @@ std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& draw
 // Whether some say nothing by the second rule: a guess, to be told.
 bool has_usual_gaps_with_others(const std::vector<std::uint32_t>& drawn,
                                 const std::vector<std::uint32_t>& telling);
-
-// By slice of a set of parallel slices or a sweep, whether it says something about the structure: all do in a
-// set whose structures exclude each other (a label map), and where all from the structure's first to its last
-// do; else those that telling_slices() names. Of structures that lie in each other (contour/priority.h) what
-// was drawn says it, level by level. Of planes that cross by the first rule, in the order of the
-// set. Complexity: O(contours + slices log slices), that of Sweep::of().
-std::vector<bool> slices_tell(const ContourSet& set, std::uint32_t structure);
 
 }  // namespace anatomesh

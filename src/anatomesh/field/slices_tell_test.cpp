@@ -1,7 +1,8 @@
-#include "anatomesh/field/telling_slices.h"
+#include "anatomesh/field/slices_tell.h"
 
 #include <gtest/gtest.h>
 
+#include "anatomesh/contour/telling_slices.h"
 #include "anatomesh/field/field_fixtures.h"
 #include "anatomesh/field/structure_field.h"
 

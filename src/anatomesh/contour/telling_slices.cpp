@@ -1,13 +1,10 @@
-#include "anatomesh/field/telling_slices.h"
+#include "anatomesh/contour/telling_slices.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numeric>
+#include <cstddef>
 #include <optional>
-
-#include "anatomesh/field/parallel_field.h"
-#include "anatomesh/field/sweep.h"
 
 namespace anatomesh {
 
@@ -44,28 +41,6 @@ std::optional<double> own_spacing(const std::vector<std::uint32_t>& drawn,
     return usual;
 }
 
-// The slices in the order in which they lie, and their heights, if they are a stack or a sweep.
-struct InOrder {
-    std::vector<std::uint32_t> slices;
-    std::vector<double> heights;  // empty: not known
-};
-
-InOrder in_order(const ContourSet& set) {
-    InOrder result;
-    result.slices.resize(set.slices.size());
-    std::iota(result.slices.begin(), result.slices.end(), 0u);
-    if (set.slices.empty() || !(is_parallel(set) || Sweep::of(set))) return result;
-    const Box3 box = set.box();
-    const Vec3 middle = 0.5 * (box.low + box.high), way = set.slices.front().plane.normal;
-    std::vector<double> at;
-    for (const Slice& slice : set.slices)
-        at.push_back(-slice.plane.signed_distance(middle) / dot(slice.plane.normal, way));
-    std::stable_sort(result.slices.begin(), result.slices.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return at[a] < at[b]; });
-    for (const std::uint32_t s : result.slices) result.heights.push_back(at[s]);
-    return result;
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& drawn,
@@ -85,32 +60,6 @@ std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& draw
 bool has_usual_gaps_with_others(const std::vector<std::uint32_t>& drawn,
                                 const std::vector<std::uint32_t>& telling) {
     return telling.size() < drawn.back() - drawn.front() + 1u && !has_most_gaps_with_others(drawn);
-}
-
-std::vector<bool> slices_tell(const ContourSet& set, std::uint32_t structure) {
-    std::vector<bool> tell(set.slices.size(), true);
-    if (set.overlapping) {
-        for (const ContourSet& level : set.overlapping->levels) {
-            for (std::uint32_t s = 0; s < level.structures.size(); ++s) {
-                if (level.structures[s].number != set.structures[structure].number) continue;
-                return level.slices.size() == set.slices.size() ? slices_tell(level, s) : tell;
-            }
-        }
-    }
-    if (set.exclusive) return tell;
-    const InOrder order = in_order(set);
-    std::vector<std::uint32_t> drawn;
-    for (std::uint32_t n = 0; n < order.slices.size(); ++n) {
-        const auto all = set.contours_of(set.slices[order.slices[n]]);
-        if (std::any_of(all.begin(), all.end(), [&](const Contour& c) { return c.structure == structure; }))
-            drawn.push_back(n);
-    }
-    if (drawn.empty()) return tell;
-    const std::vector<std::uint32_t> telling = telling_slices(drawn, order.heights);
-    if (telling.size() == drawn.back() - drawn.front() + 1u) return tell;
-    tell.assign(tell.size(), false);
-    for (const std::uint32_t n : telling) tell[order.slices[n]] = true;
-    return tell;
 }
 
 }  // namespace anatomesh
