@@ -117,7 +117,7 @@ class Warner {
         context_.warn(
             {"W-RCN-009",
              "contours rise and fall from plane to plane beside a line in which four planes or more "
-             "meet, at " +
+             "meet, or run steeply along it, at " +
                  std::to_string(poles.poles) + (poles.poles == 1 ? " place" : " places") + " on it and " +
                  std::to_string(flanks.points) + (flanks.points == 1 ? " point" : " points") + " along it",
              {set_.source, "", "", "", brief(highest) + " mm"},

@@ -21,7 +21,8 @@ namespace {
 
 constexpr std::size_t planes_at_pole = 4;
 constexpr double same_line_sine = 1e-6;     // of a common line's directions: planes as files give them
-constexpr double least_across = 0.1;        // of a leg's direction across the line: else it runs along it
+constexpr double least_across = 0.1;        // of a way's direction across the line: else it runs along it
+constexpr double no_half_plane = 0.01;      // of a leg's: which of the two it lies in is not known
 constexpr double widest_gap_degrees = 150;  // between the neighbours of a leg
 constexpr double share_of_way = 1.0 / 3;    // to the next point that must stay
 constexpr double least_radius = 0.02;       // of that asked for: less is no room for a vertex
@@ -195,7 +196,7 @@ class Settler {
                 Leg leg = leg_of(visit, forward, room);
                 const Vec3 way = normalized(leg.end - visit.at);
                 const Vec3 radial = way - dot(way, line) * line;
-                if (length(radial) < least_across) return {};
+                if (length(radial) < no_half_plane) return {};
                 leg.radial = cross(set_.slices[visit.slice].plane.normal, line);
                 if (dot(leg.radial, radial) < 0) leg.radial = -1 * leg.radial;
                 leg.radial = normalized(leg.radial);
@@ -265,11 +266,23 @@ class Settler {
         return false;
     }
 
+    // Whether there was one.
+    bool turn_steep(std::vector<Leg>& fan) const {
+        const double most = options_.steepest_degrees * std::numbers::pi / 180;
+        bool turned = false;
+        for (Leg& leg : fan) {
+            if (leg.held || std::abs(leg.latitude) <= most) continue;
+            leg.latitude = std::copysign(most, leg.latitude);
+            turned = true;
+        }
+        return turned;
+    }
+
     // Whether a leg was turned.
     bool turn(std::vector<Leg>& fan, Vec3 line) const {
         const std::size_t n = fan.size();
         std::vector<Vec3> ways(n);
-        bool turned = false;
+        bool turned = turn_steep(fan);
         for (int step = 0; step < most_turns; ++step) {
             for (std::size_t k = 0; k < n; ++k) ways[k] = direction(fan[k], line);
             if (!is_sharp(ways, options_.least_degrees)) break;
@@ -393,6 +406,7 @@ class Settler {
 
 PoleStats settle_poles(ContourSet& set, DrawnPlaces& drawn, const PoleOptions& options) {
     assert(options.radius_mm > 0 && options.least_degrees > 0 && options.least_degrees < 180);
+    assert(options.steepest_degrees > 0 && options.steepest_degrees <= 90);
     assert(drawn.at.size() == set.points.size());
     return Settler(set, drawn, options).run();
 }

@@ -12,6 +12,8 @@ struct PoleOptions {
     double radius_mm = 1;       // up to where contours are turned. mm, > 0
     double least_degrees = 70;  // between the surface's two sides at a contour; less is settled. (0, 180)
     double most_moved_mm = 10;  // of a vertex from where it was drawn. mm, > 0
+    double steepest_degrees =
+        65;  // of a leg over the plane across the line; steeper ones are turned. (0, 90]
 };
 
 struct PoleStats {
@@ -25,7 +27,9 @@ struct PoleStats {
 // slits that no cells fit into. Where the facets between a leg and those of the two planes beside it make an
 // angle below the least, all legs of the pole are turned about it in their planes, each half way to the facet
 // between its neighbours, until none is sharper, at most 50 times: what rises and falls from plane to plane
-// goes, a slope over several planes stays; so does a leg that would turn by less than 3 degrees. Legs are
+// goes, a slope over several planes stays; so does a leg that would turn by less than 3 degrees. Before
+// that, legs steeper than the steepest are turned as far as that: a surface that runs nearly along the line
+// has legs of many planes within a few degrees of each other, and cells between them are needles. Legs are
 // turned up to the radius, where they get a vertex, or up to less: a third of the way to the next point that
 // other slices have too, or at which contours branch. A leg that has less than half the radius for that stays
 // as it is, and (unless they are fewer than half) the others keep their room.

@@ -165,6 +165,44 @@ TEST(SettlePoles, a_contour_smaller_than_the_radius_has_no_legs) {
     EXPECT_EQ(fan.set.points, before.points);
 }
 
+// A surface that runs nearly along the line: its legs come near to each other.
+TEST(SettlePoles, what_runs_along_the_line_leaves_it_at_an_angle) {
+    const double steepest = PoleOptions{}.steepest_degrees, least_turn = 3;
+    for (const int planes : {8, 12, 20}) {
+        for (const double tilt_degrees : {70.0, 73.0, 75.0}) {
+            const double tilt = tilt_degrees * pi / 180, turn = 0.37 * pi / planes;
+            Fan fan = fan_of(planes, [&](double azimuth, int) {
+                return std::atan(std::tan(tilt) * std::cos(azimuth - turn));
+            });
+            const ContourSet before = fan.set;
+            EXPECT_EQ(fan.settle().poles, 1u);
+            std::size_t legs = 0, turned = 0;
+            for (const Contour& contour : fan.set.contours) {
+                const auto points = fan.set.points_of(contour);
+                for (std::size_t k = 0; k < points.size(); ++k) {
+                    if (points[k] != Vec3{}) continue;
+                    for (const Vec3 p :
+                         {points[(k + 1) % points.size()], points[(k + points.size() - 1) % points.size()]}) {
+                        ++legs;
+                        const double slope = degrees(std::atan2(std::abs(p.z), std::hypot(p.x, p.y)));
+                        EXPECT_LE(slope, steepest + least_turn);
+                        if (std::abs(slope - steepest) > 1e-6) continue;
+                        ++turned;
+                        EXPECT_NEAR(length(p), radius, 1e-9);
+                    }
+                }
+            }
+            EXPECT_EQ(legs, 2u * static_cast<std::size_t>(planes));
+            EXPECT_GE(turned, 4u);
+            EXPECT_LT(turned, legs);
+            for (std::uint32_t s = 0; s < before.slices.size(); ++s) {
+                for (const Vec3& p : before.points_of(before.contours[s])) EXPECT_TRUE(has(fan.set, s, 0, p));
+            }
+            expect_sound(fan.set);
+        }
+    }
+}
+
 TEST(SettlePoles, what_rises_and_falls_from_plane_to_plane_goes) {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> unit(0, 1);
