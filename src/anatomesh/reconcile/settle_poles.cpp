@@ -271,7 +271,7 @@ class Settler {
         const double most = options_.steepest_degrees * std::numbers::pi / 180;
         bool turned = false;
         for (Leg& leg : fan) {
-            if (leg.held || std::abs(leg.latitude) <= most) continue;
+            if (leg.held || degrees(std::abs(leg.latitude) - most) < least_turn_degrees) continue;
             leg.latitude = std::copysign(most, leg.latitude);
             turned = true;
         }
