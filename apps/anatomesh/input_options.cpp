@@ -180,7 +180,7 @@ void add_selection_options(CLI::App& verb, InputOptions& options) {
             },
             "Every traced or drawn point stays within MM of the kept polygon, 1e-6 to 10 (default: 0.15 of "
             "the "
-            "pixel for traced contours, exact for drawn ones)")
+            "pixel for traced contours, exact for drawn ones, but for points less than 0.01 mm apart)")
         ->type_name("MM|exact");
     verb.add_option_function<std::string>(
             "--min-area",

@@ -537,7 +537,9 @@ Result<InputContours> contours_of(OpenedInput input, const InputOptions& options
     result.dicom_source = std::move(source);
     auto used = used_options(options);
     used.insert(used.end(), result.options.begin(), result.options.end());
-    used.emplace_back("epsilon_mm", result.epsilon_mm > 0 ? number_text(result.epsilon_mm) : "exact");
+    used.emplace_back("epsilon_mm", result.epsilon_mm > 0 ? number_text(result.epsilon_mm)
+                                    : options.epsilon_mm  ? "exact"
+                                                          : "exact but for crowded points");
     result.options = std::move(used);
     return result;
 }

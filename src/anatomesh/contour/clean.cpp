@@ -31,6 +31,8 @@ namespace {
 constexpr double coordinate_bound_mm = 1e7;
 constexpr double least_span_mm = 1;   // of all contours: below it the unit is most likely not the millimetre
 constexpr double no_width_mm = 1e-6;  // a contour nowhere wider than this has no area
+constexpr double crowded_span =
+    1e-4;  // of all contours: points that crowd lie no farther apart, whatever the unit
 constexpr double crowded_off = 0.1;   // of how near crowded points lie: so far off the line may one be
 constexpr double speck_share =
     1e-4;  // of the area of a slip of the pen: that crosses itself in a box no larger
@@ -292,12 +294,12 @@ class Cleaner {
         for (const Candidate& candidate : candidates_) {
             for (const Vec3& p : candidate.points) box.extend(p);
         }
+        options_.crowded_mm = std::min(options_.crowded_mm, crowded_span * box.diagonal());
         if (candidates_.empty() || box.diagonal() >= least_span_mm) return;
         const double scale = box.diagonal() / least_span_mm;
-        for (double* tolerance :
-             {&options_.plane_tolerance_mm, &options_.group_tolerance_mm, &options_.corridor_mm,
-              &options_.keyhole_mm, &options_.repeat_mm, &options_.doubtful_wall_mm, &options_.separation_mm,
-              &options_.weld_mm, &options_.crowded_mm})
+        for (double* tolerance : {&options_.plane_tolerance_mm, &options_.group_tolerance_mm,
+                                  &options_.corridor_mm, &options_.keyhole_mm, &options_.repeat_mm,
+                                  &options_.doubtful_wall_mm, &options_.separation_mm, &options_.weld_mm})
             *tolerance *= scale;
         options_.loop_mm2 *= scale * scale;
         context_.warn({"W-CON-023",
@@ -493,8 +495,9 @@ class Cleaner {
             }
             if (!raw_.contours[reading.source].is_hole || !reading.adds) continue;
             note(reading.source, "W-CON-033",
-                 "a contour that the file calls a hole lies in no outline of its structure", "",
-                 "treated as part of the structure");
+                 "a contour that the file calls a hole lies in no outline of its structure, or in another "
+                 "hole",
+                 "", "treated as part of the structure");
         }
         return Nothing{};
     }
@@ -613,6 +616,7 @@ class Cleaner {
         for (const Ring& ring : resolved.rings) {
             set.contours.push_back({structure, slice, static_cast<std::uint32_t>(set.points.size()),
                                     static_cast<std::uint32_t>(ring.points.size())});
+            source_of_.push_back(ring.source);
             set.points.insert(set.points.end(), ring.points.begin(), ring.points.end());
         }
     }
@@ -668,29 +672,30 @@ class Cleaner {
     }
 
     Status thin_crowds() {
+        // By point, whose it is.
+        std::vector<std::pair<Vec3, std::uint32_t>> sources;
+        for (std::size_t c = 0; c < result_.kept.contours.size(); ++c) {
+            for (const Vec3& p : result_.kept.points_of(result_.kept.contours[c]))
+                sources.push_back({p, source_of_[c]});
+        }
         ANATOMESH_TRY(CrowdedPoints thin,
                       leave_out_crowded(std::move(result_.kept),
                                         {options_.crowded_mm, crowded_off * options_.crowded_mm}, context_));
         result_.kept = std::move(thin.kept);
         if (thin.left_out.empty()) return Nothing{};
-        std::uint32_t first = 0;
-        for (std::uint32_t raw = static_cast<std::uint32_t>(raw_.contours.size()); raw-- > 0;) {
-            const std::span<const Vec3> points =
-                std::span(raw_.points)
-                    .subspan(raw_.contours[raw].first_point, raw_.contours[raw].point_count);
-            const auto count = std::count_if(points.begin(), points.end(), [&](Vec3 p) {
-                return std::binary_search(thin.left_out.begin(), thin.left_out.end(), p,
-                                          [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); });
-            });
-            if (count == 0) continue;
-            first = raw;
+        std::map<std::uint32_t, std::uint32_t> counts;
+        for (const auto& [point, source] : sources)
+            counts[source] += std::binary_search(thin.left_out.begin(), thin.left_out.end(), point,
+                                                 [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); });
+        std::erase_if(counts, [](const auto& entry) { return entry.second == 0; });
+        for (const auto& [raw, count] : counts) {
             ContourLog& log = result_.log[raw];
-            log.points_kept -= std::min(log.points_kept, static_cast<std::uint32_t>(count));
+            log.points_kept -= std::min(log.points_kept, count);
             log.max_displacement_mm = std::max(log.max_displacement_mm, thin.distance_mm);
             add_rule(raw, "crowded points left out");
             repaired_[raw] = 1;
         }
-        Place place = place_of(first);
+        Place place = place_of(counts.begin()->first);
         place.value = std::to_string(thin.left_out.size()) + " points";
         context_.warn(
             {"W-CON-032",
@@ -701,30 +706,30 @@ class Cleaner {
         return Nothing{};
     }
 
+    void weld() {
+        const WeldStats welded = weld_contours(result_.kept, options_.weld_mm);
+        result_.stats.max_displacement_mm = welded.max_displacement_mm;
+        if (welded.moved == 0) return;
+        context_.warn({"W-CON-021",
+                       std::to_string(welded.moved) +
+                           " vertices differ from one of another structure by rounding alone",
+                       {raw_.source, "", "", "", "at most " + full(welded.max_displacement_mm) + " mm"},
+                       "moved onto it"});
+    }
+
     Result<CleanResult> finish() {
         std::stable_sort(notes_.begin(), notes_.end(),
                          [](const RingNote& p, const RingNote& q) { return p.source < q.source; });
         for (RingNote& ring_note : notes_) context_.warn(std::move(ring_note.warning));
         ANATOMESH_CHECK_STATUS(keep_structures());
-        keep_empty_planes();
         ContourSet& set = result_.kept;
         set.frame = raw_.frame;
         set.pixel_mm = raw_.pixel_mm;
         set.source = raw_.source;
-        CleanStats& stats = result_.stats;
-        if (options_.weld_mm > 0) {
-            const WeldStats welded = weld_contours(set, options_.weld_mm);
-            stats.max_displacement_mm = welded.max_displacement_mm;
-            if (welded.moved > 0) {
-                context_.warn(
-                    {"W-CON-021",
-                     std::to_string(welded.moved) +
-                         " vertices differ from one of another structure by rounding alone",
-                     {raw_.source, "", "", "", "at most " + full(welded.max_displacement_mm) + " mm"},
-                     "moved onto it"});
-            }
-        }
+        if (options_.weld_mm > 0) weld();
         ANATOMESH_CHECK_STATUS(thin_crowds());
+        keep_empty_planes();
+        CleanStats& stats = result_.stats;
         stats.points_kept = set.points.size();
         stats.contours_kept = static_cast<std::uint32_t>(set.contours.size());
         for (char repaired : repaired_) stats.repaired += repaired;
@@ -749,6 +754,7 @@ class Cleaner {
     std::vector<char> repaired_;                         // per raw contour
     std::map<std::uint32_t, std::vector<Vec3>> closing_;  // by raw contour: what comes after its points
     std::vector<RingNote> notes_;
+    std::vector<std::uint32_t> source_of_;  // per kept contour
     CleanResult result_;
 };
 

@@ -36,7 +36,7 @@ struct CleanOptions {
     double keyhole_mm = 0.5;
     // Loops that a contour makes by crossing itself, slips of the pen, are no holes or islands of their own:
     // below this, and where close_loops.h says so. mm^2. [0, 100]; 0: as drawn. What crosses itself
-    // and has no more than a thousandth of it as its box is no contour.
+    // and has no more than a ten-thousandth of it as its box is no contour.
     double loop_mm2 = 1;
     // A contour that keeps this near to another of its structure in its slice, and nearer than half of their
     // mean edge length, repeats it: the smaller is dropped. [0, 1]
@@ -47,9 +47,9 @@ struct CleanOptions {
     // Rings that share a vertex are moved apart there by at most this: a nearer wall or gap, on slice after
     // slice, would have holes. (0, 1]
     double separation_mm = 0.2;
-    // Points nearer than this to the next one of their contour, that lie within a tenth of it of the line
-    // that is kept, are left out: cells as fine as they lie would be finer than anything that is drawn. [0,
-    // 1]; 0: all stay.
+    // Points nearer than this, and than 1e-4 of the span of all contours, to the next one of their contour,
+    // that lie within a tenth of it of the line that is kept, are left out: cells as fine as they lie would
+    // be finer than anything that is drawn. [0, 1]; 0: all stay.
     double crowded_mm = 0.01;
     // Vertices of different structures nearer than this become one: a wall that two structures share. [0,
     // 0.01]; 0: not.
@@ -95,7 +95,7 @@ struct CleanResult {
 // copy moves into the smaller one's own polygon by at most separation_mm: a shared vertex would make every
 // surface non-manifold. Every repair is counted and warned about, with its displacement and area; above its
 // bound it is an error. Contours that span less than 1 mm in all are most likely in another unit: there the
-// tolerances (plane, group, corridor, separation, crowded, weld) shrink with the span, so that nothing is
+// tolerances (plane, group, corridor, separation, weld) shrink with the span, so that nothing is
 // lost. Errors: E-CON-001..012, warnings: W-CON-001..033. Complexity: O(n log n) per slice in its points,
 // plus the crossings found.
 Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context);

@@ -39,7 +39,7 @@ TEST(CrowdedPoints, C14_go_where_the_line_stays_and_the_others_stay_as_drawn) {
             for (const double off : {0.0, 1e-4}) {
                 SCOPED_TRACE(std::to_string(crowd) + " " + std::to_string(apart) + " " + std::to_string(off));
                 if (off > apart) continue;  // a zigzag with a width of its own
-                const File file = File().add(crowded(12, 20, crowd, apart, off));
+                const File file = File().add(crowded(12, 50, crowd, apart, off));
                 const Cleaned run = clean(file);
                 ASSERT_TRUE(run.ok());
                 EXPECT_EQ(run.count("W-CON-032"), 1u);
@@ -55,7 +55,7 @@ TEST(CrowdedPoints, C14_go_where_the_line_stays_and_the_others_stay_as_drawn) {
                 exact.crowded_mm = 0;
                 const Cleaned all = clean(file, exact);
                 EXPECT_EQ(all.kept().points.size(), file.raw.points.size());
-                EXPECT_NEAR(run.area(), all.area(), 1e-3 * 2 * M_PI * 20);
+                EXPECT_NEAR(run.area(), all.area(), 1e-3 * 2 * M_PI * 50);
             }
         }
     }
@@ -63,12 +63,12 @@ TEST(CrowdedPoints, C14_go_where_the_line_stays_and_the_others_stay_as_drawn) {
 
 TEST(CrowdedPoints, what_has_a_shape_of_its_own_stays) {
     // Teeth of 0.005 mm: crowded, and further off the line than they may be.
-    const File teeth = File().add(crowded(12, 20, 20, 0.006, 0.005));
+    const File teeth = File().add(crowded(12, 50, 20, 0.006, 0.005));
     const Cleaned run = clean(teeth);
     ASSERT_TRUE(run.ok());
     EXPECT_GT(run.kept().points.size(), teeth.raw.points.size() / 2);
     // Nothing crowded: nothing is left out, though every other point is on the line.
-    const File wide = File().add(crowded(12, 20, 3, 0.02, 0));
+    const File wide = File().add(crowded(12, 50, 3, 0.02, 0));
     const Cleaned same = clean(wide);
     EXPECT_EQ(same.count("W-CON-032"), 0u);
     EXPECT_EQ(same.kept().points.size(), wide.raw.points.size());
@@ -77,8 +77,8 @@ TEST(CrowdedPoints, what_has_a_shape_of_its_own_stays) {
 // The wall of two structures stays one line.
 TEST(CrowdedPoints, shared_lines_stay_shared) {
     Points left{{-20, 0, 10}, {0, 0, 10}}, right{{0, 0, 10}, {20, 0, 10}, {20, 20, 10}, {0, 20, 10}};
-    for (int k = 1; k < 4000; ++k) {
-        const double y = 0.005 * k;
+    for (int k = 1; k < 10000; ++k) {
+        const double y = 0.002 * k;
         left.push_back({std::sin(0.3 * y), y, 10});
     }
     left.push_back({0, 20, 10});
@@ -109,12 +109,36 @@ TEST(CrowdedPoints, C13_a_million_points_become_a_contour_like_others) {
     EXPECT_NEAR(run.area(), M_PI * 2500, 1e-3 * 2 * M_PI * 50);
 }
 
+// The contour that has them is named, and its log counts them, though its points were moved onto the plane
+// before.
+TEST(CrowdedPoints, of_contours_off_their_plane_are_counted) {
+    Points off = circle(0, 0, 50, 100'000, 8);
+    for (std::size_t n = 0; n < off.size(); ++n) off[n].z += n % 2 == 0 ? 0.3 : 0.31;
+    File file;
+    file.raw.planes = {make_plane({0, 0, 5}, {0, 0, 1}), make_plane({0, 0, 8}, {0, 0, 1})};
+    file.add(circle(0, 0, 50, 40, 5), 0, ContourKind::closed_planar, 0);
+    file.add(off, 0, ContourKind::closed_planar, 1);
+    file.raw.contours[0].name = "first";
+    file.raw.contours[1].name = "second";
+    const Cleaned run = clean(file);
+    ASSERT_TRUE(run.ok());
+    ASSERT_EQ(run.count("W-CON-032"), 1u);
+    EXPECT_EQ(run.warning("W-CON-032").place.contour, "second");
+    const std::vector<ContourLog>& log = run.result.value().log;
+    EXPECT_EQ(log[0].points_kept, 40u);
+    EXPECT_EQ(log[1].points_kept, run.kept().points.size() - 40);
+    EXPECT_LT(log[1].points_kept, 2000u);
+}
+
 // What is drawn in metres has no points that crowd.
 TEST(CrowdedPoints, C32_a_small_unit_is_no_crowd) {
-    const Cleaned run = clean(File().add(circle(0, 0, 0.02, 60)));
-    ASSERT_TRUE(run.ok());
-    EXPECT_EQ(run.count("W-CON-032"), 0u);
-    EXPECT_EQ(run.kept().points.size(), 60u);
+    for (const double radius : {0.02, 0.3, 0.8, 5.0}) {  // an organ, a head, a body; and in centimetres
+        const int count = 1500;
+        const Cleaned run = clean(File().add(circle(0, 0, radius, count)));
+        ASSERT_TRUE(run.ok());
+        EXPECT_EQ(run.count("W-CON-032"), 0u) << radius;
+        EXPECT_EQ(run.kept().points.size(), static_cast<std::size_t>(count)) << radius;
+    }
 }
 
 }  // namespace

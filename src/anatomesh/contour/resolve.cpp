@@ -232,7 +232,6 @@ class Resolver {
                          brief(all - common) + " mm2", "dropped");
                     RingReading& reading = readings_[rings_[r].source];
                     reading.rule = "near repeat of " + number(q);
-                    reading.repeats = rings_[q].source;
                     reading.points_kept = 0;
                     reading.area_change_mm2 = all - common;
                     rings_.erase(rings_.begin() + r);

@@ -21,7 +21,7 @@ struct RingReading {
     double displacement_mm = 0, area_change_mm2 = 0;
     bool repaired = false;
     bool adds = false;          // an outer one or an island: what it bounds is inside
-    std::int64_t repeats = -1;  // the source that it nearly repeats, for which it is dropped
+    std::int64_t repeats = -1;  // the source of its plane that it nearly repeats and is dropped for
 };
 
 // A warning about a source ring; its place is filled in by the caller.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "anatomesh/contour/nesting.h"
+#include "anatomesh/geom/box.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {
@@ -156,9 +157,10 @@ class CorridorFinder {
 struct Shared {
     std::uint32_t ring = 0, position = 0;
     Vec2 from, inward;             // the vertex; unit bisector of the polygon's angle there
+    Vec2 previous, next;           // those beside it
     Vec2 to_before, to_after;      // units, along the edges
     double before = 0, after = 0;  // their lengths
-    int rank = 0;                  // 0: the smallest ring there, 1 the next larger ...
+    int rank = 0;  // 0: no smaller ring there lies in its angle, 1: one does, in which none lies ...
 };
 
 // Unit bisector of the polygon's angle between two edges that leave a vertex.
@@ -194,6 +196,11 @@ Parted parted(const Shared& shared, double distance) {
     return {std::move(line), depth};
 }
 
+// Whether a direction from the vertex lies in the polygon's angle there.
+bool is_between(const Shared& shared, Vec2 direction) {
+    return dot(shared.inward, direction) > dot(shared.inward, shared.to_before);
+}
+
 std::vector<Shared> find_shared(const std::vector<Ring>& rings) {
     struct Visit {
         Vec2 at;
@@ -215,9 +222,11 @@ std::vector<Shared> find_shared(const std::vector<Ring>& rings) {
         if (!(visits[v].at == visits[v - 1].at)) continue;
         const Ring& ring = rings[visits[v].ring];
         const std::size_t i = visits[v].position;
-        Shared found{visits[v].ring, visits[v].position, ring.at[i], {}, {}, {}};
-        found.to_before = ring.at[preceding(ring, i)] - ring.at[i];
-        found.to_after = ring.at[following(ring, i)] - ring.at[i];
+        Shared found{visits[v].ring, visits[v].position, ring.at[i], {}, {}, {}, {}, {}};
+        found.previous = ring.at[preceding(ring, i)];
+        found.next = ring.at[following(ring, i)];
+        found.to_before = found.previous - ring.at[i];
+        found.to_after = found.next - ring.at[i];
         found.before = length(found.to_before);
         found.after = length(found.to_after);
         found.to_before = (1 / found.before) * found.to_before;
@@ -225,16 +234,35 @@ std::vector<Shared> find_shared(const std::vector<Ring>& rings) {
         found.inward = bisector(found.to_before, found.to_after, area[visits[v].ring] >= 0 ? 1.0 : -1.0);
         shared.push_back(found);
     }
-    for (std::size_t s = shared.size(); s-- > 1;) {
-        if (shared[s - 1].from == shared[s].from) shared[s - 1].rank = shared[s].rank + 1;
+    // Those of a place come from the largest to the smallest.
+    for (std::size_t s = shared.size(); s-- > 0;) {
+        for (std::size_t t = s + 1; t < shared.size() && shared[t].from == shared[s].from; ++t) {
+            if (is_between(shared[s], shared[t].inward))
+                shared[s].rank = std::max(shared[s].rank, shared[t].rank + 1);
+        }
     }
     return shared;
 }
 
-// Puts a ring's vertices in the place of a shared one; returns how far its line is from that now.
-double replace(Ring& ring, const Shared& shared, const Plane& plane, double distance) {
-    const auto [line, displacement] = parted(shared, distance);
-    const auto at = [&](auto& list) { return list.begin() + static_cast<std::ptrdiff_t>(shared.position); };
+// Whether any of the points, in order of x, lies in the corner that is cut off, or on its new line.
+bool holds_any(const std::vector<Vec2>& points, const Shared& shared, const std::vector<Vec2>& line) {
+    std::vector<Vec2> corner{shared.from, shared.previous};
+    corner.insert(corner.end(), line.begin(), line.end());
+    corner.push_back(shared.next);
+    Box2 box;
+    for (const Vec2 p : corner) box.extend(p);
+    const auto before = [](Vec2 p, double x) { return p.x < x; };
+    for (auto p = std::lower_bound(points.begin(), points.end(), box.low.x, before);
+         p != points.end() && p->x <= box.high.x; ++p) {
+        const bool is_own = *p == shared.from || *p == shared.previous || *p == shared.next;
+        if (!is_own && box.contains(*p) && side_of_polygon(corner, *p) != Side::outside) return true;
+    }
+    return false;
+}
+
+// Puts vertices in the place of one of a ring.
+void replace(Ring& ring, std::uint32_t position, const Plane& plane, const std::vector<Vec2>& line) {
+    const auto at = [&](auto& list) { return list.begin() + static_cast<std::ptrdiff_t>(position); };
     ring.points.erase(at(ring.points));
     ring.at.erase(at(ring.at));
     for (std::size_t n = line.size(); n-- > 0;) {
@@ -242,7 +270,6 @@ double replace(Ring& ring, const Shared& shared, const Plane& plane, double dist
         ring.points.insert(at(ring.points), point);
         ring.at.insert(at(ring.at), plane.to_plane(point));
     }
-    return displacement;
 }
 
 // Gives each second edge the vertices of its first; returns the largest move.
@@ -275,6 +302,9 @@ bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distanc
                     std::vector<Separation>& done) {
     std::vector<Shared> shared = find_shared(rings);
     if (shared.empty()) return true;
+    std::vector<Vec2> points;
+    for (const Ring& ring : rings) points.insert(points.end(), ring.at.begin(), ring.at.end());
+    std::sort(points.begin(), points.end(), [](Vec2 p, Vec2 q) { return lexicographic_less(p, q); });
     // From the back of each ring, so that positions hold.
     std::sort(shared.begin(), shared.end(), [](const Shared& a, const Shared& b) {
         return a.ring != b.ring ? a.ring < b.ring : a.position > b.position;
@@ -285,15 +315,17 @@ bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distanc
         for (double scale = 1; scale > 1e-3; scale *= 0.5) {
             std::vector<Ring> apart = rings;
             std::map<std::uint32_t, Separation> by_ring;
+            bool jumps = false;  // over a ring that is smaller than what is cut off
             for (const Shared& s : shared) {
+                const Parted by = parted(s, scale * std::pow(share, s.rank) * distance);
+                jumps = jumps || holds_any(points, s, by.line);
                 Separation& separation = by_ring[s.ring];
                 separation.ring = s.ring;
                 ++separation.vertices;
-                separation.displacement_mm =
-                    std::max(separation.displacement_mm,
-                             replace(apart[s.ring], s, plane, scale * std::pow(share, s.rank) * distance));
+                separation.displacement_mm = std::max(separation.displacement_mm, by.displacement_mm);
+                replace(apart[s.ring], s.position, plane, by.line);
             }
-            if (!keep_apart(RingEdges(apart), apart)) continue;
+            if (jumps || !keep_apart(RingEdges(apart), apart)) continue;
             for (const auto& [ring, separation] : by_ring) done.push_back(separation);
             rings = std::move(apart);
             return true;

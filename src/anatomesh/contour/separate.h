@@ -30,8 +30,9 @@ struct Separation {
 
 // Where rings share a vertex, all but the largest leave it: a sharp corner is cut off at `distance`, of a
 // blunt one the vertex goes as far along the bisector of their own polygon's angle, and the edges bend near
-// it. By less where edges there are short (a quarter) and where that would make rings meet. Requires: simple
-// rings that meet in common vertices only. Returns false when no room was found.
+// it. By less where edges there are short (a quarter), where that would make rings meet or another one lies
+// in what is cut off, and where a smaller ring lies in the angle. Requires: simple rings that meet in common
+// vertices only. Returns false when no room was found.
 bool separate_rings(std::vector<Ring>& rings, const Plane& plane, double distance,
                     std::vector<Separation>& done);
 
