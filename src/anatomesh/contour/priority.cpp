@@ -34,6 +34,7 @@ struct Relation {
     double area = 0;       // of the first one
     double perimeter = 0;  // the same
     bool alone = false;    // a slice between the first one's own draws the second one alone
+    bool between = false;  // no slice draws both: of one's contours and those of the other's next slices
 };
 
 class Relations {
@@ -244,7 +245,7 @@ bool lies_in(std::uint32_t s, std::uint32_t outer, const Relations& relations,
                here.shared <= most_shared * perimeter;
     };
     return rank[s] < rank[outer] &&
-           (lies(whole.area, whole.perimeter, relations.of(outer, outer).area) ||
+           ((!here.between && lies(whole.area, whole.perimeter, relations.of(outer, outer).area)) ||
             (!here.alone && lies(here.area, here.perimeter, relations.of(outer, s).area)));
 }
 
@@ -281,13 +282,18 @@ bool overlap(const Box3& p, const Box3& q) {
            p.low.z <= q.high.z && q.low.z <= p.high.z;
 }
 
-// Whether any two of them have anything in common, or may have between slices, of which none draws both.
-bool have_walls(const ContourSet& set, const std::vector<std::uint32_t>& structures,
-                const Relations& relations) {
+std::vector<Box3> boxes_of(const ContourSet& set) {
     std::vector<Box3> boxes(set.structures.size());
     for (const Contour& contour : set.contours) {
         for (const Vec3& p : set.points_of(contour)) boxes[contour.structure].extend(p);
     }
+    return boxes;
+}
+
+// Whether any two of them have anything in common, or may have between slices, of which none draws both.
+bool have_walls(const ContourSet& set, const std::vector<std::uint32_t>& structures,
+                const Relations& relations) {
+    const std::vector<Box3> boxes = boxes_of(set);
     for (const std::uint32_t s : structures) {
         for (const std::uint32_t t : structures) {
             const Relation& relation = relations.of(s, t);
@@ -337,6 +343,64 @@ std::vector<std::uint32_t> slices_of(const ContourSet& set, const std::vector<st
     if (drawn.empty()) return all;
     std::vector<std::uint32_t> telling = telling_slices(drawn, heights);
     return telling.size() == drawn.back() - drawn.front() + 1u ? all : telling;
+}
+
+// One slice: what it draws of a structure, and of another one what `beside` draws, moved onto its plane.
+ContourSet together(const ContourSet& set, std::uint32_t slice, std::uint32_t structure, std::uint32_t beside,
+                    std::uint32_t other) {
+    ContourSet both;
+    both.structures = set.structures;
+    const Plane& plane = set.slices[slice].plane;
+    for (const auto& [from, drawn] : {std::pair{slice, structure}, std::pair{beside, other}}) {
+        for (Contour contour : set.contours_of(set.slices[from])) {
+            if (contour.structure != drawn) continue;
+            const auto points = set.points_of(contour);
+            contour.slice = 0;
+            contour.first_point = static_cast<std::uint32_t>(both.points.size());
+            for (const Vec3& p : points) both.points.push_back(plane.to_space(plane.to_plane(p)));
+            both.contours.push_back(contour);
+        }
+    }
+    both.slices.push_back(
+        {plane, 0, static_cast<std::uint32_t>(both.contours.size()), set.slices[slice].name});
+    return both;
+}
+
+// How structures lie to each other that no slice draws together: each contour of one on the next slices of
+// the other below and above it, half of both. Requires: parallel slices, in order.
+void relate_between(const ContourSet& set, const std::vector<std::uint32_t>& rank, Relations& relations) {
+    const auto count = static_cast<std::uint32_t>(set.structures.size());
+    const std::vector<Box3> boxes = boxes_of(set);
+    std::vector<std::vector<std::uint32_t>> drawn(count);
+    for (const Contour& contour : set.contours) {
+        if (drawn[contour.structure].empty() || drawn[contour.structure].back() != contour.slice)
+            drawn[contour.structure].push_back(contour.slice);
+    }
+    for (std::uint32_t s = 0; s < count; ++s) {
+        for (std::uint32_t t = 0; t < count; ++t) {
+            if (s == t || relations.of(s, t).perimeter > 0 || !overlap(boxes[s], boxes[t])) continue;
+            Relations found(count);
+            for (const std::uint32_t slice : drawn[s]) {
+                const auto above = std::upper_bound(drawn[t].begin(), drawn[t].end(), slice);
+                if (above == drawn[t].begin() || above == drawn[t].end()) continue;
+                for (const std::uint32_t beside : {*(above - 1), *above}) {
+                    const ContourSet both = together(set, slice, s, beside, t);
+                    SlicePartition partition(both, both.slices[0], rank);
+                    if (partition.arrange_contours()) partition.add_to(found);
+                }
+            }
+            if (found.of(s, t).common <= least_given_mm2 && found.of(s, t).shared == 0) continue;
+            for (const auto& [p, q] : {std::pair{s, t}, std::pair{t, s}}) {
+                Relation& relation = relations.of(p, q);
+                const Relation& here = found.of(p, q);
+                relation.common = 0.5 * here.common;
+                relation.shared = 0.5 * here.shared;
+                relation.area = 0.5 * here.area;
+                relation.perimeter = 0.5 * here.perimeter;
+                relation.between = true;
+            }
+        }
+    }
 }
 
 Result<ContourSet> given_on_slices(const ContourSet& set, const std::vector<std::uint32_t>& rank,
@@ -453,6 +517,7 @@ Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<st
     Relations relations(set.structures.size());
     ANATOMESH_TRY(result.kept, given_on_slices(set, rank, result.given, &relations, context));
     note_alone(set, relations);
+    if (all_parallel(set, parallel_tolerance_mm)) relate_between(set, rank, relations);
     for (std::size_t s = 0; s < set.structures.size(); ++s) {
         const auto is_it = [&](const Structure& kept) { return kept.number == set.structures[s].number; };
         result.given[s].all =

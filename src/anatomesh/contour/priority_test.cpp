@@ -237,6 +237,23 @@ TEST(Priority, what_lies_in_another_one_on_slices_of_its_own_leaves_none_between
     }
 }
 
+// A lesion between two slices of its organ, which no slice draws with it: their outlines tell, if it lies in
+// them; not if it lies beside it or half in it, or if slices between its own draw the organ alone.
+TEST(Priority, what_lies_in_another_one_between_its_slices_is_found_by_those) {
+    const auto nested = [](Vec2 low, Vec2 high, const std::vector<double>& heights) {
+        std::vector<Drawn> drawn;
+        for (int z = 0; z <= 32; z += 4) drawn.push_back({0, square({0, 0}, {30, 30}), 1.0 * z});
+        for (const double z : heights) drawn.push_back({1, square(low, high), z});
+        return given(kept(drawn), {1}).kept.overlapping != nullptr;
+    };
+    EXPECT_TRUE(nested({8, 8}, {14, 14}, {13}));
+    EXPECT_TRUE(nested({8, 8}, {14, 14}, {13, 14, 15}));
+    EXPECT_FALSE(nested({32, 8}, {38, 14}, {13, 14, 15}));
+    EXPECT_FALSE(nested({28, 8}, {38, 14}, {13, 14, 15}));
+    EXPECT_FALSE(nested({0, 8}, {6, 14}, {13, 14, 15}));  // along a side of it
+    EXPECT_FALSE(nested({8, 8}, {14, 14}, {10, 14, 18}));
+}
+
 TEST(Priority, what_runs_along_another_ones_outline_or_beside_it_does_not_lie_in_it) {
     // Along a side of it; two that overlap in less than half; one and itself.
     for (const auto& [low, high] :
