@@ -195,6 +195,38 @@ Result<InputContours> contours_as_taken(OpenedInput opened, const InputOptions& 
     return taken;
 }
 
+bool has_all(const ModelFile& model, const ContourSet& contours) {
+    std::vector<Vec3> points = model.mesh.points;
+    const auto before = [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); };
+    std::sort(points.begin(), points.end(), before);
+    return std::all_of(contours.points.begin(), contours.points.end(),
+                       [&](Vec3 p) { return std::binary_search(points.begin(), points.end(), p, before); });
+}
+
+// Contours that a model was made of lack points that crowd; those that follow its surface may have some.
+Result<InputContours> contours_to_check(OpenedInput opened, const InputOptions& given, const ModelFile& model,
+                                        RunContext& context) {
+    RunContext usual, exact;
+    for (RunContext* apart : {&usual, &exact}) {
+        apart->threads = context.threads;
+        apart->cancel = context.cancel;
+    }
+    Result<InputContours> taken = contours_as_taken(opened, given, model, usual);
+    const bool crowds = std::any_of(usual.warnings.begin(), usual.warnings.end(),
+                                    [](const Warning& warning) { return warning.code == "W-CON-032"; });
+    if (taken.ok() && crowds) {
+        InputOptions all = given;
+        all.epsilon_mm = 0;
+        Result<InputContours> whole = contours_as_taken(std::move(opened), all, model, exact);
+        if (whole.ok() && has_all(model, whole.value().kept)) {
+            for (Warning& warning : exact.warnings) context.warn(std::move(warning));
+            return whole;
+        }
+    }
+    for (Warning& warning : usual.warnings) context.warn(std::move(warning));
+    return taken;
+}
+
 Status run_check(CheckOptions options, Session& session) {
     options.contours.limits = session.limits;
     if (options.contours.input.empty() &&
@@ -223,7 +255,7 @@ Status run_check(CheckOptions options, Session& session) {
         const WallOptions walls = opened.contours ? walls_of(model, options.contours) : WallOptions{0, 0, 0};
         const bool share_first = opened.contours && walls_are_given(options.contours);
         ANATOMESH_TRY(contours,
-                      contours_as_taken(std::move(opened), options.contours, model, session.context));
+                      contours_to_check(std::move(opened), options.contours, model, session.context));
         ANATOMESH_TRY(ContoursOfModel both, contours_of_model(std::move(contours->kept), model, walls, share_first,
                                                               options.contours.input, session.context));
         contours->kept = std::move(both.drawn);

@@ -65,8 +65,12 @@ class HeartGuidePoints(harness.JudgedTestCase):
             report = json.loads((self.folder / "model.report.json").read_text())
             self.assertIn("W-CON-029", [warning["code"] for warning in report["warnings"]])
             self.assertEqual({s["name"] for s in report["structures"]}, {"LV_ENDOCARDIAL", "LV_EPICARDIAL", "RV_ENDOCARDIAL", "RV_EPICARDIAL"})
+            # Of frame 8 one contour crosses itself, and is two rings, a handle if both are joined to the next slices' one.
+            told = {warning["structure"] for warning in report["warnings"] if warning["code"] == "W-CON-014"}
+            self.assertEqual(told, {"RV_EPICARDIAL"} if frame == 8 else set())
             for structure in report["structures"]:
-                self.assertEqual((structure["components"], structure["genus"]), (1, 0), structure["name"])
+                self.assertEqual(structure["components"], 1, structure["name"])
+                self.assertLessEqual(structure["genus"], structure["name"] in told, structure["name"])
             self.assertEqual(report["crossing_slices"]["difference_after_mm"], 0)
             here = missed_segments(self.folder)
             missed, total = missed + here[0], total + here[1]
