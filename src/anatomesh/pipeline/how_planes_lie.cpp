@@ -2,6 +2,7 @@
 
 #include "anatomesh/field/crossed_field.h"
 #include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/rotational_sweep.h"
 #include "anatomesh/field/sweep.h"
 #include "anatomesh/sample/sample_points.h"
 
@@ -10,9 +11,9 @@ namespace anatomesh {
 namespace {
 
 constexpr double most_dense = 3;  // as plane_density() has it: more are left as they come first
-// Between dense planes pieces of contours are so many and so near to each other that splitting all for each
-// other's sake, and bringing back what is missing, costs a hundred times the rest; but not where there are
-// few.
+// Between dense planes about an axis pieces of contours are so many and so near to each other at its poles
+// that splitting all for each other's sake, and bringing back what is missing, costs a hundred times the
+// rest; but not where there are few.
 constexpr std::size_t few_points = 5000;
 
 }  // namespace
@@ -25,7 +26,8 @@ HowPlanesLie how_planes_lie(const ContourSet& contours, const StructureField& fi
     planes.dense = planes.density > 1;
     planes.crammed =
         planes.density > most_dense || (planes.dense && contours.points.size() > spare_dense_above);
-    const bool are_many = planes.dense && contours.points.size() > few_points;
+    const bool are_many =
+        planes.dense && contours.points.size() > few_points && RotationalSweep::of(contours).has_value();
     planes.bear_all = !planes.crammed && !are_many;
     planes.may_conform = planes.bear_all && !planes.apart;
     // A few planes across a stack come near to others only where they cross them: vertices for cuts there

@@ -54,6 +54,26 @@ TEST(HowPlanesLie, parallel_ones_are_apart) {
     EXPECT_FALSE(planes.dense || planes.crammed || planes.may_conform || planes.meet_cuts);
 }
 
+// Many vertices are too many about an axis, where all planes come together; elsewhere beyond what is spared.
+TEST(HowPlanesLie, dense_ones_conform_unless_they_are_many_about_an_axis) {
+    for (const auto& [planes, corners] : {std::pair{50, 70}, {90, 80}}) {
+        SCOPED_TRACE(planes);
+        std::vector<Vec3> jittered;
+        std::vector<double> heights;
+        for (int k = 0; k < planes; ++k) {
+            heights.push_back(0.9 * radius * (2.0 * k / (planes - 1) - 1));
+            jittered.push_back(normalized(Vec3{0.03 * std::sin(2.7 * k), 0.03 * std::cos(1.3 * k), 1}));
+        }
+        const HowPlanesLie sweep = of_ball(jittered, corners, any_number, heights),
+                           axis = of_ball(about_an_axis(planes), corners, any_number);
+        EXPECT_FALSE(sweep.apart || sweep.crammed || axis.crammed) << sweep.density << " " << axis.density;
+        EXPECT_TRUE(sweep.dense && axis.dense) << sweep.density << " " << axis.density;
+        EXPECT_TRUE(sweep.may_conform && sweep.bear_all);
+        EXPECT_EQ(axis.may_conform, planes * corners <= 5000);
+        EXPECT_TRUE(of_ball(jittered, corners, 1000, heights).crammed);
+    }
+}
+
 TEST(HowPlanesLie, few_that_cross_conform_and_meet_cuts) {
     for (const std::vector<Vec3>& normals :
          {std::vector<Vec3>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, about_an_axis(6)}) {
