@@ -18,6 +18,16 @@ ContourSet chosen_slices(const ContourSet& set, std::span<const std::uint32_t> s
     part.slices.clear();
     part.contours.clear();
     part.points.clear();
+    std::vector<bool> is_chosen(set.slices.size(), false);
+    for (const std::uint32_t s : slices) is_chosen[s] = true;
+    for (const Contour& contour : set.contours) {
+        const Slice& slice = set.slices[contour.slice];
+        // Those of a slice come one after the other, by structure.
+        const std::size_t first = slice.first_contour,
+                          n = static_cast<std::size_t>(&contour - set.contours.data());
+        if (!is_chosen[contour.slice] && (n == first || set.contours[n - 1].structure != contour.structure))
+            part.left_out.push_back({set.structures[contour.structure].number, slice.plane});
+    }
     for (const std::uint32_t s : slices) {
         Slice slice = set.slices[s];
         slice.first_contour = static_cast<std::uint32_t>(part.contours.size());

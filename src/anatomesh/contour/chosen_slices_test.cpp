@@ -24,6 +24,9 @@ TEST(ChosenSlices, leaves_out_the_slices_that_are_named) {
         ASSERT_TRUE(cleaned.ok()) << cleaned.result.error().message;
         EXPECT_TRUE(same(cleaned.kept(), clean(rest).kept()));
         EXPECT_EQ(cleaned.result.value().log[1].rule, "dropped: slice left out");
+        ASSERT_EQ(cleaned.kept().left_out.size(), 1u);
+        EXPECT_EQ(cleaned.kept().left_out[0].structure, 1);
+        EXPECT_NEAR(cleaned.kept().left_out[0].plane.origin.z, 20, 1e-9);
     }
     options.without = {"z = 21.0"};
     EXPECT_EQ(clean(file, options).code(), "E-CON-010");

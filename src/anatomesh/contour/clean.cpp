@@ -378,10 +378,14 @@ class Cleaner {
             };
             std::vector<std::uint32_t> left;
             for (const std::uint32_t c : members_[s]) {
-                if (stays(c))
+                if (stays(c)) {
                     left.push_back(c);
-                else
-                    drop(candidates_[c].raw, "slice left out");
+                    continue;
+                }
+                drop(candidates_[c].raw, "slice left out");
+                const RawContour& contour = raw_.contours[candidates_[c].raw];
+                result_.kept.left_out.push_back(
+                    {raw_.structures[contour.structure].number, groups_.slices[s]});
             }
             members_[s] = std::move(left);
             any = any || !members_[s].empty();

@@ -36,6 +36,13 @@ struct OverlappingContours;
 // In what axes the coordinates are. Millimetres in every case.
 enum class Frame : std::uint8_t { lps, unknown };
 
+// A slice that drew a structure and is not one of the set any more: left out by its name, or to see what it
+// tells. That it is not there says nothing about the structure.
+struct LeftOutSlice {
+    std::int32_t structure = 0;  // number
+    Plane plane;
+};
+
 // Invariants once clean_contours() has run (a *kept* contour set; see contour/clean.h): every contour has at
 // least three points and is simple; contours of one structure in one slice do not cross or overlap along an
 // edge (they may share a vertex only where the source's did not allow otherwise); outer contours run counter-
@@ -53,6 +60,7 @@ struct ContourSet {
     bool drawn = true;         // true: somebody drew them (keep every vertex); false: traced from voxels
     double pixel_mm = 0;       // in-plane pixel size of the source image; 0 when unknown
     std::string source;        // the file, as the user named it
+    std::vector<LeftOutSlice> left_out = {};  // of each structure that they drew
     // Where structures lie in others and overlaps were given to the first (contour/priority.h): what was
     // drawn, which tells what lies between the slices. Else null.
     std::shared_ptr<const OverlappingContours> overlapping = nullptr;

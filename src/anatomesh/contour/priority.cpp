@@ -5,6 +5,7 @@
 #include <numeric>
 #include <optional>
 
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/arrangement.h"
 #include "anatomesh/contour/boundary_loops.h"
 #include "anatomesh/contour/choose_structures.h"
@@ -341,7 +342,13 @@ std::vector<std::uint32_t> slices_of(const ContourSet& set, const std::vector<st
             drawn.push_back(s);
     }
     if (drawn.empty()) return all;
-    std::vector<std::uint32_t> telling = telling_slices(drawn, heights);
+    std::vector<double> left_out;
+    for (const std::uint32_t s : structures) {
+        const std::vector<double> own = heights_left_out(set, s, {}, set.slices.front().plane.normal);
+        left_out.insert(left_out.end(), own.begin(), own.end());
+    }
+    sort_distinct(left_out);
+    std::vector<std::uint32_t> telling = telling_slices(drawn, heights, left_out);
     return telling.size() == drawn.back() - drawn.front() + 1u ? all : telling;
 }
 
@@ -502,6 +509,7 @@ Result<ContourSet> given_on_slices(const ContourSet& set, const std::vector<std:
     ContourSet kept = std::move(cleaned.kept);
     kept.exclusive = true;
     kept.drawn = set.drawn;
+    kept.left_out = set.left_out;
     return kept;
 }
 

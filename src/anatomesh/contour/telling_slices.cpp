@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <optional>
 
+#include "anatomesh/base/sort_distinct.h"
+
 namespace anatomesh {
 
 namespace {
@@ -41,20 +43,46 @@ std::optional<double> own_spacing(const std::vector<std::uint32_t>& drawn,
     return usual;
 }
 
+// Whether it is so far from one height to the other, or from slice to slice of those left out between them.
+bool is_as_wide(double low, double high, double spacing, const std::vector<double>& left_out) {
+    double from = low;
+    for (auto at = std::upper_bound(left_out.begin(), left_out.end(), low);
+         at != left_out.end() && *at < high; ++at) {
+        if (!alike(*at - from, spacing)) return false;
+        from = *at;
+    }
+    return alike(high - from, spacing);
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& drawn,
-                                          const std::vector<double>& heights) {
+                                          const std::vector<double>& heights,
+                                          const std::vector<double>& left_out) {
     assert(!drawn.empty());
     if (has_most_gaps_with_others(drawn)) return drawn;
     const std::optional<double> spacing = !heights.empty() ? own_spacing(drawn, heights) : std::nullopt;
     std::vector<std::uint32_t> telling{drawn.front()};
     for (std::size_t i = 1; i < drawn.size(); ++i) {
-        const bool is_usual = spacing && alike(heights[drawn[i]] - heights[drawn[i - 1]], *spacing);
+        const bool is_usual =
+            spacing && is_as_wide(heights[drawn[i - 1]], heights[drawn[i]], *spacing, left_out);
         for (std::uint32_t n = drawn[i - 1] + 1; n < drawn[i] && !is_usual; ++n) telling.push_back(n);
         telling.push_back(drawn[i]);
     }
     return telling;
+}
+
+std::vector<double> heights_left_out(const ContourSet& set, std::uint32_t structure, Vec3 middle, Vec3 way) {
+    constexpr double across = 0.9;  // of the slices' normals, along the way
+    std::vector<double> heights;
+    if (structure >= set.structures.size()) return heights;
+    for (const LeftOutSlice& slice : set.left_out) {
+        const double along = dot(slice.plane.normal, way);
+        if (slice.structure == set.structures[structure].number && std::abs(along) >= across * length(way))
+            heights.push_back(-slice.plane.signed_distance(middle) / along);
+    }
+    sort_distinct(heights);
+    return heights;
 }
 
 bool has_usual_gaps_with_others(const std::vector<std::uint32_t>& drawn,

@@ -185,7 +185,8 @@ std::vector<SliceInterval> parallel_intervals(const ContourSet& set, const Plane
 namespace {
 
 std::vector<std::uint32_t> telling_of(const std::vector<SliceInterval>& intervals,
-                                      const std::vector<std::uint32_t>& drawn, bool every_slice) {
+                                      const std::vector<std::uint32_t>& drawn, bool every_slice,
+                                      const std::vector<double>& left_out) {
     if (every_slice) {
         std::vector<std::uint32_t> all(drawn.back() - drawn.front() + 1);
         std::iota(all.begin(), all.end(), drawn.front());
@@ -193,17 +194,17 @@ std::vector<std::uint32_t> telling_of(const std::vector<SliceInterval>& interval
     }
     std::vector<double> heights;
     for (const SliceInterval& interval : intervals) heights.push_back(middle(interval));
-    return telling_slices(drawn, heights);
+    return telling_slices(drawn, heights, left_out);
 }
 
 }  // namespace
 
 StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                                  const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
-                                 const FieldOptions& options) {
+                                 const FieldOptions& options, const std::vector<double>& left_out) {
     assert(!drawn.empty() && spacing > 0);
     StructureLevels result;
-    const std::vector<std::uint32_t> telling = telling_of(intervals, drawn, every_slice);
+    const std::vector<std::uint32_t> telling = telling_of(intervals, drawn, every_slice, left_out);
     if (!every_slice && has_usual_gaps_with_others(drawn, telling)) {
         for (std::uint32_t i = drawn.front(); i <= drawn.back(); ++i) {
             if (!std::binary_search(telling.begin(), telling.end(), i))

@@ -10,6 +10,7 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/repeated_planes.h"
+#include "anatomesh/contour/telling_slices.h"
 #include "anatomesh/field/caps.h"
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/domes.h"
@@ -226,7 +227,9 @@ void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceI
         }
         const bool is_union = s == set.structures.size();
         const bool every_slice = set.exclusive || options.every_slice_tells;
-        StructureLevels levels = structure_levels(intervals, drawn, every_slice, spacing_, options);
+        const Plane& frame = set.slices.front().plane;
+        StructureLevels levels = structure_levels(intervals, drawn, every_slice, spacing_, options,
+                                                  heights_left_out(set, s, frame.origin, frame.normal));
         if (!is_union) warn_about_levels(set, s, levels, context);
         (is_union ? union_ : tracks_[s]) = Track(std::move(levels), map_of_[s], options.caps == EndCaps::rounded);
     }

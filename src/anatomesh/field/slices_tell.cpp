@@ -15,6 +15,7 @@ namespace {
 struct InOrder {
     std::vector<std::uint32_t> slices;
     std::vector<double> heights;  // empty: not known
+    Vec3 middle, way;             // these are along it, from there
 };
 
 InOrder in_order(const ContourSet& set) {
@@ -23,10 +24,11 @@ InOrder in_order(const ContourSet& set) {
     std::iota(result.slices.begin(), result.slices.end(), 0u);
     if (set.slices.empty() || !(is_parallel(set) || Sweep::of(set))) return result;
     const Box3 box = set.box();
-    const Vec3 middle = 0.5 * (box.low + box.high), way = set.slices.front().plane.normal;
+    result.middle = 0.5 * (box.low + box.high);
+    result.way = set.slices.front().plane.normal;
     std::vector<double> at;
     for (const Slice& slice : set.slices)
-        at.push_back(-slice.plane.signed_distance(middle) / dot(slice.plane.normal, way));
+        at.push_back(-slice.plane.signed_distance(result.middle) / dot(slice.plane.normal, result.way));
     std::stable_sort(result.slices.begin(), result.slices.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return at[a] < at[b]; });
     for (const std::uint32_t s : result.slices) result.heights.push_back(at[s]);
@@ -59,7 +61,8 @@ std::vector<bool> slices_tell(const ContourSet& set, std::uint32_t structure) {
             drawn.push_back(n);
     }
     if (drawn.empty()) return tell;
-    const std::vector<std::uint32_t> telling = telling_slices(drawn, order.heights);
+    const std::vector<std::uint32_t> telling =
+        telling_slices(drawn, order.heights, heights_left_out(set, structure, order.middle, order.way));
     if (telling.size() == drawn.back() - drawn.front() + 1u) return tell;
     tell.assign(tell.size(), false);
     for (const std::uint32_t n : telling) tell[order.slices[n]] = true;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/contour/telling_slices.h"
 #include "anatomesh/field/field_fixtures.h"
 #include "anatomesh/field/structure_field.h"
@@ -34,6 +35,16 @@ TEST(TellingSlices, those_in_a_gap_that_is_as_wide_as_its_others_do_not) {
     EXPECT_EQ(telling(heights, {0, 3, 6, 9, 12, 15, 18, 21}), (Places{0, 1, 2, 4, 6, 8, 9, 10}));
     // Not drawn at 9 either: there it is empty.
     EXPECT_EQ(telling(heights, {0, 3, 6, 12, 15, 18, 21}), (Places{0, 1, 2, 3, 4, 5, 6, 8, 9, 10}));
+}
+
+// Not drawn at 9, since that slice was left out: what lies beside it tells nothing.
+TEST(TellingSlices, what_was_left_out_is_no_slice_without_it) {
+    const std::vector<double> heights{0, 3, 6, 8, 10, 12, 14, 15, 18, 21};
+    const Places drawn{0, 1, 2, 5, 7, 8, 9};
+    EXPECT_EQ(telling_slices(drawn, heights), (Places{0, 1, 2, 3, 4, 5, 7, 8, 9}));
+    EXPECT_EQ(telling_slices(drawn, heights, {9}), (Places{0, 1, 2, 5, 7, 8, 9}));
+    EXPECT_EQ(telling_slices(drawn, heights, {-3, 9, 24}), (Places{0, 1, 2, 5, 7, 8, 9}));
+    EXPECT_EQ(telling_slices(drawn, heights, {8}), (Places{0, 1, 2, 3, 4, 5, 7, 8, 9}));
 }
 
 TEST(TellingSlices, uneven_gaps_show_no_spacing) {
@@ -72,6 +83,34 @@ TEST(TellingSlices, an_organ_is_whole_where_a_lesion_in_it_has_slices_of_its_own
             const auto drawn = builder.set.contours_of(builder.set.slices[s]);
             EXPECT_EQ(tell[s], drawn.front().structure == 0) << s;
         }
+    }
+}
+
+// An organ every 3 mm, a lesion in it on each of some, and one of the organ's slices left out.
+TEST(TellingSlices, an_organ_is_whole_where_a_slice_of_its_own_is_left_out) {
+    SetBuilder builder;
+    std::vector<std::uint32_t> others;
+    std::uint32_t slice = 0;
+    for (int z = -24; z <= 24; ++z) {
+        const bool organ = z % 3 == 0, lesion = z >= -2 && z <= 4;
+        if (!organ && !lesion) continue;
+        builder.slice(make_plane({0, 0, static_cast<double>(z)}, {0, 0, 1}));
+        if (organ) builder.ring(0, circle({}, 20, 80));
+        if (lesion) builder.ring(1, circle({4, 0}, 5, 40));
+        if (z != 0) others.push_back(slice);
+        ++slice;
+    }
+    const ContourSet set = chosen_slices(builder.set, others);
+    ASSERT_EQ(set.left_out.size(), 2u);
+    EXPECT_EQ(set.left_out[0].structure, builder.set.structures[0].number);
+    ContourSet unknown = set;
+    unknown.left_out.clear();
+    for (const bool known : {true, false}) {
+        RunContext context;
+        const auto field = make_structure_field(known ? set : unknown, {}, context).value();
+        bool whole = true;
+        for (double z = -20; z <= 20; z += 0.25) whole = whole && field->value(0, {0, 10, z}) < 0;
+        EXPECT_EQ(whole, known);
     }
 }
 

@@ -12,6 +12,7 @@ ContourSet relative_to(Vec3 origin, ContourSet set) {
         Plane& plane = slice.plane;
         plane.origin = dot(plane.origin - origin, plane.normal) * plane.normal;
     }
+    for (LeftOutSlice& slice : set.left_out) slice.plane.origin = slice.plane.origin - origin;
     if (set.overlapping) {
         OverlappingContours moved{*set.overlapping};
         for (ContourSet& level : moved.levels) level = relative_to(origin, std::move(level));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomesh/contour/telling_slices.h"
 #include "anatomesh/field/levels.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/geom/polygon.h"
@@ -51,7 +52,9 @@ GapDoubts::GapDoubts(const ContourSet& set, const FieldOptions& options)
             if (areas[s][intervals[i].slice] > 0) drawn.push_back(i);
         }
         if (drawn.empty()) continue;
-        const StructureLevels found = structure_levels(intervals, drawn, set.exclusive, spacing, options);
+        const StructureLevels found =
+            structure_levels(intervals, drawn, set.exclusive, spacing, options,
+                             heights_left_out(stack, s, frame_.origin, frame_.normal));
         for (const auto& [low, high] : found.open_gaps) {
             // Empty levels stand a spacing from both sides.
             const auto below =

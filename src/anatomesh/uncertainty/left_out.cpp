@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/reconcile/plane_patches.h"
 #include "anatomesh/uncertainty/evidence.h"
@@ -18,7 +19,14 @@ constexpr std::uint32_t samples_per_slice = 16;  // of a slice's points, for its
 constexpr int steps_to_clamp = 12;               // of a search along a line
 constexpr double spacings_of_reach = 4;
 
-// The `count` slices nearest to slice k, k itself left out, in order.
+bool draws(const ContourSet& set, std::uint32_t slice, std::uint32_t structure) {
+    const auto contours = set.contours_of(set.slices[slice]);
+    return std::any_of(contours.begin(), contours.end(),
+                       [&](const Contour& contour) { return contour.structure == structure; });
+}
+
+// The `count` slices nearest to slice k, k itself left out, in order; and so many that draw each of its
+// structures, where these may have slices of their own.
 std::vector<std::uint32_t> neighbors_of(const ContourSet& set, const std::vector<PlanePatch>& patches,
                                         std::uint32_t k, std::size_t count) {
     std::vector<Vec3> samples;
@@ -36,10 +44,17 @@ std::vector<std::uint32_t> neighbors_of(const ContourSet& set, const std::vector
         order.emplace_back(nearest, j);
     }
     std::sort(order.begin(), order.end());
-    if (order.size() > count) order.resize(count);
     std::vector<std::uint32_t> chosen;
-    for (const auto& [distance, j] : order) chosen.push_back(j);
-    std::sort(chosen.begin(), chosen.end());
+    for (std::size_t n = 0; n < std::min(order.size(), count); ++n) chosen.push_back(order[n].second);
+    for (const Contour& contour : set.contours_of(set.slices[k])) {
+        std::size_t found = 0;
+        for (std::size_t n = 0; n < order.size() && found < count && !set.exclusive; ++n) {
+            if (!draws(set, order[n].second, contour.structure)) continue;
+            chosen.push_back(order[n].second);
+            ++found;
+        }
+    }
+    sort_distinct(chosen);
     return chosen;
 }
 
