@@ -676,6 +676,7 @@ class Cleaner {
     }
 
     Status thin_crowds() {
+        if (!has_crowded(result_.kept, options_.crowded_mm)) return Nothing{};
         // By point, whose it is.
         std::vector<std::pair<Vec3, std::uint32_t>> sources;
         for (std::size_t c = 0; c < result_.kept.contours.size(); ++c) {

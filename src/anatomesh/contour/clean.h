@@ -91,11 +91,11 @@ struct CleanResult {
 // made anew), and one without contours is an empty slice of a stack or a sweep (empty_slices.h). Same-plane
 // rule, in this order: exact duplicates and near ones dropped; even-odd by containment; partial overlaps of
 // one structure united; exclusive or only where the file says CLOSEDPLANAR_XOR. A contour that crosses itself
-// is read by the even-odd rule. Where two rings have to share a vertex the larger keeps it, and the other's
-// copy moves into the smaller one's own polygon by at most separation_mm: a shared vertex would make every
-// surface non-manifold. Every repair is counted and warned about, with its displacement and area; above its
-// bound it is an error. Contours that span less than 1 mm in all are most likely in another unit: there the
-// tolerances (plane, group, corridor, separation, weld) shrink with the span, so that nothing is
+// is read by the even-odd rule. Where two rings have to share a vertex the larger keeps it, and the
+// smaller one's corner is cut off or moved in (separate.h), separation_mm deep at most: a shared vertex would
+// make every surface non-manifold. Every repair is counted and warned about, with its displacement and area;
+// above its bound it is an error. Contours that span less than 1 mm in all are most likely in another unit:
+// there the tolerances (plane, group, corridor, separation, weld) shrink with the span, so that nothing is
 // lost. Errors: E-CON-001..012, warnings: W-CON-001..033. Complexity: O(n log n) per slice in its points,
 // plus the crossings found.
 Result<CleanResult> clean_contours(const RawContours& raw, const CleanOptions& options, RunContext& context);

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "anatomesh/contour/cleaned_for_test.h"
-#include "anatomesh/contour/nesting.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {
@@ -44,35 +43,6 @@ Points rotated(Points points, std::size_t by) {
                 points.end());
     return points;
 }
-
-// Every invariant of a kept contour set that can be seen from outside, and the promise about shared vertices.
-void expect_kept(const ContourSet& set) {
-    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        for (std::uint32_t structure = 0; structure < set.structures.size(); ++structure) {
-            std::vector<Ring> rings;
-            for (const Contour& contour : set.contours_of(set.slices[s])) {
-                EXPECT_EQ(contour.slice, s);
-                if (contour.structure != structure) continue;
-                const std::span<const Vec3> points = set.points_of(contour);
-                EXPECT_GE(points.size(), 3u);
-                for (const Vec3& p : points) EXPECT_FALSE(lexicographic_less(p, points[0]));
-                rings.push_back(make_ring({points.begin(), points.end()}, set.slices[s].plane, 0));
-            }
-            const RingEdges edges(rings);
-            ASSERT_TRUE(keep_apart(edges, rings));
-            const Nesting nesting = nest(edges, rings);
-            for (std::size_t r = 0; r < rings.size(); ++r) {
-                EXPECT_EQ(signed_area(rings[r].at) > 0, nesting.depth[r] % 2 == 0);
-            }
-        }
-    }
-}
-
-#define EXPECT_KEPT(cleaned)                                              \
-    do {                                                                  \
-        ASSERT_TRUE((cleaned).ok()) << to_line((cleaned).result.error()); \
-        expect_kept((cleaned).kept());                                    \
-    } while (false)
 
 TEST(Clean, RS14_hole_by_nesting) {
     const Cleaned run = clean(File().add(square(0, 0, 10)).add(square(2, 2, 6)).add(square(4, 4, 2)));
@@ -735,50 +705,6 @@ TEST(Clean, C09_holes_on_a_plane_given_twice_are_not_its_outlines) {
         file.raw.contours.back().is_hole = true;
     }
     EXPECT_NE(clean(file).code(), "E-CON-012");
-}
-
-// Triangles side by side at one vertex: each gives way by as much as if it were alone.
-TEST(Clean, C05_many_that_touch_in_one_point_are_parted_alike) {
-    for (const int count : {2, 5, 8}) {
-        File file;
-        for (int n = 0; n < count; ++n) {
-            const double angle = 2 * M_PI * n / count, half = 0.3 * M_PI / count;
-            const auto at = [&](double a) { return Vec3{20 * std::cos(a), 20 * std::sin(a), 10}; };
-            file.add({{0, 0, 10}, at(angle - half), at(angle + half)});
-        }
-        const Cleaned run = clean(file);
-        EXPECT_KEPT(run);
-        ASSERT_EQ(run.kept().contours.size(), static_cast<std::size_t>(count));
-        std::vector<double> from_middle;
-        for (const Contour& contour : run.kept().contours) {
-            double least = 100;
-            for (const Vec3& p : run.kept().points_of(contour)) least = std::min(least, std::hypot(p.x, p.y));
-            from_middle.push_back(least);
-        }
-        std::sort(from_middle.begin(), from_middle.end());
-        EXPECT_EQ(from_middle[0], 0) << count;  // the largest stays
-        for (std::size_t n = 1; n < from_middle.size(); ++n) EXPECT_GT(from_middle[n], 0.19) << count;
-    }
-}
-
-// A hole so small and so near to a corner that the whole of it would be cut off stays a hole.
-TEST(Clean, C08_no_corner_is_cut_off_beyond_a_ring_in_it) {
-    const Points large{{0, 0, 10}, {-20, -20, 10}, {20, -20, 10}}, small{{0, 0, 10}, {4, 8, 10}, {-4, 8, 10}};
-    for (const double up : {0.05, 0.1, 0.13}) {
-        const double side = 0.1 * up;
-        const Points hole{{-side, up, 10}, {side, up, 10}, {0, up + side, 10}};
-        const Cleaned run = clean(File().add(large).add(small).add(hole));
-        EXPECT_KEPT(run);
-        ASSERT_EQ(run.kept().contours.size(), 3u) << up;
-        int holes = 0;
-        for (const Contour& contour : run.kept().contours) {
-            std::vector<Vec2> at;
-            for (const Vec3& p : run.kept().points_of(contour))
-                at.push_back(run.kept().slices[0].plane.to_plane(p));
-            holes += signed_area(at) < 0;
-        }
-        EXPECT_EQ(holes, 1) << up;
-    }
 }
 
 TEST(Clean, C10_structures_that_share_a_wall_or_cross_stay_as_they_are) {

@@ -1,14 +1,18 @@
 // Raw contours under construction for tests, and what cleaning makes of them.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "anatomesh/contour/clean.h"
+#include "anatomesh/contour/nesting.h"
 #include "anatomesh/contour/same_contours_for_test.h"
 #include "anatomesh/geom/polygon.h"
 
@@ -83,4 +87,34 @@ inline Cleaned clean(const File& file, const CleanOptions& options = {}) {
     return {std::move(result), std::move(context.warnings)};
 }
 
+// Every invariant of a kept contour set that can be seen from outside, and the promise about shared vertices.
+inline void expect_kept(const ContourSet& set) {
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        for (std::uint32_t structure = 0; structure < set.structures.size(); ++structure) {
+            std::vector<Ring> rings;
+            for (const Contour& contour : set.contours_of(set.slices[s])) {
+                EXPECT_EQ(contour.slice, s);
+                if (contour.structure != structure) continue;
+                const std::span<const Vec3> points = set.points_of(contour);
+                EXPECT_GE(points.size(), 3u);
+                for (const Vec3& p : points) EXPECT_FALSE(lexicographic_less(p, points[0]));
+                rings.push_back(make_ring({points.begin(), points.end()}, set.slices[s].plane, 0));
+            }
+            const RingEdges edges(rings);
+            ASSERT_TRUE(keep_apart(edges, rings));
+            const Nesting nesting = nest(edges, rings);
+            for (std::size_t r = 0; r < rings.size(); ++r) {
+                EXPECT_EQ(signed_area(rings[r].at) > 0, nesting.depth[r] % 2 == 0);
+            }
+        }
+    }
+}
+
 }  // namespace anatomesh::fixtures
+
+// Requires: a test body, and using namespace fixtures.
+#define EXPECT_KEPT(cleaned)                                              \
+    do {                                                                  \
+        ASSERT_TRUE((cleaned).ok()) << to_line((cleaned).result.error()); \
+        expect_kept((cleaned).kept());                                    \
+    } while (false)

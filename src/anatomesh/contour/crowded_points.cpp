@@ -12,16 +12,6 @@ namespace anatomesh {
 
 namespace {
 
-bool has_crowded(const ContourSet& set, double nearer) {
-    return std::any_of(set.contours.begin(), set.contours.end(), [&](const Contour& contour) {
-        const std::span<const Vec3> points = set.points_of(contour);
-        for (std::size_t n = 0; n < points.size(); ++n) {
-            if (length(points[(n + 1) % points.size()] - points[n]) < nearer) return true;
-        }
-        return false;
-    });
-}
-
 bool lies_before(Vec3 a, Vec3 b) {
     return lexicographic_less(a, b);
 }
@@ -32,6 +22,16 @@ std::vector<Vec3> sorted(std::vector<Vec3> points) {
 }
 
 }  // namespace
+
+bool has_crowded(const ContourSet& set, double nearer_mm) {
+    return std::any_of(set.contours.begin(), set.contours.end(), [&](const Contour& contour) {
+        const std::span<const Vec3> points = set.points_of(contour);
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            if (length(points[(n + 1) % points.size()] - points[n]) < nearer_mm) return true;
+        }
+        return false;
+    });
+}
 
 Result<CrowdedPoints> leave_out_crowded(ContourSet set, const CrowdedOptions& options, RunContext& context) {
     assert(options.nearer_mm >= 0);

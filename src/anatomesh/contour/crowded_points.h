@@ -20,6 +20,9 @@ struct CrowdedPoints {
     double distance_mm = 0;      // of one from the line that is kept, at most
 };
 
+// Whether any point lies nearer than this to the next one of its contour. O(n).
+bool has_crowded(const ContourSet& set, double nearer_mm);
+
 // Requires: a kept contour set. Guarantees: those of simplify_contours(); points that are not crowded stay
 // at their exact coordinates, so that a set without crowded ones is returned as it was. Of any number of
 // points closer than that a share stays (128 at most in a row go): none is much nearer to the next than the

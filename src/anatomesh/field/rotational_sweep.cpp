@@ -299,7 +299,7 @@ ContourSet RotationalSweep::straight(const ContourSet& set) const {
     result.slices.clear();
     result.contours.clear();
     result.points.clear();
-    result.left_out.clear();
+    result.left_out.clear();  // they have no place among the straight ones
     const auto count = static_cast<std::ptrdiff_t>(half_planes_.size());
     const std::ptrdiff_t more = std::min(repeated, count);
     for (std::ptrdiff_t place = -more; place < count + more; ++place) {

@@ -223,7 +223,7 @@ Plane Sweep::slice_at(double height) const {
 
 ContourSet Sweep::straight(const ContourSet& set) const {
     ContourSet result = set;
-    result.left_out.clear();
+    result.left_out.clear();  // they have no place among the straight ones
     for (const Layer& layer : layers_) {
         Slice& slice = result.slices[layer.slice];
         slice.plane = {{0, 0, layer.height}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

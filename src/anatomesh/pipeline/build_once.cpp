@@ -84,7 +84,7 @@ constexpr double most_astray = 0.3;
 constexpr double smooth_mean = 0.947;
 // Of a contour segment along the surface, from its place, in sizes; and where no planes cross, of which none
 // comes too near to another one.
-constexpr double most_followed = 0.5, most_followed_alike = 0.1;
+constexpr double most_followed = 0.5, most_followed_parallel = 0.1;
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
 // Everything that one run of the method carries from stage to stage. The stages work relative to the low
@@ -573,7 +573,7 @@ class Builder {
         const std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
         std::vector<Plane> planes;
         for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);
-        const double most = is_parallel(contours_) ? most_followed_alike : most_followed;
+        const double most = is_parallel(contours_) ? most_followed_parallel : most_followed;
         const FollowingContours following{contours_.contours, contour_vertices, planes, contours_.exclusive,
                                           std::min(options_.max_follow_mm, most * sample_->stats.size_mm)};
         if (!is_parallel(contours_)) options.handle_mm = untold_reach * sample_->stats.size_mm;

@@ -46,10 +46,14 @@ std::vector<std::uint32_t> neighbors_of(const ContourSet& set, const std::vector
     std::sort(order.begin(), order.end());
     std::vector<std::uint32_t> chosen;
     for (std::size_t n = 0; n < std::min(order.size(), count); ++n) chosen.push_back(order[n].second);
-    for (const Contour& contour : set.contours_of(set.slices[k])) {
+    std::vector<std::uint32_t> structures;
+    for (const Contour& contour : set.contours_of(set.slices[k])) structures.push_back(contour.structure);
+    sort_distinct(structures);
+    if (set.exclusive) structures.clear();  // there every slice tells
+    for (const std::uint32_t structure : structures) {
         std::size_t found = 0;
-        for (std::size_t n = 0; n < order.size() && found < count && !set.exclusive; ++n) {
-            if (!draws(set, order[n].second, contour.structure)) continue;
+        for (std::size_t n = 0; n < order.size() && found < count; ++n) {
+            if (!draws(set, order[n].second, structure)) continue;
             chosen.push_back(order[n].second);
             ++found;
         }
