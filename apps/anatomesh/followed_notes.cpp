@@ -23,8 +23,8 @@ namespace anatomesh {
 namespace {
 
 constexpr const char *contour_key = "followed_contour", *point_key = "followed_point";
-// What ModelOptions::max_follow_mm and follow_surface() allow at most.
-constexpr double widest_mm = 1000, most_sizes = 0.5, off_plane_mm = 0.01;
+// What ModelOptions::max_follow_mm and follow_edges() allow at most; and what distances may be rounded by.
+constexpr double widest_mm = 1000, most_sizes = 0.6, rounded_mm = 0.01;
 
 // The next word of the text as a number, which is taken off it.
 template <class Number>
@@ -97,14 +97,22 @@ std::optional<std::vector<Note>> notes_of(const MeshDescription& description) {
     return notes;
 }
 
-bool is(const ContourSet& contours, std::uint32_t contour, const std::vector<Vec3>& ring) {
+using Ring = std::vector<Vec3>;
+
+bool is(const ContourSet& contours, std::uint32_t contour, const Ring& ring) {
     return contour < contours.contours.size() &&
            std::ranges::equal(contours.points_of(contours.contours[contour]), ring);
 }
 
+// From its smallest point on, as kept contours begin.
+Ring turned(Ring ring) {
+    const auto less = [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); };
+    std::rotate(ring.begin(), std::min_element(ring.begin(), ring.end(), less), ring.end());
+    return ring;
+}
+
 // With other rings in the place of some. `by_contour`: number and ring, rising.
-ContourSet with_rings(const ContourSet& contours,
-                      const std::map<std::uint32_t, const std::vector<Vec3>*>& by_contour) {
+ContourSet with_rings(const ContourSet& contours, const std::map<std::uint32_t, const Ring*>& by_contour) {
     std::vector<FollowedContour> followed;
     std::vector<Vec3> points;
     for (const auto& [contour, ring] : by_contour) {
@@ -152,13 +160,8 @@ std::optional<BothContours> checked(BothContours both, const std::vector<Note>& 
     const double most_mm = std::min(number_of(description, "max_disagreement_mm").value_or(widest_mm),
                                     most_sizes * number_of(description, "size_mm").value_or(widest_mm));
     for (std::size_t n = 0; n < notes.size(); ++n) {
-        const Contour& contour = both.drawn.contours[notes[n].contour];
-        const Plane& plane = both.drawn.slices[contour.slice].plane;
-        const bool in_plane =
-            std::all_of(notes[n].on_surface.begin(), notes[n].on_surface.end(),
-                        [&](Vec3 p) { return std::abs(plane.signed_distance(p)) <= off_plane_mm; });
-        if (!in_plane || notes[n].segments > contour.point_count ||
-            both.followed[n].farthest_mm > most_mm + off_plane_mm)
+        if (notes[n].segments > both.drawn.contours[notes[n].contour].point_count ||
+            both.followed[n].farthest_mm > most_mm + rounded_mm)
             return std::nullopt;
     }
     if (!is_sound(both.on_surface)) return std::nullopt;
@@ -181,40 +184,51 @@ void add_followed_notes(const Model& model, const ContourSet& kept, MeshDescript
     }
 }
 
+ContourSet contours_in_planes(const Model& model, const ContourSet& kept, double tolerance_mm) {
+    std::vector<FollowedContour> in_planes;
+    for (const FollowedContour& contour : model.followed) {
+        const Plane& plane = kept.slices[kept.contours[contour.contour].slice].plane;
+        if (std::ranges::all_of(contour.vertices, [&](std::uint32_t v) {
+                return std::abs(plane.signed_distance(model.mesh.points[v])) <= tolerance_mm;
+            }))
+            in_planes.push_back(contour);
+    }
+    const std::vector<std::uint32_t> vertex_of(kept.points.size(), 0);
+    return follow_contours(kept, vertex_of, in_planes, model.mesh.points).contours;
+}
+
 std::optional<BothContours> both_contours(const ContourSet& contours, const MeshDescription& description) {
     const std::optional<std::vector<Note>> notes = notes_of(description);
     if (!notes || notes->empty()) return std::nullopt;
-    std::map<std::uint32_t, const std::vector<Vec3>*> to_led, to_drawn;
-    for (const Note& note : *notes) {
-        if (is(contours, note.contour, note.drawn)) to_led[note.contour] = &note.on_surface;
-    }
-    if (to_led.size() == notes->size())
-        return checked({contours, with_rings(contours, to_led), reports_of(contours, *notes)}, *notes,
-                       description);
-    // Found by their first points, from which kept contours begin.
-    std::map<std::array<double, 3>, std::vector<const Note*>> by_start;
-    for (const Note& note : *notes) {
-        const Vec3 first = *std::min_element(note.on_surface.begin(), note.on_surface.end(),
-                                             [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); });
-        by_start[{first.x, first.y, first.z}].push_back(&note);
-    }
+    // Each is found by its first point, as one or as the other.
+    std::map<std::array<double, 3>, std::vector<std::uint32_t>> by_start;
     for (std::uint32_t c = 0; c < contours.contours.size(); ++c) {
-        const std::span<const Vec3> ring = contours.points_of(contours.contours[c]);
-        const auto found = by_start.find({ring.front().x, ring.front().y, ring.front().z});
-        if (found == by_start.end()) continue;
-        for (const Note* const note : found->second) {
-            std::vector<Vec3> turned = note->on_surface;
-            std::rotate(turned.begin(), std::find(turned.begin(), turned.end(), ring.front()), turned.end());
-            if (is(contours, c, turned)) to_drawn[c] = &note->drawn;
-        }
+        const Vec3 first = contours.points_of(contours.contours[c]).front();
+        by_start[{first.x, first.y, first.z}].push_back(c);
     }
-    if (to_drawn.size() != notes->size()) return std::nullopt;
+    const auto find = [&](const Ring& ring) -> std::optional<std::uint32_t> {
+        const auto found = by_start.find({ring.front().x, ring.front().y, ring.front().z});
+        if (found == by_start.end()) return std::nullopt;
+        for (const std::uint32_t c : found->second) {
+            if (is(contours, c, ring)) return c;
+        }
+        return std::nullopt;
+    };
+    std::map<std::uint32_t, const Ring*> to_led, to_drawn;
+    for (const Note& note : *notes) {
+        if (const auto as_drawn = find(turned(note.drawn)))
+            to_led[*as_drawn] = &note.on_surface;
+        else if (const auto as_led = find(turned(note.on_surface)))
+            to_drawn[*as_led] = &note.drawn;
+        else
+            return std::nullopt;
+    }
     ContourSet drawn = with_rings(contours, to_drawn);
     for (const Note& note : *notes) {
         if (!is(drawn, note.contour, note.drawn)) return std::nullopt;
     }
     std::vector<FollowedContourReport> reports = reports_of(drawn, *notes);
-    return checked({std::move(drawn), contours, std::move(reports)}, *notes, description);
+    return checked({std::move(drawn), with_rings(contours, to_led), std::move(reports)}, *notes, description);
 }
 
 }  // namespace anatomesh

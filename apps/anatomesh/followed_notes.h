@@ -17,15 +17,19 @@ namespace anatomesh {
 // that know no long ones. `kept`: what the model was made of.
 void add_followed_notes(const Model& model, const ContourSet& kept, MeshDescription& description);
 
+// The model's contours for a file: those that leave their planes by more than the tolerance are as in `kept`,
+// since contours of files lie in planes.
+ContourSet contours_in_planes(const Model& model, const ContourSet& kept, double tolerance_mm);
+
 // Contours as they are drawn, and as they follow the surface.
 struct BothContours {
     ContourSet drawn, on_surface;
     std::vector<FollowedContourReport> followed;
 };
 
-// Both, of either: of contours with those that the notes tell of as they are drawn, or as they follow the
-// surface. Nothing if there are no notes, if they are not of such contours, or if what they tell of is not in
-// the planes of the slices, sound, and as near to what is drawn as a model may have it.
+// Both, of either: of contours with each of those that the notes tell of as it is drawn, or as it follows the
+// surface. Nothing if there are no notes, if they are not of such contours, or if what they tell of is not
+// sound, and as near to what is drawn as a model may have it.
 std::optional<BothContours> both_contours(const ContourSet& contours, const MeshDescription& description);
 
 }  // namespace anatomesh

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "anatomesh/contour/choose_structures.h"
+#include "anatomesh/contour/clean.h"
 #include "anatomesh/contour/priority.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/quadratic_model.h"
@@ -234,7 +235,8 @@ Status stage_outputs(Model& model, ModelFile& file, const ContourSet& kept, cons
     }
     if (!options.contours.empty()) {
         ANATOMESH_TRY(const ContourFormat format, contour_format_of(options.contours));
-        ANATOMESH_CHECK_STATUS(files.add(options.contours, format_contours(model.contours, format, context)));
+        const ContourSet contours = contours_in_planes(model, kept, CleanOptions{}.plane_tolerance_mm);
+        ANATOMESH_CHECK_STATUS(files.add(options.contours, format_contours(contours, format, context)));
     }
     model.report.warnings = context.warnings;  // with those of the formats
     if (!options.input.keep_patient_ids) hide_dicom_names(model.report, session.words, options.input.series);

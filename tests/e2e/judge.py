@@ -85,6 +85,15 @@ class Model:
         return radius_edge(self.points, self.cells)
 
 
+def description(path):
+    """The lines that describe a .vtu file's model: structures, regions, notes."""
+    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    lines = reader.GetOutput().GetFieldData().GetAbstractArray("DESCRIPTION")
+    return [lines.GetValue(n) for n in range(lines.GetNumberOfTuples())]
+
+
 def topology(triangles):
     """Of a closed oriented surface: open and non-manifold edges and vertices, shells, genus."""
     edges = np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])

@@ -1,5 +1,6 @@
 """Models of analytic shapes: volumes and distances against formulas, topology, contract, by an independent judge."""
 import json
+import math
 import sys
 import unittest
 
@@ -306,6 +307,90 @@ class FollowedContours(harness.TestCase):
         self.assertEqual(report["followed_contours"], [])
         self.assertNotIn("W-PIP-013", told)
         self.assertGreater(missed, 0)
+
+
+class ContoursOfDensePlanes(harness.TestCase):
+    """A ball swept by freehand planes that lie closer to each other than the vertices along their contours: cells are spared, and most
+    segments have no edges along them, but edges beside them, which lead off their planes."""
+    RADIUS, PLANES, CORNERS = 20.0, 200, 120
+
+    def setUp(self):
+        super().setUp()
+        random = np.random.default_rng(7)
+        slices = []
+        for k in range(self.PLANES):
+            normal = np.array([0.1 * math.sin(0.1 * k) + random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02), 1.0])
+            normal /= np.linalg.norm(normal)
+            height = 0.98 * self.RADIUS * ((2 * k + 1) / self.PLANES - 1)
+            across = np.cross(normal, [0.0, 1.0, 0.0])
+            across /= np.linalg.norm(across)
+            angles = 2 * math.pi * np.arange(self.CORNERS) / self.CORNERS
+            reach = math.sqrt(self.RADIUS ** 2 - height ** 2)
+            points = height * normal + reach * (np.outer(np.cos(angles), across) + np.outer(np.sin(angles), np.cross(normal, across)))
+            slices.append({"plane": {"origin": (height * normal).tolist(), "normal": normal.tolist()},
+                           "contours": [{"structure": 1, "points": points.tolist()}]})
+        self.write("dense.json", {"format": "anatomesh-contours", "version": 1, "space": "LPS", "unit": "mm",
+                                  "structures": [{"number": 1, "name": "ball"}], "slices": slices})
+
+    def test_all_run_along_edges_and_files_of_contours_stay_in_their_planes(self):
+        told = self.run_program("model", "dense.json", "-o", "dense.vtu", "--contours", "kept.json").err
+        report = json.loads((self.folder / "dense.report.json").read_text())
+        structure = report["structures"][0]
+        self.assertEqual(structure["contour_segments"], structure["contour_segments_on_surface"])
+        self.assertEqual(report["certificate"][1]["state"], "kept", report["certificate"][1]["evidence"])
+        self.assertNotIn("W-PIP-012", told)
+        self.assertIn("W-PIP-013", told)
+        self.assertIn("W-PIP-005", told)
+        followed = report["followed_contours"]
+        self.assertGreater(sum(contour["segments"] for contour in followed), self.PLANES * self.CORNERS / 4, "nothing is shown")
+        self.assertLessEqual(max(contour["farthest_mm"] for contour in followed), 0.6 * report["sizes"]["size_mm"])
+        # The judge's own reading: all drawn vertices are on the surface, and what the file calls the course of each contour is edges of it.
+        model = judge.Model(self.folder / "dense.vtu")
+        surface = model.surface(model.structure == 1)
+        at = {tuple(model.points[v]): v for v in np.unique(surface)}
+        kept = json.loads((self.folder / "kept.json").read_text())["slices"]
+        self.assertEqual(len(kept), self.PLANES)
+        for part in kept:
+            points = np.array([point for contour in part["contours"] for point in contour["points"]])
+            self.assertLess(np.abs((points - part["plane"]["origin"]) @ part["plane"]["normal"]).max(), 0.051)
+            self.assertTrue(all(tuple(point) in at for point in points))
+        edges = {tuple(sorted(edge)) for f in surface for edge in zip(f, np.roll(f, 1))}
+        for course in self.courses(self.folder / "dense.vtu"):
+            vertices = [at[point] for point in course]
+            for a, b in zip(vertices, vertices[1:] + vertices[:1]):
+                self.assertTrue(self.is_chain(model.points, edges, a, b), (a, b))
+        # Drawn or kept, the contours are those of the model.
+        for contours in ("dense.json", "kept.json"):
+            checked = json.loads(self.run_program("check", "dense.vtu", "--contours", contours, "--json").out)
+            self.assertEqual(checked["structures"][0]["contour_segments"], checked["structures"][0]["contour_segments_on_surface"])
+            self.assertEqual([contour["farthest_mm"] for contour in checked["followed_contours"]],
+                             [contour["farthest_mm"] for contour in followed], contours)
+
+    @staticmethod
+    def courses(path):
+        """Those now, by the notes in a model's file: how many points were drawn and are there now, then the points."""
+        courses, drawn = [], 0
+        for line in judge.description(path):
+            key, _, text = line.removeprefix("NOTE ").partition("=")
+            if key == "followed_contour":
+                drawn = int(text.split()[2])
+                courses.append([])
+            elif key == "followed_point":
+                courses[-1].append(tuple(float(number) for number in text.split()))
+                if drawn > 0:
+                    courses[-1].pop()
+                    drawn -= 1
+        return courses
+
+    @staticmethod
+    def is_chain(points, edges, a, b):
+        if (min(a, b), max(a, b)) in edges:
+            return True
+        way = points[b] - points[a]
+        along = (points - points[a]) @ way / (way @ way)
+        off = np.linalg.norm(points - points[a] - np.outer(along, way), axis=1)
+        row = [v for v in np.argsort(along) if 0 <= along[v] <= 1 and off[v] < 1e-6 * np.linalg.norm(way)]
+        return all(tuple(sorted(edge)) in edges for edge in zip(row, row[1:]))
 
 
 class WallsDrawnTwice(harness.TestCase):

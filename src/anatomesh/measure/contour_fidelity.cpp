@@ -5,8 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/measure/number_text.h"
+#include "anatomesh/mesh/surface_graph.h"
 
 namespace anatomesh {
 
@@ -16,27 +18,12 @@ constexpr double small_angle_deg = 60.0;     // at which a contour turns
 constexpr double small_crossing_deg = 30.0;  // between contours that share a vertex
 constexpr double on_segment = 1e-6;          // a vertex within it, in its lengths
 
-// The vertices of a surface in lexicographic order, and for each its neighbours along edges.
-class SurfaceGraph {
+// The vertices of a surface in lexicographic order.
+class VerticesByPlace {
   public:
-    SurfaceGraph(std::span<const Vec3> points, const std::vector<Triangle>& triangles) : points_(points) {
-        // Both ends of every side; neighbours come once for each triangle at their edge.
-        start_.assign(points.size() + 1, 0);
-        for (const Triangle& f : triangles) {
-            for (const std::uint32_t v : f) start_[v + 1] += 2;
-        }
-        for (std::size_t v = 0; v < points.size(); ++v) {
-            if (start_[v + 1] > 0) by_place_.push_back(static_cast<std::uint32_t>(v));
-            start_[v + 1] += start_[v];
-        }
-        neighbors_.resize(start_.back());
-        std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
-        for (const Triangle& f : triangles) {
-            for (std::size_t i = 0; i < 3; ++i) {
-                neighbors_[next[f[i]]++] = f[(i + 1) % 3];
-                neighbors_[next[f[i]]++] = f[(i + 2) % 3];
-            }
-        }
+    VerticesByPlace(std::span<const Vec3> points, const std::vector<Triangle>& triangles) : points_(points) {
+        for (const Triangle& f : triangles) by_place_.insert(by_place_.end(), f.begin(), f.end());
+        sort_distinct(by_place_, points.size());
         std::sort(by_place_.begin(), by_place_.end(), [&](std::uint32_t a, std::uint32_t b) {
             if (points[a] == points[b]) return a < b;
             return lexicographic_less(points[a], points[b]);
@@ -51,36 +38,8 @@ class SurfaceGraph {
         return at != by_place_.end() && points_[*at] == p ? *at : no_cell;
     }
 
-    // Whether edges lead from a to b along the straight line, each step onwards to the nearest vertex on it.
-    bool chain(std::uint32_t a, std::uint32_t b) const {
-        const Vec3 start = points_[a], way = points_[b] - start;
-        const double whole = squared_length(way);
-        const double size = std::max({std::abs(start.x), std::abs(start.y), std::abs(start.z)});
-        const double tolerance = 1e-6 * std::sqrt(whole) + 1e-12 * size;
-        std::uint32_t current = a;
-        double reached = 0;
-        while (current != b) {
-            std::uint32_t next = no_cell;
-            double next_reached = whole;
-            for (std::size_t n = start_[current]; n < start_[current + 1]; ++n) {
-                const Vec3 offset = points_[neighbors_[n]] - start;
-                const double along = dot(offset, way);
-                if (along <= reached || along > next_reached) continue;
-                if (length(cross(offset, way)) > tolerance * std::sqrt(whole)) continue;
-                next = neighbors_[n];
-                next_reached = along;
-            }
-            if (next == no_cell) return false;
-            current = next;
-            reached = next_reached;
-        }
-        return true;
-    }
-
   private:
     std::span<const Vec3> points_;
-    std::vector<std::size_t> start_;  // where in neighbors_ those of each vertex start
-    std::vector<std::uint32_t> neighbors_;
     std::vector<std::uint32_t> by_place_;
 };
 
@@ -103,12 +62,13 @@ ContourFidelity contour_fidelity(std::span<const Vec3> points,
     for (std::size_t i = 0; i < order.size();) {
         const std::uint32_t structure = contours.contours[order[i]].structure;
         const SurfaceGraph graph(points, surfaces[structure]);
+        const VerticesByPlace places(points, surfaces[structure]);
         StructureFidelity& count = fidelity.structures[structure];
         for (; i < order.size() && contours.contours[order[i]].structure == structure; ++i) {
             const Contour& contour = contours.contours[order[i]];
             std::uint32_t* const vertex = fidelity.vertex_of.data() + contour.first_point;
             for (std::uint32_t p = 0; p < contour.point_count; ++p) {
-                vertex[p] = graph.find(contours.points[contour.first_point + p]);
+                vertex[p] = places.find(contours.points[contour.first_point + p]);
                 ++count.vertices;
                 count.vertices_on_surface += vertex[p] != no_cell;
             }

@@ -26,9 +26,9 @@ struct ModelOptions {
     // not leave their place by more than this, mm, and half an edge length (follow_surface.h). [0, 1000]; 0:
     // all stay where they are drawn
     double max_follow_mm = 0;
-    // Of contour vertices on planes that lie closer than those: above, less is done for cells and contour
-    // segments at the first try with a default size (W-PIP-005). [0, any]
-    std::uint64_t spare_dense_above = 50'000;
+    // Of contour vertices on planes that lie closer than those, times the square of plane_density(): above,
+    // less is done for cells and contour segments at the first try with a default size (W-PIP-005). [0, any]
+    std::uint64_t spare_dense_above = 100'000;
 };
 
 struct Model {

@@ -28,6 +28,7 @@
 #include "anatomesh/pipeline/contour_field.h"
 #include "anatomesh/pipeline/contour_pieces.h"
 #include "anatomesh/pipeline/contradicted_places.h"
+#include "anatomesh/pipeline/follow_edges.h"
 #include "anatomesh/pipeline/followed_contours.h"
 #include "anatomesh/pipeline/how_planes_lie.h"
 #include "anatomesh/pipeline/ill_shaped_cells.h"
@@ -85,6 +86,8 @@ constexpr double smooth_mean = 0.947;
 // Of a contour segment along the surface, from its place, in sizes; and where no planes cross, of which none
 // comes too near to another one.
 constexpr double most_followed = 0.5, most_followed_parallel = 0.1;
+// Over edges beside it: as far as it is round the facets at a longer one.
+constexpr double most_beside_it = 0.6;
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
 // Everything that one run of the method carries from stage to stage. The stages work relative to the low
@@ -573,9 +576,8 @@ class Builder {
         const std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
         std::vector<Plane> planes;
         for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);
-        const double most = is_parallel(contours_) ? most_followed_parallel : most_followed;
         const FollowingContours following{contours_.contours, contour_vertices, planes, contours_.exclusive,
-                                          std::min(options_.max_follow_mm, most * sample_->stats.size_mm)};
+                                          most_follow_mm(most_followed)};
         if (!is_parallel(contours_)) options.handle_mm = untold_reach * sample_->stats.size_mm;
         return improve_dihedrals(
             model_.mesh, neighbors_, fixed,
@@ -614,6 +616,7 @@ class Builder {
             if (v != no_cell)
                 mesh.points[v] = source_.points[n];  // one that was lost is the certificate's to find
         }
+        follow_edges_beside(contour_vertices);
         ContoursOfMesh kept = follow_contours(source_, contour_vertices, followed_, mesh.points);
         model_.contours = std::move(kept.contours);
         model_.contour_vertices = std::move(kept.vertices);
@@ -622,6 +625,20 @@ class Builder {
         model_.structures = contours_.structures;
         model_.field = field_;
         model_.field_origin = origin_;
+    }
+
+    // Where all that was done left segments that are no edges of the surface.
+    void follow_edges_beside(const std::vector<std::uint32_t>& contour_vertices) {
+        const double most_mm = most_follow_mm(most_beside_it);
+        if (segments_missed_ == 0 || !(most_mm > 0)) return;
+        followed_ = follow_edges(model_.mesh, neighbors_, model_.regions, source_, contour_vertices,
+                                 std::move(followed_), {most_mm, context_.threads});
+    }
+
+    // `most`: where planes cross, in sizes.
+    double most_follow_mm(double most) const {
+        if (is_parallel(contours_)) most = most_followed_parallel;
+        return std::min(options_.max_follow_mm, most * sample_->stats.size_mm);
     }
 
     void move_back(std::vector<Vec3>& points) const {

@@ -1,9 +1,11 @@
 #include "anatomesh/pipeline/followed_contours.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cstddef>
 #include <string>
+#include <unordered_map>
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
@@ -134,12 +136,48 @@ namespace {
 
 constexpr int parts = 16;  // of a segment, to measure distances between
 
-std::vector<Vec3> closed(std::vector<Vec3> ring) {
-    ring.push_back(ring.front());
-    return ring;
+// Places in the ring that is drawn, and in that which was led, between two vertices that both have; these
+// included.
+struct Stretch {
+    std::vector<std::size_t> drawn, led;
+
+    bool is_same_segment() const { return drawn.size() == 2 && led.size() == 2; }
+};
+
+// From one common vertex to the next, if they come in one order; else, and where there are none, the whole
+// rings as one, closed.
+std::vector<Stretch> stretches_of(std::span<const std::uint32_t> drawn, std::span<const std::uint32_t> led) {
+    std::unordered_map<std::uint32_t, std::size_t> place_in_led;
+    for (std::size_t n = 0; n < led.size(); ++n) place_in_led[led[n]] = n;
+    std::vector<std::array<std::size_t, 2>> common;  // places in both, from the first
+    for (std::size_t n = 0; n < drawn.size(); ++n) {
+        if (const auto found = place_in_led.find(drawn[n]); found != place_in_led.end())
+            common.push_back({n, found->second});
+    }
+    bool in_order = !common.empty();
+    for (std::size_t k = 0; k < common.size(); ++k) {
+        const auto after = [&](std::size_t n) {
+            return (common[n % common.size()][1] + led.size() - common[0][1]) % led.size();
+        };
+        in_order = in_order && (k + 1 == common.size() || after(k) < after(k + 1));
+    }
+    if (!in_order) common = {{0, 0}};
+    const auto between = [](std::size_t size, std::size_t from, std::size_t to) {
+        std::vector<std::size_t> row{from};
+        do row.push_back((row.back() + 1) % size);
+        while (row.back() != to);
+        return row;
+    };
+    std::vector<Stretch> stretches;
+    for (std::size_t k = 0; k < common.size(); ++k) {
+        const auto [d, l] = common[k];
+        const auto [next_d, next_l] = common[(k + 1) % common.size()];
+        stretches.push_back({between(drawn.size(), d, next_d), between(led.size(), l, next_l)});
+    }
+    return stretches;
 }
 
-// Of the segments of a closed row from another one.
+// Of the segments of a row from another one.
 double farthest(const std::vector<Vec3>& row, const std::vector<Vec3>& other) {
     double most = 0;
     for (std::size_t n = 1; n < row.size(); ++n) {
@@ -151,17 +189,13 @@ double farthest(const std::vector<Vec3>& row, const std::vector<Vec3>& other) {
     return most;
 }
 
-// What lies in one of the two alone is within an odd number of both.
-double difference(const std::vector<Vec3>& ring, const std::vector<Vec3>& other, const Plane& plane) {
-    std::vector<Segment2> segments;
-    Box2 clip;
-    for (const std::vector<Vec3>* const row : {&ring, &other}) {
-        for (std::size_t n = 1; n < row->size(); ++n) {
-            segments.push_back({plane.to_plane((*row)[n - 1]), plane.to_plane((*row)[n])});
-            clip.extend(segments.back().a);
-        }
+void add_segments(const std::vector<Vec3>& row, const Plane& plane, std::vector<Segment2>& segments,
+                  Box2& box) {
+    for (std::size_t n = 1; n < row.size(); ++n) {
+        segments.push_back({plane.to_plane(row[n - 1]), plane.to_plane(row[n])});
+        box.extend(segments.back().a);
+        box.extend(segments.back().b);
     }
-    return even_odd_area(std::move(segments), clip);
 }
 
 }  // namespace
@@ -179,17 +213,24 @@ std::vector<FollowedContourReport> followed_contours(const ContourSet& set,
         report.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
         report.slice = slice.name.empty() ? std::to_string(contour.slice) : slice.name;
         report.segments = one.segments;
+        const auto drawn = vertex_of.subspan(contour.first_point, contour.point_count);
         std::vector<std::uint32_t> now = one.vertices;
         sort_distinct(now);
-        for (const std::uint32_t v : vertex_of.subspan(contour.first_point, contour.point_count))
+        for (const std::uint32_t v : drawn)
             report.vertices_left += !std::binary_search(now.begin(), now.end(), v);
-        const std::span<const Vec3> points_drawn = set.points_of(contour);
-        const std::vector<Vec3> drawn = closed({points_drawn.begin(), points_drawn.end()});
-        std::vector<Vec3> led;
-        for (const std::uint32_t v : one.vertices) led.push_back(points[v]);
-        led = closed(std::move(led));
-        report.farthest_mm = std::max(farthest(drawn, led), farthest(led, drawn));
-        report.difference_mm2 = difference(drawn, led, slice.plane);
+        // What lies in one of the two alone is within an odd number of both, and of where they differ.
+        std::vector<Segment2> segments;
+        Box2 box;
+        for (const Stretch& stretch : stretches_of(drawn, one.vertices)) {
+            if (stretch.is_same_segment()) continue;
+            std::vector<Vec3> was, is;
+            for (const std::size_t n : stretch.drawn) was.push_back(set.points_of(contour)[n]);
+            for (const std::size_t n : stretch.led) is.push_back(points[one.vertices[n]]);
+            report.farthest_mm = std::max({report.farthest_mm, farthest(was, is), farthest(is, was)});
+            add_segments(was, slice.plane, segments, box);
+            add_segments(is, slice.plane, segments, box);
+        }
+        report.difference_mm2 = even_odd_area(std::move(segments), box);
     }
     return reports;
 }

@@ -31,7 +31,9 @@ void drop_unsound(const ContourSet& set, std::vector<FollowedContour>& followed,
 std::vector<std::uint8_t> kept_vertices(const ContourSet& set, std::span<const std::uint32_t> vertex_of,
                                         std::span<const FollowedContour> followed, std::size_t vertex_count);
 
-// What the report says of them. `set`: as drawn. Complexity: O(n^2) for a contour of n points.
+// What the report says of them. `set`: as drawn. Distances are those of what is drawn and what is led between
+// two vertices that a contour has both times. Complexity: that of even_odd_area(), and the square of the
+// points between two such vertices.
 std::vector<FollowedContourReport> followed_contours(const ContourSet& set,
                                                      std::span<const std::uint32_t> vertex_of,
                                                      std::span<const FollowedContour> followed,

@@ -24,8 +24,10 @@ HowPlanesLie how_planes_lie(const ContourSet& contours, const StructureField& fi
     planes.density = plane_density(contours, field);
     planes.apart = is_parallel(contours) || Sweep::of(contours);
     planes.dense = planes.density > 1;
+    // Of sweeps of one extent: the time that all takes goes with it (docs/benchmarks.md).
+    const double work = static_cast<double>(contours.points.size()) * planes.density * planes.density;
     planes.crammed =
-        planes.density > most_dense || (planes.dense && contours.points.size() > spare_dense_above);
+        planes.density > most_dense || (planes.dense && work > static_cast<double>(spare_dense_above));
     const bool are_many =
         planes.dense && contours.points.size() > few_points && RotationalSweep::of(contours).has_value();
     planes.bear_all = !planes.crammed && !are_many;

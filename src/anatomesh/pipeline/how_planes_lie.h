@@ -19,8 +19,8 @@ struct HowPlanesLie {
     bool meet_cuts = false;    // that, and cells are made what is drawn in them
 };
 
-// `spare_dense_above`: points of contours; of dense planes with more all that can be done is too much.
-// Requires: a kept contour set, and its field. O(points)
+// `spare_dense_above`: points of contours, times the square of the density; of dense planes with more all
+// that can be done is too much. Requires: a kept contour set, and its field. O(points)
 HowPlanesLie how_planes_lie(const ContourSet& contours, const StructureField& field,
                             std::uint64_t spare_dense_above);
 
