@@ -36,6 +36,7 @@ struct FollowedContour {
     std::vector<std::uint32_t> vertices;  // all, in order
     std::uint64_t segments = 0;           // drawn, missed before and not any more
     double farthest_mm = 0;               // of it from what was drawn, and of that from it
+    friend bool operator==(const FollowedContour&, const FollowedContour&) = default;
 };
 
 // What is drawn on slices, for the facets in their planes.

@@ -131,6 +131,8 @@ class Builder {
     // Contour segments that were, whether their contours follow the surface now or not.
     std::uint64_t segments_missed() const { return segments_missed_; }
     std::uint64_t drawn_segments() const { return source_.points.size(); }
+    // Whether some have the edges beside them in their place.
+    bool has_segments_beside() const { return has_segments_beside_; }
     // Whether slices contradict those that they cross, or it was not looked at.
     bool is_contradicted() const { return !planes_.apart && (!planes_.meet_cuts || !contradicted_.empty()); }
     // Whether less was done for the shape of cells than can be: the same size is to be tried again.
@@ -631,8 +633,10 @@ class Builder {
     void follow_edges_beside(const std::vector<std::uint32_t>& contour_vertices) {
         const double most_mm = most_follow_mm(most_beside_it);
         if (segments_missed_ == 0 || !(most_mm > 0)) return;
+        const std::vector<FollowedContour> before = followed_;
         followed_ = follow_edges(model_.mesh, neighbors_, model_.regions, source_, contour_vertices,
                                  std::move(followed_), {most_mm, context_.threads});
+        has_segments_beside_ = followed_ != before;
     }
 
     // `most`: where planes cross, in sizes.
@@ -756,6 +760,7 @@ class Builder {
     std::vector<SegmentPiece> cut_pieces_;         // of those that the last step of the cut split
     std::vector<FollowedContour> followed_;        // by contour
     std::uint64_t segments_missed_ = 0;            // before that
+    bool has_segments_beside_ = false;             // over edges beside them
     bool recovered_ = false;                       // some of them, by exchanging cells
     std::vector<std::uint8_t> given_;              // by vertex: one of a contour
     std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on
@@ -785,6 +790,11 @@ TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
         return outcome;
     }
     add_report(outcome, report);
+    // Another try may have edges along them.
+    if (builder.has_segments_beside() && !outcome.lacks_contours) {
+        outcome.lacks_contours = true;
+        ++outcome.unmet;
+    }
     outcome.tore_walls = builder.tore_a_structure();
     outcome.untold = builder.untold_places();
     outcome.astray = builder.went_astray();
