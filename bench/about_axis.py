@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Ellipsoids cut by planes about an axis beside their middle: how many contour segments are no chains of edges, and what cells cost.
+"""Ellipsoids cut by planes about an axis beside their middle: how many contour segments are no chains of edges, how
+far contours were led for the others' sake, and what cells cost.
 
     bench/about_axis.py --update docs/benchmarks.md
     bench/about_axis.py --program OTHER --beside build/release/anatomesh   # two programs, one after the other on each set
@@ -55,11 +56,13 @@ def write_set(path, planes, radius, spacing, beside, seed):
 
 
 def measured(program, folder, path):
-    """(segments, missed, seconds, cells with an angle below 10 degrees, their share above radius-edge ratio 2)."""
+    """(segments, missed, led, how far at most, seconds, cells with an angle below 10 degrees, their share above radius-edge ratio 2)."""
     seconds = run([program, "model", path, "-o", folder / "model.vtu", "--quiet", "--threads", "2"], LIMIT)["seconds"]
     report = json.loads((folder / "model.report.json").read_text())
     structure, quality = report["structures"][0], report["quality"]
-    return np.array([structure["contour_segments"], structure["contour_segments"] - structure["contour_segments_on_surface"], seconds,
+    led = report["followed_contours"]
+    return np.array([structure["contour_segments"], structure["contour_segments"] - structure["contour_segments_on_surface"],
+                     sum(contour["segments"] for contour in led), max([contour["farthest_mm"] for contour in led], default=0), seconds,
                      quality["dihedral_deg"]["tetrahedra_below_10"], 100 * quality["radius_edge"]["share_over_2"]])
 
 
@@ -80,11 +83,11 @@ def main():
             found = np.array(found)  # by seed, program and figure
             row = [str(planes), f"{radius:g}; {spacing:g}; {beside:g} R", str(len(seeds)), count(found[:, 0, 0].sum())]
             for own in found.transpose(1, 0, 2):
-                row += [f"{count(own[:, 1].sum())} ({count(own[:, 1].max())})", f"{np.median(own[:, 2]):.1f}", count(own[:, 3].sum()),
-                        f"{own[:, 4].mean():.2f}"]
+                row += [f"{count(own[:, 1].sum())} ({count(own[:, 1].max())})", f"{count(own[:, 2].sum())} ({own[:, 3].max():.3f})",
+                        f"{np.median(own[:, 4]):.1f}", count(own[:, 5].sum()), f"{own[:, 6].mean():.2f}"]
             rows.append(row)
     head = ["planes", "R, mm; vertices, mm apart; axis from the middle", "sets", "segments"]
-    head += columns(programs, "missed{}, the worst set", "s, median", "angles below 10", "above ratio 2, %")
+    head += columns(programs, "missed{}, the worst set", "led, mm at most", "s, median", "angles below 10", "above ratio 2, %")
     show(arguments, "about an axis", how, table(head, rows))
 
 
