@@ -133,6 +133,31 @@ class Misses {
     std::vector<std::vector<Triangle>> surfaces_;
 };
 
+// Of contours on more slices than the model was made of (--every, --offset) those on its own, if more of
+// these are on its surfaces.
+ContourSet on_slices_of_model(ContourSet kept, const ModelFile& model, const Misses& misses,
+                              const std::string& file, RunContext& context) {
+    const double every = number_of(model.description, "every").value_or(1),
+                 offset = number_of(model.description, "offset").value_or(0);
+    const auto slices = static_cast<double>(kept.slices.size());
+    if (!(every >= 2 && every < slices && offset >= 0 && offset < slices) ||
+        !all_parallel(kept, parallel_tolerance_mm))
+        return kept;
+    ContourSet own =
+        every_nth_slice(kept, static_cast<std::uint32_t>(every), static_cast<std::uint32_t>(offset));
+    if (own.contours.empty()) return kept;
+    const std::uint64_t before = misses.of(kept).first, after = misses.of(own).first;
+    if (after >= before) return kept;
+    context.warn(
+        {"W-CMD-011",
+         fmt::format("the contours are on more slices than the model was made of: every {:.0f} of them, "
+                     "from slice {:.0f} (counted from 0) on, as its file says",
+                     every, offset),
+         {file, "", "", "", fmt::format("{} of {} slices", own.slices.size(), kept.slices.size())},
+         "checked against these; nothing is said of the others"});
+    return own;
+}
+
 // Contours that a model may have been made of, and what there is to say of how they came about.
 struct Candidate {
     ContourSet kept;
@@ -213,6 +238,8 @@ void compare_names(const ContourSet& contours, const ModelFile& model, const std
 
 Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& model, const WallOptions& walls,
                                           bool share_first, const std::string& file, RunContext& context) {
+    const Misses misses(model);
+    kept = on_slices_of_model(std::move(kept), model, misses, file, context);
     if (share_first) share_walls(kept, walls, context);
     std::vector<std::string> left_out;
     const std::vector<std::uint32_t> found = structures_of(kept, model);
@@ -222,7 +249,6 @@ Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& mode
     }
     if (found.empty()) left_out.clear();
 
-    const Misses misses(model);
     ContourSet best = without_others(kept, model);
     const auto missed_of = [&](const ContourSet& contours) {
         const std::optional<BothContours> both = both_contours(contours, model.description);

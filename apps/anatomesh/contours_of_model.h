@@ -20,15 +20,15 @@ struct ContoursOfModel {
     std::vector<FollowedContourReport> followed;  // those
 };
 
-// Where vertices of the contours are not the model's, walls are shared (shared_walls.h), and where the
-// model's file says that contours of slices that cross were made to agree (reconcile) or overlaps were given
-// to one structure (priority), the same is done here, by the options that
-// stand there, and kept if more vertices are the model's then, or as many where overlaps were given. With
-// `share_first` walls are shared whatever comes of it. Contours of structures that the model lacks are left
-// out, unless it has none of them. Errors: cancelled. Warnings: W-CMD-001 other axes than the model's,
-// W-CMD-008 structures of another name or number than the model's, W-CMD-009 structures left out, W-CMD-010
-// structures that the contours lack, W-CMD-011 what was done to the contours. `file`: of the contours, for
-// messages.
+// Of contours on more slices than the model was made of, as its file says (every, offset), those on its own
+// are looked at. Where vertices of the contours are not the model's, walls are shared (shared_walls.h), and
+// where the model's file says that contours of slices that cross were made to agree (reconcile) or overlaps
+// were given to one structure (priority), the same is done here, by the options that stand there, and kept if
+// more vertices are the model's then, or as many where overlaps were given. With `share_first` walls are
+// shared whatever comes of it. Contours of structures that the model lacks are left out, unless it has none
+// of them. Errors: cancelled. Warnings: W-CMD-001 other axes than the model's, W-CMD-008 structures of
+// another name or number than the model's, W-CMD-009 structures left out, W-CMD-010 structures that the
+// contours lack, W-CMD-011 what was done to the contours. `file`: of the contours, for messages.
 Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& model, const WallOptions& walls,
                                      bool share_first, const std::string& file, RunContext& context);
 

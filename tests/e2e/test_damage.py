@@ -249,6 +249,19 @@ class SoundModels(harness.TestCase):
         self.assertIn("W-CMD-011", self.codes("m.vtu", "drawn.json"))
         self.assertEqual([self.report["certificate"][n]["state"] for n in (0, 5)], ["kept"] * 2)
 
+    def test_every_other_slice(self):
+        self.write("drawn.json", shapes.torus().document())
+        for words in ((), ("--offset", "1")):
+            self.run_program("model", "drawn.json", "-o", "m.vtu", "--every", "2", *words, "--contours", "used.json")
+            self.assertNotIn("W-CMD-011", self.codes("m.vtu", "used.json"))
+            counts = self.report["counts"]
+            self.assertIn("W-CMD-011", self.codes("m.vtu", "drawn.json"))
+            self.assertEqual(self.report["counts"], counts)
+            self.assertEqual([self.report["certificate"][n]["state"] for n in (0, 1, 5)], ["kept"] * 3)
+        # One that was made of all is not taken for another.
+        self.run_program("model", "drawn.json", "-o", "all.vtu")
+        self.assertNotIn("W-CMD-011", self.codes("all.vtu", "drawn.json"))
+
     def test_separate_models_against_all_contours(self):
         self.write("drawn.json", self.overlapping())
         self.run_program("model", "drawn.json", "-o", "m.vtu", "--separate")

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/field/caps.h"
 #include "anatomesh/field/distance_map.h"
 #include "anatomesh/field/field_queries.h"
@@ -628,6 +629,16 @@ Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patche
     return Nothing{};
 }
 
+// Slices of a structure's own are further apart than all.
+PlaneSpacings spacings_without(const ContourSet& set, const std::vector<bool>& left_out) {
+    std::vector<std::uint32_t> others;
+    for (std::uint32_t s = 0; s < left_out.size(); ++s) {
+        if (!left_out[s]) others.push_back(s);
+    }
+    const ContourSet rest = chosen_slices(set, others);
+    return plane_spacings(rest, plane_patches(rest));
+}
+
 // Where slices say nothing of a structure it has a field without them.
 class PartlySaidField final : public FieldQueries<PartlySaidField> {
   public:
@@ -639,8 +650,15 @@ class PartlySaidField final : public FieldQueries<PartlySaidField> {
     }
 
     double slice_spacing() const override { return all().slice_spacing(); }
-    Box3 box() const override { return all().box(); }
-    Box3 box_of(std::uint32_t structure) const override { return all().box_of(structure); }
+    Box3 box() const override {
+        Box3 whole;
+        for (const auto& field : fields_) {
+            whole.extend(field->box().low);
+            whole.extend(field->box().high);
+        }
+        return whole;
+    }
+    Box3 box_of(std::uint32_t structure) const override { return fields_[of_[structure]]->box_of(structure); }
     bool slices_may_differ(Vec3 p, double radius) const override {
         return all().slices_may_differ(p, radius);
     }
@@ -692,7 +710,6 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
     const double vertex_spacing = mean_vertex_spacing(set);
     const double reach = std::max(1.5 * spacings.median, vertex_spacing);
     const double clamp = options.clamp_mm > 0 ? options.clamp_mm : reach;
-    const double margin = options.plane_margin_mm > 0 ? options.plane_margin_mm : spacings.median;
     std::vector<bool> used(set.structures.size(), false);
     for (const Contour& contour : set.contours) used[contour.structure] = true;
     const bool several = std::count(used.begin(), used.end(), true) > 1;
@@ -710,7 +727,9 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
     }
     std::vector<std::shared_ptr<const GeneralField>> fields;
     for (const std::vector<bool>& slices : left_out) {
-        auto field = std::make_shared<GeneralField>(spacings, options.least_reach_mm, margin, clamp,
+        const PlaneSpacings own = slices.empty() ? spacings : spacings_without(set, slices);
+        const double margin = options.plane_margin_mm > 0 ? options.plane_margin_mm : own.median;
+        auto field = std::make_shared<GeneralField>(own, options.least_reach_mm, margin, clamp,
                                                     set.exclusive && several, options.caps);
         ANATOMESH_CHECK_STATUS(field->build(set, patches, slices, context));
         fields.push_back(std::move(field));

@@ -26,6 +26,10 @@ double lower_median(std::vector<double> values) {
 
 constexpr double same_spacing = 0.05;  // gaps that differ by less than this share of the larger are alike
 
+// Of the gap asked for: two spacings of slices that lean against each other, or whose places were rounded,
+// are a little more than twice one.
+constexpr double joined_more = 1.02;
+constexpr double hardly_wider = 1.5;  // spacings: more is a gap to tell of
 constexpr double most_uneven = 2;  // times the median of uneven gaps, what is usual among them
 
 // The spacing that most of a few neighbouring gaps share, from an end inwards, one slice left out where that
@@ -197,6 +201,17 @@ std::vector<std::uint32_t> telling_of(const std::vector<SliceInterval>& interval
     return telling_slices(drawn, heights, left_out);
 }
 
+// Of those that heights, rising, part a gap into, as a share of it.
+double widest_part(double low, double high, const std::vector<double>& heights) {
+    double from = low, widest = 0;
+    for (auto at = std::upper_bound(heights.begin(), heights.end(), low); at != heights.end() && *at < high;
+         ++at) {
+        widest = std::max(widest, *at - from);
+        from = *at;
+    }
+    return high > low ? std::max(widest, high - from) / (high - low) : 1;
+}
+
 }  // namespace
 
 StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
@@ -225,8 +240,14 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
             around.push_back(gap_between(intervals[i - 1], intervals[i]));
     }
     const Gaps gaps(around, own_spacing ? 0 : telling.front(), telling.size() - 1, spacing);
-    const double widest = options.max_gap_spacings * 1.001;  // that is joined, in spacings
-    const auto is_open = [&](std::size_t gap) { return gaps.spacings(gap) > widest; };
+    const double widest = options.max_gap_spacings * joined_more;  // that is joined, in spacings
+    // Where its own slices were left out, of usual gaps, it goes on.
+    const auto is_open = [&](std::size_t gap) {
+        const double spacings = gaps.spacings(gap);
+        return spacings > widest && spacings * widest_part(intervals[telling[gap]].high,
+                                                           intervals[telling[gap + 1]].low, left_out) >
+                                        hardly_wider;
+    };
     // Spacing where a part begins or ends: the one that most of its gaps there share. Where they share none,
     // and more of them are uneven too, that of the gap that an end falls into. Else the local one, or that of
     // the part itself where it is smaller.
@@ -288,7 +309,7 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                 const double above = std::max(ends.second - std::min(spacing_at(i, 1), 0.5 * gap), below);
                 close_part({below, below, Level::no_slice});
                 result.levels.push_back({above, above, Level::no_slice});
-            } else if (gaps.spacings(i - 1) > 1.5 || gaps.spacings_if_even(i - 1) > widest) {
+            } else if (gaps.spacings(i - 1) > hardly_wider || gaps.spacings_if_even(i - 1) > widest) {
                 result.bridged_gaps.push_back(ends);
             } else if (gaps.spacing_without_groups(i - 1) < gaps.local_spacing(i - 1) &&
                        gap > widest * gaps.spacing_without_groups(i - 1)) {

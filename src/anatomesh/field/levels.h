@@ -52,7 +52,8 @@ struct StructureLevels {
 // Levels of a structure drawn on the slices intervals[drawn[..]] (rising, at least one).
 // `every_slice`: each slice of the set says something about it (label maps). Otherwise those between its own
 // that telling_slices() names. `spacing`: of the set, for a structure whose own spacing cannot be told.
-// `left_out`: heights of slices of the structure's own that are not there.
+// `left_out`: rising heights of slices of the structure's own that are not there: a gap that they part into
+// usual ones is bridged.
 StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                                  const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
                                  const FieldOptions& options, const std::vector<double>& left_out = {});

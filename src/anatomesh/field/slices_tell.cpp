@@ -61,10 +61,8 @@ std::vector<bool> slices_tell(const ContourSet& set, std::uint32_t structure) {
             drawn.push_back(n);
     }
     if (drawn.empty()) return tell;
-    // Of a sweep its field does not know them (Sweep::straight).
-    const std::vector<double> left_out =
-        is_parallel(set) ? heights_left_out(set, structure, order.middle, order.way) : std::vector<double>{};
-    const std::vector<std::uint32_t> telling = telling_slices(drawn, order.heights, left_out);
+    const std::vector<std::uint32_t> telling =
+        telling_slices(drawn, order.heights, heights_left_out(set, structure, order.middle, order.way));
     if (telling.size() == drawn.back() - drawn.front() + 1u) return tell;
     tell.assign(tell.size(), false);
     for (const std::uint32_t n : telling) tell[order.slices[n]] = true;

@@ -5,7 +5,9 @@
 #include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/contour/telling_slices.h"
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/structure_field.h"
+#include "anatomesh/field/sweep.h"
 
 namespace anatomesh {
 namespace {
@@ -86,31 +88,44 @@ TEST(TellingSlices, an_organ_is_whole_where_a_lesion_in_it_has_slices_of_its_own
     }
 }
 
-// An organ every 3 mm, a lesion in it on each of some, and one of the organ's slices left out.
+// An organ every 3 mm, a lesion in it on each of some, and one of the organ's slices left out: parallel
+// slices, some that lean more and more, and some that lean as by hand and cross.
 TEST(TellingSlices, an_organ_is_whole_where_a_slice_of_its_own_is_left_out) {
-    SetBuilder builder;
-    std::vector<std::uint32_t> others;
-    std::uint32_t slice = 0;
-    for (int z = -24; z <= 24; ++z) {
-        const bool organ = z % 3 == 0, lesion = z >= -2 && z <= 4;
-        if (!organ && !lesion) continue;
-        builder.slice(make_plane({0, 0, static_cast<double>(z)}, {0, 0, 1}));
-        if (organ) builder.ring(0, circle({}, 20, 80));
-        if (lesion) builder.ring(1, circle({4, 0}, 5, 40));
-        if (z != 0) others.push_back(slice);
-        ++slice;
-    }
-    const ContourSet set = chosen_slices(builder.set, others);
-    ASSERT_EQ(set.left_out.size(), 2u);
-    EXPECT_EQ(set.left_out[0].structure, builder.set.structures[0].number);
-    ContourSet unknown = set;
-    unknown.left_out.clear();
-    for (const bool known : {true, false}) {
-        RunContext context;
-        const auto field = make_structure_field(known ? set : unknown, {}, context).value();
-        bool whole = true;
-        for (double z = -20; z <= 20; z += 0.25) whole = whole && field->value(0, {0, 10, z}) < 0;
-        EXPECT_EQ(whole, known);
+    enum class Lean { none, more_and_more, by_hand };
+    for (const Lean lean : {Lean::none, Lean::more_and_more, Lean::by_hand}) {
+        SCOPED_TRACE(static_cast<int>(lean));
+        SetBuilder builder;
+        std::vector<std::uint32_t> others;
+        std::uint32_t slice = 0;
+        for (int z = -24; z <= 24; ++z) {
+            const bool organ = z % 3 == 0, lesion = z >= -2 && z <= 4;
+            if (!organ && !lesion) continue;
+            Vec3 normal{0, 0, 1};
+            if (lean == Lean::more_and_more) normal.x = 0.007 * z;
+            if (lean == Lean::by_hand) normal = {0.12 * std::sin(2.3 * z), 0.1 * std::cos(1.7 * z), 1};
+            builder.slice(make_plane({0, 0, static_cast<double>(z)}, normal));
+            if (organ) builder.ring(0, circle({}, 20, 80));
+            if (lesion) builder.ring(1, circle({0, 4}, 5, 40));
+            if (z != 0) others.push_back(slice);
+            ++slice;
+        }
+        const ContourSet set = chosen_slices(builder.set, others);
+        ASSERT_EQ(set.left_out.size(), 2u);
+        EXPECT_EQ(set.left_out[0].structure, builder.set.structures[0].number);
+        EXPECT_EQ(is_parallel(set), lean == Lean::none);
+        EXPECT_EQ(Sweep::of(set).has_value(), lean != Lean::by_hand);
+        ContourSet unknown = set;
+        unknown.left_out.clear();
+        for (const bool known : {true, false}) {
+            RunContext context;
+            const auto field = make_structure_field(known ? set : unknown, {}, context).value();
+            bool whole = true;
+            for (double z = -20; z <= 20; z += 0.25) whole = whole && field->value(0, {0, 6, z}) < 0;
+            // Between planes that cross those of the lesion hardly tell of it.
+            if (known || lean != Lean::by_hand) {
+                EXPECT_EQ(whole, known);
+            }
+        }
     }
 }
 

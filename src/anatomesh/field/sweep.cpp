@@ -223,7 +223,17 @@ Plane Sweep::slice_at(double height) const {
 
 ContourSet Sweep::straight(const ContourSet& set) const {
     ContourSet result = set;
-    result.left_out.clear();  // they have no place among the straight ones
+    result.left_out.clear();
+    const Box3 box = set.box();
+    const Vec3 middle = 0.5 * (box.low + box.high);
+    for (LeftOutSlice slice : set.left_out) {
+        const double height = straight(middle - slice.plane.signed_distance(middle) * slice.plane.normal).z;
+        // Another one crosses these.
+        if (std::abs(dot(slice.plane.normal, slice_at(height).normal)) < cosine(most_between_neighbors))
+            continue;
+        slice.plane = {{0, 0, height}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+        result.left_out.push_back(slice);
+    }
     for (const Layer& layer : layers_) {
         Slice& slice = result.slices[layer.slice];
         slice.plane = {{0, 0, layer.height}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

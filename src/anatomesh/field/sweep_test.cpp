@@ -8,6 +8,7 @@
 #include <numeric>
 #include <random>
 
+#include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/field/field_fixtures.h"
 #include "anatomesh/field/structure_field.h"
 #include "anatomesh/field/volume.h"
@@ -193,6 +194,61 @@ TEST(Sweep, a_slice_without_contours_is_one_of_them) {
     EXPECT_LT(field->value(0, {0, 0, 22}), 0);
     EXPECT_GT(field->value(0, {0, 0, 23}), 0);
     for (const Vec3& p : builder.set.points) ASSERT_EQ(field->value(0, p), 0.0);
+}
+
+// Slices that were left out have their places among the others; one that crosses them has none.
+TEST(Sweep, slices_left_out_lie_where_they_were) {
+    for (const ContourSet& set : sweeps()) {
+        for (std::uint32_t gone = 0; gone < set.slices.size(); ++gone) {
+            const auto all = Sweep::of(set);
+            ASSERT_TRUE(all);
+            const std::vector<std::uint32_t> order = all->order();
+            const auto place = std::find(order.begin(), order.end(), gone) - order.begin();
+            if (place == 0 || place + 1 == std::ssize(order)) continue;
+            std::vector<std::uint32_t> others(set.slices.size());
+            std::iota(others.begin(), others.end(), 0u);
+            others.erase(others.begin() + gone);
+            ContourSet rest = chosen_slices(set, others);
+            ASSERT_EQ(rest.left_out.size(), 1u);
+            const Vec3 along = rest.left_out[0].plane.normal;
+            rest.left_out.push_back({1, make_plane(rest.left_out[0].plane.origin, cross(along, {0, 1, 0}))});
+            const auto sweep = Sweep::of(rest);
+            ASSERT_TRUE(sweep);
+            const ContourSet straight = sweep->straight(rest);
+            ASSERT_EQ(straight.left_out.size(), 1u);
+            const auto height_of = [&](std::uint32_t slice) {
+                return straight.slices[slice - (slice > gone)].plane.origin.z;
+            };
+            const double before = height_of(order[static_cast<std::size_t>(place - 1)]),
+                         after = height_of(order[static_cast<std::size_t>(place + 1)]),
+                         share = (straight.left_out[0].plane.origin.z - before) / (after - before);
+            EXPECT_GT(share, 0.3);
+            EXPECT_LT(share, 0.7);
+        }
+    }
+}
+
+// One slice less of those that lean is a gap of two spacings, which are not twice one to the last digit.
+TEST(SweptField, is_joined_over_a_slice_that_is_left_out) {
+    std::mt19937 random(4);
+    for (const ContourSet& set : {tube(fan_planes(21, 60), {100, 0, 0}, {0, 0, 1}, 12, random),
+                                  tube(fan_planes(15, 25), {100, 0, 0}, {0.2, 0, 1}, 12, random)}) {
+        for (std::uint32_t gone = 0; gone < set.slices.size(); ++gone) {
+            std::vector<std::uint32_t> others(set.slices.size());
+            std::iota(others.begin(), others.end(), 0u);
+            others.erase(others.begin() + gone);
+            RunContext context;
+            const auto field = make_structure_field(chosen_slices(set, others), {}, context).value();
+            const std::vector<std::uint32_t> order = Sweep::of(set)->order();
+            if (order.front() == gone || order.back() == gone) continue;
+            const auto ring = set.points_of(set.contours[set.slices[gone].first_contour]);
+            const Vec3 centre =
+                (1.0 / static_cast<double>(ring.size())) * std::accumulate(ring.begin(), ring.end(), Vec3{});
+            for (const Vec3& p : ring) EXPECT_LT(field->value(0, centre + 0.9 * (p - centre)), 0) << gone;
+            EXPECT_TRUE(std::none_of(context.warnings.begin(), context.warnings.end(),
+                                     [](const Warning& w) { return w.code == "W-FLD-001"; }));
+        }
+    }
 }
 
 TEST(SweptField, zero_exactly_at_every_contour_vertex_and_of_the_drawn_side_on_the_slices) {

@@ -14,7 +14,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double same_stack = 0.996;  // cosine of the angle between planes: 5 degrees
+constexpr double same_stack = 0.94;  // cosine of the angle between planes, as by hand: 20 degrees
 
 struct SliceInOrder {
     double height = 0;
@@ -22,9 +22,15 @@ struct SliceInOrder {
     bool draws = false;  // the structure
 };
 
-// Slices of about one direction, in order along it where the structure is.
-std::vector<SliceInOrder> in_order(const ContourSet& set, std::uint32_t structure,
-                                   const std::vector<std::uint32_t>& slices, const std::vector<bool>& draws) {
+// Slices of about one direction, in order along it where the structure is, and the heights of its own that
+// were left out.
+struct Stack {
+    std::vector<SliceInOrder> slices;
+    std::vector<double> left_out;
+};
+
+Stack in_order(const ContourSet& set, std::uint32_t structure, const std::vector<std::uint32_t>& slices,
+               const std::vector<bool>& draws) {
     Vec3 middle;
     double points = 0;
     for (const std::uint32_t s : slices) {
@@ -35,7 +41,14 @@ std::vector<SliceInOrder> in_order(const ContourSet& set, std::uint32_t structur
         }
     }
     middle = (1 / points) * middle;
-    const Vec3 way = set.slices[slices.front()].plane.normal;
+    // The mean of their normals: along one of them places far off are uneven where slices lean as by hand.
+    const Vec3 first = set.slices[slices.front()].plane.normal;
+    Vec3 sum;
+    for (const std::uint32_t s : slices) {
+        const Vec3 normal = set.slices[s].plane.normal;
+        sum += (dot(normal, first) < 0 ? -1.0 : 1.0) * normal;
+    }
+    const Vec3 way = normalized(sum);
     std::vector<SliceInOrder> ordered;
     for (const std::uint32_t s : slices) {
         const Plane& plane = set.slices[s].plane;
@@ -44,19 +57,19 @@ std::vector<SliceInOrder> in_order(const ContourSet& set, std::uint32_t structur
     std::sort(ordered.begin(), ordered.end(), [](const SliceInOrder& a, const SliceInOrder& b) {
         return a.height != b.height ? a.height < b.height : a.slice < b.slice;
     });
-    return ordered;
+    return {std::move(ordered), heights_left_out(set, structure, middle, way)};
 }
 
 // The slices that a structure skips which is drawn on slices of its own.
-void add_skipped(const std::vector<SliceInOrder>& ordered, std::uint32_t structure,
-                 std::vector<std::vector<bool>>& unsaid) {
+void add_skipped(const Stack& stack, std::uint32_t structure, std::vector<std::vector<bool>>& unsaid) {
+    const std::vector<SliceInOrder>& ordered = stack.slices;
     std::vector<std::uint32_t> drawn;
     std::vector<double> heights;
     for (const SliceInOrder& one : ordered) heights.push_back(one.height);
     for (std::uint32_t n = 0; n < ordered.size(); ++n) {
         if (ordered[n].draws) drawn.push_back(n);
     }
-    const std::vector<std::uint32_t> telling = telling_slices(drawn, heights);
+    const std::vector<std::uint32_t> telling = telling_slices(drawn, heights, stack.left_out);
     for (std::uint32_t n = drawn.front(); n < drawn.back(); ++n) {
         if (!std::binary_search(telling.begin(), telling.end(), n))
             unsaid[ordered[n].slice][structure] = true;

@@ -42,7 +42,7 @@ ContourSet two_stacks(double degrees, double offset, bool both) {
 
 TEST(Unsaid, a_structure_on_planes_of_its_own_is_not_told_by_those_between) {
     int tried = 0;
-    for (const double degrees : {0.2, 1.0, 2.5, 4.0}) {
+    for (const double degrees : {0.2, 1.0, 2.5, 4.0, 10.0, 15.0}) {
         for (const double offset : {0.3, 1.0}) {
             SCOPED_TRACE(std::to_string(degrees) + " degrees, " + std::to_string(offset) + " mm");
             const ContourSet set = two_stacks(degrees, offset, false);
