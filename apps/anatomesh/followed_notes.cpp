@@ -99,17 +99,38 @@ std::optional<std::vector<Note>> notes_of(const MeshDescription& description) {
 
 using Ring = std::vector<Vec3>;
 
-bool is(const ContourSet& contours, std::uint32_t contour, const Ring& ring) {
-    return contour < contours.contours.size() &&
-           std::ranges::equal(contours.points_of(contours.contours[contour]), ring);
-}
-
 // From its smallest point on, as kept contours begin.
 Ring turned(Ring ring) {
     const auto less = [](Vec3 a, Vec3 b) { return lexicographic_less(a, b); };
     std::rotate(ring.begin(), std::min_element(ring.begin(), ring.end(), less), ring.end());
     return ring;
 }
+
+// The contours of a set by their points.
+class RingFinder {
+  public:
+    explicit RingFinder(const ContourSet& contours) : contours_(contours) {
+        for (std::uint32_t c = 0; c < contours.contours.size(); ++c)
+            by_start_[key(contours.points_of(contours.contours[c]).front())].push_back(c);
+    }
+
+    // The number of that with these points, from whichever on.
+    std::optional<std::uint32_t> find(const Ring& points) const {
+        const Ring ring = turned(points);
+        const auto found = by_start_.find(key(ring.front()));
+        if (found == by_start_.end()) return std::nullopt;
+        for (const std::uint32_t c : found->second) {
+            if (std::ranges::equal(contours_.points_of(contours_.contours[c]), ring)) return c;
+        }
+        return std::nullopt;
+    }
+
+  private:
+    static std::array<double, 3> key(Vec3 p) { return {p.x, p.y, p.z}; }
+
+    const ContourSet& contours_;
+    std::map<std::array<double, 3>, std::vector<std::uint32_t>> by_start_;  // by their first points
+};
 
 // With other rings in the place of some. `by_contour`: number and ring, rising.
 ContourSet with_rings(const ContourSet& contours, const std::map<std::uint32_t, const Ring*>& by_contour) {
@@ -147,11 +168,9 @@ std::vector<FollowedContourReport> reports_of(const ContourSet& drawn, const std
     return followed_contours(drawn, vertex_of, followed, points);
 }
 
-// Whether the contours of each slice are what those of kept sets are.
-bool is_sound(const ContourSet& contours) {
-    return std::all_of(contours.slices.begin(), contours.slices.end(), [&](const Slice& slice) {
-        return slice_faults(plane_rings(contours, slice), contours.exclusive).empty();
-    });
+// Whether the contours of a slice are what those of kept sets are.
+bool is_sound(const ContourSet& contours, const Slice& slice) {
+    return slice_faults(plane_rings(contours, slice), contours.exclusive).empty();
 }
 
 // A file may say anything: contours that no model can have led there are nothing.
@@ -164,7 +183,9 @@ std::optional<BothContours> checked(BothContours both, const std::vector<Note>& 
             both.followed[n].farthest_mm > most_mm + rounded_mm)
             return std::nullopt;
     }
-    if (!is_sound(both.on_surface)) return std::nullopt;
+    if (!std::ranges::all_of(both.on_surface.slices,
+                             [&](const Slice& slice) { return is_sound(both.on_surface, slice); }))
+        return std::nullopt;
     return both;
 }
 
@@ -194,38 +215,43 @@ ContourSet contours_in_planes(const Model& model, const ContourSet& kept, double
             in_planes.push_back(contour);
     }
     const std::vector<std::uint32_t> vertex_of(kept.points.size(), 0);
-    return follow_contours(kept, vertex_of, in_planes, model.mesh.points).contours;
+    const auto written = [&] {
+        return follow_contours(kept, vertex_of, in_planes, model.mesh.points).contours;
+    };
+    ContourSet contours = written();
+    // One that is led may cross another one of its slice that is as drawn again.
+    const std::size_t before = in_planes.size();
+    std::erase_if(in_planes, [&](const FollowedContour& contour) {
+        return !is_sound(contours, contours.slices[kept.contours[contour.contour].slice]);
+    });
+    return in_planes.size() == before ? contours : written();
 }
 
 std::optional<BothContours> both_contours(const ContourSet& contours, const MeshDescription& description) {
-    const std::optional<std::vector<Note>> notes = notes_of(description);
+    std::optional<std::vector<Note>> notes = notes_of(description);
     if (!notes || notes->empty()) return std::nullopt;
-    // Each is found by its first point, as one or as the other.
-    std::map<std::array<double, 3>, std::vector<std::uint32_t>> by_start;
-    for (std::uint32_t c = 0; c < contours.contours.size(); ++c) {
-        const Vec3 first = contours.points_of(contours.contours[c]).front();
-        by_start[{first.x, first.y, first.z}].push_back(c);
-    }
-    const auto find = [&](const Ring& ring) -> std::optional<std::uint32_t> {
-        const auto found = by_start.find({ring.front().x, ring.front().y, ring.front().z});
-        if (found == by_start.end()) return std::nullopt;
-        for (const std::uint32_t c : found->second) {
-            if (is(contours, c, ring)) return c;
-        }
-        return std::nullopt;
-    };
+    const RingFinder given(contours);
     std::map<std::uint32_t, const Ring*> to_led, to_drawn;
-    for (const Note& note : *notes) {
-        if (const auto as_drawn = find(turned(note.drawn)))
+    for (Note& note : *notes) {
+        // A plane that was read again may look the other way, and its contours run so.
+        if (!given.find(note.drawn) && !given.find(note.on_surface)) {
+            std::ranges::reverse(note.drawn);
+            std::ranges::reverse(note.on_surface);
+        }
+        if (const auto as_drawn = given.find(note.drawn))
             to_led[*as_drawn] = &note.on_surface;
-        else if (const auto as_led = find(turned(note.on_surface)))
+        else if (const auto as_led = given.find(note.on_surface))
             to_drawn[*as_led] = &note.drawn;
         else
             return std::nullopt;
     }
     ContourSet drawn = with_rings(contours, to_drawn);
-    for (const Note& note : *notes) {
-        if (!is(drawn, note.contour, note.drawn)) return std::nullopt;
+    // Slices that all but coincide may have changed places since, and contours their numbers.
+    const RingFinder as_drawn(drawn);
+    for (Note& note : *notes) {
+        const std::optional<std::uint32_t> number = as_drawn.find(note.drawn);
+        if (!number) return std::nullopt;
+        note.contour = *number;
     }
     std::vector<FollowedContourReport> reports = reports_of(drawn, *notes);
     return checked({std::move(drawn), with_rings(contours, to_led), std::move(reports)}, *notes, description);

@@ -498,7 +498,7 @@ Work declare_model(CLI::App& verb) {
     add_texts(verb, "--surface", options->surfaces, "FILE",
               "Also write the surface: .vtp, .stl, .ply or .obj; may be repeated");
     add_text(verb, "--contours", options->contours, "FILE",
-             "Also write the contours used, as the surface has them: .json, .vtp or .csl");
+             "Also write the contours used, as the surface has them in their planes: .json, .vtp or .csl");
     add_text(verb, "--report", options->report, "FILE",
              "Where the report goes: .json (default: the model's name with .report.json)");
     add_text(verb, "--html", options->html, "FILE",

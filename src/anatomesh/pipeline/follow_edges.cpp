@@ -17,6 +17,7 @@
 #include "anatomesh/contour/slice_soundness.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/geom/predicates.h"
+#include "anatomesh/improve/contour_loop.h"
 #include "anatomesh/mesh/surface_graph.h"
 #include "anatomesh/mesh/topology.h"
 
@@ -27,6 +28,7 @@ namespace {
 constexpr std::size_t most_seen = 20'000;  // vertices, for a way: beside a segment there are a few
 constexpr double least_distance = 1e-3;    // in most_mm: of ways as near, the shorter one
 constexpr double backwards_price = 100;
+constexpr int most_repairs = 200;  // ways at fault in a slice that are replaced; what is more goes
 
 // How a missed segment is led, in turn: with so many segments before and after it; over what edges.
 enum class Over : std::uint8_t {
@@ -120,6 +122,7 @@ class SliceLeader {
             if (contours[n].structure == structure) own_.push_back(n);
         }
         for (const std::uint32_t n : own_) taken_.insert(rings[n].vertices.begin(), rings[n].vertices.end());
+        look_at_others();
     }
 
     void run() {
@@ -130,7 +133,10 @@ class SliceLeader {
         if (std::any_of(rings_.begin(), rings_.end(), lost_a_vertex)) return;
         // What stood in the way of others may be led otherwise after a round.
         for (int round = 0; round < rounds && lead_missed(); ++round) {
-            while (const std::optional<RingAndWay> worst = worst_at_fault()) lead_otherwise(*worst);
+            while (const std::optional<RingAndWay> worst = worst_at_fault()) {
+                const Way before = take_out(worst->ring, worst->way);
+                if (++repairs_ <= most_repairs) lead_otherwise(worst->ring, before);
+            }
             // Ways that are sound stay.
             tried_.clear();
             for (const std::uint32_t r : own_) {
@@ -197,14 +203,16 @@ class SliceLeader {
                 if (ring.steps(other, covered) < other.count && !is_inside(other)) return false;
             }
         }
-        if (manner.over == Over::clear) find_beside(r, way);
-        if (!find(manner.over)) return false;
-        for (std::uint32_t v = reached_.at(stretch_.back()).from; v != stretch_.front();
-             v = reached_.at(v).from) {
-            way.between.push_back(v);
-            way.farthest_mm = std::max(way.farthest_mm, reached_.at(v).distance);
+        if (way.count > 1 || !take_twin(way)) {
+            if (manner.over == Over::clear) find_beside(r, way);
+            if (!find(manner.over)) return false;
+            for (std::uint32_t v = reached_.at(stretch_.back()).from; v != stretch_.front();
+                 v = reached_.at(v).from)
+                way.between.push_back(v);
+            std::reverse(way.between.begin(), way.between.end());
         }
-        std::reverse(way.between.begin(), way.between.end());
+        way.farthest_mm = farthest(way);
+        if (way.farthest_mm > most_mm_) return false;
         for (std::size_t k = ring.ways.size(); k-- > 0;) {
             if (is_inside(ring.ways[k])) take_out(r, k);
         }
@@ -213,6 +221,87 @@ class SliceLeader {
                                         [&](const Way& other) { return other.first > way.first; });
         ring.ways.insert(place, std::move(way));
         return true;
+    }
+
+    // What other structures have in the slice: their vertices, their segments as drawn, and ways of theirs in
+    // the place of one segment.
+    void look_at_others() {
+        for (std::uint32_t n = 0; n < rings_.size(); ++n) {
+            if (std::find(own_.begin(), own_.end(), n) != own_.end()) continue;
+            const Ring& ring = rings_[n];
+            const std::uint32_t structure = set_.contours_of(slice_)[n].structure;
+            const RingWithWays whole = with_ways(ring);
+            of_others_.insert(whole.vertices.begin(), whole.vertices.end());
+            for (std::uint32_t k = 0; k < ring.size(); ++k)
+                sharing_[ends(ring.vertices[k], ring.vertices[(k + 1) % ring.size()])].push_back(structure);
+            for (const Way& way : ring.ways) {
+                const std::uint32_t a = ring.vertices[way.first];
+                if (way.count == 1)
+                    twins_[ends(a, ring.vertices[(way.first + 1) % ring.size()])] = {a, way.between};
+            }
+            PlaneRing& flat = others_.emplace_back(PlaneRing{structure, {}});
+            for (const std::uint32_t v : whole.vertices) flat.at.push_back(at(v));
+        }
+    }
+
+    static std::array<std::uint32_t, 2> ends(std::uint32_t a, std::uint32_t b) {
+        return {std::min(a, b), std::max(a, b)};
+    }
+
+    // A segment of a common wall goes the way of the other structure's, if that is edges of this one too.
+    bool take_twin(Way& way) const {
+        const std::uint32_t a = stretch_.front(), b = stretch_.back();
+        const auto twin = twins_.find(ends(a, b));
+        if (twin == twins_.end()) return false;
+        std::vector<std::uint32_t> between = twin->second.between;
+        if (twin->second.from != a) std::reverse(between.begin(), between.end());
+        std::uint32_t before = a;
+        for (std::size_t k = 0; k <= between.size(); ++k) {
+            const std::uint32_t v = k < between.size() ? between[k] : b;
+            const std::span<const std::uint32_t> beside = graph_.neighbors(before);
+            if (std::find(beside.begin(), beside.end(), v) == beside.end()) return false;
+            before = v;
+        }
+        way.between = std::move(between);
+        return true;
+    }
+
+    // The larger of the distances of its vertices from stretch_, and of those from it.
+    double farthest(const Way& way) const {
+        double most = 0;
+        for (const std::uint32_t v : way.between) most = std::max(most, distance_from_stretch(v));
+        std::vector<Vec3> row{points_[stretch_.front()]};
+        for (const std::uint32_t v : way.between) row.push_back(points_[v]);
+        row.push_back(points_[stretch_.back()]);
+        for (const std::uint32_t v : stretch_)
+            most = std::max(most, length(points_[v] - nearest_on_row(row, points_[v])));
+        return most;
+    }
+
+    // Whether a way runs inside another structure; not of one that shares a segment in its place, which goes
+    // the same way if it can.
+    bool is_in_another(const Ring& ring, const Way& way) const {
+        if (!way.between.empty() && of_others_.contains(way.between.front())) return false;  // a common wall
+        std::vector<std::uint32_t> sharing;
+        for (std::uint32_t k = 0; k < way.count; ++k) {
+            const std::uint32_t n = (way.first + k) % ring.size();
+            const auto found = sharing_.find(ends(ring.vertices[n], ring.vertices[(n + 1) % ring.size()]));
+            if (found != sharing_.end())
+                sharing.insert(sharing.end(), found->second.begin(), found->second.end());
+        }
+        const Vec2 a = at(ring.vertices[way.first]),
+                   b = at(ring.vertices[(way.first + way.count) % ring.size()]);
+        const Vec2 p = way.between.empty() ? 0.5 * (a + b) : at(way.between.front());
+        std::map<std::uint32_t, bool> inside;  // by structure
+        for (const PlaneRing& other : others_) {
+            if (std::find(sharing.begin(), sharing.end(), other.structure) != sharing.end()) continue;
+            for (std::size_t n = 0; n < other.at.size(); ++n) {
+                const Vec2 s = other.at[n], t = other.at[(n + 1) % other.at.size()];
+                if ((s.y > p.y) != (t.y > p.y) && (orient2d(s, t, p) > 0) == (t.y > s.y))
+                    inside[other.structure] = !inside[other.structure];
+            }
+        }
+        return std::any_of(inside.begin(), inside.end(), [](const auto& one) { return one.second; });
     }
 
     // Whether there is a way over the surface beside stretch_, from its first vertex to its last; it stands
@@ -300,7 +389,8 @@ class SliceLeader {
     Vec2 at(std::uint32_t v) const { return slice_.plane.to_plane(points_[v]); }
 
     bool may_go_over(std::uint32_t v) const {
-        return !taken_.contains(v) || std::find(stretch_.begin(), stretch_.end(), v) != stretch_.end();
+        return (!taken_.contains(v) && !(set_.exclusive && of_others_.contains(v))) ||
+               std::find(stretch_.begin(), stretch_.end(), v) != stretch_.end();
     }
 
     double distance_from_stretch(std::uint32_t v) const {
@@ -326,7 +416,6 @@ class SliceLeader {
                 ring.at.push_back(slice_.plane.to_plane(points_[v]));
         }
         const std::vector<RingSegment> faults = slice_faults(flat, set_.exclusive);
-        if (faults.empty()) return std::nullopt;
         std::optional<RingAndWay> worst;
         std::pair<std::size_t, double> least;
         const auto note = [&](std::uint32_t r, std::size_t way) {
@@ -341,19 +430,23 @@ class SliceLeader {
             const bool is_own = std::find(own_.begin(), own_.end(), fault.ring) != own_.end();
             if (is_own && way < rings_[fault.ring].ways.size()) note(fault.ring, way);
         }
-        for (std::size_t n = 0; !worst && n < own_.size(); ++n) {
+        for (const std::uint32_t r : own_) {
+            for (std::size_t way = 0; set_.exclusive && way < rings_[r].ways.size(); ++way) {
+                if (is_in_another(rings_[r], rings_[r].ways[way])) note(r, way);
+            }
+        }
+        for (std::size_t n = 0; !faults.empty() && !worst && n < own_.size(); ++n) {
             for (std::size_t way = 0; way < rings_[own_[n]].ways.size(); ++way) note(own_[n], way);
         }
         return worst;
     }
 
-    void lead_otherwise(const RingAndWay& worst) {
-        const Way before = take_out(worst.ring, worst.way);
-        ++tried_[{worst.ring, before.missed}];
-        lead(worst.ring, before.missed);
+    void lead_otherwise(std::uint32_t r, const Way& before) {
+        ++tried_[{r, before.missed}];
+        lead(r, before.missed);
         for (std::uint32_t k = 0; k < before.count; ++k) {
-            const std::uint32_t n = (before.first + k) % rings_[worst.ring].size();
-            if (!rings_[worst.ring].is_led(n) && is_missed(worst.ring, n)) lead(worst.ring, n);
+            const std::uint32_t n = (before.first + k) % rings_[r].size();
+            if (!rings_[r].is_led(n) && is_missed(r, n)) lead(r, n);
         }
     }
 
@@ -376,6 +469,17 @@ class SliceLeader {
     const double most_mm_;
     std::vector<std::uint32_t> own_;                    // rings of the structure
     std::unordered_set<std::uint32_t> taken_;           // vertices that ways must not go over
+    // Of the other structures: vertices, rings, and by their ends, the smaller first, those that have a
+    // segment, and ways.
+    struct Twin {
+        std::uint32_t from = 0;
+        std::vector<std::uint32_t> between;
+    };
+    std::unordered_set<std::uint32_t> of_others_;
+    std::vector<PlaneRing> others_;
+    std::map<std::array<std::uint32_t, 2>, std::vector<std::uint32_t>> sharing_;
+    std::map<std::array<std::uint32_t, 2>, Twin> twins_;
+    int repairs_ = 0;                                   // of ways at fault
     std::vector<std::uint32_t> stretch_;                // vertices of what a way is sought for
     std::vector<std::array<std::uint32_t, 2>> beside_;  // segments, by vertices, that it must not cross
     std::unordered_map<std::uint32_t, Reached> reached_;

@@ -21,15 +21,16 @@ struct FollowEdgesOptions {
 // way over edges of the structure's surface, from one end of a missed segment to the other, that keeps
 // nearest to the segment - the least integral of the distance from it - takes its place: as a rule along the
 // contour beside it, a little off the plane. It passes no other vertex of the slice's contours of the
-// structure. All drawn vertices stay on their contours. Where ways make contours of a slice touch, cross or
-// turn over, projected along its normal, others are sought, or segments stay missed; so do all of a slice of
-// which the mesh has lost a vertex. The mesh stays as it is. `vertex_of`: the vertex of every point of the
-// set, or no_cell; `followed`: contours that were led already, in the order of the contours
-// (follow_surface.h). Returns these and those that are led now, in that order. Requires: as region_facets().
-// Same result at any number of threads. Complexity: O(cells) a structure, and for each segment missed O(n log
-// n) in the surface's vertices within `most_mm` of it. Follows: Dijkstra, Numer. Math. 1, 1959; that lines
-// too near for cells between them share one is snap rounding (Hobby, Computational Geometry 13, 1999), here
-// onto edges that are there.
+// structure. All drawn vertices stay on their contours. Structures that share a segment go the same way in
+// its place where that is edges of both; those that exclude each other keep out of each other elsewhere.
+// Where ways make contours of a slice touch, cross or turn over, projected along its normal, others are
+// sought, or segments stay missed; so do all of a slice of which the mesh has lost a vertex. The mesh stays
+// as it is. `vertex_of`: the vertex of every point of the set, or no_cell; `followed`: contours that were led
+// already, in the order of the contours (follow_surface.h). Returns these and those that are led now, in that
+// order. Requires: as region_facets(). Same result at any number of threads. Complexity: O(cells) a
+// structure, and for each segment missed O(n log n) in the surface's vertices within `most_mm` of it.
+// Follows: Dijkstra, Numer. Math. 1, 1959; that lines too near for cells between them share one is snap
+// rounding (Hobby, Computational Geometry 13, 1999), here onto edges that are there.
 std::vector<FollowedContour> follow_edges(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
                                           const RegionTable& regions, const ContourSet& set,
                                           std::span<const std::uint32_t> vertex_of,
