@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <set>
 #include <string>
@@ -12,6 +13,8 @@
 #include <vector>
 
 #include "anatomesh/contour/slice_soundness.h"
+#include "anatomesh/geom/polygon.h"
+#include "anatomesh/measure/even_odd_area.h"
 #include "anatomesh/mesh/brick_mesh_for_test.h"
 #include "anatomesh/mesh/topology.h"
 #include "anatomesh/pipeline/dense_planes_for_test.h"
@@ -119,9 +122,10 @@ class Followed {
     std::vector<std::uint32_t> neighbors_;
 };
 
-Followed built(const ContourSet& set, std::uint64_t spare_above) {
+Followed built(const ContourSet& set, std::uint64_t spare_above, double size_mm = 0) {
     ModelOptions options;
     options.spare_dense_above = spare_above;
+    options.size_mm = size_mm;
     RunContext context;
     Result<Model> made = build_model(set, options, context);
     EXPECT_TRUE(made.ok());
@@ -263,6 +267,77 @@ TEST(FollowEdges, never_makes_contours_touch) {
         led += segments;
     }
     EXPECT_GT(led, 40u);
+}
+
+// A ball in two halves that share a wall, by dense planes.
+ContourSet halves(int planes, int corners) {
+    random_solids::Random random(9);
+    constexpr double radius = dense_planes::radius;
+    RawContours raw;
+    raw.structures = {{1, "left", {}}, {2, "right", {}}};
+    for (int k = 0; k < planes; ++k) {
+        const Plane plane =
+            make_plane({0, 0, 0.9 * radius * ((2.0 * k + 1) / planes - 1)},
+                       normalized(Vec3{random.between(-0.02, 0.02), random.between(-0.02, 0.02), 1}));
+        raw.planes.push_back(plane);
+        raw.plane_names.push_back("plane " + std::to_string(k));
+        const double height = plane.origin.z * plane.normal.z,
+                     reach = std::sqrt(radius * radius - height * height);
+        for (const int side : {0, 1}) {
+            RawContour contour;
+            contour.structure = static_cast<std::uint32_t>(side);
+            contour.plane = k;
+            contour.first_point = static_cast<std::uint32_t>(raw.points.size());
+            contour.point_count = static_cast<std::uint32_t>(2 * corners);
+            // The wall from one end to the other, and the half circle back.
+            for (int i = 0; i < corners; ++i)
+                raw.points.push_back(plane.to_space({0, reach * (2.0 * i / corners - 1)}));
+            for (int i = 0; i < corners; ++i) {
+                const double angle = std::numbers::pi * i / corners;
+                raw.points.push_back(plane.to_space(
+                    {(side == 0 ? -1 : 1) * reach * std::sin(angle), reach * std::cos(angle)}));
+            }
+            raw.contours.push_back(contour);
+        }
+    }
+    RunContext context;
+    return std::move(reconcile_contours(kept(raw), {}, context).value().kept);
+}
+
+// What lies in both of two contours, projected along the normal of their slice.
+double common_area(const Followed& model, const Slice& slice, const std::vector<std::uint32_t>& ring,
+                   const std::vector<std::uint32_t>& other) {
+    std::vector<Segment2> both;
+    Box2 box;
+    double sum = 0;
+    for (const auto* const one : {&ring, &other}) {
+        std::vector<Vec2> at;
+        for (const std::uint32_t v : *one) at.push_back(slice.plane.to_plane(model.mesh().points[v]));
+        for (std::size_t n = 0; n < at.size(); ++n) {
+            both.push_back({at[n], at[(n + 1) % at.size()]});
+            box.extend(at[n]);
+        }
+        sum += std::abs(signed_area(at));
+    }
+    return 0.5 * (sum - even_odd_area(std::move(both), box));
+}
+
+TEST(FollowEdges, leads_structures_that_share_a_wall_along_it_together) {
+    const Followed model = built(halves(36, 20), 0, 3.5);
+    const std::size_t missed = model.missed({});
+    EXPECT_GT(missed, 30u);
+    const std::vector<FollowedContour> followed = model.led(2, 2);
+    EXPECT_EQ(model.unsound(followed), 0u);
+    EXPECT_LT(model.missed(followed), missed / 20);
+    std::size_t led_walls = 0;
+    for (const Slice& slice : model.set().slices) {
+        ASSERT_EQ(slice.contour_count, 2u);
+        const std::uint32_t c = slice.first_contour;
+        const auto left = model.ring_of(followed, c), right = model.ring_of(followed, c + 1);
+        EXPECT_LT(common_area(model, slice, left, right), 1e-3) << slice.name;
+        led_walls += left.size() > model.ring_of({}, c).size();
+    }
+    EXPECT_GT(led_walls, 10u);
 }
 
 TEST(FollowEdges, leaves_contours_alone_of_which_vertices_are_lost) {
