@@ -104,12 +104,6 @@ RingWithWays with_ways(const Ring& ring) {
     return whole;
 }
 
-double distance_from_segment(Vec3 p, Vec3 a, Vec3 b) {
-    const Vec3 way = b - a;
-    const double whole = squared_length(way);
-    return length(p - a - (whole > 0 ? std::clamp(dot(p - a, way) / whole, 0.0, 1.0) : 0.0) * way);
-}
-
 // Leads the contours of one structure in one slice.
 class SliceLeader {
   public:
@@ -192,6 +186,7 @@ class SliceLeader {
         stretch_.clear();
         for (std::uint32_t k = 0; k <= way.count; ++k)
             stretch_.push_back(ring.vertices[(way.first + k) % ring.size()]);
+        stretch_places_ = places(stretch_);
         for (std::uint32_t k = 0; k < way.count; ++k)
             way.replaced += !graph_.chain(stretch_[k], stretch_[k + 1]);
         const auto is_inside = [&](const Way& other) {
@@ -268,14 +263,16 @@ class SliceLeader {
 
     // The larger of the distances of its vertices from stretch_, and of those from it.
     double farthest(const Way& way) const {
-        double most = 0;
-        for (const std::uint32_t v : way.between) most = std::max(most, distance_from_stretch(v));
-        std::vector<Vec3> row{points_[stretch_.front()]};
-        for (const std::uint32_t v : way.between) row.push_back(points_[v]);
-        row.push_back(points_[stretch_.back()]);
-        for (const std::uint32_t v : stretch_)
-            most = std::max(most, length(points_[v] - nearest_on_row(row, points_[v])));
-        return most;
+        std::vector<std::uint32_t> row{stretch_.front()};
+        row.insert(row.end(), way.between.begin(), way.between.end());
+        row.push_back(stretch_.back());
+        return distance_of_rows(stretch_places_, places(row));
+    }
+
+    std::vector<Vec3> places(const std::vector<std::uint32_t>& vertices) const {
+        std::vector<Vec3> all;
+        for (const std::uint32_t v : vertices) all.push_back(points_[v]);
+        return all;
     }
 
     // Whether a way runs inside another structure; not of one that shares a segment in its place, which goes
@@ -394,11 +391,7 @@ class SliceLeader {
     }
 
     double distance_from_stretch(std::uint32_t v) const {
-        double least = HUGE_VAL;
-        for (std::size_t n = 1; n < stretch_.size(); ++n)
-            least = std::min(
-                least, distance_from_segment(points_[v], points_[stretch_[n - 1]], points_[stretch_[n]]));
-        return least;
+        return length(points_[v] - nearest_on_row(stretch_places_, points_[v]));
     }
 
     // Where the slice's contours are not what those of kept sets are: the way of the structure, of those at
@@ -481,6 +474,7 @@ class SliceLeader {
     std::map<std::array<std::uint32_t, 2>, Twin> twins_;
     int repairs_ = 0;                                   // of ways at fault
     std::vector<std::uint32_t> stretch_;                // vertices of what a way is sought for
+    std::vector<Vec3> stretch_places_;                  // of these
     std::vector<std::array<std::uint32_t, 2>> beside_;  // segments, by vertices, that it must not cross
     std::unordered_map<std::uint32_t, Reached> reached_;
     std::map<std::array<std::uint32_t, 2>, std::size_t> tried_;  // manners, by ring and segment

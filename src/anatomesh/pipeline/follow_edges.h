@@ -12,7 +12,7 @@
 namespace anatomesh {
 
 struct FollowEdgesOptions {
-    double most_mm = 0;  // no vertex of a way is further from the segment that it replaces. > 0
+    double most_mm = 0;  // no way is further from what it replaces, nor that from it. > 0
     int threads = 1;
 };
 
