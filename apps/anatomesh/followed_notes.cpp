@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "anatomesh/contour/slice_soundness.h"
+#include "anatomesh/pipeline/follow_edges.h"
 #include "anatomesh/pipeline/followed_contours.h"
 #include "field_of_model.h"
 
@@ -23,8 +24,8 @@ namespace anatomesh {
 namespace {
 
 constexpr const char *contour_key = "followed_contour", *point_key = "followed_point";
-// What ModelOptions::max_follow_mm and follow_edges() allow at most; and what distances may be rounded by.
-constexpr double widest_mm = 1000, most_sizes = 0.6, rounded_mm = 0.01;
+// What ModelOptions::max_follow_mm allows at most; and what distances may be rounded by.
+constexpr double widest_mm = 1000, rounded_mm = 0.01;
 
 // The next word of the text as a number, which is taken off it.
 template <class Number>
@@ -176,8 +177,9 @@ bool is_sound(const ContourSet& contours, const Slice& slice) {
 // A file may say anything: contours that no model can have led there are nothing.
 std::optional<BothContours> checked(BothContours both, const std::vector<Note>& notes,
                                     const MeshDescription& description) {
-    const double most_mm = std::min(number_of(description, "max_disagreement_mm").value_or(widest_mm),
-                                    most_sizes * number_of(description, "size_mm").value_or(widest_mm));
+    const double most_mm =
+        std::min(number_of(description, "max_disagreement_mm").value_or(widest_mm),
+                 most_sizes_beside * number_of(description, "size_mm").value_or(widest_mm));
     for (std::size_t n = 0; n < notes.size(); ++n) {
         if (notes[n].segments > both.drawn.contours[notes[n].contour].point_count ||
             both.followed[n].farthest_mm > most_mm + rounded_mm)

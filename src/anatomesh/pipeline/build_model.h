@@ -23,7 +23,8 @@ struct ModelOptions {
     double max_radius_edge = 2.0;   // aimed at for every cell. [1.2, 10]
     std::uint64_t max_tetrahedra = 1'000'000'000;  // refused above, before the work
     // Where planes cross, segments of contours that no edges of the surface run along follow it, if they need
-    // not leave their place by more than this, mm, and half an edge length (follow_surface.h). [0, 1000]; 0:
+    // not leave their place by more than this, mm, half an edge length (follow_surface.h) or, over
+    // edges beside them, 0.6 of it (follow_edges.h). [0, 1000]; 0:
     // all stay where they are drawn
     double max_follow_mm = 0;
     // Of contour vertices on planes that lie closer than those, times the square of plane_density(): above,

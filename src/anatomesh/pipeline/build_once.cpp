@@ -86,8 +86,6 @@ constexpr double smooth_mean = 0.947;
 // Of a contour segment along the surface, from its place, in sizes; and where no planes cross, of which none
 // comes too near to another one.
 constexpr double most_followed = 0.5, most_followed_parallel = 0.1;
-// Over edges beside it: as far as it is round the facets at a longer one.
-constexpr double most_beside_it = 0.6;
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
 // Everything that one run of the method carries from stage to stage. The stages work relative to the low
@@ -631,7 +629,7 @@ class Builder {
 
     // Where all that was done left segments that are no edges of the surface.
     void follow_edges_beside(const std::vector<std::uint32_t>& contour_vertices) {
-        const double most_mm = most_follow_mm(most_beside_it);
+        const double most_mm = most_follow_mm(most_sizes_beside);
         if (segments_missed_ == 0 || !(most_mm > 0)) return;
         const std::vector<FollowedContour> before = followed_;
         followed_ = follow_edges(model_.mesh, neighbors_, model_.regions, source_, contour_vertices,

@@ -115,8 +115,6 @@ class SliceLeader {
         for (std::uint32_t n = 0; n < contours.size(); ++n) {
             if (contours[n].structure == structure) own_.push_back(n);
         }
-        for (const std::uint32_t n : own_) taken_.insert(rings[n].vertices.begin(), rings[n].vertices.end());
-        look_at_others();
     }
 
     void run() {
@@ -124,7 +122,10 @@ class SliceLeader {
         const auto lost_a_vertex = [](const Ring& ring) {
             return std::find(ring.vertices.begin(), ring.vertices.end(), no_cell) != ring.vertices.end();
         };
-        if (std::any_of(rings_.begin(), rings_.end(), lost_a_vertex)) return;
+        if (std::any_of(rings_.begin(), rings_.end(), lost_a_vertex) || !lacks_any()) return;
+        for (const std::uint32_t r : own_)
+            taken_.insert(rings_[r].vertices.begin(), rings_[r].vertices.end());
+        look_at_others();
         // What stood in the way of others may be led otherwise after a round.
         for (int round = 0; round < rounds && lead_missed(); ++round) {
             while (const std::optional<RingAndWay> worst = worst_at_fault()) {
@@ -154,6 +155,15 @@ class SliceLeader {
     bool is_missed(std::uint32_t r, std::uint32_t n) const {
         const Ring& ring = rings_[r];
         return !graph_.chain(ring.vertices[n], ring.vertices[(n + 1) % ring.size()]);
+    }
+
+    bool lacks_any() const {
+        return std::any_of(own_.begin(), own_.end(), [&](std::uint32_t r) {
+            for (std::uint32_t n = 0; n < rings_[r].size(); ++n) {
+                if (is_missed(r, n)) return true;
+            }
+            return false;
+        });
     }
 
     // Whether any was led.

@@ -11,6 +11,10 @@
 
 namespace anatomesh {
 
+// How far models let contours be led over edges, in edge lengths: as far as it is round the facets at one
+// that is longer than most.
+inline constexpr double most_sizes_beside = 0.6;
+
 struct FollowEdgesOptions {
     double most_mm = 0;  // no way is further from what it replaces, nor that from it. > 0
     int threads = 1;
