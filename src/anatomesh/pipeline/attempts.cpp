@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "anatomesh/measure/certificate.h"
-#include "anatomesh/measure/report.h"
 
 namespace anatomesh {
 
@@ -35,17 +34,6 @@ bool lacks_fewer(const TryOutcome& one, const TryOutcome& other) {
 }
 
 }  // namespace
-
-void add_report(TryOutcome& outcome, const ModelReport& report) {
-    outcome.over_bound = report.quality.radius_edge_share_over_2;
-    for (const Clause& clause : report.certificate) {
-        if (clause.state == ClauseState::kept) continue;
-        ++outcome.unmet;
-        outcome.lacks_contours = outcome.lacks_contours || clause.number == 2;
-    }
-    for (const StructureReport& structure : report.structures)
-        outcome.tangles += static_cast<long long>(structure.components) + structure.genus;
-}
 
 NextTry Attempts::next(const TryOutcome& last, const TryOutcome* kept) {
     if (kept && last.kept_contract && has_more_contours(*kept, last)) return NextTry::none;

@@ -21,37 +21,11 @@
 #include <array>
 #include <cstddef>
 
+#include "anatomesh/pipeline/try_outcome.h"
+
 namespace anatomesh {
 
-struct ModelReport;
-
 enum class NextTry { none, same_size, finer, slightly_finer };
-
-// What came of a try.
-struct TryOutcome {
-    bool kept_contract = false;
-    bool size_matters = false;  // where not kept: what is broken may hold with another edge length
-    bool spared_work = false;   // less was done for the shape of cells than can be
-    bool tore_walls = false;    // of a structure that a finer edge length may keep whole
-    bool conformed = false;     // contour segments were split for each other's sake
-    bool conformed_badly = false;  // and single cells are ill-shaped
-    bool astray = false;        // and so is its surface: it goes far from the field's
-    bool lacks_contours = false;  // clause 2 of the contract was measured and not met
-    bool contradicted = false;    // slices draw otherwise than those that they cross, or it is not known
-    double missed = 0;          // share of the contour segments that are no chains of edges of the surface
-    long long tangles = 0;      // components and handles of all structures
-    std::size_t untold = 0;     // places where planes cross and surfaces are joined otherwise than drawn
-    std::size_t unmet = 0;      // clauses of the contract that were measured and not met
-    double farthest = 0;        // of its surface from the field's, in edge lengths
-    double over_bound = 0;      // share of the tetrahedra above the radius-edge ratio, in [0, 1]
-    double unforced = 0;        // share of ill-shaped ones that nothing forces; as the next
-    double bad = 0;             // share of those of which clause 4 allows not one that nothing forces
-    std::size_t cells = 0;      // also where the contract was not kept
-};
-
-// What the report of a model that keeps the contract tells of its try: over_bound, tangles, unmet and
-// lacks_contours.
-void add_report(TryOutcome& outcome, const ModelReport& report);
 
 class Attempts {
   public:

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "anatomesh/measure/report.h"
-
 namespace anatomesh {
 namespace {
 
@@ -218,27 +216,6 @@ TEST(Attempts, WhereNothingIsGainedTheOneThatConformedIsNotKept) {
     TryOutcome conformed = half_the_contours;
     conformed.conformed = true;
     EXPECT_FALSE(has_more_contours(with_contours(0.09, 4), conformed)) << "a finer one, and a good one";
-}
-
-TEST(Attempts, AReportTellsOfATry) {
-    ModelReport report;
-    report.quality.radius_edge_share_over_2 = 0.25;
-    report.certificate = {{1, ClauseState::kept, "", ""}, {2, ClauseState::not_promised_yet, "", ""}};
-    report.structures.resize(2);
-    report.structures[0].components = 2;
-    report.structures[1].components = 1;
-    report.structures[1].genus = 3;
-    TryOutcome outcome;
-    add_report(outcome, report);
-    EXPECT_EQ(outcome.over_bound, 0.25);
-    EXPECT_EQ(outcome.unmet, 1u);
-    EXPECT_EQ(outcome.tangles, 6);
-    EXPECT_TRUE(outcome.lacks_contours);
-    report.certificate[1].number = 4;
-    outcome = {};
-    add_report(outcome, report);
-    EXPECT_EQ(outcome.unmet, 1u);
-    EXPECT_FALSE(outcome.lacks_contours);
 }
 
 TEST(Attempts, ASmallModelThatDoesNotMeetAllClausesMayDoSoWithShorterEdges) {

@@ -114,38 +114,28 @@ class Builder {
     FieldAndVolumes field_and_volumes() const { return {field_, volumes_, warnings_of_field_}; }
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
-    // As far as it came.
-    const ModelReport& report_so_far() const { return model_.report; }
-    std::size_t cells_so_far() const {
-        return !model_.mesh.cells.empty() ? model_.mesh.cells.size() : mesh_ ? mesh_->regions().size() : 0;
-    }
-    // Whether contour segments were split for each other's sake.
-    bool conforming() const { return conforming_; }
-    // Whether that was done between dense planes, and bumps or pits came of it.
-    bool went_astray() const {
-        return conforming_ && planes_.dense &&
-               report_so_far().field_distance.max_mm > most_astray * size_mm();
-    }
-    // Contour segments that were, whether their contours follow the surface now or not.
-    std::uint64_t segments_missed() const { return segments_missed_; }
-    std::uint64_t drawn_segments() const { return source_.points.size(); }
-    // Whether some have the edges beside them in their place.
-    bool has_segments_beside() const { return has_segments_beside_; }
-    // Whether slices contradict those that they cross, or it was not looked at.
-    bool is_contradicted() const { return !planes_.apart && (!planes_.meet_cuts || !contradicted_.empty()); }
-    // Whether less was done for the shape of cells than can be: the same size is to be tried again.
-    bool spared_shapes() const { return spared_ || recovered_ || (pieces_ && pieces_->are_short()); }
 
-    // Whether the mesh tore a structure that a finer size may keep whole: one hardly thicker than the size,
-    // or one that goes on simply from end to end.
-    bool tore_a_structure() const {
-        const std::vector<double> thickness = mean_thickness(contours_);
-        return std::any_of(tears_.of_slices.begin(), tears_.of_slices.end(), [&](const SurfaceTear& tear) {
-            return tear.by_mesh && (tear.whole || thickness[tear.structure] < hardly_thicker * size_mm());
-        });
+    TryOutcome outcome(const Result<Model>& model) const {
+        RunFacts facts;
+        facts.size_mm = size_mm();
+        facts.cells = model.ok() ? model.value().mesh.cells.size() : cells_so_far();
+        // The same size is to be tried again with all that can be done.
+        facts.spared_work = spared_ || recovered_ || (pieces_ && pieces_->are_short());
+        facts.conformed = conforming_;
+        facts.segments_missed = segments_missed_;
+        facts.has_segments_beside = has_segments_beside_;
+        facts.drawn_segments = source_.points.size();
+        // Or it was not looked at.
+        facts.contradicted = !planes_.apart && (!planes_.meet_cuts || !contradicted_.empty());
+        const ModelReport& report = model.ok() ? model.value().report : model_.report;
+        if (model.ok()) {
+            facts.tore_walls = tore_a_structure();
+            facts.untold = untold_places(tears_);
+            facts.astray =
+                conforming_ && planes_.dense && report.field_distance.max_mm > most_astray * size_mm();
+        }
+        return outcome_of(model, report, facts);
     }
-
-    std::size_t untold_places() const { return anatomesh::untold_places(tears_); }
 
     Result<Model> run() {
         ANATOMESH_CHECK_STATUS(make_field());
@@ -162,6 +152,19 @@ class Builder {
 
   private:
     using Clock = std::chrono::steady_clock;
+
+    std::size_t cells_so_far() const {
+        return !model_.mesh.cells.empty() ? model_.mesh.cells.size() : mesh_ ? mesh_->regions().size() : 0;
+    }
+
+    // Whether the mesh tore a structure that a finer size may keep whole: one hardly thicker than the size,
+    // or one that goes on simply from end to end.
+    bool tore_a_structure() const {
+        const std::vector<double> thickness = mean_thickness(contours_);
+        return std::any_of(tears_.of_slices.begin(), tears_.of_slices.end(), [&](const SurfaceTear& tear) {
+            return tear.by_mesh && (tear.whole || thickness[tear.structure] < hardly_thicker * size_mm());
+        });
+    }
 
     Status make_field() {
         FieldOptions options;
@@ -771,53 +774,13 @@ class Builder {
     Clock::time_point stage_start_ = Clock::now();
 };
 
-TryOutcome outcome_of(const Result<Model>& model, const Builder& builder) {
-    TryOutcome outcome;
-    outcome.kept_contract = model.ok();
-    outcome.spared_work = builder.spared_shapes();
-    outcome.conformed = builder.conforming();
-    const ModelReport& report = model.ok() ? model.value().report : builder.report_so_far();
-    outcome.cells = model.ok() ? model.value().mesh.cells.size() : builder.cells_so_far();
-    const std::uint64_t unforced = report.listed_cells_total - report.listed_cells_forced;
-    outcome.unforced =
-        static_cast<double>(unforced) / static_cast<double>(std::max<std::size_t>(1, outcome.cells));
-    outcome.bad = static_cast<double>(report.listed_cells_bad) /
-                  static_cast<double>(std::max<std::size_t>(1, outcome.cells));
-    if (!model.ok()) {
-        outcome.size_matters = model.error().code == "E-PIP-002" || model.error().code == "E-CUT-001";
-        return outcome;
-    }
-    add_report(outcome, report);
-    // Another try may have edges along them.
-    if (builder.has_segments_beside() && !outcome.lacks_contours) {
-        outcome.lacks_contours = true;
-        ++outcome.unmet;
-    }
-    outcome.tore_walls = builder.tore_a_structure();
-    outcome.untold = builder.untold_places();
-    outcome.astray = builder.went_astray();
-    outcome.contradicted = builder.is_contradicted();
-    outcome.conformed_badly = builder.conforming() && (report.listed_cells_bad > 0 || outcome.astray);
-    outcome.farthest =
-        report.field_distance.at_least ? HUGE_VAL : report.field_distance.max_mm / builder.size_mm();
-    std::uint64_t segments = 0, on_surface = 0;
-    for (const StructureReport& structure : report.structures) {
-        segments += structure.contour_segments;
-        on_surface += structure.contour_segments_on_surface;
-    }
-    // Also those that contours left: the fewer the better.
-    outcome.missed = static_cast<double>(std::max(segments - on_surface, builder.segments_missed())) /
-                     static_cast<double>(std::max<std::uint64_t>(1, builder.drawn_segments()));
-    return outcome;
-}
-
 }  // namespace
 
 BuiltOnce build_once(const ContourSet& contours, const Trial& trial, RunContext& context,
                      const StageObserver& observer, FieldAndVolumes known) {
     Builder builder(contours, trial, context, observer, std::move(known));
     Result<Model> model = builder.run();
-    const TryOutcome outcome = outcome_of(model, builder);
+    const TryOutcome outcome = builder.outcome(model);
     return {std::move(model), outcome, builder.field_and_volumes(), builder.size_mm()};
 }
 
