@@ -166,7 +166,10 @@ class Relabeler {
             if (!piece.largest || pieces_.size() == 2) try_piece(piece);
         }
         if (may_bridge(vertex)) {
+            // There the other ways lose a corner of a cut.
+            may_bridge_deep_ = may_lose_ && touches_in_point(vertex);
             for (const StarPiece& piece : pieces_) try_bridges(vertex, piece);
+            may_bridge_deep_ = false;
         }
         if (!best_) {
             for (const StarPiece& piece : pieces_) try_single_cells(piece);
@@ -453,7 +456,7 @@ class Relabeler {
             if (move.spikes <= 0) openings_->push_back(std::move(move));
             return;
         }
-        if (move.spikes > 0 && !may_spike_) return;
+        if (move.spikes > 0 && !may_spike_ && !may_bridge_deep_) return;
         if (cuts_) move.spoiled = cuts_->change(move.cells, move.region);
         if (move.spoiled > least_spoiled_ && !may_spoil_) return;
         const auto key = [&](const Move& m) {
@@ -472,6 +475,7 @@ class Relabeler {
     const bool is_stack_;
     const double least_spoiled_;  // that counts: as Move::spoiled
     bool may_spike_ = false, may_spoil_ = false, may_lose_ = false;
+    bool may_bridge_deep_ = false;  // as may_spike_, of the move that is considered
     std::vector<Region>& regions_;
     RegionRegistry& registry_;
     const ContourOwners& owners_;

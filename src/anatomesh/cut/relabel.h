@@ -70,8 +70,8 @@ struct RelabelOptions {
 // that bring a deep vertex onto a surface; then one that does neither is taken sooner. Of a stack two pieces
 // of a side are joined, besides, by cells of the star that lie all above the slice's plane, or all below it:
 // where what is drawn touches itself in a point of the slice, that is the only way to a manifold with the
-// drawn cut. At the end cells that are wrong where a plane cuts them are given to what is drawn there if no
-// defect rises.
+// drawn cut, and is gone, through deep vertices too, before a cut is spoiled. At the end cells that are wrong
+// where a plane cuts them are given to what is drawn there if no defect rises.
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
                      const ContourOwners& owners, const std::vector<VertexSide>& sides,

@@ -129,5 +129,41 @@ TEST(TouchingContours, C04_of_a_line_that_crosses_itself_are_parted_or_closed) {
     }
 }
 
+// Two cylinders that touch in one vertex of every second slice, on which alone the second one is drawn.
+Drawing cylinders_that_touch(double radius, int corners) {
+    Drawing drawing;
+    for (int k = 0; k < 12; ++k) {
+        for (std::uint32_t s = 0; s <= (k % 2 == 0 ? 1u : 0u); ++s) {
+            Polygon outline;
+            for (int n = 0; n < corners; ++n) {
+                const double t = 2 * pi * n / corners, middle = s == 0 ? -radius : radius;
+                outline.push_back({middle + radius * std::cos(t), radius * std::sin(t)});
+            }
+            outline[s == 0 ? 0 : static_cast<std::size_t>(corners / 2)] = {0, 0};
+            drawing.add(s, 2 * k, outline);
+        }
+    }
+    return drawing;
+}
+
+TEST(TouchingContours, in_one_vertex_keep_what_is_drawn_beside_it) {
+    for (const double radius : {2.5, 2.8, 3.0, 3.2}) {
+        for (const int corners : {20, 24, 28}) {
+            SCOPED_TRACE(testing::Message() << radius << " mm, " << corners << " corners");
+            const ContourSet set = kept(cylinders_that_touch(radius, corners).raw);
+            const auto made = build(set);
+            ASSERT_TRUE(made.ok()) << to_line(made.error());
+            expect_certified(made.value(), set);
+            for (const Clause& clause : made.value().report.certificate)
+                EXPECT_EQ(clause.state, ClauseState::kept) << clause.number << ": " << clause.evidence;
+            for (const StructureReport& structure : made.value().report.structures) {
+                EXPECT_EQ(structure.components, 1u);
+                EXPECT_EQ(structure.genus, 0);
+                EXPECT_EQ(structure.contour_segments, structure.contour_segments_on_surface);
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh
