@@ -12,6 +12,7 @@
 
 #include "anatomesh/contour/choose_structures.h"
 #include "anatomesh/contour/priority.h"
+#include "anatomesh/field/outlines_between.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/hausdorff.h"
@@ -86,7 +87,11 @@ std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& descrip
         });
         const auto order = find_in_order(done.kept.structures, here, "");
         if (here.empty() || !order.ok()) return std::nullopt;
-        Result<PriorityResult> given = give_overlaps(done.kept, order.value(), apart);
+        const bool has_outlines = !options_of(description, "outlines_between").empty();
+        Result<PriorityResult> given =
+            has_outlines
+                ? part_structures(done.kept, order.value(), field_rules_of(description).field(), apart)
+                : give_overlaps(done.kept, order.value(), apart);
         if (!given.ok()) return std::nullopt;
         const std::vector<GivenOverlap>& overlaps = given.value().given;
         done.gave_overlaps = std::any_of(overlaps.begin(), overlaps.end(),

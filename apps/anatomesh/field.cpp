@@ -21,7 +21,7 @@ namespace anatomesh {
 
 namespace {
 
-struct FieldOptions {
+struct FieldVerbOptions {
     InputOptions input;
     std::string output, what = "distance";
     double pixel_mm = 0;  // 0: that of the source, or one found
@@ -48,7 +48,7 @@ Result<std::string> bits_file(const ContourSet& contours, const SliceStack& stac
 }
 
 // A distance map is of one structure.
-Status check_structures(const ContourSet& contours, const FieldOptions& options) {
+Status check_structures(const ContourSet& contours, const FieldVerbOptions& options) {
     if (options.what != "distance" || contours.structures.size() == 1) return Nothing{};
     return Error{
         ErrorKind::usage,
@@ -58,7 +58,7 @@ Status check_structures(const ContourSet& contours, const FieldOptions& options)
         "choose one with --structure, or write --what bits"};
 }
 
-Status run_field(FieldOptions options, Session& session) {
+Status run_field(FieldVerbOptions options, Session& session) {
     RunContext& context = session.context;
     options.input.limits = session.limits;
     ANATOMESH_TRY(const ImageFormat format, image_format_of(options.output));
@@ -103,7 +103,7 @@ Status run_field(FieldOptions options, Session& session) {
 }  // namespace
 
 Work declare_field(CLI::App& verb) {
-    auto options = std::make_shared<FieldOptions>();
+    auto options = std::make_shared<FieldVerbOptions>();
     add_reading_options(verb, options->input);
     add_selection_options(verb, options->input);
     add_cleaning_options(verb, options->input);

@@ -86,18 +86,23 @@ std::optional<double> size_of(const MeshDescription& description) {
     return size && *size > 0 ? size : std::nullopt;
 }
 
-Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& contours, RunContext& context) {
-    const std::optional<std::string> told = option_of(model.description, "caps");
-    std::vector<std::string> ways{"half", "flat", "rounded"};
-    const bool known = told && std::find(ways.begin(), ways.end(), *told) != ways.end();
-    if (known) ways = {*told};
+FieldRuleOptions field_rules_of(const MeshDescription& description) {
     FieldRuleOptions rules;
     const auto in_range = [](std::optional<double> value, double low, double high, double otherwise) {
         return value && *value >= low && *value <= high ? *value : otherwise;
     };
     rules.max_gap_spacings =
-        in_range(number_of(model.description, "max_gap_spacings"), 1, 1e6, rules.max_gap_spacings);
-    rules.slice_thickness_mm = in_range(number_of(model.description, "slice_thickness_mm"), 0, 1000, 0);
+        in_range(number_of(description, "max_gap_spacings"), 1, 1e6, rules.max_gap_spacings);
+    rules.slice_thickness_mm = in_range(number_of(description, "slice_thickness_mm"), 0, 1000, 0);
+    return rules;
+}
+
+Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& contours, RunContext& context) {
+    const std::optional<std::string> told = option_of(model.description, "caps");
+    std::vector<std::string> ways{"half", "flat", "rounded"};
+    const bool known = told && std::find(ways.begin(), ways.end(), *told) != ways.end();
+    if (known) ways = {*told};
+    FieldRuleOptions rules = field_rules_of(model.description);
 
     FieldOfModel best;
     if (option_of(model.description, "overlaps") && !contours.overlapping) {

@@ -8,6 +8,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/pipeline/contour_field.h"
 #include "anatomesh_io/mesh/mesh_file.h"
+#include "field_options.h"
 
 namespace anatomesh {
 
@@ -25,6 +26,9 @@ std::optional<double> number_of(const MeshDescription& description, const std::s
 
 // The edge length that the model was made with, where its file says so.
 std::optional<double> size_of(const MeshDescription& description);
+
+// How the field was made, but for the ends, as far as the model's file says and a user may say.
+FieldRuleOptions field_rules_of(const MeshDescription& description);
 
 // Where the file does not say how structures end (--caps), all ways are tried and the one is taken whose
 // volumes are nearest to the model's; so with whether structures exclude each other, where the model was made

@@ -14,7 +14,7 @@
 
 #include "anatomesh/contour/choose_structures.h"
 #include "anatomesh/contour/clean.h"
-#include "anatomesh/contour/priority.h"
+#include "anatomesh/field/outlines_between.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/quadratic_model.h"
 #include "anatomesh/uncertainty/left_out.h"
@@ -226,7 +226,7 @@ Status stage_outputs(Model& model, ModelFile& file, const ContourSet& kept, cons
     file.description = description_of(model, kept, session);
     file.description.materials = std::move(materials);
     if (options.uncertainty) {
-        ANATOMESH_TRY(file.arrays, uncertainty_arrays(model, kept, options, context));
+        ANATOMESH_TRY(file.arrays, uncertainty_arrays(model, drawn_alone(kept), options, context));
     }
     ANATOMESH_TRY(const std::string mesh_bytes, format_model(options.output, file, context));
     ANATOMESH_CHECK_STATUS(files.add(options.output, mesh_bytes));
@@ -309,7 +309,8 @@ Status give_to_first(InputContours& contours, const ModelVerbOptions& options, R
     if (options.priority.empty()) return Nothing{};
     ANATOMESH_TRY(const std::vector<std::uint32_t> order,
                   find_in_order(contours.kept.structures, options.priority, options.input.input));
-    ANATOMESH_TRY(PriorityResult result, give_overlaps(contours.kept, order, context));
+    ANATOMESH_TRY(PriorityResult result,
+                  part_structures(contours.kept, order, options.rules.field(), context));
     for (const std::uint32_t s : result.order)
         contours.options.emplace_back("priority", unique_text(contours.kept.structures, s));
     if (std::all_of(result.given.begin(), result.given.end(),
@@ -329,6 +330,7 @@ Status give_to_first(InputContours& contours, const ModelVerbOptions& options, R
     }
     contours.kept = std::move(result.kept);
     if (contours.kept.overlapping) contours.options.emplace_back("overlaps", "nested");
+    if (has_interpolated(contours.kept)) contours.options.emplace_back("outlines_between", "interpolated");
     return Nothing{};
 }
 

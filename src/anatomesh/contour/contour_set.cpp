@@ -13,6 +13,16 @@ constexpr double most_sine = 0.01;  // between normals of slices of one stack, h
 
 }  // namespace
 
+bool is_interpolated(const ContourSet& set, std::uint32_t slice, std::uint32_t structure) {
+    const std::vector<std::int32_t>& numbers = set.slices[slice].interpolated;
+    return std::find(numbers.begin(), numbers.end(), set.structures[structure].number) != numbers.end();
+}
+
+bool has_interpolated(const ContourSet& set) {
+    return std::any_of(set.slices.begin(), set.slices.end(),
+                       [](const Slice& slice) { return !slice.interpolated.empty(); });
+}
+
 bool all_parallel(const ContourSet& set, double tolerance_mm) {
     if (set.slices.empty()) return true;
     // Turning a plane by an angle about the middle of the set moves its outermost point by at most the sine

@@ -22,6 +22,8 @@ struct Slice {
     Plane plane;
     std::uint32_t first_contour = 0, contour_count = 0;
     std::string name;  // how the source calls it: "k = 12", "z = 36.0", an id; for messages
+    // Numbers of structures whose outlines here nobody drew: slices beside it tell them (outlines_between.h).
+    std::vector<std::int32_t> interpolated = {};
 };
 
 // The vertices of a contour are points[first_point, first_point + point_count), without repeating the first.
@@ -85,6 +87,10 @@ struct OverlappingContours {
     std::vector<std::vector<std::uint32_t>> slices;  // by level: which of the whole's its own are; rising
     std::vector<std::int32_t> order;  // the numbers of all structures, the first first
 };
+
+// Whether the structure's outlines on the slice were not drawn.
+bool is_interpolated(const ContourSet& set, std::uint32_t slice, std::uint32_t structure);
+bool has_interpolated(const ContourSet& set);
 
 // Whether all planes have the same normal up to sign, within the angle that moves the outermost point of the
 // set by less than `tolerance_mm` (and 0.57 degrees: a small set is moved by less).

@@ -212,14 +212,32 @@ double widest_part(double low, double high, const std::vector<double>& heights) 
     return high > low ? std::max(widest, high - from) / (high - low) : 1;
 }
 
+bool has_part(const std::vector<StructurePart>& parts, double low, double high) {
+    return std::any_of(parts.begin(), parts.end(), [&](const StructurePart& part) {
+        return part.low <= low && high <= part.high;
+    });
+}
+
+// The least of parts that begin with the slice, or, where it is not inward upwards, end with it.
+std::optional<double> spacing_of_parts(const std::vector<StructurePart>& parts, const SliceInterval& slice,
+                                       int inward) {
+    std::optional<double> least;
+    for (const StructurePart& part : parts) {
+        const double spacing = inward > 0 ? part.below : part.above;
+        if ((inward > 0 ? part.low == slice.low : part.high == slice.high) && spacing < least.value_or(HUGE_VAL))
+            least = spacing;
+    }
+    return least;
+}
+
 }  // namespace
 
 StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                                  const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
-                                 const FieldOptions& options, const std::vector<double>& left_out) {
+                                 const FieldOptions& options, const GapEvidence& evidence) {
     assert(!drawn.empty() && spacing > 0);
     StructureLevels result;
-    const std::vector<std::uint32_t> telling = telling_of(intervals, drawn, every_slice, left_out);
+    const std::vector<std::uint32_t> telling = telling_of(intervals, drawn, every_slice, evidence.left_out);
     if (!every_slice && has_usual_gaps_with_others(drawn, telling)) {
         for (std::uint32_t i = drawn.front(); i <= drawn.back(); ++i) {
             if (!std::binary_search(telling.begin(), telling.end(), i))
@@ -231,27 +249,39 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
     const auto gap_between = [&](const SliceInterval& below, const SliceInterval& above) {
         return above.low - below.high;
     };
+    // What nobody drew parts no gap: those between the others count.
+    std::vector<std::uint32_t> known;
+    std::vector<std::size_t> place;  // in these, of each that tells, or of the next one below it
+    for (const std::uint32_t i : telling) {
+        const bool is_end = i == telling.front() || i == telling.back();
+        if (is_end ||
+            !std::binary_search(evidence.interpolated.begin(), evidence.interpolated.end(), i))
+            known.push_back(i);
+        place.push_back(known.size() - 1);
+    }
+    const bool own_gaps = own_spacing || known.size() < telling.size();
     std::vector<double> around;
-    if (own_spacing) {
-        for (std::size_t i = 1; i < telling.size(); ++i)
-            around.push_back(gap_between(intervals[telling[i - 1]], intervals[telling[i]]));
+    if (own_gaps) {
+        for (std::size_t i = 1; i < known.size(); ++i)
+            around.push_back(gap_between(intervals[known[i - 1]], intervals[known[i]]));
     } else {
         for (std::size_t i = 1; i < intervals.size(); ++i)
             around.push_back(gap_between(intervals[i - 1], intervals[i]));
     }
-    const Gaps gaps(around, own_spacing ? 0 : telling.front(), telling.size() - 1, spacing);
+    const Gaps gaps(around, own_gaps ? 0 : telling.front(), known.size() - 1, spacing);
     const double widest = options.max_gap_spacings * joined_more;  // that is joined, in spacings
     // Where its own slices were left out, of usual gaps, it goes on.
     const auto is_open = [&](std::size_t gap) {
         const double spacings = gaps.spacings(gap);
-        return spacings > widest && spacings * widest_part(intervals[telling[gap]].high,
-                                                           intervals[telling[gap + 1]].low, left_out) >
-                                        hardly_wider;
+        const double low = intervals[known[gap]].high, high = intervals[known[gap + 1]].low;
+        return spacings > widest && spacings * widest_part(low, high, evidence.left_out) > hardly_wider &&
+               !(evidence.of_all && has_part(evidence.parts, low, high));
     };
     // Spacing where a part begins or ends: the one that most of its gaps there share. Where they share none,
     // and more of them are uneven too, that of the gap that an end falls into. Else the local one, or that of
     // the part itself where it is smaller.
     const auto spacing_at = [&](std::size_t end, int inward) {
+        if (const auto told = spacing_of_parts(evidence.parts, intervals[known[end]], inward)) return *told;
         if (gaps.size() == 0) return spacing;
         std::vector<double> more;
         for (std::size_t i = 0; more.size() < 8; ++i) {
@@ -276,7 +306,9 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
         if (!is_last && !own_spacing) {
             const SliceInterval& next = intervals[direction > 0 ? at + 1 : at - 1];
             const double gap = direction > 0 ? next.low - intervals[at].high : intervals[at].low - next.high;
-            if (gap <= options.max_gap_spacings * local) return Level{next.low, next.high, Level::no_slice};
+            const double low = std::min(intervals[at].high, next.high), high = low + gap;
+            if (gap <= options.max_gap_spacings * local || has_part(evidence.parts, low, high))
+                return Level{next.low, next.high, Level::no_slice};
         }
         const double z = direction > 0 ? intervals[at].high + local : intervals[at].low - local;
         return Level{z, z, Level::no_slice};
@@ -299,20 +331,21 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
     for (std::size_t i = 0; i < telling.size(); ++i) {
         const SliceInterval& interval = intervals[telling[i]];
         const bool is_drawn = next_drawn < drawn.size() && drawn[next_drawn] == telling[i];
-        if (i > 0) {
-            const double gap = gaps[i - 1];
-            const std::pair<double, double> ends{intervals[telling[i - 1]].high, interval.low};
-            if (is_open(i - 1)) {
+        if (i > 0 && place[i] != place[i - 1]) {
+            const std::size_t g = place[i - 1];
+            const double gap = gaps[g];
+            const std::pair<double, double> ends{intervals[known[g]].high, interval.low};
+            if (is_open(g) && known[g] == telling[i - 1]) {
                 result.open_gaps.push_back(ends);
                 // The two empty levels in the gap do not pass one another.
-                const double below = ends.first + std::min(spacing_at(i - 1, -1), 0.5 * gap);
-                const double above = std::max(ends.second - std::min(spacing_at(i, 1), 0.5 * gap), below);
+                const double below = ends.first + std::min(spacing_at(g, -1), 0.5 * gap);
+                const double above = std::max(ends.second - std::min(spacing_at(g + 1, 1), 0.5 * gap), below);
                 close_part({below, below, Level::no_slice});
                 result.levels.push_back({above, above, Level::no_slice});
-            } else if (gaps.spacings(i - 1) > hardly_wider || gaps.spacings_if_even(i - 1) > widest) {
+            } else if (gaps.spacings(g) > hardly_wider || gaps.spacings_if_even(g) > widest) {
                 result.bridged_gaps.push_back(ends);
-            } else if (gaps.spacing_without_groups(i - 1) < gaps.local_spacing(i - 1) &&
-                       gap > widest * gaps.spacing_without_groups(i - 1)) {
+            } else if (gaps.spacing_without_groups(g) < gaps.local_spacing(g) &&
+                       gap > widest * gaps.spacing_without_groups(g)) {
                 result.gaps_by_groups.push_back(ends);
             }
         }
@@ -325,9 +358,28 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
             result.not_drawn.push_back(interval.slice);
         }
     }
-    close_part(end_level(telling.back(), 1, spacing_at(telling.size() - 1, -1)));
+    close_part(end_level(telling.back(), 1, spacing_at(known.size() - 1, -1)));
     result.flat.back().until = std::numeric_limits<double>::infinity();
     return result;
+}
+
+std::vector<StructurePart> parts_of(const StructureLevels& levels) {
+    // Two empty levels part them.
+    std::vector<StructurePart> parts;
+    const std::vector<Level>& all = levels.levels;
+    std::size_t begin = 0;
+    const auto add = [&](std::size_t end) {
+        const Level &first = all[begin + 1], &last = all[end - 1];
+        parts.push_back({first.low, last.high, first.low - all[begin].high, all[end].low - last.high});
+    };
+    for (std::size_t gap = 0; gap < levels.open_gaps.size(); ++gap) {
+        std::size_t end = begin + 1;
+        while (all[end].high <= levels.open_gaps[gap].first) ++end;
+        add(end);
+        begin = end + 1;
+    }
+    add(all.size() - 1);
+    return parts;
 }
 
 }  // namespace anatomesh

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "anatomesh/contour/contour_set.h"
@@ -49,13 +50,33 @@ struct StructureLevels {
     std::vector<std::uint32_t> untold;     // those that say nothing since the gap is as wide as its others
 };
 
+// From the first slice of a part of a structure to its last, and how far the empty levels are from these.
+struct StructurePart {
+    double low = 0, high = 0;
+    double below = 0, above = 0;
+};
+
+// What else tells whether a structure goes on through a gap.
+struct GapEvidence {
+    std::vector<double> left_out;  // rising heights of slices of its own that are not there: see below
+    // Of the drawn ones, rising: those that got their outlines from the others (outlines_between.h). They part
+    // no gap, and so make no other one wide.
+    std::vector<std::uint32_t> interpolated;
+    // Of structures that exclude each other: where the parts of all reach. One that ends where others go on
+    // does so half-way to the next slice; those that begin or end with one slice do so equally far from it, as
+    // far as the nearest of them. All of them together (`of_all`) go on where one does.
+    std::vector<StructurePart> parts;
+    bool of_all = false;
+};
+
 // Levels of a structure drawn on the slices intervals[drawn[..]] (rising, at least one).
 // `every_slice`: each slice of the set says something about it (label maps). Otherwise those between its own
 // that telling_slices() names. `spacing`: of the set, for a structure whose own spacing cannot be told.
-// `left_out`: rising heights of slices of the structure's own that are not there: a gap that they part into
-// usual ones is bridged.
+// A gap that slices left out part into usual ones is bridged.
 StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                                  const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
-                                 const FieldOptions& options, const std::vector<double>& left_out = {});
+                                 const FieldOptions& options, const GapEvidence& evidence = {});
+
+std::vector<StructurePart> parts_of(const StructureLevels& levels);
 
 }  // namespace anatomesh

@@ -219,8 +219,7 @@ void warn_about_levels(const ContourSet& set, std::uint32_t structure, const Str
 void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
                                  const FieldOptions& options, RunContext& context) {
     tracks_.resize(set.structures.size());
-    for (std::uint32_t s = 0; s < map_of_.size(); ++s) {
-        if (map_of_[s].empty()) continue;
+    const auto levels_of = [&](std::uint32_t s, const std::vector<StructurePart>& parts) {
         std::vector<std::uint32_t> drawn;
         for (std::uint32_t i = 0; i < intervals.size(); ++i) {
             if (map_of_[s][intervals[i].slice] != empty_level) drawn.push_back(i);
@@ -228,8 +227,23 @@ void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceI
         const bool is_union = s == set.structures.size();
         const bool every_slice = set.exclusive || options.every_slice_tells;
         const Plane& frame = set.slices.front().plane;
-        StructureLevels levels = structure_levels(intervals, drawn, every_slice, spacing_, options,
-                                                  heights_left_out(set, s, frame.origin, frame.normal));
+        GapEvidence evidence{heights_left_out(set, s, frame.origin, frame.normal), {}, parts, is_union};
+        for (const std::uint32_t i : drawn) {
+            if (!is_union && is_interpolated(set, intervals[i].slice, s)) evidence.interpolated.push_back(i);
+        }
+        return structure_levels(intervals, drawn, every_slice, spacing_, options, evidence);
+    };
+    // Where some have slices of their own, others may end where they go on.
+    std::vector<StructurePart> parts;
+    for (std::uint32_t s = 0; s < tracks_.size() && set.exclusive && has_interpolated(set); ++s) {
+        if (map_of_[s].empty()) continue;
+        const std::vector<StructurePart> own = parts_of(levels_of(s, {}));
+        parts.insert(parts.end(), own.begin(), own.end());
+    }
+    for (std::uint32_t s = 0; s < map_of_.size(); ++s) {
+        if (map_of_[s].empty()) continue;
+        StructureLevels levels = levels_of(s, parts);
+        const bool is_union = s == set.structures.size();
         if (!is_union) warn_about_levels(set, s, levels, context);
         (is_union ? union_ : tracks_[s]) = Track(std::move(levels), map_of_[s], options.caps == EndCaps::rounded);
     }

@@ -54,7 +54,7 @@ GapDoubts::GapDoubts(const ContourSet& set, const FieldOptions& options)
         if (drawn.empty()) continue;
         const StructureLevels found =
             structure_levels(intervals, drawn, set.exclusive, spacing, options,
-                             heights_left_out(stack, s, frame_.origin, frame_.normal));
+                             {heights_left_out(stack, s, frame_.origin, frame_.normal), {}, {}});
         for (const auto& [low, high] : found.open_gaps) {
             // Empty levels stand a spacing from both sides.
             const auto below =
