@@ -10,6 +10,7 @@
 #include "anatomesh/measure/even_odd_area.h"
 #include "anatomesh/mesh/box_tree.h"
 #include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/reconcile/plane_patches.h"
 
 namespace anatomesh {
 
@@ -157,6 +158,7 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
     const bool parallel = all_parallel(contours, parallel_mm);
     RunContext context;
     const Unsaid unsaid = Unsaid::of(contours, context);
+    const std::vector<Box2> frames = frames_of_slices(contours, plane_patches(contours));
     std::vector<std::uint8_t> drawn_here(points.size(), 0);
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         TrianglesAtPlanes surface(points, surfaces[s]);
@@ -166,7 +168,7 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
             const double off_plane = farthest_off_plane(contours, slice) + tolerance;
             Cut cut(points, slice.plane, off_plane, drawn_here);
             SliceCut measured{s, k, 0, 0};
-            Box2 extent;
+            Box2 extent = frames[k];
             bool drawn = false;
             const auto mark = [&](std::uint8_t value) {
                 for (const Contour& contour : contours.contours_of(slice)) {
@@ -182,7 +184,6 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
                 std::vector<Vec2> ring;
                 for (const Vec3& p : contours.points_of(contour)) {
                     ring.push_back(slice.plane.to_plane(p));
-                    extent.extend(ring.back());
                 }
                 if (contour.structure != s) continue;
                 drawn = true;

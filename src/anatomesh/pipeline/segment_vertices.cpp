@@ -10,6 +10,7 @@
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/improve/improve_dihedrals.h"
 #include "anatomesh/measure/slice_cuts.h"
+#include "anatomesh/reconcile/plane_patches.h"
 
 namespace anatomesh {
 
@@ -85,12 +86,8 @@ void place_planes(const ContourSet& contours, bool parallel, SlicesThatTell& sli
             slices.planes.back().origin = middle - slice.plane.signed_distance(middle) * slice.plane.normal;
             continue;
         }
-        Box2 extent;
-        for (const Contour& contour : contours.contours_of(slice)) {
-            for (const Vec3& p : contours.points_of(contour)) extent.extend(slice.plane.to_plane(p));
-        }
-        slices.extents.push_back(extent);
     }
+    if (!parallel) slices.extents = frames_of_slices(contours, plane_patches(contours));
 }
 
 // Areas drawn, at structure * slices + slice; mm^2.

@@ -10,6 +10,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double cos_30 = 0.866;
+constexpr double cos_of_stack = 0.9848;    // 10 degrees: also of slices by hand
 constexpr std::size_t crowd = 4;           // neighbours that share the room on both sides of a place
 constexpr std::size_t least_crowded = 12;  // planes
 constexpr double least_sine = 1e-4;        // planes at a smaller angle have no common line worth the name
@@ -49,6 +50,66 @@ std::vector<PlanePatch> plane_patches(const ContourSet& set) {
         patches.push_back(patch);
     }
     return patches;
+}
+
+bool are_of_one_stack(const Plane& a, const Plane& b) {
+    return std::abs(dot(a.normal, b.normal)) >= cos_of_stack;
+}
+
+namespace {
+
+// Takes the point out of the frame, on the side where least beyond the box is lost.
+void take_out(Vec2 p, const Box2& box, Box2& frame) {
+    struct Side {
+        double lost;
+        double* rim;
+        double to;
+    };
+    std::array<Side, 4> sides{{{frame.high.x - p.x, &frame.high.x, p.x},
+                               {p.x - frame.low.x, &frame.low.x, p.x},
+                               {frame.high.y - p.y, &frame.high.y, p.y},
+                               {p.y - frame.low.y, &frame.low.y, p.y}}};
+    const std::array<bool, 4> is_beyond{p.x > box.high.x, p.x < box.low.x, p.y > box.high.y, p.y < box.low.y};
+    const Side* least = nullptr;
+    for (std::size_t n = 0; n < sides.size(); ++n) {
+        if (is_beyond[n] && (least == nullptr || sides[n].lost < least->lost)) least = &sides[n];
+    }
+    if (least != nullptr && frame.contains(p)) *least->rim = least->to;
+}
+
+// Where contours of slices of other directions pass through the plane.
+void take_out_others(const ContourSet& set, const std::vector<PlanePatch>& patches, const PlanePatch& one,
+                     Box2& frame) {
+    for (std::size_t k = 0; k < patches.size(); ++k) {
+        if (are_of_one_stack(one.plane, patches[k].plane)) continue;
+        for (const Contour& contour : set.contours_of(set.slices[k])) {
+            const auto points = set.points_of(contour);
+            for (std::size_t n = 0; n < points.size(); ++n) {
+                const Vec3 a = points[n], b = points[(n + 1) % points.size()];
+                const double above = one.plane.signed_distance(a), below = one.plane.signed_distance(b);
+                if ((above < 0) == (below < 0)) continue;
+                take_out(one.plane.to_plane(a + (above / (above - below)) * (b - a)), one.box, frame);
+            }
+        }
+    }
+}
+
+bool is_same(const Box2& a, const Box2& b) { return a.low == b.low && a.high == b.high; }
+
+}  // namespace
+
+std::vector<Box2> frames_of_slices(const ContourSet& set, const std::vector<PlanePatch>& patches) {
+    std::vector<Box2> frames;
+    for (const PlanePatch& one : patches) {
+        Box2& frame = frames.emplace_back(one.box);
+        if (one.box.empty()) continue;
+        for (const PlanePatch& other : patches) {
+            if (other.box.empty() || !are_of_one_stack(one.plane, other.plane)) continue;
+            for (const Vec3& corner : corners(other, 0)) frame.extend(one.plane.to_plane(corner));
+        }
+        if (!is_same(frame, one.box)) take_out_others(set, patches, one, frame);
+    }
+    return frames;
 }
 
 PlaneSpacings plane_spacings(const ContourSet& set, const std::vector<PlanePatch>& patches) {
