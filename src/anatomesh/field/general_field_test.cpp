@@ -431,5 +431,45 @@ TEST(GeneralField, far_from_all_planes_is_outside) {
     EXPECT_EQ(field->value(0, {1000, 0, 0}), field->clamp());
 }
 
+// Two balls beside each other, of one structure or of two, on axial slices; sagittal ones through the first
+// alone.
+ContourSet two_balls(bool of_one, double tilt) {
+    SetBuilder builder;
+    const Vec3 middles[]{{0, 0, 0}, {40, 0, 0}};
+    const double radii[]{14, 9};
+    for (int k = -6; k <= 6; ++k) {
+        // Leaning to and fro, as slices by hand.
+        const Plane plane = make_plane({0, 0, 2.2 * k + 0.1}, {0, tilt * (k % 2), 1});
+        bool first = true;
+        for (std::uint32_t b = 0; b < 2; ++b) {
+            const double height = plane.signed_distance(middles[b]),
+                         square = radii[b] * radii[b] - height * height;
+            if (square <= 0.5) continue;
+            if (first) builder.slice(plane);
+            first = false;
+            builder.ring(of_one ? 0 : b, circle(plane.to_plane(middles[b]), std::sqrt(square), 60));
+        }
+    }
+    for (double x = -12; x < 14; x += 3) {
+        builder.slice(make_plane({x, 0, 0}, {1, 0, 0}));
+        builder.ring(
+            0, circle(builder.set.slices.back().plane.to_plane({x, 0, 0}), std::sqrt(14 * 14 - x * x), 60));
+    }
+    return builder.set;
+}
+
+TEST(GeneralField, what_one_slice_of_a_stack_does_not_draw_where_its_neighbours_do_is_not_there) {
+    for (const bool of_one : {true, false}) {
+        for (const double tilt : {0.0, 0.04}) {
+            SCOPED_TRACE(testing::Message() << of_one << " leaning " << tilt);
+            const auto field = field_of(two_balls(of_one, tilt));
+            const std::uint32_t structure = of_one ? 0 : 1;
+            // Half a spacing beyond the last slice that draws it, not two.
+            for (const double z : {-11.5, 11.5}) EXPECT_GT(field->value(structure, {40, 0, z}), 0) << z;
+            for (const double z : {-7.0, 0.0, 7.0}) EXPECT_LT(field->value(structure, {40, 0, z}), 0) << z;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh

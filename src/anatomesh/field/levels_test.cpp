@@ -408,5 +408,70 @@ TEST(Levels, the_field_of_slices_in_pairs_is_one_part) {
     }
 }
 
+// A structure drawn every 4 mm that has outlines every mm from its second slice to its last but one.
+std::vector<double> with_finer_middle() {
+    std::vector<double> gaps{4};
+    gaps.insert(gaps.end(), 16, 1.0);
+    gaps.push_back(4);
+    return gaps;
+}
+
+StructureLevels levels_with(const std::vector<double>& gaps, const GapEvidence& evidence) {
+    std::vector<SliceInterval> intervals;
+    for (const double z : positions_of(gaps))
+        intervals.push_back({static_cast<std::uint32_t>(intervals.size()), z, z});
+    std::vector<std::uint32_t> drawn(intervals.size());
+    std::iota(drawn.begin(), drawn.end(), 0u);
+    return structure_levels(intervals, drawn, true, 1, {}, evidence);
+}
+
+TEST(Levels, of_outlines_that_nobody_drew_make_no_other_gap_wide) {
+    GapEvidence evidence;
+    EXPECT_EQ(inside_of(levels_with(with_finer_middle(), evidence)).second, 3u) << "all drawn: two wide gaps";
+    for (std::uint32_t i = 1; i < 18; ++i) {
+        if ((i - 1) % 4 != 0) evidence.interpolated.push_back(i);
+    }
+    const StructureLevels levels = levels_with(with_finer_middle(), evidence);
+    const auto [length, parts] = inside_of(levels);
+    EXPECT_EQ(parts, 1u);
+    EXPECT_DOUBLE_EQ(length, 24 + 4) << "half of its own spacing beyond either end";
+    EXPECT_TRUE(levels.open_gaps.empty());
+    EXPECT_TRUE(levels.bridged_gaps.empty());
+}
+
+TEST(Levels, of_all_structures_together_go_on_where_one_does) {
+    GapEvidence evidence;
+    evidence.parts = {{0, 24, 4, 4}};
+    evidence.of_all = true;
+    const auto [length, parts] = inside_of(levels_with(with_finer_middle(), evidence));
+    EXPECT_EQ(parts, 1u);
+    EXPECT_DOUBLE_EQ(length, 24 + 4);
+}
+
+TEST(Levels, of_one_that_ends_where_others_go_on_end_half_way_to_the_next_slice) {
+    // Slices at 0, 1, 2, 3 and 9: drawn on the first four.
+    std::vector<SliceInterval> intervals;
+    for (const double z : {0.0, 1.0, 2.0, 3.0, 9.0})
+        intervals.push_back({static_cast<std::uint32_t>(intervals.size()), z, z});
+    const std::vector<std::uint32_t> drawn{0, 1, 2, 3};
+    GapEvidence evidence;
+    EXPECT_EQ(structure_levels(intervals, drawn, true, 1, {}, evidence).levels.back().low, 4);
+    evidence.parts = {{0, 9, 1, 6}};
+    EXPECT_EQ(structure_levels(intervals, drawn, true, 1, {}, evidence).levels.back().low, 9);
+}
+
+TEST(Levels, tell_their_parts) {
+    const StructureLevels one = levels_of({1, 1, 1}, {}), two = levels_of({1, 1, 9, 1, 1}, {});
+    ASSERT_EQ(parts_of(one).size(), 1u);
+    EXPECT_EQ(parts_of(one)[0].low, 0);
+    EXPECT_EQ(parts_of(one)[0].high, 3);
+    EXPECT_EQ(parts_of(one)[0].below, 1);
+    EXPECT_EQ(parts_of(one)[0].above, 1);
+    ASSERT_EQ(parts_of(two).size(), 2u);
+    EXPECT_EQ(parts_of(two)[0].high, 2);
+    EXPECT_EQ(parts_of(two)[1].low, 11);
+    EXPECT_EQ(parts_of(two)[1].high, 13);
+}
+
 }  // namespace
 }  // namespace anatomesh

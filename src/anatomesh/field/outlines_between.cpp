@@ -13,6 +13,8 @@
 #include "anatomesh/contour/choose_structures.h"
 #include "anatomesh/contour/chosen_slices.h"
 #include "anatomesh/contour/simplify.h"
+#include "anatomesh/contour/telling_slices.h"
+#include "anatomesh/field/levels.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/plane_trace.h"
 #include "anatomesh/field/slices_tell.h"
@@ -24,7 +26,7 @@ namespace {
 // A step of the lattice: at most the first of the mean distance of drawn vertices, and the second of the mean
 // length of a contour, which may have few.
 constexpr double lattice_share = 0.5, contour_share = 1.0 / 96;
-constexpr double most_moved = 0.2;  // of a step, when vertices are left out
+constexpr double most_moved = 0.05;  // of a step, when vertices are left out
 
 // The set as if no slice told what it does not draw.
 ContourSet not_exclusive(ContourSet set) {
@@ -120,6 +122,7 @@ class Outlines {
         apart.threads = context_.threads;
         apart.cancel = context_.cancel;
         ANATOMESH_TRY(const auto field, make_structure_field(alone, options_, apart));
+        const std::vector<std::uint32_t> within = within_parts(alone, silent);
         const double step = lattice_step(alone);
         ContourSet outlines = choose_structures(set_, {&structure, 1});
         outlines.contours.clear();
@@ -129,13 +132,35 @@ class Outlines {
             slice.first_contour = static_cast<std::uint32_t>(outlines.contours.size());
             slice.contour_count = 0;
             if (context_.cancelled()) return cancelled_error();
-            if (std::binary_search(silent.begin(), silent.end(), k)) trace(*field, step, k, outlines);
+            if (std::binary_search(within.begin(), within.end(), k)) trace(*field, step, k, outlines);
         }
         ANATOMESH_TRY(SimplifyResult fewer, simplify_contours(outlines, {most_moved * step, step / lattice_share, 0}, apart));
         return std::move(fewer.kept);
     }
 
   private:
+    // Those of the slices between two that a part of the structure goes on from and to; not beyond its ends.
+    std::vector<std::uint32_t> within_parts(const ContourSet& alone,
+                                            const std::vector<std::uint32_t>& slices) const {
+        const Plane& frame = set_.slices.front().plane;
+        const std::vector<SliceInterval> intervals = parallel_intervals(alone, frame);
+        std::vector<std::uint32_t> drawn, within;
+        for (std::uint32_t i = 0; i < intervals.size(); ++i) {
+            if (alone.slices[intervals[i].slice].contour_count > 0) drawn.push_back(i);
+        }
+        const std::vector<StructurePart> parts =
+            parts_of(structure_levels(intervals, drawn, false, median_spacing(alone), options_,
+                                      {heights_left_out(alone, 0, frame.origin, frame.normal), {}, {}}));
+        for (const std::uint32_t k : slices) {
+            const double height = frame.signed_distance(set_.slices[k].plane.origin);
+            if (std::any_of(parts.begin(), parts.end(), [&](const StructurePart& part) {
+                    return part.low < height && height < part.high;
+                }))
+                within.push_back(k);
+        }
+        return within;
+    }
+
     void trace(const StructureField& field, double step, std::uint32_t k, ContourSet& outlines) const {
         Slice& slice = outlines.slices[k];
         const Plane& plane = slice.plane;

@@ -12,12 +12,13 @@ namespace anatomesh {
 
 // A structure that is drawn on slices of its own (telling_slices.h) gets on those between them, which say
 // nothing of it, the outline that its field alone has there: what its own slices tell. Its vertices lie about
-// as far from each other as those that were drawn, or a 48th of a contour. Where the structure is in pieces no outline joins them,
-// nor where its slices are further apart than `max_gap_spacings` (structure_field.h); one smaller than the
-// square of half that is left out. Requires: a kept set of parallel slices, not exclusive. Guarantees: a kept
-// set, of the same slices, that say which outlines were not drawn (Slice::interpolated); contours of different
-// structures may cross, what was drawn stays. Errors: those of make_structure_field(). Complexity: that of a field of each such structure,
-// and of a value on a lattice of those distances on each slice.
+// as far from each other as those that were drawn, or a 48th of a contour. Where the structure is in pieces
+// no outline joins them, nor where its slices are further apart than `max_gap_spacings` (structure_field.h),
+// nor is there one beyond the last slice of a piece; one smaller than the square of half that is left out.
+// Requires: a kept set of parallel slices, not exclusive. Guarantees: a kept set, of the same slices, that
+// say which outlines were not drawn (Slice::interpolated); contours of different structures may cross, what
+// was drawn stays. Errors: those of make_structure_field(). Complexity: that of a field of each such
+// structure, and of a value on a lattice of those distances on each slice.
 Result<ContourSet> outlines_between(const ContourSet& set, const FieldOptions& options, RunContext& context);
 
 // give_overlaps(), and where structures that exclude each other are drawn on slices of their own, that of

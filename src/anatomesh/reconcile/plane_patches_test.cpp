@@ -1,0 +1,70 @@
+// Laws of how far slices say what is there.
+#include "anatomesh/reconcile/plane_patches.h"
+
+#include <gtest/gtest.h>
+
+namespace anatomesh {
+namespace {
+
+class Drawn {
+  public:
+    // A rectangle in the plane's own coordinates.
+    void slice(const Plane& plane, const std::vector<Box2>& boxes) {
+        set.slices.push_back({plane, static_cast<std::uint32_t>(set.contours.size()),
+                              static_cast<std::uint32_t>(boxes.size()), ""});
+        for (const Box2& box : boxes) {
+            set.contours.push_back({0, static_cast<std::uint32_t>(set.slices.size() - 1),
+                                    static_cast<std::uint32_t>(set.points.size()), 4});
+            for (const Vec2 q : {box.low, Vec2{box.high.x, box.low.y}, box.high, Vec2{box.low.x, box.high.y}})
+                set.points.push_back(plane.to_space(q));
+        }
+    }
+    std::vector<Box2> frames() const { return frames_of_slices(set, plane_patches(set)); }
+    ContourSet set;
+};
+
+void expect_box(const Box2& box, Vec2 low, Vec2 high) {
+    EXPECT_NEAR(box.low.x, low.x, 1e-9);
+    EXPECT_NEAR(box.low.y, low.y, 1e-9);
+    EXPECT_NEAR(box.high.x, high.x, 1e-9);
+    EXPECT_NEAR(box.high.y, high.y, 1e-9);
+}
+
+Plane axial(double z) {
+    return make_plane({0, 0, z}, {0, 0, 1});
+}
+
+TEST(FramesOfSlices, of_a_stack_are_one) {
+    Drawn drawn;
+    drawn.slice(axial(0), {{{0, 0}, {10, 10}}});
+    drawn.slice(axial(5), {{{0, 0}, {8, 10}}, {{30, 5}, {40, 12}}});
+    drawn.slice(axial(10), {{{2, -3}, {8, 10}}});
+    for (const Box2& frame : drawn.frames()) expect_box(frame, {0, -3}, {40, 12});
+}
+
+TEST(FramesOfSlices, end_where_a_slice_of_another_direction_draws_something) {
+    Drawn drawn;
+    drawn.slice(axial(0), {{{0, 0}, {10, 10}}});
+    drawn.slice(axial(5), {{{0, 0}, {10, 10}}, {{30, 0}, {40, 10}}});
+    // In the plane x = 25, from y = 2 to 8 and z = -4 to 4: through the first of them alone.
+    const Plane across = make_plane({25, 0, 0}, {1, 0, 0});
+    const Vec2 p = across.to_plane({25, 2, -4}), q = across.to_plane({25, 8, 4});
+    Box2 box;
+    box.extend(p);
+    box.extend(q);
+    drawn.slice(across, {box});
+    const std::vector<Box2> frames = drawn.frames();
+    expect_box(frames[0], {0, 0}, {25, 10});
+    expect_box(frames[1], {0, 0}, {40, 10});
+    expect_box(frames[2], box.low, box.high);
+}
+
+TEST(FramesOfSlices, that_draw_nothing_are_empty) {
+    Drawn drawn;
+    drawn.slice(axial(0), {});
+    drawn.slice(axial(5), {{{0, 0}, {10, 10}}});
+    EXPECT_TRUE(drawn.frames()[0].empty());
+}
+
+}  // namespace
+}  // namespace anatomesh
