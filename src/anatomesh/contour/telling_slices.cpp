@@ -26,6 +26,16 @@ bool has_most_gaps_with_others(const std::vector<std::uint32_t>& drawn) {
     return drawn.size() >= fewest_drawn && 2 * skips > drawn.size() - 1;
 }
 
+// Whether all its gaps are as wide, whatever they hold.
+bool is_even(const std::vector<std::uint32_t>& drawn, const std::vector<double>& heights) {
+    if (heights.empty() || drawn.size() <= fewest_gaps) return false;
+    const double first = heights[drawn[1]] - heights[drawn[0]];
+    for (std::size_t i = 2; i < drawn.size(); ++i) {
+        if (!alike(heights[drawn[i]] - heights[drawn[i - 1]], first)) return false;
+    }
+    return true;
+}
+
 // The spacing of a structure's gaps that hold no other slices, if they are even.
 std::optional<double> own_spacing(const std::vector<std::uint32_t>& drawn,
                                   const std::vector<double>& heights) {
@@ -60,7 +70,7 @@ std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& draw
                                           const std::vector<double>& heights,
                                           const std::vector<double>& left_out) {
     assert(!drawn.empty());
-    if (has_most_gaps_with_others(drawn)) return drawn;
+    if (has_most_gaps_with_others(drawn) || is_even(drawn, heights)) return drawn;
     const std::optional<double> spacing = !heights.empty() ? own_spacing(drawn, heights) : std::nullopt;
     std::vector<std::uint32_t> telling{drawn.front()};
     for (std::size_t i = 1; i < drawn.size(); ++i) {
@@ -83,11 +93,6 @@ std::vector<double> heights_left_out(const ContourSet& set, std::uint32_t struct
     }
     sort_distinct(heights);
     return heights;
-}
-
-bool has_usual_gaps_with_others(const std::vector<std::uint32_t>& drawn,
-                                const std::vector<std::uint32_t>& telling) {
-    return telling.size() < drawn.back() - drawn.front() + 1u && !has_most_gaps_with_others(drawn);
 }
 
 }  // namespace anatomesh

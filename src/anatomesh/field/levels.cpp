@@ -238,11 +238,9 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
     assert(!drawn.empty() && spacing > 0);
     StructureLevels result;
     const std::vector<std::uint32_t> telling = telling_of(intervals, drawn, every_slice, evidence.left_out);
-    if (!every_slice && has_usual_gaps_with_others(drawn, telling)) {
-        for (std::uint32_t i = drawn.front(); i <= drawn.back(); ++i) {
-            if (!std::binary_search(telling.begin(), telling.end(), i))
-                result.untold.push_back(intervals[i].slice);
-        }
+    for (std::uint32_t i = drawn.front(); i <= drawn.back(); ++i) {
+        if (!std::binary_search(telling.begin(), telling.end(), i))
+            result.untold.push_back(intervals[i].slice);
     }
     const bool own_spacing = telling.size() < drawn.back() - drawn.front() + 1u;
     // A structure on slices of its own knows these alone.

@@ -47,7 +47,7 @@ struct StructureLevels {
     // Along the normal, for warnings; gaps_by_groups: joined only since slices count in groups.
     std::vector<std::pair<double, double>> open_gaps, bridged_gaps, gaps_by_groups;
     std::vector<std::uint32_t> not_drawn;  // slices between its first and last on which it is empty
-    std::vector<std::uint32_t> untold;     // those that say nothing since the gap is as wide as its others
+    std::vector<std::uint32_t> untold;     // those between them that say nothing about it
 };
 
 // From the first slice of a part of a structure to its last, and how far the empty levels are from these.

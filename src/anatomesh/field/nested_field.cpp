@@ -272,7 +272,7 @@ void warn_of_silent_slices(const ContourSet& set, RunContext& context) {
                      (structure.name.empty() ? std::to_string(structure.number) : structure.name);
         context.warn(
             {"W-FLD-012",
-             "slices between its own, no further apart than these are elsewhere, on which it is not drawn",
+             "drawn on slices of its own: others between these draw other structures and not it",
              {set.source, set.slices[*gap + 1].name, names, "",
               std::to_string(own.back() - own.front() + 1 - own.size()) + " slices without it"},
              "taken to say nothing about it: it goes on through them"});

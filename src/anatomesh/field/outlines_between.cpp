@@ -59,10 +59,40 @@ bool has_silent_slices(const ContourSet& set) {
     return false;
 }
 
+// Whether a structure of a level goes on through slices that draw one which comes after it, and not it: there
+// it would cut what is drawn.
+bool cuts_what_is_drawn(const OverlappingContours& all, std::size_t level) {
+    const ContourSet plain = not_exclusive(all.levels[level]);
+    if (!plain.drawn || !is_parallel(plain)) return false;
+    const auto rank = [&](std::int32_t number) {
+        return std::find(all.order.begin(), all.order.end(), number) - all.order.begin();
+    };
+    // Slices of the whole, and the numbers of what they draw in other levels.
+    std::map<std::uint32_t, std::vector<std::int32_t>> drawn;
+    for (std::size_t n = 0; n < all.levels.size(); ++n) {
+        for (const Contour& contour : all.levels[n].contours) {
+            if (n != level)
+                drawn[all.slices[n][contour.slice]].push_back(all.levels[n].structures[contour.structure].number);
+        }
+    }
+    for (std::uint32_t s = 0; s < plain.structures.size(); ++s) {
+        const auto own = rank(plain.structures[s].number);
+        for (const std::uint32_t k : silent_slices(plain, s, slices_tell(plain, s))) {
+            const std::vector<std::int32_t>& others = drawn[all.slices[level][k]];
+            if (std::any_of(others.begin(), others.end(), [&](std::int32_t other) { return own < rank(other); }))
+                return true;
+        }
+    }
+    return false;
+}
+
 bool lacks_outlines(const ContourSet& kept) {
     if (!kept.overlapping) return has_silent_slices(kept);
-    const std::vector<ContourSet>& levels = kept.overlapping->levels;
-    return std::any_of(levels.begin(), levels.end(), has_silent_slices);
+    for (std::size_t n = 0; n < kept.overlapping->levels.size(); ++n) {
+        if (has_silent_slices(kept.overlapping->levels[n]) || cuts_what_is_drawn(*kept.overlapping, n))
+            return true;
+    }
+    return false;
 }
 
 double lattice_step(const ContourSet& set) {

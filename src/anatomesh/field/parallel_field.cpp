@@ -203,7 +203,7 @@ void warn_about_levels(const ContourSet& set, std::uint32_t structure, const Str
     if (set.drawn && !levels.untold.empty()) {
         context.warn(
             {"W-FLD-012",
-             "slices between its own, no further apart than these are elsewhere, on which it is not drawn",
+             "drawn on slices of its own: others between these draw other structures and not it",
              {set.source, set.slices[levels.untold.front()].name, name, "",
               std::to_string(levels.untold.size()) + " slices without it"},
              "taken to say nothing about it: it goes on through them"});
