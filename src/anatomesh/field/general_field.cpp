@@ -142,8 +142,8 @@ class GeneralField final : public FieldQueries<GeneralField> {
     }
 
     // Without the slices that are left out, if any are.
-    Status build(const ContourSet& set, std::vector<PlanePatch> patches, const std::vector<bool>& left_out,
-                 RunContext& context);
+    Status build(const ContourSet& set, std::vector<PlanePatch> patches, const std::vector<Box2>& frames,
+                 const std::vector<bool>& left_out, RunContext& context);
 
   private:
     Sight look(Vec3 p) const;
@@ -611,7 +611,8 @@ void GeneralField::find_slants(RunContext& context) {
 }
 
 Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patches,
-                           const std::vector<bool>& left_out, RunContext& context) {
+                           const std::vector<Box2>& frames, const std::vector<bool>& left_out,
+                           RunContext& context) {
     for (PlanePatch& patch : patches) patches_.push_back({std::move(patch), 0, 0, false, false});
     ANATOMESH_CHECK_STATUS(build_maps(set, left_out, context));
     box_ = set.box().grown(reach_);
@@ -622,7 +623,9 @@ Status GeneralField::build(const ContourSet& set, std::vector<PlanePatch> patche
     for (Box3& box : boxes_) {
         if (!box.empty()) box = box.grown(reach_);
     }
+    // By what is drawn on them; from here on as far as they tell.
     find_open_sides();
+    for (std::size_t s = 0; s < patches_.size(); ++s) patches_[s].patch.box = frames[s];
     build_grid(context.threads);
     find_slants(context);
     if (context.cancelled()) return cancelled_error();
@@ -707,7 +710,6 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
     std::vector<PlanePatch> patches = plane_patches(set);
     const PlaneSpacings spacings = plane_spacings(set, patches);
     const std::vector<Box2> frames = frames_of_slices(set, patches);
-    for (std::size_t s = 0; s < patches.size(); ++s) patches[s].box = frames[s];
     // Where planes lie close, distances still reach as far as the vertices are apart: cells are no smaller.
     const double vertex_spacing = mean_vertex_spacing(set);
     const double reach = std::max(1.5 * spacings.median, vertex_spacing);
@@ -733,7 +735,7 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
         const double margin = options.plane_margin_mm > 0 ? options.plane_margin_mm : own.median;
         auto field = std::make_shared<GeneralField>(own, options.least_reach_mm, margin, clamp,
                                                     set.exclusive && several, options.caps);
-        ANATOMESH_CHECK_STATUS(field->build(set, patches, slices, context));
+        ANATOMESH_CHECK_STATUS(field->build(set, patches, frames, slices, context));
         fields.push_back(std::move(field));
     }
     warn_about_thin_structures(set, spacings.median, context);

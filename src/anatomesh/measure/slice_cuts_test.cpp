@@ -152,5 +152,43 @@ TEST(SliceCuts, a_part_that_nobody_drew_counts) {
     EXPECT_NEAR(cuts[2].difference, 0, 1e-12);
 }
 
+// The triangle beside the square is drawn on the first of three slices alone and goes on to the second; a
+// slice across the square makes the planes cross, so that each is compared as far as it tells.
+TEST(SliceCuts, a_part_beside_the_box_of_a_slice_counts_where_its_neighbours_draw_it) {
+    const std::vector<Vec2> square = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+    Prism drawn(square, make_plane({}, {0, 0, 1}));
+    const Prism other({{10, 0}, {12, 0}, {12, 3}}, make_plane({0, 0, -0.5}, {0, 0, 1}));
+    const auto offset = static_cast<std::uint32_t>(drawn.points.size());
+    drawn.points.insert(drawn.points.end(), other.points.begin(), other.points.end());
+    for (const Triangle& t : other.surface)
+        drawn.surface.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+    ContourSet& set = drawn.contours;
+    const auto add = [&](std::uint32_t slice, const std::vector<Vec3>& ring) {
+        set.contours.push_back({0, slice, static_cast<std::uint32_t>(set.points.size()),
+                                static_cast<std::uint32_t>(ring.size())});
+        for (const Vec3& p : ring) {
+            set.points.push_back(p);
+            drawn.vertex_of.push_back(no_cell);
+        }
+    };
+    // In the order of the slices: the first one's triangle comes after its square.
+    std::vector<Contour> squares = set.contours;
+    set.contours = {squares[0]};
+    add(0, {{10, 0, 0}, {12, 0, 0}, {12, 3, 0}});
+    set.contours.push_back(squares[1]);
+    set.contours.push_back(squares[2]);
+    set.slices.push_back({make_plane({2, 0, 0}, {1, 0, 0}), 4, 1, ""});
+    add(3, {{2, 0, 0}, {2, 4, 0}, {2, 4, 2}, {2, 0, 2}});
+    set.slices[0].contour_count = 2;
+    set.slices[1].first_contour = 2;
+    set.slices[2].first_contour = 3;
+    const std::vector<SliceCut> cuts = drawn.cuts();
+    ASSERT_EQ(cuts.size(), 4u);
+    EXPECT_NEAR(cuts[0].difference, 0, 1e-12);
+    EXPECT_NEAR(cuts[1].difference, 3, 1e-12) << "what the first slice draws there the second one does not";
+    EXPECT_NEAR(cuts[2].difference, 0, 1e-12);
+    EXPECT_NEAR(cuts[3].difference, 0, 1e-12);
+}
+
 }  // namespace
 }  // namespace anatomesh

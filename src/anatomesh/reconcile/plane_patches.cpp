@@ -10,7 +10,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double cos_30 = 0.866;
-constexpr double cos_of_stack = 0.9848;    // 10 degrees: also of slices by hand
+constexpr double cos_of_direction = 0.9848;  // 10 degrees: also of slices by hand
 constexpr std::size_t crowd = 4;           // neighbours that share the room on both sides of a place
 constexpr std::size_t least_crowded = 12;  // planes
 constexpr double least_sine = 1e-4;        // planes at a smaller angle have no common line worth the name
@@ -52,8 +52,8 @@ std::vector<PlanePatch> plane_patches(const ContourSet& set) {
     return patches;
 }
 
-bool are_of_one_stack(const Plane& a, const Plane& b) {
-    return std::abs(dot(a.normal, b.normal)) >= cos_of_stack;
+bool are_of_one_direction(const Plane& a, const Plane& b) {
+    return std::abs(dot(a.normal, b.normal)) >= cos_of_direction;
 }
 
 namespace {
@@ -81,7 +81,7 @@ void take_out(Vec2 p, const Box2& box, Box2& frame) {
 void take_out_others(const ContourSet& set, const std::vector<PlanePatch>& patches, const PlanePatch& one,
                      Box2& frame) {
     for (std::size_t k = 0; k < patches.size(); ++k) {
-        if (are_of_one_stack(one.plane, patches[k].plane)) continue;
+        if (are_of_one_direction(one.plane, patches[k].plane)) continue;
         for (const Contour& contour : set.contours_of(set.slices[k])) {
             const auto points = set.points_of(contour);
             for (std::size_t n = 0; n < points.size(); ++n) {
@@ -104,8 +104,13 @@ std::vector<Box2> frames_of_slices(const ContourSet& set, const std::vector<Plan
         Box2& frame = frames.emplace_back(one.box);
         if (one.box.empty()) continue;
         for (const PlanePatch& other : patches) {
-            if (other.box.empty() || !are_of_one_stack(one.plane, other.plane)) continue;
-            for (const Vec3& corner : corners(other, 0)) frame.extend(one.plane.to_plane(corner));
+            if (other.box.empty() || !are_of_one_direction(one.plane, other.plane)) continue;
+            // Those that cross in the box of both do not lie side by side.
+            PlanePatch both = one;
+            for (const Vec3& corner : corners(other, 0)) both.box.extend(one.plane.to_plane(corner));
+            if (straddles(corners(both, 0), other.plane) && &other != &one) continue;
+            frame.extend(both.box.low);
+            frame.extend(both.box.high);
         }
         if (!is_same(frame, one.box)) take_out_others(set, patches, one, frame);
     }

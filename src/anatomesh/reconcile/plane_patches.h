@@ -33,12 +33,13 @@ struct PlanePatch {
 std::vector<PlanePatch> plane_patches(const ContourSet& set);
 
 // Whether two planes are of about one direction, as those of one stack of images or of one sweep are.
-bool are_of_one_stack(const Plane& a, const Plane& b);
+bool are_of_one_direction(const Plane& a, const Plane& b);
 
-// The box of each slice's contours with those of all others of its stack: images of one series have one frame,
-// and what one does not draw where another one of them does is not there. But as far only as no slice of
-// another direction draws something in the plane there: which of them is right cannot be told. Slices of no
-// stack have their own boxes. Complexity: O(slices * points) where there are stacks.
+// The box of each slice's contours with those of all others of about its direction that it does not cross
+// within the box of both: images of one series have one frame, and what one does not draw where another one
+// of them does is not there. But as far only as no slice of another direction draws something in the plane
+// there: which of them is right cannot be told. Others have their own boxes. Complexity: O(slices^2), and
+// O(slices * points) where there are such.
 std::vector<Box2> frames_of_slices(const ContourSet& set, const std::vector<PlanePatch>& patches);
 
 // Planes that cross are dense where vertices along the contours are more than so many spacings apart.

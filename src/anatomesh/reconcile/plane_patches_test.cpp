@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+#include <utility>
+
 namespace anatomesh {
 namespace {
 
@@ -57,6 +61,31 @@ TEST(FramesOfSlices, end_where_a_slice_of_another_direction_draws_something) {
     expect_box(frames[0], {0, 0}, {25, 10});
     expect_box(frames[1], {0, 0}, {40, 10});
     expect_box(frames[2], box.low, box.high);
+}
+
+// Half-planes about an axis, the opposite ones of which nearly make one plane, each drawn on its own side;
+// and slices by hand, the second of which crosses the first between what is drawn on both.
+TEST(FramesOfSlices, that_cross_in_the_box_of_both_are_their_own) {
+    Drawn about_axis;
+    for (int k = 0; k < 25; ++k) {
+        const double angle = 2 * std::numbers::pi * k / 25;
+        const Plane plane = make_plane({}, {-std::sin(angle), std::cos(angle), 0});
+        Box2 box;
+        for (const auto& [r, z] : {std::pair{0.0, -5.0}, std::pair{10.0, 5.0}})
+            box.extend(plane.to_plane({r * std::cos(angle), r * std::sin(angle), z}));
+        about_axis.slice(plane, {box});
+    }
+    const std::vector<Box2> frames = about_axis.frames();
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+        const Box2 own = plane_patches(about_axis.set)[k].box;
+        expect_box(frames[k], own.low, own.high);
+    }
+    Drawn by_hand;
+    by_hand.slice(axial(0), {{{0, 0}, {10, 10}}});
+    const Plane leaning = make_plane({20, 0, 0}, {std::sin(0.1), 0, std::cos(0.1)});
+    const Vec2 middle = leaning.to_plane({30, 5, -10 * std::tan(0.1)});
+    by_hand.slice(leaning, {{{middle.x - 2, middle.y - 2}, {middle.x + 2, middle.y + 2}}});
+    expect_box(by_hand.frames()[0], {0, 0}, {10, 10});
 }
 
 TEST(FramesOfSlices, that_draw_nothing_are_empty) {
