@@ -40,6 +40,16 @@ TEST(TellingSlices, those_in_a_gap_that_is_as_wide_as_its_others_do_not) {
 }
 
 // Not drawn at 9, since that slice was left out: what lies beside it tells nothing.
+TEST(TellingSlices, those_between_four_that_are_evenly_spaced_do_not) {
+    // 0, 5, 10 and 15 mm, of which the last two gaps hold others.
+    const std::vector<double> heights{0, 5, 6, 8, 10, 12, 15};
+    EXPECT_EQ(telling_slices({0, 1, 4, 6}, heights), (std::vector<std::uint32_t>{0, 1, 4, 6}));
+    // Three show no spacing, nor do four of which one gap is wider.
+    EXPECT_EQ(telling_slices({0, 1, 4}, {0, 5, 6, 8, 10}), (std::vector<std::uint32_t>{0, 1, 2, 3, 4}));
+    EXPECT_EQ(telling_slices({0, 1, 4, 5}, {0, 5, 6, 8, 11, 16}),
+              (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5}));
+}
+
 TEST(TellingSlices, what_was_left_out_is_no_slice_without_it) {
     const std::vector<double> heights{0, 3, 6, 8, 10, 12, 14, 15, 18, 21};
     const Places drawn{0, 1, 2, 5, 7, 8, 9};

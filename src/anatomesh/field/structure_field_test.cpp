@@ -389,7 +389,9 @@ TEST(StructureField, RS19_a_structure_on_every_fifth_slice_is_joined_at_its_own_
     RunContext context;
     const auto field = make_structure_field(builder.set, {}, context);
     ASSERT_TRUE(field.ok());
-    EXPECT_TRUE(context.warnings.empty());
+    ASSERT_EQ(context.warnings.size(), 1u);
+    EXPECT_EQ(context.warnings[0].code, "W-FLD-012") << "a guess, told";
+    EXPECT_EQ(context.warnings[0].place.structure, "S2");
     for (double z = -7; z < 97; z += 1) EXPECT_LT(field.value()->value(1, {0, 0, z}), 0) << z;
     EXPECT_GT(field.value()->value(1, {0, 0, 98}), 0);
 }
