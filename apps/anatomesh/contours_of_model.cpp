@@ -100,6 +100,9 @@ std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& descrip
             done.kept = std::move(given).value().kept;
             done.steps.push_back(
                 fmt::format("overlaps were given to the first of {} (priority)", fmt::join(names, ", ")));
+            if (has_interpolated(done.kept))
+                done.steps.emplace_back(
+                    "structures got outlines that nobody drew between slices of their own (W-PRI-002)");
         }
     }
     if (done.steps.empty()) return std::nullopt;

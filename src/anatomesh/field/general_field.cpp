@@ -709,7 +709,7 @@ Result<std::shared_ptr<const StructureField>> make_general_field(const ContourSe
                                                                  RunContext& context) {
     std::vector<PlanePatch> patches = plane_patches(set);
     const PlaneSpacings spacings = plane_spacings(set, patches);
-    const std::vector<Box2> frames = frames_of_slices(set, patches);
+    const std::vector<Box2> frames = frames_of_slices(set, patches, spacings.median);
     // Where planes lie close, distances still reach as far as the vertices are apart: cells are no smaller.
     const double vertex_spacing = mean_vertex_spacing(set);
     const double reach = std::max(1.5 * spacings.median, vertex_spacing);

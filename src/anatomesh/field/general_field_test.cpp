@@ -433,13 +433,12 @@ TEST(GeneralField, far_from_all_planes_is_outside) {
 
 // Two balls beside each other, of one structure or of two, on axial slices; sagittal ones through the first
 // alone.
-ContourSet two_balls(bool of_one, double tilt) {
+ContourSet two_balls(bool of_one) {
     SetBuilder builder;
     const Vec3 middles[]{{0, 0, 0}, {40, 0, 0}};
     const double radii[]{14, 9};
     for (int k = -6; k <= 6; ++k) {
-        // Leaning to and fro, as slices by hand.
-        const Plane plane = make_plane({0, 0, 2.2 * k + 0.1}, {0, tilt * (k % 2), 1});
+        const Plane plane = axial(2.2 * k + 0.1);
         bool first = true;
         for (std::uint32_t b = 0; b < 2; ++b) {
             const double height = plane.signed_distance(middles[b]),
@@ -460,14 +459,43 @@ ContourSet two_balls(bool of_one, double tilt) {
 
 TEST(GeneralField, what_one_slice_of_a_stack_does_not_draw_where_its_neighbours_do_is_not_there) {
     for (const bool of_one : {true, false}) {
-        for (const double tilt : {0.0, 0.04}) {
-            SCOPED_TRACE(testing::Message() << of_one << " leaning " << tilt);
-            const auto field = field_of(two_balls(of_one, tilt));
-            const std::uint32_t structure = of_one ? 0 : 1;
-            // Half a spacing beyond the last slice that draws it, not two.
-            for (const double z : {-11.5, 11.5}) EXPECT_GT(field->value(structure, {40, 0, z}), 0) << z;
-            for (const double z : {-7.0, 0.0, 7.0}) EXPECT_LT(field->value(structure, {40, 0, z}), 0) << z;
+        SCOPED_TRACE(of_one);
+        const auto field = field_of(two_balls(of_one));
+        const std::uint32_t structure = of_one ? 0 : 1;
+        // Half a spacing beyond the last slice that draws it, not two.
+        for (const double z : {-11.5, 11.5}) EXPECT_GT(field->value(structure, {40, 0, z}), 0) << z;
+        for (const double z : {-7.0, 0.0, 7.0}) EXPECT_LT(field->value(structure, {40, 0, z}), 0) << z;
+    }
+}
+
+// An ellipsoid that two passes of a probe show side by side, each what its images, 40 mm wide, hold of it;
+// the passes interleave, and planes lean to and fro.
+TEST(GeneralField, two_passes_of_a_probe_side_by_side_do_not_deny_each_other) {
+    SetBuilder builder;
+    const auto radius_at = [](double z) { return std::sqrt(std::max(0.0, 1 - z * z / 400)); };
+    for (int k = -9; k <= 9; ++k) {
+        for (const double side : {-1.0, 1.0}) {
+            const double z = 2.0 * k + 0.5 * side, lean = 0.017 * ((k + 20) % 3 - 1);
+            const double a = 34 * radius_at(z), b = 12 * radius_at(z);
+            const Plane plane = make_plane({17 * side, 0, z}, {lean, 0, 1});
+            builder.slice(plane);
+            Ring ring;
+            // What of the section lies within 20 mm of the image's middle.
+            for (int n = 0; n < 90; ++n) {
+                const double t = 2 * std::numbers::pi * n / 90;
+                const double x = std::clamp(a * std::cos(t), 17 * side - 20, 17 * side + 20);
+                const double y =
+                    b * std::sqrt(std::max(0.0, 1 - x * x / (a * a))) * (std::sin(t) < 0 ? -1 : 1);
+                const Vec2 q = plane.to_plane({x, y, z - lean * (x - 17 * side)});
+                if (ring.empty() || length(q - ring.back()) > 1e-6) ring.push_back(q);
+            }
+            builder.ring(0, ring);
         }
+    }
+    const auto field = field_of(builder.set);
+    for (double z = -15; z <= 15; z += 1) {
+        for (const double share : {-0.7, -0.4, 0.0, 0.4, 0.7})
+            EXPECT_LT(field->value(0, {34 * share * radius_at(z), 0, z}), 0) << share << " " << z;
     }
 }
 

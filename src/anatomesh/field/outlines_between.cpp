@@ -272,12 +272,14 @@ void warn_of_outlines(const ContourSet& set, RunContext& context) {
         }
         if (slices.empty()) continue;
         const Structure& structure = set.structures[s];
-        context.warn({"W-PRI-002",
-                      "drawn on slices of its own, and not on those between them, which draw others",
-                      {set.source, set.slices[slices.front()].name,
-                       structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
-                       std::to_string(slices.size()) + " slices"},
-                      "its outline there is what its own slices tell: interpolated, not drawn"});
+        context.warn(
+            {"W-PRI-002",
+             "drawn on slices of its own, and not on those between them, which draw others",
+             {set.source, set.slices[slices.front()].name,
+              structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
+              std::to_string(slices.size()) + " slices"},
+             "its outline there is what its own slices tell, interpolated, not drawn; parts that are apart "
+             "are to be structures of their own"});
     }
 }
 
@@ -304,7 +306,7 @@ Result<PriorityResult> part_structures(const ContourSet& set, const std::vector<
                                        const FieldOptions& options, RunContext& context) {
     const std::size_t warnings = context.warnings.size();
     ANATOMESH_TRY(PriorityResult result, give_overlaps(set, order, context));
-    if (!lacks_outlines(result.kept)) return result;
+    if (!is_parallel(set) || !lacks_outlines(result.kept)) return result;
     ANATOMESH_TRY(const ContourSet whole, outlines_between(not_exclusive(set), options, context));
     if (!has_interpolated(whole)) return result;
     context.warnings.resize(warnings);

@@ -158,7 +158,7 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
     const bool parallel = all_parallel(contours, parallel_mm);
     RunContext context;
     const Unsaid unsaid = Unsaid::of(contours, context);
-    const std::vector<Box2> frames = frames_of_slices(contours, plane_patches(contours));
+    const std::vector<Box2> frames = parallel ? std::vector<Box2>() : frames_of_slices(contours);
     std::vector<std::uint8_t> drawn_here(points.size(), 0);
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         TrianglesAtPlanes surface(points, surfaces[s]);
@@ -168,7 +168,8 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
             const double off_plane = farthest_off_plane(contours, slice) + tolerance;
             Cut cut(points, slice.plane, off_plane, drawn_here);
             SliceCut measured{s, k, 0, 0};
-            Box2 extent = frames[k];
+            constexpr double far = 1e12;
+            const Box2 extent = parallel ? Box2{{-far, -far}, {far, far}} : frames[k];
             bool drawn = false;
             const auto mark = [&](std::uint8_t value) {
                 for (const Contour& contour : contours.contours_of(slice)) {
@@ -193,10 +194,6 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
             if (drawn || (tell[k] && (parallel || slice.contour_count > 0) && !unsaid.contains(k, s))) {
                 // Twice what counts as on the plane, for rounding.
                 surface.for_each_near(slice.plane, 2 * off_plane, [&](const Triangle& t) { cut.add(t); });
-                if (parallel) {
-                    constexpr double far = 1e12;
-                    extent = {{-far, -far}, {far, far}};
-                }
                 measured.difference = even_odd_area(cut.rest(), extent);
                 cuts.push_back(measured);
             }

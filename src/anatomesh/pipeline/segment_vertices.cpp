@@ -87,7 +87,7 @@ void place_planes(const ContourSet& contours, bool parallel, SlicesThatTell& sli
             continue;
         }
     }
-    if (!parallel) slices.extents = frames_of_slices(contours, plane_patches(contours));
+    if (!parallel) slices.extents = frames_of_slices(contours);
 }
 
 // Areas drawn, at structure * slices + slice; mm^2.

@@ -10,7 +10,8 @@ namespace anatomesh {
 namespace {
 
 constexpr double cos_30 = 0.866;
-constexpr double cos_of_direction = 0.9848;  // 10 degrees: also of slices by hand
+constexpr double cos_of_series = 0.9999985;  // 0.1 degrees: of images of one series
+constexpr double covered_share = 0.75;       // of a slice's box by that of another one with its frame
 constexpr std::size_t crowd = 4;           // neighbours that share the room on both sides of a place
 constexpr std::size_t least_crowded = 12;  // planes
 constexpr double least_sine = 1e-4;        // planes at a smaller angle have no common line worth the name
@@ -52,43 +53,55 @@ std::vector<PlanePatch> plane_patches(const ContourSet& set) {
     return patches;
 }
 
-bool are_of_one_direction(const Plane& a, const Plane& b) {
-    return std::abs(dot(a.normal, b.normal)) >= cos_of_direction;
-}
-
 namespace {
 
-// Takes the point out of the frame, on the side where least beyond the box is lost.
-void take_out(Vec2 p, const Box2& box, Box2& frame) {
+bool are_of_one_series(const Plane& a, const Plane& b) {
+    return std::abs(dot(a.normal, b.normal)) >= cos_of_series;
+}
+
+double area_of(const Box2& box) {
+    return box.empty() ? 0 : (box.high.x - box.low.x) * (box.high.y - box.low.y);
+}
+
+// Whether the box has most of a slice's own in it.
+bool covers(const Box2& box, const Box2& own) {
+    const Box2 common{{std::max(box.low.x, own.low.x), std::max(box.low.y, own.low.y)},
+                      {std::min(box.high.x, own.high.x), std::min(box.high.y, own.high.y)}};
+    return area_of(common) >= covered_share * area_of(own);
+}
+
+// Takes the point and what is within the margin of it out of the frame, on the side where least beyond the
+// box is lost.
+void take_out(Vec2 p, const Box2& box, double margin, Box2& frame) {
     struct Side {
         double lost;
         double* rim;
         double to;
     };
-    std::array<Side, 4> sides{{{frame.high.x - p.x, &frame.high.x, p.x},
-                               {p.x - frame.low.x, &frame.low.x, p.x},
-                               {frame.high.y - p.y, &frame.high.y, p.y},
-                               {p.y - frame.low.y, &frame.low.y, p.y}}};
+    std::array<Side, 4> sides{{{frame.high.x - p.x, &frame.high.x, std::max(box.high.x, p.x - margin)},
+                               {p.x - frame.low.x, &frame.low.x, std::min(box.low.x, p.x + margin)},
+                               {frame.high.y - p.y, &frame.high.y, std::max(box.high.y, p.y - margin)},
+                               {p.y - frame.low.y, &frame.low.y, std::min(box.low.y, p.y + margin)}}};
     const std::array<bool, 4> is_beyond{p.x > box.high.x, p.x < box.low.x, p.y > box.high.y, p.y < box.low.y};
     const Side* least = nullptr;
     for (std::size_t n = 0; n < sides.size(); ++n) {
         if (is_beyond[n] && (least == nullptr || sides[n].lost < least->lost)) least = &sides[n];
     }
-    if (least != nullptr && frame.contains(p)) *least->rim = least->to;
+    if (least != nullptr && frame.grown(margin).contains(p)) *least->rim = least->to;
 }
 
 // Where contours of slices of other directions pass through the plane.
 void take_out_others(const ContourSet& set, const std::vector<PlanePatch>& patches, const PlanePatch& one,
-                     Box2& frame) {
+                     double margin, Box2& frame) {
     for (std::size_t k = 0; k < patches.size(); ++k) {
-        if (are_of_one_direction(one.plane, patches[k].plane)) continue;
+        if (are_of_one_series(one.plane, patches[k].plane)) continue;
         for (const Contour& contour : set.contours_of(set.slices[k])) {
             const auto points = set.points_of(contour);
             for (std::size_t n = 0; n < points.size(); ++n) {
                 const Vec3 a = points[n], b = points[(n + 1) % points.size()];
                 const double above = one.plane.signed_distance(a), below = one.plane.signed_distance(b);
                 if ((above < 0) == (below < 0)) continue;
-                take_out(one.plane.to_plane(a + (above / (above - below)) * (b - a)), one.box, frame);
+                take_out(one.plane.to_plane(a + (above / (above - below)) * (b - a)), one.box, margin, frame);
             }
         }
     }
@@ -98,21 +111,21 @@ bool is_same(const Box2& a, const Box2& b) { return a.low == b.low && a.high == 
 
 }  // namespace
 
-std::vector<Box2> frames_of_slices(const ContourSet& set, const std::vector<PlanePatch>& patches) {
+std::vector<Box2> frames_of_slices(const ContourSet& set, const std::vector<PlanePatch>& patches,
+                                   double margin) {
     std::vector<Box2> frames;
     for (const PlanePatch& one : patches) {
         Box2& frame = frames.emplace_back(one.box);
         if (one.box.empty()) continue;
         for (const PlanePatch& other : patches) {
-            if (other.box.empty() || !are_of_one_direction(one.plane, other.plane)) continue;
-            // Those that cross in the box of both do not lie side by side.
-            PlanePatch both = one;
-            for (const Vec3& corner : corners(other, 0)) both.box.extend(one.plane.to_plane(corner));
-            if (straddles(corners(both, 0), other.plane) && &other != &one) continue;
-            frame.extend(both.box.low);
-            frame.extend(both.box.high);
+            if (other.box.empty() || !are_of_one_series(one.plane, other.plane)) continue;
+            Box2 box;
+            for (const Vec3& corner : corners(other, 0)) box.extend(one.plane.to_plane(corner));
+            if (!covers(box, one.box)) continue;
+            frame.extend(box.low);
+            frame.extend(box.high);
         }
-        if (!is_same(frame, one.box)) take_out_others(set, patches, one, frame);
+        if (!is_same(frame, one.box)) take_out_others(set, patches, one, margin, frame);
     }
     return frames;
 }
@@ -164,6 +177,11 @@ PlaneSpacings plane_spacings(const ContourSet& set, const std::vector<PlanePatch
         spacings.wide = std::max(spacings.wide, spacings.median);
     }
     return spacings;
+}
+
+std::vector<Box2> frames_of_slices(const ContourSet& set) {
+    const std::vector<PlanePatch> patches = plane_patches(set);
+    return frames_of_slices(set, patches, plane_spacings(set, patches).median);
 }
 
 double mean_vertex_spacing(const ContourSet& set) {

@@ -32,15 +32,14 @@ struct PlanePatch {
 // One patch a slice. O(points).
 std::vector<PlanePatch> plane_patches(const ContourSet& set);
 
-// Whether two planes are of about one direction, as those of one stack of images or of one sweep are.
-bool are_of_one_direction(const Plane& a, const Plane& b);
-
-// The box of each slice's contours with those of all others of about its direction that it does not cross
-// within the box of both: images of one series have one frame, and what one does not draw where another one
-// of them does is not there. But as far only as no slice of another direction draws something in the plane
-// there: which of them is right cannot be told. Others have their own boxes. Complexity: O(slices^2), and
-// O(slices * points) where there are such.
-std::vector<Box2> frames_of_slices(const ContourSet& set, const std::vector<PlanePatch>& patches);
+// The box of each slice's contours with those of all others parallel to it (within 0.1 degrees: images of one
+// series have one frame) that have three quarters of it in theirs: they draw beside what it draws, and what
+// it does not draw there is not there. Slices that draw something else alone may be of other images. But not
+// where, or within a margin of where, slices of other directions draw something in the plane: which of them
+// is right cannot be told. Others have their own boxes; so have slices by hand, whose frame is not known.
+// Complexity: O(slices^2), and O(slices * points) where there are such.
+std::vector<Box2> frames_of_slices(const ContourSet& set, const std::vector<PlanePatch>& patches,
+                                   double margin);
 
 // Planes that cross are dense where vertices along the contours are more than so many spacings apart.
 inline constexpr double dense_spacing = 1.5;
@@ -55,6 +54,9 @@ struct PlaneSpacings {
 // cross; where there is no such plane, the set's diagonal shared by the planes. O(planes^2) with a small
 // factor.
 PlaneSpacings plane_spacings(const ContourSet& set, const std::vector<PlanePatch>& patches);
+
+// The frames with the median spacing as the margin.
+std::vector<Box2> frames_of_slices(const ContourSet& set);
 
 // The mean distance of neighbouring vertices along the contours; 0 without contours.
 double mean_vertex_spacing(const ContourSet& set);

@@ -23,7 +23,9 @@ class Drawn {
                 set.points.push_back(plane.to_space(q));
         }
     }
-    std::vector<Box2> frames() const { return frames_of_slices(set, plane_patches(set)); }
+    std::vector<Box2> frames(double margin = 0) const {
+        return frames_of_slices(set, plane_patches(set), margin);
+    }
     ContourSet set;
 };
 
@@ -38,12 +40,38 @@ Plane axial(double z) {
     return make_plane({0, 0, z}, {0, 0, 1});
 }
 
-TEST(FramesOfSlices, of_a_stack_are_one) {
+TEST(FramesOfSlices, reach_as_far_as_those_that_draw_beside_what_they_draw) {
     Drawn drawn;
     drawn.slice(axial(0), {{{0, 0}, {10, 10}}});
-    drawn.slice(axial(5), {{{0, 0}, {8, 10}}, {{30, 5}, {40, 12}}});
-    drawn.slice(axial(10), {{{2, -3}, {8, 10}}});
-    for (const Box2& frame : drawn.frames()) expect_box(frame, {0, -3}, {40, 12});
+    drawn.slice(axial(5), {{{0, 0}, {9, 10}}, {{30, 5}, {40, 12}}});
+    drawn.slice(axial(10), {{{2, -1}, {8, 10}}});
+    drawn.slice(axial(15), {{{31, 6}, {39, 11}}});
+    const std::vector<Box2> frames = drawn.frames();
+    expect_box(frames[0], {0, 0}, {40, 12});
+    expect_box(frames[1], {0, 0}, {40, 12});
+    expect_box(frames[2], {0, -1}, {40, 12});
+    expect_box(frames[3], {0, 0}, {40, 12});
+}
+
+// Two passes of a probe that overlap by a sixth; and slices by hand.
+TEST(FramesOfSlices, of_other_images_or_by_hand_are_their_own) {
+    for (const double lean : {0.0, 0.02}) {
+        Drawn drawn;
+        for (int k = 0; k < 6; ++k) {
+            const double left = k % 2 == 0 || lean > 0 ? 0 : 34;
+            drawn.slice(make_plane({0, 0, 2.0 * k}, {0, lean * (k % 3), 1}),
+                        {{{left, 0}, {left + 40 - 2 * k, 20}}});
+        }
+        const std::vector<Box2> frames = drawn.frames();
+        const std::vector<PlanePatch> patches = plane_patches(drawn.set);
+        for (std::size_t k = 0; k < frames.size(); ++k) {
+            EXPECT_LE(frames[k].high.x - frames[k].low.x, 40) << k;
+            if (lean > 0 && k % 3 == 1) {
+                // Of one direction with the fourth after it alone.
+                EXPECT_NEAR(frames[k].low.x, patches[k].box.low.x, 1e-9);
+            }
+        }
+    }
 }
 
 TEST(FramesOfSlices, end_where_a_slice_of_another_direction_draws_something) {
@@ -60,12 +88,14 @@ TEST(FramesOfSlices, end_where_a_slice_of_another_direction_draws_something) {
     const std::vector<Box2> frames = drawn.frames();
     expect_box(frames[0], {0, 0}, {25, 10});
     expect_box(frames[1], {0, 0}, {40, 10});
+    // With its margin a frame ends there, but it is no smaller than what is drawn.
+    expect_box(drawn.frames(4)[0], {0, 0}, {21, 10});
+    expect_box(drawn.frames(30)[0], {0, 0}, {10, 10});
     expect_box(frames[2], box.low, box.high);
 }
 
-// Half-planes about an axis, the opposite ones of which nearly make one plane, each drawn on its own side;
-// and slices by hand, the second of which crosses the first between what is drawn on both.
-TEST(FramesOfSlices, that_cross_in_the_box_of_both_are_their_own) {
+// Half-planes about an axis, the opposite ones of which nearly make one plane, each drawn on its own side.
+TEST(FramesOfSlices, about_an_axis_are_their_own) {
     Drawn about_axis;
     for (int k = 0; k < 25; ++k) {
         const double angle = 2 * std::numbers::pi * k / 25;
@@ -80,12 +110,6 @@ TEST(FramesOfSlices, that_cross_in_the_box_of_both_are_their_own) {
         const Box2 own = plane_patches(about_axis.set)[k].box;
         expect_box(frames[k], own.low, own.high);
     }
-    Drawn by_hand;
-    by_hand.slice(axial(0), {{{0, 0}, {10, 10}}});
-    const Plane leaning = make_plane({20, 0, 0}, {std::sin(0.1), 0, std::cos(0.1)});
-    const Vec2 middle = leaning.to_plane({30, 5, -10 * std::tan(0.1)});
-    by_hand.slice(leaning, {{{middle.x - 2, middle.y - 2}, {middle.x + 2, middle.y + 2}}});
-    expect_box(by_hand.frames()[0], {0, 0}, {10, 10});
 }
 
 TEST(FramesOfSlices, that_draw_nothing_are_empty) {
