@@ -213,9 +213,8 @@ double widest_part(double low, double high, const std::vector<double>& heights) 
 }
 
 bool has_part(const std::vector<StructurePart>& parts, double low, double high) {
-    return std::any_of(parts.begin(), parts.end(), [&](const StructurePart& part) {
-        return part.low <= low && high <= part.high;
-    });
+    return std::any_of(parts.begin(), parts.end(),
+                       [&](const StructurePart& part) { return part.low <= low && high <= part.high; });
 }
 
 // The least of parts that begin with the slice, or, where it is not inward upwards, end with it.
@@ -224,7 +223,8 @@ std::optional<double> spacing_of_parts(const std::vector<StructurePart>& parts, 
     std::optional<double> least;
     for (const StructurePart& part : parts) {
         const double spacing = inward > 0 ? part.below : part.above;
-        if ((inward > 0 ? part.low == slice.low : part.high == slice.high) && spacing < least.value_or(HUGE_VAL))
+        if ((inward > 0 ? part.low == slice.low : part.high == slice.high) &&
+            spacing < least.value_or(HUGE_VAL))
             least = spacing;
     }
     return least;
@@ -252,8 +252,7 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
     std::vector<std::size_t> place;  // in these, of each that tells, or of the next one below it
     for (const std::uint32_t i : telling) {
         const bool is_end = i == telling.front() || i == telling.back();
-        if (is_end ||
-            !std::binary_search(evidence.interpolated.begin(), evidence.interpolated.end(), i))
+        if (is_end || !std::binary_search(evidence.interpolated.begin(), evidence.interpolated.end(), i))
             known.push_back(i);
         place.push_back(known.size() - 1);
     }

@@ -59,12 +59,12 @@ struct StructurePart {
 // What else tells whether a structure goes on through a gap.
 struct GapEvidence {
     std::vector<double> left_out;  // rising heights of slices of its own that are not there: see below
-    // Of the drawn ones, rising: those that got their outlines from the others (outlines_between.h). They part
-    // no gap, and so make no other one wide.
+    // Of the drawn ones, rising: those that got their outlines from the others (outlines_between.h). They
+    // part no gap, and so make no other one wide.
     std::vector<std::uint32_t> interpolated;
     // Of structures that exclude each other: where the parts of all reach. One that ends where others go on
-    // does so half-way to the next slice; those that begin or end with one slice do so equally far from it, as
-    // far as the nearest of them. All of them together (`of_all`) go on where one does.
+    // does so half-way to the next slice; those that begin or end with one slice do so equally far from it,
+    // as far as the nearest of them. All of them together (`of_all`) go on where one does.
     std::vector<StructurePart> parts;
     bool of_all = false;
 };

@@ -21,13 +21,14 @@ std::vector<double> positions_of(const std::vector<double>& gaps) {
     return positions;
 }
 
-StructureLevels levels_of(const std::vector<double>& gaps, const FieldOptions& options) {
+StructureLevels levels_of(const std::vector<double>& gaps, const FieldOptions& options,
+                          bool every_slice = false, const GapEvidence& evidence = {}) {
     std::vector<SliceInterval> intervals;
     for (const double z : positions_of(gaps))
         intervals.push_back({static_cast<std::uint32_t>(intervals.size()), z, z});
     std::vector<std::uint32_t> drawn(intervals.size());
     std::iota(drawn.begin(), drawn.end(), 0u);
-    return structure_levels(intervals, drawn, false, 1, options);
+    return structure_levels(intervals, drawn, every_slice, 1, options, evidence);
 }
 
 // Gaps a, b, a, b, ...
@@ -416,22 +417,14 @@ std::vector<double> with_finer_middle() {
     return gaps;
 }
 
-StructureLevels levels_with(const std::vector<double>& gaps, const GapEvidence& evidence) {
-    std::vector<SliceInterval> intervals;
-    for (const double z : positions_of(gaps))
-        intervals.push_back({static_cast<std::uint32_t>(intervals.size()), z, z});
-    std::vector<std::uint32_t> drawn(intervals.size());
-    std::iota(drawn.begin(), drawn.end(), 0u);
-    return structure_levels(intervals, drawn, true, 1, {}, evidence);
-}
-
 TEST(Levels, of_outlines_that_nobody_drew_make_no_other_gap_wide) {
     GapEvidence evidence;
-    EXPECT_EQ(inside_of(levels_with(with_finer_middle(), evidence)).second, 3u) << "all drawn: two wide gaps";
+    EXPECT_EQ(inside_of(levels_of(with_finer_middle(), {}, true, evidence)).second, 3u)
+        << "all drawn: two wide gaps";
     for (std::uint32_t i = 1; i < 18; ++i) {
         if ((i - 1) % 4 != 0) evidence.interpolated.push_back(i);
     }
-    const StructureLevels levels = levels_with(with_finer_middle(), evidence);
+    const StructureLevels levels = levels_of(with_finer_middle(), {}, true, evidence);
     const auto [length, parts] = inside_of(levels);
     EXPECT_EQ(parts, 1u);
     EXPECT_DOUBLE_EQ(length, 24 + 4) << "half of its own spacing beyond either end";
@@ -443,7 +436,7 @@ TEST(Levels, of_all_structures_together_go_on_where_one_does) {
     GapEvidence evidence;
     evidence.parts = {{0, 24, 4, 4}};
     evidence.of_all = true;
-    const auto [length, parts] = inside_of(levels_with(with_finer_middle(), evidence));
+    const auto [length, parts] = inside_of(levels_of(with_finer_middle(), {}, true, evidence));
     EXPECT_EQ(parts, 1u);
     EXPECT_DOUBLE_EQ(length, 24 + 4);
 }

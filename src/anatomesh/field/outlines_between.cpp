@@ -18,6 +18,8 @@
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/plane_trace.h"
 #include "anatomesh/field/slices_tell.h"
+#include "anatomesh/geom/polygon.h"
+#include "anatomesh/reconcile/plane_patches.h"
 
 namespace anatomesh {
 
@@ -72,14 +74,16 @@ bool cuts_what_is_drawn(const OverlappingContours& all, std::size_t level) {
     for (std::size_t n = 0; n < all.levels.size(); ++n) {
         for (const Contour& contour : all.levels[n].contours) {
             if (n != level)
-                drawn[all.slices[n][contour.slice]].push_back(all.levels[n].structures[contour.structure].number);
+                drawn[all.slices[n][contour.slice]].push_back(
+                    all.levels[n].structures[contour.structure].number);
         }
     }
     for (std::uint32_t s = 0; s < plain.structures.size(); ++s) {
         const auto own = rank(plain.structures[s].number);
         for (const std::uint32_t k : silent_slices(plain, s, slices_tell(plain, s))) {
             const std::vector<std::int32_t>& others = drawn[all.slices[level][k]];
-            if (std::any_of(others.begin(), others.end(), [&](std::int32_t other) { return own < rank(other); }))
+            if (std::any_of(others.begin(), others.end(),
+                            [&](std::int32_t other) { return own < rank(other); }))
                 return true;
         }
     }
@@ -96,14 +100,10 @@ bool lacks_outlines(const ContourSet& kept) {
 }
 
 double lattice_step(const ContourSet& set) {
-    double sum = 0;
-    for (const Contour& contour : set.contours) {
-        const auto points = set.points_of(contour);
-        for (std::size_t n = 0; n < points.size(); ++n)
-            sum += length(points[(n + 1) % points.size()] - points[n]);
-    }
-    return std::min(lattice_share * sum / static_cast<double>(set.points.size()),
-                    contour_share * sum / static_cast<double>(set.contours.size()));
+    const double edge = mean_vertex_spacing(set);
+    const auto points = static_cast<double>(set.points.size()),
+               contours = static_cast<double>(set.contours.size());
+    return std::min(lattice_share * edge, contour_share * edge * points / contours);
 }
 
 // The loops that bound the region, from their lexicographically smallest vertex on.
@@ -124,16 +124,18 @@ std::vector<std::vector<Vec3>> loops_of(const std::vector<Edge2>& edges, const P
     for (const std::vector<std::uint32_t>& loop : boundary_loops(at, graph)) {
         std::vector<Vec3>& points = loops.emplace_back();
         for (const std::uint32_t e : loop) points.push_back(plane.to_space(at[graph[e].from]));
-        std::rotate(points.begin(), std::min_element(points.begin(), points.end(), lexicographic_less), points.end());
+        const auto first = std::min_element(points.begin(), points.end(), [](const Vec3& a, const Vec3& b) {
+            return lexicographic_less(a, b);
+        });
+        std::rotate(points.begin(), first, points.end());
     }
     return loops;
 }
 
 double area_of(const std::vector<Vec3>& loop, const Plane& plane) {
-    double twice = 0;
-    for (std::size_t n = 0; n < loop.size(); ++n)
-        twice += cross(plane.to_plane(loop[n]), plane.to_plane(loop[(n + 1) % loop.size()]));
-    return 0.5 * twice;
+    std::vector<Vec2> ring;
+    for (const Vec3& p : loop) ring.push_back(plane.to_plane(p));
+    return std::abs(signed_area(ring));
 }
 
 class Outlines {
@@ -164,7 +166,8 @@ class Outlines {
             if (context_.cancelled()) return cancelled_error();
             if (std::binary_search(within.begin(), within.end(), k)) trace(*field, step, k, outlines);
         }
-        ANATOMESH_TRY(SimplifyResult fewer, simplify_contours(outlines, {most_moved * step, step / lattice_share, 0}, apart));
+        ANATOMESH_TRY(SimplifyResult fewer,
+                      simplify_contours(outlines, {most_moved * step, step / lattice_share, 0}, apart));
         return std::move(fewer.kept);
     }
 
@@ -204,7 +207,7 @@ class Outlines {
         std::vector<std::vector<Vec3>> loops =
             loops_of(trace_in_plane(value, box.grown(2 * step), step, context_.threads), plane);
         std::erase_if(loops, [&](const std::vector<Vec3>& loop) {
-            return loop.size() < 3 || std::abs(area_of(loop, plane)) < step * step;
+            return loop.size() < 3 || area_of(loop, plane) < step * step;
         });
         std::sort(loops.begin(), loops.end(),
                   [](const auto& a, const auto& b) { return lexicographic_less(a.front(), b.front()); });

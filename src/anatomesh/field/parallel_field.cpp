@@ -201,12 +201,11 @@ void warn_about_levels(const ContourSet& set, std::uint32_t structure, const Str
                       "taken as empty there; slices that nobody drew on are left out by --without"});
     }
     if (set.drawn && !levels.untold.empty()) {
-        context.warn(
-            {"W-FLD-012",
-             "drawn on slices of its own: others between these draw other structures and not it",
-             {set.source, set.slices[levels.untold.front()].name, name, "",
-              std::to_string(levels.untold.size()) + " slices without it"},
-             "taken to say nothing about it: it goes on through them"});
+        context.warn({"W-FLD-012",
+                      "drawn on slices of its own: others between these draw other structures and not it",
+                      {set.source, set.slices[levels.untold.front()].name, name, "",
+                       std::to_string(levels.untold.size()) + " slices without it"},
+                      "taken to say nothing about it: it goes on through them"});
     }
     if (levels.flat_island) {
         context.warn({"W-FLD-004",

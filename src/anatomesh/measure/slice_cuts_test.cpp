@@ -138,14 +138,19 @@ TEST(SliceCuts, a_vertex_drawn_elsewhere_shows_as_the_area_that_it_sweeps) {
     EXPECT_NEAR(cuts[2].difference, 0, 1e-12);
 }
 
-TEST(SliceCuts, a_part_that_nobody_drew_counts) {
-    const std::vector<Vec2> square = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
-    Prism drawn(square, make_plane({}, {0, 0, 1}));
+// To the surface alone: of 3 mm2, through the first two slices.
+void add_triangle_beside(Prism& drawn) {
     const Prism other({{10, 0}, {12, 0}, {12, 3}}, make_plane({0, 0, -0.5}, {0, 0, 1}));
     const auto offset = static_cast<std::uint32_t>(drawn.points.size());
     drawn.points.insert(drawn.points.end(), other.points.begin(), other.points.end());
     for (const Triangle& t : other.surface)
         drawn.surface.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+}
+
+TEST(SliceCuts, a_part_that_nobody_drew_counts) {
+    const std::vector<Vec2> square = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+    Prism drawn(square, make_plane({}, {0, 0, 1}));
+    add_triangle_beside(drawn);
     const std::vector<SliceCut> cuts = drawn.cuts();
     EXPECT_NEAR(cuts[0].difference, 3, 1e-12);
     EXPECT_NEAR(cuts[1].difference, 3, 1e-12);
@@ -157,11 +162,7 @@ TEST(SliceCuts, a_part_that_nobody_drew_counts) {
 TEST(SliceCuts, a_part_beside_the_box_of_a_slice_counts_where_its_neighbours_draw_it) {
     const std::vector<Vec2> square = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
     Prism drawn(square, make_plane({}, {0, 0, 1}));
-    const Prism other({{10, 0}, {12, 0}, {12, 3}}, make_plane({0, 0, -0.5}, {0, 0, 1}));
-    const auto offset = static_cast<std::uint32_t>(drawn.points.size());
-    drawn.points.insert(drawn.points.end(), other.points.begin(), other.points.end());
-    for (const Triangle& t : other.surface)
-        drawn.surface.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+    add_triangle_beside(drawn);
     ContourSet& set = drawn.contours;
     const auto add = [&](std::uint32_t slice, const std::vector<Vec3>& ring) {
         set.contours.push_back({0, slice, static_cast<std::uint32_t>(set.points.size()),

@@ -82,7 +82,7 @@ void take_out(Vec2 p, const Box2& box, double margin, Box2& frame) {
                                {p.x - frame.low.x, &frame.low.x, std::min(box.low.x, p.x + margin)},
                                {frame.high.y - p.y, &frame.high.y, std::max(box.high.y, p.y - margin)},
                                {p.y - frame.low.y, &frame.low.y, std::min(box.low.y, p.y + margin)}}};
-    const std::array<bool, 4> is_beyond{p.x > box.high.x, p.x < box.low.x, p.y > box.high.y, p.y < box.low.y};
+    const std::array<bool, 4> is_beyond{p.x > box.high.x, p.x<box.low.x, p.y> box.high.y, p.y < box.low.y};
     const Side* least = nullptr;
     for (std::size_t n = 0; n < sides.size(); ++n) {
         if (is_beyond[n] && (least == nullptr || sides[n].lost < least->lost)) least = &sides[n];
@@ -107,7 +107,9 @@ void take_out_others(const ContourSet& set, const std::vector<PlanePatch>& patch
     }
 }
 
-bool is_same(const Box2& a, const Box2& b) { return a.low == b.low && a.high == b.high; }
+bool is_same(const Box2& a, const Box2& b) {
+    return a.low == b.low && a.high == b.high;
+}
 
 }  // namespace
 
