@@ -108,6 +108,7 @@ struct DelaunayKernel::Worker {
     std::vector<Corner> corners;
     std::vector<std::uint32_t> table;  // of link_by_table
     std::vector<std::uint32_t> log;
+    std::uint64_t cells_made = 0;
 
     unsigned random_facet() {
         random ^= random << 13;
@@ -464,6 +465,7 @@ DelaunayKernel::Outcome DelaunayKernel::insert(Worker& worker, std::uint32_t ver
     }
     find_corners(worker, q);
     make_cells(worker, vertex);
+    worker.cells_made += worker.facets.size();
     if (logs_) log_changes(worker);
     worker.last_cell = worker.facets[0].slot;
     if (bounded) worker.anchors.at(q) = worker.last_cell;
@@ -592,6 +594,7 @@ void DelaunayKernel::insert_in_regions(Worker& main, std::vector<std::uint32_t>&
         vertices.insert(vertices.end(), deferred[r].begin(), deferred[r].end());
         main.free_slots.insert(main.free_slots.end(), worker.free_slots.begin(), worker.free_slots.end());
         main.log.insert(main.log.end(), worker.log.begin(), worker.log.end());
+        main.cells_made += worker.cells_made;
         for (std::uint32_t slot = worker.end_slot; slot-- > worker.next_slot;)
             main.free_slots.push_back(slot);
         if (worker.last_cell != no_cell) main.last_cell = worker.last_cell;
@@ -680,6 +683,7 @@ bool DelaunayKernel::insert(std::span<const Vec3> points, int threads, std::vect
     cells_.resize(worker.next_slot);
     free_slots_.swap(worker.free_slots);
     log_.insert(log_.end(), worker.log.begin(), worker.log.end());
+    cells_made_ += worker.cells_made;
     last_cell_ = worker.last_cell;
 
     for (std::uint32_t& vertex : vertices) vertex = vertices_[vertex].representative;

@@ -49,6 +49,8 @@ class DelaunayKernel {
         return static_cast<std::uint32_t>(vertices_.size());
     }  // unused numbers too
     std::span<const KernelCell> cells() const { return cells_; }
+    // So many cells were made so far, those that went again included.
+    std::uint64_t cells_made() const { return cells_made_; }
 
     // The slots whose cells were made or removed since start_log() was called last; a slot may come up more
     // than once. None before the first call.
@@ -106,6 +108,7 @@ class DelaunayKernel {
     std::vector<std::uint8_t> region_of_;  // of each vertex, while regions are in use
     std::vector<std::uint32_t> free_slots_;
     std::uint32_t last_cell_ = 0;  // where the next search starts
+    std::uint64_t cells_made_ = 0;
     std::vector<std::uint32_t> log_;
     bool logs_ = false;
     Box3 box_;

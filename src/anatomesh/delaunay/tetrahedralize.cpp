@@ -255,6 +255,10 @@ const DelaunaySnapshot& Tetrahedralization::last_snapshot() const {
     return state_->snapshot;
 }
 
+std::uint64_t Tetrahedralization::cells_made() const {
+    return state_->kernel.cells_made();
+}
+
 const DelaunaySnapshot& Tetrahedralization::snapshot(int threads) {
     State& state = *state_;
     std::vector<std::uint32_t> all;

@@ -56,6 +56,8 @@ class Tetrahedralization {
     const DelaunaySnapshot& snapshot(int threads = 1);
     const DelaunaySnapshot& last_snapshot() const;  // as the last call left it; empty before the first
 
+    std::uint64_t cells_made() const;  // by all insertions, cells that went again included
+
   private:
     struct State;
     explicit Tetrahedralization(std::unique_ptr<State> state);

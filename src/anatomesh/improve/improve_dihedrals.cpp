@@ -692,6 +692,7 @@ DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint32_t>& neigh
     Workbench bench(edited, fixed, fixed_edges, field, structures, options);
     bench.table = drawn.table;
     Climber(bench, drawn).run(context);
+    bench.stats.cells_made = edited.cells_made();
     mesh = std::move(edited).take(neighbors, context.threads);
     return bench.stats;
 }

@@ -111,6 +111,7 @@ struct DihedralStats {
     std::uint64_t segments_missed = 0;                   // of drawn.following, before follow_surface()
     std::vector<FollowedContour> followed;
     std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (lift_facets.h)
+    std::uint64_t cells_made = 0;   // by all operations, those taken back included
 };
 
 // Takes the cells inside (of a region other than 0) with a dihedral angle below the target, worst first, and

@@ -130,6 +130,21 @@ struct StageReport {
     std::vector<std::pair<std::string, double>> figures;  // what the stage counted: "culled_share" -> 0.38
 };
 
+// How much was done, in numbers that are the same on every machine: what makes a run slower shows here first.
+struct WorkReport {
+    std::uint64_t meshings = 0;        // whole runs of the method, the one that made the model included
+    std::uint64_t delaunay_cells = 0;  // made by the Delaunay kernel, those that went again included
+    std::uint64_t edited_cells = 0;    // put in the place of others by improvement, those taken back included
+    std::uint64_t field_values = 0;    // places at which the field was asked; counted on one thread alone, else 0
+
+    void add(const WorkReport& other) {
+        meshings += other.meshings;
+        delaunay_cells += other.delaunay_cells;
+        edited_cells += other.edited_cells;
+        field_values += other.field_values;
+    }
+};
+
 struct InputReport {
     std::string file, format, sha256;
     std::uint64_t bytes = 0;
@@ -199,6 +214,7 @@ struct ModelReport {
     FieldDifferenceReport field_difference;
     CrossingReport crossing;
     std::vector<StageReport> stages;
+    WorkReport work;
     std::vector<Warning> warnings;
 };
 

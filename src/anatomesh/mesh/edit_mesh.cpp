@@ -217,6 +217,7 @@ std::vector<std::uint8_t> EditMesh::replace_apart(std::span<CellExchange> exchan
 
 void EditMesh::take_slots(std::span<const std::uint32_t> removed, std::size_t added,
                           std::vector<std::uint32_t>& slots) {
+    cells_made_ += added;
     slots.assign(removed.begin(),
                  removed.begin() + static_cast<std::ptrdiff_t>(std::min(added, removed.size())));
     while (slots.size() < added) {

@@ -112,6 +112,9 @@ class EditMesh {
     // Requires: as replace(); the vertices of the cells removed are those of the cells added.
     std::vector<std::uint8_t> replace_apart(std::span<CellExchange> exchanges, int threads);
 
+    // So many cells were put in the place of others so far, those taken back included.
+    std::uint64_t cells_made() const { return cells_made_; }
+
   private:
     struct Side {
         std::array<std::uint32_t, 3> facet;  // sorted vertices
@@ -147,6 +150,7 @@ class EditMesh {
     std::vector<std::uint32_t> free_;     // numbers of removed cells
     std::vector<std::uint32_t> mark_;     // by cell; equal to stamp_ = seen
     std::uint32_t stamp_ = 0;
+    std::uint64_t cells_made_ = 0;
     std::vector<std::uint32_t> scratch_;
     std::vector<Side> sides_;
     bool noted_ = false;

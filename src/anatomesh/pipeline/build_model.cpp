@@ -75,6 +75,7 @@ class Tries {
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         note_other_tries(model.report, seconds.count());
         ANATOMESH_CHECK_STATUS(show_again());
+        model.report.work = work_;
         return model;
     }
 
@@ -155,6 +156,7 @@ class Tries {
     BuiltOnce build(const StageObserver& observer) {
         BuiltOnce built = build_once(contours_, trial_, context_, observer, known_);
         known_ = built.known;
+        work_.add(built.work);
         sizes_.push_back(built.size_mm);
         ++count_;
         return built;
@@ -316,6 +318,7 @@ class Tries {
     std::optional<KeptModel> kept_;
     Made taken_;  // of the model to be returned
     std::size_t count_ = 0;
+    WorkReport work_;  // of all tries
     std::vector<double> sizes_;  // of all tries
     double first_size_mm_ = 0;  // of tries that conform, before slightly finer ones
     bool shown_is_another_ = false;

@@ -433,6 +433,31 @@ TEST(BuildModel, a_finer_size_gives_more_tetrahedra_of_the_same_solid) {
     expect_structure(fine, 0, {1, 0, 4 / 3.0 * pi * 216, 0.02});
 }
 
+TEST(BuildModel, the_work_is_counted_the_same_each_time) {
+    Drawing drawing;
+    drawing.add_ball(0, {}, 6, 1.5, 1.5);
+    const ContourSet set = kept(drawing.raw);
+    const auto work = [&](int threads) {
+        RunContext context;
+        context.threads = threads;
+        const auto made = build_model(set, {}, context);
+        EXPECT_TRUE(made.ok());
+        return made.ok() ? made.value().report.work : WorkReport{};
+    };
+    const WorkReport first = work(1), again = work(1), two = work(2);
+    EXPECT_EQ(first.meshings, 1u);
+    EXPECT_GT(first.edited_cells, 0u);
+    EXPECT_EQ(first.delaunay_cells, again.delaunay_cells);
+    EXPECT_EQ(first.edited_cells, again.edited_cells);
+    EXPECT_EQ(first.field_values, again.field_values);
+    EXPECT_EQ(two.meshings, 1u);
+    EXPECT_EQ(two.field_values, 0u);
+    // Each vertex is asked about at least once, and each cell of the model is made.
+    const Model model = certified_model(drawing);
+    EXPECT_GT(first.field_values, model.mesh.points.size());
+    EXPECT_GT(first.delaunay_cells, model.mesh.cells.size());
+}
+
 TEST(BuildModel, more_tetrahedra_than_allowed_are_refused_before_the_work) {
     Drawing drawing;
     drawing.add_ball(0, {}, 6, 1.5, 1.5);

@@ -14,6 +14,7 @@
 #include "anatomesh/cut/crumbs.h"
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
+#include "anatomesh/field/counted_field.h"
 #include "anatomesh/field/parallel_field.h"
 #include "anatomesh/field/volume.h"
 #include "anatomesh/improve/balance_volumes.h"
@@ -108,12 +109,16 @@ class Builder {
           context_(context),
           observer_(observer),
           structures_(static_cast<std::uint32_t>(contours.structures.size())),
-          field_(std::move(known.field)),
+          known_field_(std::move(known.field)),
           volumes_(std::move(known.volumes)) {}
 
-    FieldAndVolumes field_and_volumes() const { return {field_, volumes_, warnings_of_field_}; }
+    FieldAndVolumes field_and_volumes() const { return {known_field_, volumes_, warnings_of_field_}; }
 
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
+
+    WorkReport work() const {
+        return {1, mesh_ ? mesh_->cells_made() : 0, edited_cells_, counted_field_ ? counted_field_->values() : 0};
+    }
 
     TryOutcome outcome(const Result<Model>& model) const {
         RunFacts facts;
@@ -171,9 +176,11 @@ class Builder {
         options.caps = options_.caps;
         options.max_gap_spacings = options_.max_gap_spacings;
         options.single_slice_mm = options_.single_slice_mm;
-        if (!field_) {
-            ANATOMESH_TRY(field_, make_structure_field(contours_, options, context_));
+        if (!known_field_) {
+            ANATOMESH_TRY(known_field_, make_structure_field(contours_, options, context_));
         }
+        field_ = known_field_;
+        if (context_.threads == 1) field_ = counted_field_ = std::make_shared<CountedField>(known_field_);
         warnings_of_field_ = context_.warnings.size();
         report().slice_spacing_mm = field_->slice_spacing();
         planes_ = how_planes_lie(contours_, *field_, options_.spare_dense_above);
@@ -452,6 +459,7 @@ class Builder {
         ANATOMESH_CHECK_STATUS(volumes);
         followed_ = std::move(dihedrals.followed);
         segments_missed_ = dihedrals.segments_missed;
+        edited_cells_ = dihedrals.cells_made;
         const CrumbStats crumbs = settle_followed();
         stars = find_stars();
         fix_ill_shaped(fixed);
@@ -626,7 +634,7 @@ class Builder {
         report().followed_contours = followed_contours(source_, contour_vertices, followed_, mesh.points);
         model_.followed = std::move(followed_);
         model_.structures = contours_.structures;
-        model_.field = field_;
+        model_.field = known_field_;
         model_.field_origin = origin_;
     }
 
@@ -745,7 +753,8 @@ class Builder {
     const StageObserver& observer_;
     std::uint32_t structures_;
 
-    std::shared_ptr<const StructureField> field_;
+    std::shared_ptr<const StructureField> known_field_, field_;  // the one, and as the stages ask it
+    std::shared_ptr<const CountedField> counted_field_;          // the latter, on one thread
     std::vector<StructureVolume> volumes_;  // of the field, by structure
     std::vector<double> volumes_mm3_;       // by field
     std::size_t warnings_of_field_ = 0;     // and before
@@ -762,6 +771,7 @@ class Builder {
     std::vector<FollowedContour> followed_;        // by contour
     std::uint64_t segments_missed_ = 0;            // before that
     bool has_segments_beside_ = false;             // over edges beside them
+    std::uint64_t edited_cells_ = 0;               // made by improvement
     bool recovered_ = false;                       // some of them, by exchanging cells
     std::vector<std::uint8_t> given_;              // by vertex: one of a contour
     std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on
@@ -781,7 +791,7 @@ BuiltOnce build_once(const ContourSet& contours, const Trial& trial, RunContext&
     Builder builder(contours, trial, context, observer, std::move(known));
     Result<Model> model = builder.run();
     const TryOutcome outcome = builder.outcome(model);
-    return {std::move(model), outcome, builder.field_and_volumes(), builder.size_mm()};
+    return {std::move(model), outcome, builder.field_and_volumes(), builder.size_mm(), builder.work()};
 }
 
 }  // namespace anatomesh

@@ -37,6 +37,7 @@ struct BuiltOnce {
     TryOutcome outcome;
     FieldAndVolumes known;
     double size_mm = 0;  // the edge length aimed at; 0: it did not come so far
+    WorkReport work;
 };
 
 // `known`: of a run before, or empty. Requires and errors: as build_model(). The same result every time.

@@ -47,6 +47,7 @@ class LabelledMesh {
     RegionRegistry& registry() { return registry_; }
     const PointGrid& grid() const { return grid_; }
     std::span<const std::uint32_t> first_vertices() const { return delaunay_.first_vertices(); }
+    std::uint64_t cells_made() const { return delaunay_.cells_made(); }
 
   private:
     Tetrahedralization delaunay_;

@@ -256,6 +256,14 @@ Json warnings_json(const ModelReport& report) {
     return list;
 }
 
+// Searches on several threads do what one thread would leave: the counts may differ with their number.
+Json work_json(const WorkReport& work) {
+    return {{"meshings", work.meshings},
+            {"delaunay_cells", work.delaunay_cells},
+            {"edited_cells", work.edited_cells},
+            {"field_values", work.field_values > 0 ? Json(work.field_values) : Json(nullptr)}};
+}
+
 Json timing_json(const ModelReport& report) {
     Json stages = Json::array();
     double total = 0;
@@ -269,6 +277,7 @@ Json timing_json(const ModelReport& report) {
     }
     timing["total_seconds"] = number(total);
     timing["stages"] = std::move(stages);
+    timing["work"] = work_json(report.work);
     return timing;
 }
 

@@ -83,6 +83,7 @@ TEST(ReportJson, two_runs_differ_in_timing_alone) {
     Sample one, two;
     two.report.command = "anatomesh model --threads 7 x";
     two.report.stages[0].seconds = 9;
+    two.report.work = {1, 2, 3, 4};
     two.report.options[1].second = "7";
     std::reverse(two.report.inputs.begin(), two.report.inputs.end());
     auto a = nlohmann::ordered_json::parse(report_json(one.report));
@@ -90,6 +91,11 @@ TEST(ReportJson, two_runs_differ_in_timing_alone) {
     EXPECT_NE(a.dump(), b.dump());
     EXPECT_EQ(a["timing"]["total_seconds"], 2.0);
     EXPECT_EQ(b["timing"]["threads"], "7");
+    EXPECT_TRUE(a["timing"]["work"]["field_values"].is_null());
+    EXPECT_EQ(b["timing"]["work"]["meshings"], 1);
+    EXPECT_EQ(b["timing"]["work"]["delaunay_cells"], 2);
+    EXPECT_EQ(b["timing"]["work"]["edited_cells"], 3);
+    EXPECT_EQ(b["timing"]["work"]["field_values"], 4);
     a.erase("timing");
     b.erase("timing");
     EXPECT_EQ(a.dump(), b.dump());
