@@ -17,9 +17,9 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/field/distance_map.h"
-#include "anatomesh/field/slice_regions.h"
-#include "anatomesh/field/structure_field.h"
+#include "anatomesh/field/slice/distance_map.h"
+#include "anatomesh/field/slice/slice_regions.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/input_options.h"
 #include "anatomesh/read_input.h"
 #include "any_planes.h"

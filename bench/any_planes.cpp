@@ -14,17 +14,17 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/chosen_slices.h"
-#include "anatomesh/contour/clean.h"
-#include "anatomesh/field/distance_map.h"
-#include "anatomesh/field/slice_regions.h"
-#include "anatomesh/field/structure_field.h"
+#include "anatomesh/contour/model/chosen_slices.h"
+#include "anatomesh/contour/clean/clean.h"
+#include "anatomesh/field/slice/distance_map.h"
+#include "anatomesh/field/slice/slice_regions.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/measure/hausdorff.h"
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/random_solids_for_test.h"
 #include "anatomesh/read_input.h"
-#include "anatomesh/reconcile/plane_patches.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/reconcile/reconcile.h"
 
 namespace anatomesh {

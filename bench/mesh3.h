@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/field/structure_field.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

@@ -8,12 +8,12 @@
 #include <random>
 #include <vector>
 
-#include "anatomesh/contour/trace.h"
+#include "anatomesh/contour/trace/trace.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
-#include "anatomesh/field/bit_volume.h"
-#include "anatomesh/field/distance_map.h"
-#include "anatomesh/field/distance_raster.h"
-#include "anatomesh/field/structure_field.h"
+#include "anatomesh/field/slice/bit_volume.h"
+#include "anatomesh/field/slice/distance_map.h"
+#include "anatomesh/field/slice/distance_raster.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "delaunay_peer.h"
 
 namespace {

@@ -45,10 +45,10 @@ function(anatomesh_precompile_headers target)
   endif()
 endfunction()
 
-# anatomesh_room_tests(NAME DIRECTORY LIBRARIES...): the *_test.cpp files of a room as one program; every TEST in
+# anatomesh_room_tests(NAME DIRECTORY LIBRARIES...): the *_test.cpp files of a room and its sub-rooms as one program; every TEST in
 # it is a test of its own for ctest, so that a skipped one counts as skipped.
 function(anatomesh_room_tests name directory)
-  file(GLOB tests CONFIGURE_DEPENDS ${directory}/*_test.cpp)
+  file(GLOB_RECURSE tests CONFIGURE_DEPENDS ${directory}/*_test.cpp)
   if(NOT tests OR NOT ANATOMESH_TESTS)
     return()
   endif()

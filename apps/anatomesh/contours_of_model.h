@@ -7,7 +7,7 @@
 
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/measure/report.h"
 #include "anatomesh_io/mesh/mesh_file.h"
 #include "shared_walls.h"

@@ -2,7 +2,7 @@
 
 #include <tuple>
 
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/check/topology.h"
 #include "anatomesh_io/dicom/voxelize.h"
 #include "anatomesh_io/dicom/write_objects.h"
 #include "anatomesh_io/mesh/mesh_file.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "anatomesh/base/result.h"
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 #include "limits.h"
 
 namespace anatomesh {

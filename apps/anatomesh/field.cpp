@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "anatomesh/field/slice_stack.h"
+#include "anatomesh/field/slice/slice_stack.h"
 #include "anatomesh_io/file/atomic_file.h"
 #include "anatomesh_io/image/write_image.h"
 #include "anatomesh_io/report/options_json.h"

@@ -14,9 +14,9 @@
 #include <string_view>
 #include <vector>
 
-#include "anatomesh/contour/slice_soundness.h"
-#include "anatomesh/pipeline/follow_edges.h"
-#include "anatomesh/pipeline/followed_contours.h"
+#include "anatomesh/contour/overlay/slice_soundness.h"
+#include "anatomesh/improve/reroute/follow_edges.h"
+#include "anatomesh/improve/reroute/followed_contours.h"
 #include "field_of_model.h"
 
 namespace anatomesh {

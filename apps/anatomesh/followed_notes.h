@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/measure/report.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh_io/mesh/mesh_file.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "anatomesh/contour/clean.h"
+#include "anatomesh/contour/clean/clean.h"
 #include "anatomesh/image/select.h"
 #include "answer.h"
 #include "dicom_input.h"

@@ -7,7 +7,7 @@
 #include <system_error>
 #include <utility>
 
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/check/topology.h"
 #include "anatomesh_io/file/detect.h"
 #include "anatomesh_io/file/input_file.h"
 

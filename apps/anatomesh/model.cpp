@@ -12,11 +12,11 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/choose_structures.h"
-#include "anatomesh/contour/clean.h"
-#include "anatomesh/field/outlines_between.h"
+#include "anatomesh/contour/model/choose_structures.h"
+#include "anatomesh/contour/clean/clean.h"
+#include "anatomesh/overlaps/outlines_between.h"
 #include "anatomesh/pipeline/build_model.h"
-#include "anatomesh/pipeline/quadratic_model.h"
+#include "anatomesh/pipeline/model/quadratic_model.h"
 #include "anatomesh/uncertainty/left_out.h"
 #include "anatomesh/uncertainty/surface_uncertainty.h"
 #include "anatomesh_io/contour/number_text.h"

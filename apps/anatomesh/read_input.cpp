@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <initializer_list>
 
-#include "anatomesh/contour/chosen_slices.h"
-#include "anatomesh/contour/clean.h"
-#include "anatomesh/contour/simplify.h"
-#include "anatomesh/contour/trace.h"
+#include "anatomesh/contour/model/chosen_slices.h"
+#include "anatomesh/contour/clean/clean.h"
+#include "anatomesh/contour/simplify/simplify.h"
+#include "anatomesh/contour/trace/trace.h"
 #include "anatomesh/image/components.h"
 #include "anatomesh/image/select.h"
 #include "anatomesh/image/threshold.h"

@@ -10,8 +10,8 @@
 
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/contour/raw_contours.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/contour/model/raw_contours.h"
 #include "anatomesh/measure/report.h"
 #include "anatomesh_io/dicom/dicom_source.h"
 #include "anatomesh_io/dicom/segmentation.h"

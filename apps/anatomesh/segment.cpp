@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "anatomesh/contour/trace.h"
+#include "anatomesh/contour/trace/trace.h"
 #include "anatomesh_io/contour/write_contours.h"
 #include "anatomesh_io/file/atomic_file.h"
 #include "anatomesh_io/image/tracked_frames.h"

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "anatomesh/contour/message_text.h"
+#include "anatomesh/contour/model/message_text.h"
 #include "plural.h"
 
 namespace anatomesh {

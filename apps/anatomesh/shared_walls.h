@@ -2,10 +2,10 @@
 #pragma once
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/close_gaps.h"
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/contour/share_lines.h"
-#include "anatomesh/contour/slivers.h"
+#include "anatomesh/contour/walls/close_gaps.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/contour/walls/share_lines.h"
+#include "anatomesh/contour/walls/slivers.h"
 
 namespace anatomesh {
 

@@ -1,5 +1,5 @@
 // The library without the program: contours made here, a model of them, its certificate, a file.
-#include <anatomesh/contour/clean.h>
+#include <anatomesh/contour/clean/clean.h>
 #include <anatomesh/pipeline/build_model.h>
 #include <anatomesh_io/mesh/mesh_file.h>
 

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/clean.h"
-#include "anatomesh/contour/nesting.h"
+#include "anatomesh/contour/clean/clean.h"
+#include "anatomesh/contour/overlay/nesting.h"
 #include "anatomesh/contour/same_contours_for_test.h"
 #include "anatomesh/geom/polygon.h"
 

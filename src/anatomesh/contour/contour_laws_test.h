@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/geom/predicates.h"
 
 namespace anatomesh {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 
 namespace anatomesh::fixtures {
 

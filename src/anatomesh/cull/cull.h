@@ -7,9 +7,9 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
-#include "anatomesh/field/structure_field.h"
-#include "anatomesh/mesh/region_registry.h"
-#include "anatomesh/mesh/vertex_side.h"
+#include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/mesh/model/region_registry.h"
+#include "anatomesh/mesh/model/vertex_side.h"
 
 namespace anatomesh {
 

@@ -9,7 +9,7 @@
 
 #include "anatomesh/cull/cull.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
-#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 #include "anatomesh/sample/sample_points.h"
 

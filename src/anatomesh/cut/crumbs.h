@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

@@ -8,8 +8,8 @@
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/quality.h"
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/shape/quality.h"
+#include "anatomesh/mesh/check/topology.h"
 
 namespace anatomesh {
 namespace {

@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "anatomesh/cut/star.h"
+#include "anatomesh/mesh/stars/star.h"
 #include "anatomesh/geom/plane.h"
 #include "anatomesh/geom/plane_sections.h"
 #include "anatomesh/sample/interface_probe.h"

@@ -7,8 +7,8 @@
 #include <tuple>
 
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/mesh/prefetch.h"
-#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/model/prefetch.h"
+#include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {
 

@@ -12,9 +12,9 @@
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/brick_mesh_for_test.h"
-#include "anatomesh/mesh/quality.h"
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
+#include "anatomesh/mesh/shape/quality.h"
+#include "anatomesh/mesh/check/topology.h"
 
 namespace anatomesh {
 namespace {

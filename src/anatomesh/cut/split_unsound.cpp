@@ -8,10 +8,10 @@
 #include <span>
 #include <utility>
 
-#include "anatomesh/contour/message_text.h"
+#include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/quality.h"
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/shape/quality.h"
+#include "anatomesh/mesh/check/topology.h"
 
 namespace anatomesh {
 

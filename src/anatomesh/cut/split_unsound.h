@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/cut/star.h"
-#include "anatomesh/mesh/region_registry.h"
+#include "anatomesh/mesh/stars/star.h"
+#include "anatomesh/mesh/model/region_registry.h"
 
 namespace anatomesh {
 

@@ -11,7 +11,7 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/delaunay/spatial_order.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

@@ -27,7 +27,7 @@ class DelaunayKernel {
     static constexpr std::uint32_t infinite_vertex = 0x7FFFFFFFu;
     static constexpr std::uint32_t removed = 0x80000000u;  // set in vertex[0] of a slot that holds no cell
 
-    // Positive: finite vertices as in mesh/tet_mesh.h; a ghost cell would be positive with any point outside
+    // Positive: finite vertices as in mesh/model/tet_mesh.h; a ghost cell would be positive with any point outside
     // the hull in the place of the infinite vertex. vertex[0] is finite.
     struct alignas(64) KernelCell {
         std::array<std::uint32_t, 4> vertex{removed, 0, 0, 0};

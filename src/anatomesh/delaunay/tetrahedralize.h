@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

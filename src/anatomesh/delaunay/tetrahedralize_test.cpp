@@ -11,7 +11,7 @@
 #include <set>
 
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {
 namespace {

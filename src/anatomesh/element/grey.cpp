@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {
 

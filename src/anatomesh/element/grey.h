@@ -6,7 +6,7 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/image/image.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "anatomesh/mesh/brick_mesh_for_test.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
 namespace anatomesh {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

@@ -4,8 +4,8 @@
 #include <cassert>
 #include <cmath>
 
-#include "anatomesh/contour/message_text.h"
-#include "anatomesh/mesh/quality.h"
+#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "anatomesh/base/result.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

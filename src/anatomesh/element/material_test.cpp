@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
-#include "anatomesh/mesh/brick_mesh_for_test.h"
-#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
+#include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {
 namespace {

@@ -17,9 +17,9 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/element/jacobian.h"
-#include "anatomesh/field/structure_field.h"
-#include "anatomesh/mesh/mid_nodes.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/mesh/model/mid_nodes.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

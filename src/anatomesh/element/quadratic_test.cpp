@@ -6,8 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "anatomesh/mesh/brick_mesh_for_test.h"
-#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
+#include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
 namespace anatomesh {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/field/scanline.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/field/slice/scanline.h"
 
 namespace anatomesh::fixtures {
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/field/field_fixtures.h"
 
 namespace anatomesh::fixtures {

@@ -8,7 +8,7 @@
 #include <ostream>
 #include <vector>
 
-#include "anatomesh/field/structure_field.h"
+#include "anatomesh/field/model/structure_field.h"
 
 namespace anatomesh::fixtures {
 

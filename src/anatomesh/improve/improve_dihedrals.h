@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/cut/star.h"
-#include "anatomesh/field/structure_field.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/mesh/stars/star.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/geom/plane.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "anatomesh/improve/labelled_meshes_for_test.h"
-#include "anatomesh/mesh/cell_shape.h"
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/shape/cell_shape.h"
+#include "anatomesh/mesh/check/topology.h"
 
 namespace anatomesh {
 namespace {

@@ -13,8 +13,8 @@
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/cell_shape.h"
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/shape/cell_shape.h"
+#include "anatomesh/mesh/check/topology.h"
 
 namespace anatomesh::fixtures {
 

@@ -17,8 +17,8 @@
 #include "anatomesh/measure/shells.h"
 #include "anatomesh/measure/slice_cuts.h"
 #include "anatomesh/measure/volume.h"
-#include "anatomesh/mesh/topology.h"
-#include "anatomesh/mesh/validity.h"
+#include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/check/validity.h"
 
 namespace anatomesh {
 

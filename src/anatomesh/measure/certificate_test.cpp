@@ -9,7 +9,7 @@
 #include "anatomesh/measure/number_text.h"
 #include "anatomesh/measure/quality_report.h"
 #include "anatomesh/measure/volume.h"
-#include "anatomesh/mesh/brick_mesh_for_test.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
 namespace anatomesh {
 namespace {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/measure/contradicted_segments.h"
-#include "anatomesh/mesh/surface_mesh.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/surface_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <optional>
 
-#include "anatomesh/reconcile/plane_patches.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
 
 namespace anatomesh {
 

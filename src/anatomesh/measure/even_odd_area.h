@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "anatomesh/contour/segment_index.h"
+#include "anatomesh/contour/overlay/segment_index.h"
 #include "anatomesh/geom/box.h"
 
 namespace anatomesh {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "anatomesh/base/structure.h"
-#include "anatomesh/field/structure_field.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/measure/report.h"
-#include "anatomesh/mesh/surface_mesh.h"
+#include "anatomesh/mesh/model/surface_mesh.h"
 
 namespace anatomesh {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/mesh/buckets.h"
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/model/buckets.h"
+#include "anatomesh/mesh/check/topology.h"
 
 namespace anatomesh {
 

@@ -5,9 +5,9 @@
 #include <span>
 
 #include "anatomesh/base/structure.h"
-#include "anatomesh/field/structure_field.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/measure/report.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

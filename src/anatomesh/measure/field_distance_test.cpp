@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "anatomesh/mesh/brick_mesh_for_test.h"
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
+#include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
 namespace anatomesh {

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/mesh/box_tree.h"
-#include "anatomesh/mesh/surface_mesh.h"
+#include "anatomesh/mesh/check/box_tree.h"
+#include "anatomesh/mesh/model/surface_mesh.h"
 
 namespace anatomesh {
 

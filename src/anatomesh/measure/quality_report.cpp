@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {
 

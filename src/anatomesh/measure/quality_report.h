@@ -3,7 +3,7 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/measure/report.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

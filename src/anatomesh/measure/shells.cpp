@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "anatomesh/base/disjoint_sets.h"
-#include "anatomesh/mesh/buckets.h"
+#include "anatomesh/mesh/model/buckets.h"
 
 namespace anatomesh {
 

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "anatomesh/mesh/brick_mesh_for_test.h"
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
+#include "anatomesh/mesh/check/topology.h"
 
 namespace anatomesh {
 namespace {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/mesh/surface_mesh.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/mesh/model/surface_mesh.h"
 
 namespace anatomesh {
 

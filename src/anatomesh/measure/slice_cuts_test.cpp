@@ -7,7 +7,7 @@
 #include <random>
 
 #include "anatomesh/measure/even_odd_area.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 namespace {

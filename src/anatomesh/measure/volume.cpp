@@ -6,8 +6,8 @@
 #include <map>
 #include <utility>
 
-#include "anatomesh/field/slices_tell.h"
-#include "anatomesh/mesh/quality.h"
+#include "anatomesh/slices/coverage/slices_tell.h"
+#include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

@@ -9,15 +9,15 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/message_text.h"
-#include "anatomesh/field/parallel_field.h"
-#include "anatomesh/field/sweep.h"
+#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/slices/arrangement/sweep.h"
 #include "anatomesh/measure/certificate.h"
-#include "anatomesh/pipeline/attempts.h"
+#include "anatomesh/pipeline/retry/attempts.h"
 #include "anatomesh/pipeline/build_once.h"
-#include "anatomesh/pipeline/even_out.h"
+#include "anatomesh/pipeline/retry/even_out.h"
 #include "anatomesh/pipeline/model_warnings.h"
-#include "anatomesh/pipeline/thin_walls.h"
+#include "anatomesh/pipeline/retry/thin_walls.h"
 
 namespace anatomesh {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "anatomesh/geom/polygon.h"
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
 namespace anatomesh {

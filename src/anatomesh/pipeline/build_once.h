@@ -7,11 +7,11 @@
 
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/field/structure_field.h"
-#include "anatomesh/field/volume.h"
-#include "anatomesh/pipeline/attempts.h"
+#include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/field/model/volume.h"
+#include "anatomesh/pipeline/retry/attempts.h"
 #include "anatomesh/pipeline/build_model.h"
-#include "anatomesh/pipeline/refinement_rounds.h"
+#include "anatomesh/refine/refinement_rounds.h"
 
 namespace anatomesh {
 

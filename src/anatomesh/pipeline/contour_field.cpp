@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "anatomesh/field/volume.h"
+#include "anatomesh/field/model/volume.h"
 
 namespace anatomesh {
 

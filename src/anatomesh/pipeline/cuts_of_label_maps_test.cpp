@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "anatomesh/contour/trace.h"
+#include "anatomesh/contour/trace/trace.h"
 #include "anatomesh/pipeline/build_model.h"
 
 namespace anatomesh {

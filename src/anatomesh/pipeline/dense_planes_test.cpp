@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/pipeline/dense_planes_for_test.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "anatomesh/contour/trace.h"
+#include "anatomesh/contour/trace/trace.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
 namespace anatomesh {

@@ -1,9 +1,9 @@
 #include "anatomesh/pipeline/how_planes_lie.h"
 
-#include "anatomesh/field/crossed_field.h"
-#include "anatomesh/field/parallel_field.h"
-#include "anatomesh/field/rotational_sweep.h"
-#include "anatomesh/field/sweep.h"
+#include "anatomesh/field/planes/crossed_field.h"
+#include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/slices/arrangement/rotational_sweep.h"
+#include "anatomesh/slices/arrangement/sweep.h"
 #include "anatomesh/sample/sample_points.h"
 
 namespace anatomesh {

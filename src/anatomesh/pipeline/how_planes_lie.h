@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/field/structure_field.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/field/model/structure_field.h"
 
 namespace anatomesh {
 

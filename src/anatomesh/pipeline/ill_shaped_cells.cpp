@@ -5,7 +5,7 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/measure/certificate.h"
-#include "anatomesh/mesh/cell_shape.h"
+#include "anatomesh/mesh/shape/cell_shape.h"
 
 namespace anatomesh {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

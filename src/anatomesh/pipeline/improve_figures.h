@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "anatomesh/cut/crumbs.h"
-#include "anatomesh/improve/balance_volumes.h"
-#include "anatomesh/improve/improve.h"
+#include "anatomesh/improve/smooth/balance_volumes.h"
+#include "anatomesh/improve/smooth/improve.h"
 #include "anatomesh/improve/improve_dihedrals.h"
-#include "anatomesh/improve/smooth_vertices.h"
+#include "anatomesh/improve/smooth/smooth_vertices.h"
 
 namespace anatomesh {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh::independent {
 

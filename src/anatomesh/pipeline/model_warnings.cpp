@@ -6,10 +6,10 @@
 #include <map>
 #include <utility>
 
-#include "anatomesh/contour/message_text.h"
+#include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/number_text.h"
-#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "anatomesh/contour/raw_contours.h"
+#include "anatomesh/contour/model/raw_contours.h"
 #include "anatomesh/geom/plane.h"
 #include "anatomesh/pipeline/section_tracer_for_test.h"
 

@@ -15,11 +15,11 @@
 #include <string_view>
 #include <tuple>
 
-#include "anatomesh/contour/clean.h"
-#include "anatomesh/contour/close_gaps.h"
-#include "anatomesh/contour/share_lines.h"
-#include "anatomesh/contour/slice_soundness.h"
-#include "anatomesh/contour/slivers.h"
+#include "anatomesh/contour/clean/clean.h"
+#include "anatomesh/contour/walls/close_gaps.h"
+#include "anatomesh/contour/walls/share_lines.h"
+#include "anatomesh/contour/overlay/slice_soundness.h"
+#include "anatomesh/contour/walls/slivers.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/independent_check_for_test.h"
 #include "anatomesh/pipeline/random_solids_for_test.h"

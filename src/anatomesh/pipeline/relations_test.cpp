@@ -4,7 +4,7 @@
 #include <numeric>
 #include <random>
 
-#include "anatomesh/contour/trace.h"
+#include "anatomesh/contour/trace/trace.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
 namespace anatomesh {

@@ -1,7 +1,7 @@
 // Where structures cross, touch or lie in each other, every surface stays near its own in the field.
 #include <gtest/gtest.h>
 
-#include "anatomesh/contour/trace.h"
+#include "anatomesh/contour/trace/trace.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
 namespace anatomesh {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "anatomesh/contour/share_lines.h"
+#include "anatomesh/contour/walls/share_lines.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
 namespace anatomesh {

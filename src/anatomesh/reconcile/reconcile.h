@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/contour/share_lines.h"
-#include "anatomesh/contour/slivers.h"
-#include "anatomesh/reconcile/flatten_folds.h"
-#include "anatomesh/reconcile/keep_apart.h"
-#include "anatomesh/reconcile/settle_flanks.h"
-#include "anatomesh/reconcile/settle_pieces.h"
-#include "anatomesh/reconcile/settle_poles.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/contour/walls/share_lines.h"
+#include "anatomesh/contour/walls/slivers.h"
+#include "anatomesh/reconcile/regularize/flatten_folds.h"
+#include "anatomesh/reconcile/regularize/keep_apart.h"
+#include "anatomesh/reconcile/regularize/settle_flanks.h"
+#include "anatomesh/reconcile/resolve/settle_pieces.h"
+#include "anatomesh/reconcile/regularize/settle_poles.h"
 
 namespace anatomesh {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 
 namespace anatomesh::crossing_fixtures {
 

@@ -7,8 +7,8 @@
 #include <map>
 #include <random>
 
-#include "anatomesh/contour/slice_soundness.h"
-#include "anatomesh/reconcile/line_ends.h"
+#include "anatomesh/contour/overlay/slice_soundness.h"
+#include "anatomesh/slices/lines/line_ends.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 
 namespace anatomesh {

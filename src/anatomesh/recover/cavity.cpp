@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/cell_shape.h"
+#include "anatomesh/mesh/shape/cell_shape.h"
 
 namespace anatomesh {
 

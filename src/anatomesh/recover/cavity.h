@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/mesh/edit_mesh.h"
+#include "anatomesh/mesh/edit/edit_mesh.h"
 #include "anatomesh/sample/contour_segments.h"
 
 namespace anatomesh {

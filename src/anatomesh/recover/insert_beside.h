@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/sample/contour_segments.h"
 
 namespace anatomesh {

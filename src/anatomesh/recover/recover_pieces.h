@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/recover/cavity.h"
 #include "anatomesh/sample/contour_segments.h"
 

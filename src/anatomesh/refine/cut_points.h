@@ -7,10 +7,10 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
-#include "anatomesh/field/structure_field.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/geom/plane_sections.h"
 #include "anatomesh/geom/point_grid.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/sample/segment_guard.h"
 
 namespace anatomesh {

@@ -8,8 +8,8 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/cull/cull.h"
-#include "anatomesh/mesh/prefetch.h"
-#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/model/prefetch.h"
+#include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh/sample/interface_probe.h"
 
 namespace anatomesh {

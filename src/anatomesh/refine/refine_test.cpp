@@ -3,7 +3,7 @@
 #include <random>
 
 #include "anatomesh/cull/culled_mesh_for_test.h"
-#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/field/structure_field.h"
+#include "anatomesh/field/model/structure_field.h"
 
 namespace anatomesh::fixtures {
 

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <numeric>
 
-#include "anatomesh/contour/segment_index.h"
+#include "anatomesh/contour/overlay/segment_index.h"
 #include "anatomesh/geom/predicates.h"
 
 namespace anatomesh {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 
 namespace anatomesh {
 

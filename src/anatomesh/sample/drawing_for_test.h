@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "anatomesh/contour/clean.h"
+#include "anatomesh/contour/clean/clean.h"
 
 namespace anatomesh::fixtures {
 

@@ -9,10 +9,10 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/contour/message_text.h"
-#include "anatomesh/field/parallel_field.h"
+#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/field/stack/parallel_field.h"
 #include "anatomesh/geom/point_grid.h"
-#include "anatomesh/reconcile/plane_patches.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/sample/conform_pieces.h"
 #include "anatomesh/sample/interface_probe.h"
 #include "anatomesh/sample/thin_walls.h"

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/field/structure_field.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/sample/contour_segments.h"
 #include "anatomesh/sample/segment_guard.h"
 

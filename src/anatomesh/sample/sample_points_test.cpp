@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "anatomesh/field/parallel_field.h"
+#include "anatomesh/field/stack/parallel_field.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 #include "anatomesh/sample/drawing_for_test.h"
 #include "anatomesh/sample/interface_probe.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "anatomesh/field/structure_field.h"
+#include "anatomesh/field/model/structure_field.h"
 
 namespace anatomesh {
 

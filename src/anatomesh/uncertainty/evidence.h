@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/measure/hausdorff.h"
-#include "anatomesh/mesh/surface_mesh.h"
+#include "anatomesh/mesh/model/surface_mesh.h"
 
 namespace anatomesh {
 

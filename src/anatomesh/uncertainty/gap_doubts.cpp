@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "anatomesh/contour/telling_slices.h"
-#include "anatomesh/field/levels.h"
-#include "anatomesh/field/parallel_field.h"
+#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/field/stack/levels.h"
+#include "anatomesh/field/stack/parallel_field.h"
 #include "anatomesh/geom/polygon.h"
-#include "anatomesh/reconcile/plane_patches.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
 
 namespace anatomesh {
 

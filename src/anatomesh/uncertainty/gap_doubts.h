@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/field/structure_field.h"
-#include "anatomesh/field/sweep.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/slices/arrangement/sweep.h"
 #include "anatomesh/geom/plane.h"
 
 namespace anatomesh {

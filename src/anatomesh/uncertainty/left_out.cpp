@@ -7,8 +7,8 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/contour/chosen_slices.h"
-#include "anatomesh/reconcile/plane_patches.h"
+#include "anatomesh/contour/model/chosen_slices.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/uncertainty/evidence.h"
 
 namespace anatomesh {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/uncertainty/left_out.h"
 
 namespace anatomesh {

@@ -6,8 +6,8 @@
 #include <set>
 #include <utility>
 
-#include "anatomesh/mesh/topology.h"
-#include "anatomesh/reconcile/plane_patches.h"
+#include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/uncertainty/gap_doubts.h"
 
 namespace anatomesh {

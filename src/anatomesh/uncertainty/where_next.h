@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/field/structure_field.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/geom/plane.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/uncertainty/surface_uncertainty.h"
 
 namespace anatomesh {

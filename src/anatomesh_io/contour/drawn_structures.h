@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 
 namespace anatomesh {
 

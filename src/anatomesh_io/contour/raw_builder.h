@@ -19,7 +19,7 @@
 #include <string_view>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/raw_contours.h"
+#include "anatomesh/contour/model/raw_contours.h"
 #include "anatomesh_io/contour/contour_limits.h"
 
 namespace anatomesh {

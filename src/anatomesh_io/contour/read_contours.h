@@ -6,7 +6,7 @@
 #include <string>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/raw_contours.h"
+#include "anatomesh/contour/model/raw_contours.h"
 #include "anatomesh_io/contour/contour_limits.h"
 #include "anatomesh_io/file/input_file.h"
 

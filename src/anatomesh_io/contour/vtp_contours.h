@@ -13,7 +13,7 @@
 #include <span>
 #include <string>
 
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh_io/contour/raw_builder.h"
 #include "anatomesh_io/file/input_file.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 
 namespace anatomesh {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/raw_contours.h"
+#include "anatomesh/contour/model/raw_contours.h"
 #include "anatomesh_io/dicom/data_set.h"
 #include "anatomesh_io/dicom/folder.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/image/image.h"
 #include "anatomesh_io/dicom/dicom_source.h"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/contour_set.h"
-#include "anatomesh/contour/trace.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/contour/trace/trace.h"
 #include "anatomesh/image/image.h"
 #include "anatomesh_io/image/read_image.h"
 

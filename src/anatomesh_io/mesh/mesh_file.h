@@ -37,9 +37,9 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/base/structure.h"
 #include "anatomesh/element/material.h"
-#include "anatomesh/mesh/mid_nodes.h"
-#include "anatomesh/mesh/surface_mesh.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/mid_nodes.h"
+#include "anatomesh/mesh/model/surface_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh_io/file/input_file.h"
 
 namespace anatomesh {

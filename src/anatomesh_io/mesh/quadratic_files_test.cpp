@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "anatomesh/element/quadratic.h"
-#include "anatomesh/mesh/brick_mesh_for_test.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh_io/file/byte_reader.h"
 #include "anatomesh_io/mesh/formats.h"
 #include "anatomesh_io/mesh/material_file.h"

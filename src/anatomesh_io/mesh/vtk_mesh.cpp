@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/mesh/quality.h"
+#include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh_io/mesh/description.h"
 #include "anatomesh_io/mesh/formats.h"
 #include "anatomesh_io/mesh/mesh_text.h"

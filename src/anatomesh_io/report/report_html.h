@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "anatomesh/contour/contour_set.h"
+#include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/measure/report.h"
-#include "anatomesh/mesh/tet_mesh.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh_io/report/report_scene.h"
 
 namespace anatomesh {

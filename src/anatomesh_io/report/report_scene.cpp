@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "anatomesh/mesh/topology.h"
+#include "anatomesh/mesh/check/topology.h"
 #include "anatomesh_io/report/html_text.h"
 
 namespace anatomesh {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "anatomesh/field/distance_raster.h"
+#include "anatomesh/field/slice/distance_raster.h"
 #include "anatomesh_io/report/html_text.h"
 
 namespace anatomesh {

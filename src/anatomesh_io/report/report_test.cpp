@@ -10,7 +10,7 @@
 #include <regex>
 
 #include "anatomesh/measure/certificate.h"
-#include "anatomesh/mesh/brick_mesh_for_test.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh_io/report/html_text.h"
 #include "anatomesh_io/report/report_charts.h"
 #include "anatomesh_io/report/report_html.h"

@@ -1,0 +1,50 @@
+#include "anatomesh/contour/model/area_change.h"
+
+#include <cassert>
+#include <cmath>
+
+#include "anatomesh/contour/model/message_text.h"
+
+namespace anatomesh {
+
+namespace {
+
+// Of the drawn area; simplification within a fraction of a pixel stays well below it.
+constexpr double most_change = 0.05;
+
+double signed_area(std::span<const Vec3> polygon, Vec3 normal) {
+    Vec3 sum{};
+    for (std::size_t n = 1; n + 1 < polygon.size(); ++n) {
+        sum = sum + cross(polygon[n] - polygon[0], polygon[n + 1] - polygon[0]);
+    }
+    return dot(sum, normal) / 2;
+}
+
+}  // namespace
+
+AreaChange area_change(std::uint32_t structure, std::span<const Vec3> before, std::span<const Vec3> after,
+                       Vec3 normal) {
+    const double area = signed_area(before, normal);
+    return {structure, area, std::abs(signed_area(after, normal) - area)};
+}
+
+void warn_of_area_changes(std::span<const AreaChange> changes, const std::vector<Structure>& structures,
+                          const std::string& source, RunContext& context) {
+    std::vector<AreaChange> sums(structures.size());
+    for (const AreaChange& change : changes) {
+        assert(change.structure < sums.size());
+        sums[change.structure].area_mm2 += change.area_mm2;
+        sums[change.structure].change_mm2 += change.change_mm2;
+    }
+    for (std::size_t s = 0; s < sums.size(); ++s) {
+        if (!(sums[s].change_mm2 > most_change * sums[s].area_mm2)) continue;
+        const Structure& structure = structures[s];
+        context.warn({"W-CON-024",
+                      "simplification changes the area of the contours by more than 5 %",
+                      {source, "", structure.name.empty() ? std::to_string(structure.number) : structure.name,
+                       "", brief(100 * sums[s].change_mm2 / sums[s].area_mm2) + " %"},
+                      "kept; a smaller --epsilon follows them more closely"});
+    }
+}
+
+}  // namespace anatomesh

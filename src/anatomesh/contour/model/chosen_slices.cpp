@@ -1,0 +1,114 @@
+#include "anatomesh/contour/model/chosen_slices.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "anatomesh/base/text.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::size_t most_listed = 40;  // names in a message
+
+}  // namespace
+
+ContourSet chosen_slices(const ContourSet& set, std::span<const std::uint32_t> slices) {
+    ContourSet part = set;
+    part.slices.clear();
+    part.contours.clear();
+    part.points.clear();
+    std::vector<bool> is_chosen(set.slices.size(), false);
+    for (const std::uint32_t s : slices) is_chosen[s] = true;
+    for (const Contour& contour : set.contours) {
+        const Slice& slice = set.slices[contour.slice];
+        // Those of a slice come one after the other, by structure.
+        const std::size_t first = slice.first_contour,
+                          n = static_cast<std::size_t>(&contour - set.contours.data());
+        if (!is_chosen[contour.slice] && (n == first || set.contours[n - 1].structure != contour.structure))
+            part.left_out.push_back({set.structures[contour.structure].number, slice.plane});
+    }
+    for (const std::uint32_t s : slices) {
+        Slice slice = set.slices[s];
+        slice.first_contour = static_cast<std::uint32_t>(part.contours.size());
+        for (Contour contour : set.contours_of(set.slices[s])) {
+            const auto points = set.points_of(contour);
+            contour.slice = static_cast<std::uint32_t>(part.slices.size());
+            contour.first_point = static_cast<std::uint32_t>(part.points.size());
+            part.points.insert(part.points.end(), points.begin(), points.end());
+            part.contours.push_back(contour);
+        }
+        part.slices.push_back(std::move(slice));
+    }
+    if (set.overlapping) {
+        OverlappingContours overlapping{{}, {}, set.overlapping->order};
+        for (std::size_t n = 0; n < set.overlapping->levels.size(); ++n) {
+            const std::vector<std::uint32_t>& of_level = set.overlapping->slices[n];
+            std::vector<std::uint32_t> chosen, places;
+            for (std::uint32_t k = 0; k < slices.size(); ++k) {
+                const auto found = std::lower_bound(of_level.begin(), of_level.end(), slices[k]);
+                if (found == of_level.end() || *found != slices[k]) continue;
+                chosen.push_back(static_cast<std::uint32_t>(found - of_level.begin()));
+                places.push_back(k);
+            }
+            overlapping.levels.push_back(chosen_slices(set.overlapping->levels[n], chosen));
+            overlapping.slices.push_back(std::move(places));
+        }
+        part.overlapping = std::make_shared<const OverlappingContours>(std::move(overlapping));
+    }
+    return part;
+}
+
+Result<std::vector<std::uint8_t>> named_slices(std::span<const std::vector<std::string>> names,
+                                               std::span<const std::string> wanted, const std::string& file) {
+    std::vector<std::uint8_t> is_named(names.size(), 0);
+    for (const std::string& text : wanted) {
+        bool found = false;
+        for (const bool exactly : {true, false}) {
+            const auto is_meant = [&](const std::string& name) {
+                return exactly ? name == text : lowered_without_blanks(name) == lowered_without_blanks(text);
+            };
+            for (std::size_t s = 0; s < names.size(); ++s) {
+                if (!std::any_of(names[s].begin(), names[s].end(), is_meant)) continue;
+                is_named[s] = 1;
+                found = true;
+            }
+            if (found) break;
+        }
+        if (found) continue;
+        std::string list;
+        for (std::size_t s = 0; s < std::min(names.size(), most_listed); ++s)
+            list += (s > 0 ? ", " : "") + names[s].front();
+        if (names.size() > most_listed) list += ", ...";
+        return Error{ErrorKind::usage,
+                     "E-CON-010",
+                     "there is no such slice",
+                     {file, text, "", "", ""},
+                     "there are: " + list};
+    }
+    return is_named;
+}
+
+Result<ContourSet> without_slices(ContourSet set, std::span<const std::string> names) {
+    if (names.empty()) return set;
+    std::vector<std::vector<std::string>> all;
+    for (const Slice& slice : set.slices) all.push_back({slice.name});
+    ANATOMESH_TRY(const std::vector<std::uint8_t> is_named, named_slices(all, names, set.source));
+    std::vector<std::uint32_t> others;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        if (!is_named[s]) others.push_back(s);
+    }
+    ContourSet part = chosen_slices(set, others);
+    if (part.contours.empty()) return no_slice_left(set.source);
+    return part;
+}
+
+Error no_slice_left(const std::string& file) {
+    return {ErrorKind::usage,
+            "E-CON-011",
+            "no slice with a contour is left",
+            {file, "", "", "", ""},
+            "leave out fewer slices"};
+}
+
+}  // namespace anatomesh

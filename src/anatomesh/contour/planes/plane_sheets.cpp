@@ -1,0 +1,115 @@
+#include "anatomesh/contour/planes/plane_sheets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "anatomesh/geom/box.h"
+
+namespace anatomesh {
+
+double Sheet::leverage(Vec3 p) const {
+    const Vec3 way = p - mean, inside = way - dot(way, normal) * normal;
+    const double spread = dot(inside, scatter.times(inside)) / count, square = squared_length(inside);
+    return spread > 0 ? square / std::sqrt(spread) : square > 0 ? std::numeric_limits<double>::infinity() : 0;
+}
+
+namespace {
+
+constexpr double least_noise = 1e-5;  // of the contours' extent
+Sheet joined(const Sheet& large, const Sheet& small) {
+    Sheet both = large;
+    both.contours.insert(both.contours.end(), small.contours.begin(), small.contours.end());
+    both.area += small.area;
+    both.noise = std::max(large.noise, small.noise);
+    both.count += small.count;
+    const Vec3 way = small.mean - large.mean;
+    both.mean += (small.count / both.count) * way;
+    both.scatter.add(small.scatter);
+    both.scatter.add(std::sqrt(large.count * small.count / both.count) * way);
+    both.normal = least_direction(both.scatter);
+    return both;
+}
+
+class SheetFinder {
+  public:
+    SheetFinder(std::span<const ContourToPlace> contours, double tolerance, double rounding)
+        : contours_(contours), tolerance_(tolerance), rounding_(rounding) {
+        Box3 box;
+        for (const ContourToPlace& contour : contours) {
+            for (const Vec3& p : contour.points) box.extend(p);
+        }
+        floor_ = least_noise * box.diagonal();
+    }
+
+    std::vector<Sheet> run() const {
+        std::vector<Sheet> singles;
+        for (std::uint32_t c = 0; c < contours_.size(); ++c) {
+            if (contours_[c].plane < 0) singles.push_back(single(c));
+        }
+        std::stable_sort(singles.begin(), singles.end(),
+                         [](const Sheet& p, const Sheet& q) { return p.area > q.area; });
+        std::vector<Sheet> sheets;
+        for (Sheet& one : singles) {
+            const std::size_t host = one.noise <= tolerance_ ? host_of(one, sheets) : sheets.size();
+            if (host < sheets.size()) {
+                sheets[host] = joined(sheets[host], one);
+            } else {
+                sheets.push_back(std::move(one));
+            }
+        }
+        return sheets;
+    }
+
+  private:
+    Sheet single(std::uint32_t c) const {
+        const std::span<const Vec3> points = contours_[c].points;
+        Sheet one;
+        one.contours = {c};
+        one.area = vector_area(points);
+        one.count = static_cast<double>(points.size());
+        one.mean = mean_of(points);
+        one.scatter = scatter_of(points);
+        one.normal = least_direction(one.scatter);
+        one.noise = deviation(one);
+        return one;
+    }
+
+    double deviation(const Sheet& sheet) const {
+        double largest = 0;
+        for (const std::uint32_t c : sheet.contours) {
+            for (const Vec3& p : contours_[c].points)
+                largest = std::max(largest, std::abs(dot(p - sheet.mean, sheet.normal)));
+        }
+        return largest;
+    }
+
+    // The sheet whose plane fits best; their number if none does.
+    std::size_t host_of(const Sheet& one, const std::vector<Sheet>& sheets) const {
+        constexpr double furthest = 10;  // radii of a sheet beside it
+        std::size_t best = sheets.size();
+        double least = 1;
+        for (std::size_t s = 0; s < sheets.size(); ++s) {
+            const Sheet& sheet = sheets[s];
+            if (sheet.noise > tolerance_) continue;
+            const double allowed = fitted_share * std::max({one.noise, sheet.noise, rounding_}) + floor_;
+            const double reach = 1 + std::min(sheet.leverage(one.mean), furthest);
+            const double off = std::abs(dot(one.mean - sheet.mean, sheet.normal)) / (allowed * reach);
+            if (off >= least) continue;
+            const double worst = std::max(off, deviation(joined(sheet, one)) / allowed);
+            if (worst < least) least = worst, best = s;
+        }
+        return best;
+    }
+
+    std::span<const ContourToPlace> contours_;
+    double tolerance_, rounding_, floor_ = 0;
+};
+
+}  // namespace
+
+std::vector<Sheet> find_sheets(std::span<const ContourToPlace> contours, double tolerance, double rounding) {
+    return SheetFinder(contours, tolerance, rounding).run();
+}
+
+}  // namespace anatomesh

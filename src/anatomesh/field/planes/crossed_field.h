@@ -1,0 +1,40 @@
+// The structure field of a stack or sweep with a few planes across it. Reached through
+// make_structure_field().
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "anatomesh/field/model/structure_field.h"
+
+namespace anatomesh {
+
+// Slices by their index.
+struct StackAndCrossing {
+    std::vector<std::uint32_t> stack;     // parallel, or a sweep
+    std::vector<std::uint32_t> crossing;  // the others
+};
+
+// The slices as a stack and a few others that run across it or lean too much: the long axis beside the short
+// axes of a heart, a plane of a sweep that crosses the one before. As long as the boxes of two slices'
+// contours cross, or nearly so, the slice that does so with most others is taken out. Nothing where what is
+// left is no stack or sweep, has fewer than four slices or fewer than three times as many as were taken out,
+// or misses a structure; and nothing for an exclusive set of several structures. Complexity: O(points +
+// slices^2).
+std::optional<StackAndCrossing> stack_and_crossing(const ContourSet& set);
+
+// Between its slices the stack's own field F. Near one of the others, F in that plane is set against what is
+// drawn there: where they differ in sign, or F is the smaller and its surface runs elsewhere in the plane
+// than the contours, the difference is carried off the plane, with a weight that falls from 1 on the plane to
+// 0 on the stack's slices and at two spacings from the plane (inverse distances: Shepard, Proc. 23rd ACM
+// National Conference, 1968). So each plane's contours lie on the surface, and where the planes agree with
+// the stack it stays what the stack says. A plane says nothing more than one spacing beside its contours, and
+// nothing of structures that it does not draw. Requires: the slices of stack_and_crossing(set). Complexity of
+// a query: that of the stack's field for each plane near, and O(slices) there.
+Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSet& set,
+                                                                 const StackAndCrossing& slices,
+                                                                 const FieldOptions& options,
+                                                                 RunContext& context);
+
+}  // namespace anatomesh

@@ -1,0 +1,56 @@
+#include "anatomesh/field/stack/domes.h"
+
+#include <numbers>
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double bluntest = 8;     // gaps to where the area would be nothing; beyond, a part ends flat
+constexpr double highest = 0.85;   // gaps; a dome stays off the next slice, which shows nothing of the part
+constexpr double widest = 2.5;     // greatest depths: how much wider the part before is looked for
+constexpr int depth_lattice = 32;  // points a side over a section, to find where it is deepest
+
+double greatest_depth(const DistanceMap& section) {
+    const Box2& box = section.region_box();
+    const Vec2 step = (1.0 / depth_lattice) * (box.high - box.low);
+    double depth = 0;
+    for (int j = 0; j < depth_lattice; ++j) {
+        for (int i = 0; i < depth_lattice; ++i)
+            depth = std::max(depth, -section.value(box.low + Vec2{(i + 0.5) * step.x, (j + 0.5) * step.y}));
+    }
+    return depth;
+}
+
+// How much larger the part was on the slice before, mm^2: by the mean width of what it lost all around.
+double lost_area(const DistanceMap& section, bool is_void, const DistanceMap& before) {
+    double lost = 0, perimeter = 0;
+    for (const Edge2& edge : section.edges()) {
+        const double width = before.value(0.5 * (edge.a + edge.b)) * (is_void ? 1 : -1);
+        const double along = length(edge.b - edge.a);
+        lost += along * width;
+        perimeter += along;
+    }
+    const double width = lost / perimeter;
+    return width > 0 ? lost + std::numbers::pi * width * width : 0;
+}
+
+}  // namespace
+
+std::optional<Dome> dome_of(const DistanceMap& section, bool is_void, const DistanceMap& before,
+                            double gap_before, double gap) {
+    const auto gaps_to_nothing = [&](const DistanceMap& larger) {
+        const double lost = lost_area(section, is_void, larger);
+        return lost > 0 ? section.area() * gap_before / (lost * gap) : bluntest;
+    };
+    double gaps = gaps_to_nothing(before);
+    const double depth = greatest_depth(section), reach = widest * depth;
+    if (!(gaps < bluntest && depth > 0)) return std::nullopt;
+    if (reach > before.limit())
+        gaps = gaps_to_nothing(DistanceMap({before.edges().begin(), before.edges().end()}, reach));
+    // Over a disc: the height at which a paraboloid that is so high has the volume of half the gap.
+    const double top = gaps > 1 ? gaps * (1 - std::sqrt(1 - 1 / gaps)) : gaps;
+    return Dome(depth, gaps * gap, std::min(top, highest) * gap);
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,382 @@
+#include "anatomesh/field/stack/levels.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <tuple>
+
+#include "anatomesh/contour/model/repeated_planes.h"
+#include "anatomesh/slices/coverage/telling_slices.h"
+
+namespace anatomesh {
+
+namespace {
+
+double middle(const SliceInterval& interval) {
+    return 0.5 * (interval.low + interval.high);
+}
+
+double lower_median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+constexpr double same_spacing = 0.05;  // gaps that differ by less than this share of the larger are alike
+
+// Of the gap asked for: two spacings of slices that lean against each other, or whose places were rounded,
+// are a little more than twice one.
+constexpr double joined_more = 1.02;
+constexpr double hardly_wider = 1.5;  // spacings: more is a gap to tell of
+constexpr double most_uneven = 2;  // times the median of uneven gaps, what is usual among them
+
+// The spacing that most of a few neighbouring gaps share, from an end inwards, one slice left out where that
+// makes more of them alike; of several as good that of the gap nearest to the end, or nothing. So neither one
+// slice more nor one less moves it, and where the spacing changes before the end, that beside it counts.
+std::optional<double> shared_spacing(const std::vector<double>& gaps) {
+    std::optional<double> best;
+    // How many gaps are odd, whether a slice was left out, and which gap is the first that is not odd.
+    std::tuple<std::size_t, bool, std::size_t> least{gaps.size(), false, 0};
+    for (std::size_t extra = 0; extra < gaps.size(); ++extra) {
+        std::vector<double> left = gaps;
+        if (extra > 0) {  // the slice before this gap
+            left[extra - 1] += left[extra];
+            left.erase(left.begin() + static_cast<std::ptrdiff_t>(extra));
+        }
+        for (std::size_t n = 0; n < left.size(); ++n) {
+            const auto alike =
+                static_cast<std::size_t>(std::count_if(left.begin(), left.end(), [&](double gap) {
+                    return std::abs(gap - left[n]) <= same_spacing * std::max(gap, left[n]);
+                }));
+            const std::tuple key{left.size() - alike + (extra > 0 ? 1 : 0), extra > 0, n};
+            if (alike < 2 || 2 * alike <= left.size() || !(key < least)) continue;
+            least = key;
+            best = left[n];
+        }
+    }
+    return best;
+}
+
+// Two in three of them, three at least, are as their lower median; or there are less than three.
+bool are_even(const std::vector<double>& distances) {
+    if (distances.size() < 3) return true;
+    const double usual = lower_median(distances);
+    const auto alike = std::count_if(distances.begin(), distances.end(), [&](double d) {
+        return std::abs(d - usual) <= same_spacing * std::max(d, usual);
+    });
+    return alike >= 3 && 3 * static_cast<std::size_t>(alike) >= 2 * distances.size();
+}
+
+// Of uneven gaps that in which any place lies, in the mean: it lies the more often in one the wider that is
+// (renewal theory: Feller, An Introduction to Probability Theory and Its Applications II, 1971, chapter I.4).
+double spacing_round_a_place(const std::vector<double>& gaps) {
+    double sum = 0, squares = 0;
+    for (const double gap : gaps) {
+        sum += gap;
+        squares += gap * gap;
+    }
+    return squares / sum;
+}
+
+// The gaps between slices that tell of a structure, and what is usual among them. Slices in groups, and
+// planes given again, count once; what is a group the whole stack tells.
+class Gaps {
+  public:
+    // `around`: the gaps of the stack; those from `first` on, `count` of them, are the structure's.
+    // `spacing`: where these tell none.
+    Gaps(const std::vector<double>& around, std::size_t first, std::size_t count, double spacing)
+        : spacing_(spacing) {
+        const RegularGaps regular = regular_gaps(around);
+        for (std::size_t i = 0; i < around.size(); ++i) {
+            if (i == first) stack_before_ = stack_distances_.size();
+            if (!regular.within[i]) stack_distances_.push_back(regular.distance[i]);
+        }
+        for (std::size_t i = first; i < first + count; ++i) {
+            place_.push_back(usual_.size());
+            all_.push_back(around[i]);
+            distances_.push_back(regular.distance[i]);
+            counts_.push_back(!regular.within[i]);
+            if (!counts_.back()) continue;
+            usual_.push_back(all_.back());
+            usual_distances_.push_back(distances_.back());
+        }
+    }
+
+    std::size_t size() const { return all_.size(); }
+    double operator[](std::size_t i) const { return all_[i]; }
+    bool counts(std::size_t i) const { return counts_[i]; }
+
+    // Lower median of the gaps that count within three of gap i: one missing slice does not move it, a change
+    // of spacing does.
+    double local_spacing(std::size_t i) const { return local(usual_, place_[i]); }
+    // The same of all gaps, those within groups too.
+    double spacing_without_groups(std::size_t i) const { return local(all_, i); }
+    // How many times as far the middles of what gap i parts are from each other as is usual there.
+    double spacings_if_even(std::size_t i) const {
+        return distances_[i] / local(usual_distances_, place_[i]);
+    }
+    // Where gaps are uneven, a wide one is no missing slice yet: there usual is what three in four of more of
+    // them do not exceed, if that is more, but no more than twice: slices far apart tell nothing of others
+    // near each other.
+    double spacings(std::size_t i) const {
+        const double usual = local(usual_distances_, place_[i]);
+        if (!counts_[i] || are_even(others_within(3, i))) return spacings_if_even(i);
+        std::vector<double> more = others_within(8, i);
+        const auto quartile = more.begin() + static_cast<std::ptrdiff_t>((3 * more.size() + 3) / 4 - 1);
+        std::nth_element(more.begin(), quartile, more.end());
+        return distances_[i] / std::clamp(*quartile, usual, most_uneven * usual);
+    }
+
+  private:
+    // The distances of the stack that count on either side of gap i, so many of them.
+    std::vector<double> others_within(std::size_t reach, std::size_t i) const {
+        const std::size_t at = stack_before_ + place_[i], first = at < reach ? 0 : at - reach,
+                          last = std::min(stack_distances_.size(), at + reach + 1);
+        std::vector<double> others(stack_distances_.begin() + static_cast<std::ptrdiff_t>(first),
+                                   stack_distances_.begin() + static_cast<std::ptrdiff_t>(last));
+        others.erase(others.begin() + static_cast<std::ptrdiff_t>(at - first));
+        return others;
+    }
+
+    double local(const std::vector<double>& of, std::size_t place) const {
+        if (of.empty()) return spacing_;
+        const std::size_t at = std::min(place, of.size() - 1);
+        const std::size_t first = at < 3 ? 0 : at - 3, last = std::min(of.size(), at + 4);
+        return lower_median({of.begin() + static_cast<std::ptrdiff_t>(first),
+                             of.begin() + static_cast<std::ptrdiff_t>(last)});
+    }
+
+    double spacing_;
+    std::vector<double> all_, distances_, usual_, usual_distances_;
+    std::vector<double> stack_distances_;  // of all gaps of the stack that count
+    std::size_t stack_before_ = 0;         // of these, before the structure's
+    std::vector<bool> counts_;
+    std::vector<std::size_t> place_;  // in usual_, of each gap or the next one that counts
+};
+
+}  // namespace
+
+std::vector<SliceInterval> parallel_intervals(const ContourSet& set, const Plane& frame) {
+    std::vector<SliceInterval> intervals;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        const double position = frame.signed_distance(set.slices[s].plane.origin);
+        SliceInterval interval{s, position, position};
+        bool first = true;
+        for (const Contour& contour : set.contours_of(set.slices[s])) {
+            for (const Vec3& point : set.points_of(contour)) {
+                const double z = frame.signed_distance(point);
+                interval.low = first ? z : std::min(interval.low, z);
+                interval.high = first ? z : std::max(interval.high, z);
+                first = false;
+            }
+        }
+        intervals.push_back(interval);
+    }
+    std::sort(intervals.begin(), intervals.end(), [](const SliceInterval& a, const SliceInterval& b) {
+        return a.low != b.low ? a.low < b.low : a.slice < b.slice;
+    });
+    for (std::size_t i = 0; i + 1 < intervals.size(); ++i) {
+        const double gap = middle(intervals[i + 1]) - middle(intervals[i]);
+        const double thickest =
+            std::max(intervals[i].high - intervals[i].low, intervals[i + 1].high - intervals[i + 1].low);
+        if (!(gap > 0) || thickest > 0.1 * gap) return {};
+    }
+    return intervals;
+}
+
+namespace {
+
+std::vector<std::uint32_t> telling_of(const std::vector<SliceInterval>& intervals,
+                                      const std::vector<std::uint32_t>& drawn, bool every_slice,
+                                      const std::vector<double>& left_out) {
+    if (every_slice) {
+        std::vector<std::uint32_t> all(drawn.back() - drawn.front() + 1);
+        std::iota(all.begin(), all.end(), drawn.front());
+        return all;
+    }
+    std::vector<double> heights;
+    for (const SliceInterval& interval : intervals) heights.push_back(middle(interval));
+    return telling_slices(drawn, heights, left_out);
+}
+
+// Of those that heights, rising, part a gap into, as a share of it.
+double widest_part(double low, double high, const std::vector<double>& heights) {
+    double from = low, widest = 0;
+    for (auto at = std::upper_bound(heights.begin(), heights.end(), low); at != heights.end() && *at < high;
+         ++at) {
+        widest = std::max(widest, *at - from);
+        from = *at;
+    }
+    return high > low ? std::max(widest, high - from) / (high - low) : 1;
+}
+
+bool has_part(const std::vector<StructurePart>& parts, double low, double high) {
+    return std::any_of(parts.begin(), parts.end(),
+                       [&](const StructurePart& part) { return part.low <= low && high <= part.high; });
+}
+
+// The least of parts that begin with the slice, or, where it is not inward upwards, end with it.
+std::optional<double> spacing_of_parts(const std::vector<StructurePart>& parts, const SliceInterval& slice,
+                                       int inward) {
+    std::optional<double> least;
+    for (const StructurePart& part : parts) {
+        const double spacing = inward > 0 ? part.below : part.above;
+        if ((inward > 0 ? part.low == slice.low : part.high == slice.high) &&
+            spacing < least.value_or(HUGE_VAL))
+            least = spacing;
+    }
+    return least;
+}
+
+}  // namespace
+
+StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
+                                 const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
+                                 const FieldOptions& options, const GapEvidence& evidence) {
+    assert(!drawn.empty() && spacing > 0);
+    StructureLevels result;
+    const std::vector<std::uint32_t> telling = telling_of(intervals, drawn, every_slice, evidence.left_out);
+    for (std::uint32_t i = drawn.front(); i <= drawn.back(); ++i) {
+        if (!std::binary_search(telling.begin(), telling.end(), i))
+            result.untold.push_back(intervals[i].slice);
+    }
+    const bool own_spacing = telling.size() < drawn.back() - drawn.front() + 1u;
+    // A structure on slices of its own knows these alone.
+    const auto gap_between = [&](const SliceInterval& below, const SliceInterval& above) {
+        return above.low - below.high;
+    };
+    // What nobody drew parts no gap: those between the others count.
+    std::vector<std::uint32_t> known;
+    std::vector<std::size_t> place;  // in these, of each that tells, or of the next one below it
+    for (const std::uint32_t i : telling) {
+        const bool is_end = i == telling.front() || i == telling.back();
+        if (is_end || !std::binary_search(evidence.interpolated.begin(), evidence.interpolated.end(), i))
+            known.push_back(i);
+        place.push_back(known.size() - 1);
+    }
+    const bool own_gaps = own_spacing || known.size() < telling.size();
+    std::vector<double> around;
+    if (own_gaps) {
+        for (std::size_t i = 1; i < known.size(); ++i)
+            around.push_back(gap_between(intervals[known[i - 1]], intervals[known[i]]));
+    } else {
+        for (std::size_t i = 1; i < intervals.size(); ++i)
+            around.push_back(gap_between(intervals[i - 1], intervals[i]));
+    }
+    const Gaps gaps(around, own_gaps ? 0 : telling.front(), known.size() - 1, spacing);
+    const double widest = options.max_gap_spacings * joined_more;  // that is joined, in spacings
+    // Where its own slices were left out, of usual gaps, it goes on.
+    const auto is_open = [&](std::size_t gap) {
+        const double spacings = gaps.spacings(gap);
+        const double low = intervals[known[gap]].high, high = intervals[known[gap + 1]].low;
+        return spacings > widest && spacings * widest_part(low, high, evidence.left_out) > hardly_wider &&
+               !(evidence.of_all && has_part(evidence.parts, low, high));
+    };
+    // Spacing where a part begins or ends: the one that most of its gaps there share. Where they share none,
+    // and more of them are uneven too, that of the gap that an end falls into. Else the local one, or that of
+    // the part itself where it is smaller.
+    const auto spacing_at = [&](std::size_t end, int inward) {
+        if (const auto told = spacing_of_parts(evidence.parts, intervals[known[end]], inward)) return *told;
+        if (gaps.size() == 0) return spacing;
+        std::vector<double> more;
+        for (std::size_t i = 0; more.size() < 8; ++i) {
+            const std::size_t gap = inward > 0 ? end + i : end - 1 - i;
+            if (gap >= gaps.size() || is_open(gap)) break;
+            if (gaps.counts(gap)) more.push_back(gaps[gap]);
+        }
+        std::vector<double> own(more.begin(), more.begin() + std::min<std::ptrdiff_t>(4, std::ssize(more)));
+        if (const std::optional<double> shared = shared_spacing(own)) return *shared;
+        if (more.size() > 4 && !are_even(more))
+            return std::min(spacing_round_a_place(more), most_uneven * lower_median(own));
+        const std::size_t beside =
+            inward > 0 ? std::min(end, gaps.size() - 1) : std::max<std::size_t>(end, 1) - 1;
+        const double local = gaps.local_spacing(beside);
+        return own.empty() ? local : std::min(local, lower_median(std::move(own)));
+    };
+
+    // Beyond the outermost ends: the next slice of the set where it says something and is near, else an empty
+    // level one spacing away.
+    const auto end_level = [&](std::uint32_t at, int direction, double local) {
+        const bool is_last = direction > 0 ? at + 1 == intervals.size() : at == 0;
+        if (!is_last && !own_spacing) {
+            const SliceInterval& next = intervals[direction > 0 ? at + 1 : at - 1];
+            const double gap = direction > 0 ? next.low - intervals[at].high : intervals[at].low - next.high;
+            const double low = std::min(intervals[at].high, next.high), high = low + gap;
+            if (gap <= options.max_gap_spacings * local || has_part(evidence.parts, low, high))
+                return Level{next.low, next.high, Level::no_slice};
+        }
+        const double z = direction > 0 ? intervals[at].high + local : intervals[at].low - local;
+        return Level{z, z, Level::no_slice};
+    };
+
+    std::vector<std::uint32_t> part;  // the drawn slices of the part at hand
+    const auto close_part = [&](const Level& end) {
+        StructureLevels::Extent extent;
+        if (options.caps == EndCaps::flat && part.size() > 1) {
+            extent.low = intervals[part.front()].low;
+            extent.high = intervals[part.back()].high;
+        }
+        result.flat_island |= options.caps == EndCaps::flat && part.size() == 1;
+        part.clear();
+        result.levels.push_back(end);
+        extent.until = result.levels.back().high;
+        result.flat.push_back(extent);
+    };
+    std::size_t next_drawn = 0;
+    for (std::size_t i = 0; i < telling.size(); ++i) {
+        const SliceInterval& interval = intervals[telling[i]];
+        const bool is_drawn = next_drawn < drawn.size() && drawn[next_drawn] == telling[i];
+        if (i > 0 && place[i] != place[i - 1]) {
+            const std::size_t g = place[i - 1];
+            const double gap = gaps[g];
+            const std::pair<double, double> ends{intervals[known[g]].high, interval.low};
+            if (is_open(g) && known[g] == telling[i - 1]) {
+                result.open_gaps.push_back(ends);
+                // The two empty levels in the gap do not pass one another.
+                const double below = ends.first + std::min(spacing_at(g, -1), 0.5 * gap);
+                const double above = std::max(ends.second - std::min(spacing_at(g + 1, 1), 0.5 * gap), below);
+                close_part({below, below, Level::no_slice});
+                result.levels.push_back({above, above, Level::no_slice});
+            } else if (gaps.spacings(g) > hardly_wider || gaps.spacings_if_even(g) > widest) {
+                result.bridged_gaps.push_back(ends);
+            } else if (gaps.spacing_without_groups(g) < gaps.local_spacing(g) &&
+                       gap > widest * gaps.spacing_without_groups(g)) {
+                result.gaps_by_groups.push_back(ends);
+            }
+        }
+        if (i == 0) result.levels.push_back(end_level(telling[0], -1, spacing_at(0, 1)));
+        result.levels.push_back({interval.low, interval.high, is_drawn ? interval.slice : Level::no_slice});
+        if (is_drawn) {
+            part.push_back(telling[i]);
+            ++next_drawn;
+        } else {
+            result.not_drawn.push_back(interval.slice);
+        }
+    }
+    close_part(end_level(telling.back(), 1, spacing_at(known.size() - 1, -1)));
+    result.flat.back().until = std::numeric_limits<double>::infinity();
+    return result;
+}
+
+std::vector<StructurePart> parts_of(const StructureLevels& levels) {
+    // Two empty levels part them.
+    std::vector<StructurePart> parts;
+    const std::vector<Level>& all = levels.levels;
+    std::size_t begin = 0;
+    const auto add = [&](std::size_t end) {
+        const Level &first = all[begin + 1], &last = all[end - 1];
+        parts.push_back({first.low, last.high, first.low - all[begin].high, all[end].low - last.high});
+    };
+    for (std::size_t gap = 0; gap < levels.open_gaps.size(); ++gap) {
+        std::size_t end = begin + 1;
+        while (all[end].high <= levels.open_gaps[gap].first) ++end;
+        add(end);
+        begin = end + 1;
+    }
+    add(all.size() - 1);
+    return parts;
+}
+
+}  // namespace anatomesh

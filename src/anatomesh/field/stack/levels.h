@@ -1,0 +1,82 @@
+// Where a structure is known along the common normal of parallel slices: on its slices, and as empty beyond
+// its ends.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/field/model/structure_field.h"
+
+namespace anatomesh {
+
+// A slice as an interval along the common normal: contour points may lie off their plane by the reader's
+// tolerance, and on all of them the slice's own region must hold.
+struct SliceInterval {
+    std::uint32_t slice = 0;
+    double low = 0, high = 0;
+};
+
+// The slices of a set in rising order along `frame`'s normal, or nothing when they are not parallel: when one
+// is thicker than a tenth of its distance to the next, or two overlap.
+std::vector<SliceInterval> parallel_intervals(const ContourSet& set, const Plane& frame);
+
+// A position at which a structure is known: the region drawn on `slice`, or nothing (no_slice or not drawn
+// there).
+struct Level {
+    double low = 0, high = 0;
+    std::uint32_t slice = no_slice;
+    static constexpr std::uint32_t no_slice = 0xFFFFFFFFu;
+};
+
+// The levels of a structure, rising; between two neighbours it is interpolated, before the first and after
+// the last it is empty. Where a gap is not bridged, two empty levels stand in it.
+struct StructureLevels {
+    std::vector<Level> levels;
+    // Flat ends: part i lives in [flat[i].low, flat[i].high] only (infinite where it ends half a slice
+    // beyond), and the parts divide the axis at flat[i].until.
+    struct Extent {
+        double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+        double until = std::numeric_limits<double>::infinity();
+    };
+    std::vector<Extent> flat;
+    bool flat_island = false;  // a part of one slice that got half ends although flat ones were asked
+    // Along the normal, for warnings; gaps_by_groups: joined only since slices count in groups.
+    std::vector<std::pair<double, double>> open_gaps, bridged_gaps, gaps_by_groups;
+    std::vector<std::uint32_t> not_drawn;  // slices between its first and last on which it is empty
+    std::vector<std::uint32_t> untold;     // those between them that say nothing about it
+};
+
+// From the first slice of a part of a structure to its last, and how far the empty levels are from these.
+struct StructurePart {
+    double low = 0, high = 0;
+    double below = 0, above = 0;
+};
+
+// What else tells whether a structure goes on through a gap.
+struct GapEvidence {
+    std::vector<double> left_out;  // rising heights of slices of its own that are not there: see below
+    // Of the drawn ones, rising: those that got their outlines from the others (outlines_between.h). They
+    // part no gap, and so make no other one wide.
+    std::vector<std::uint32_t> interpolated;
+    // Of structures that exclude each other: where the parts of all reach. One that ends where others go on
+    // does so half-way to the next slice; those that begin or end with one slice do so equally far from it,
+    // as far as the nearest of them. All of them together (`of_all`) go on where one does.
+    std::vector<StructurePart> parts;
+    bool of_all = false;
+};
+
+// Levels of a structure drawn on the slices intervals[drawn[..]] (rising, at least one).
+// `every_slice`: each slice of the set says something about it (label maps). Otherwise those between its own
+// that telling_slices() names. `spacing`: of the set, for a structure whose own spacing cannot be told.
+// A gap that slices left out part into usual ones is bridged.
+StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
+                                 const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,
+                                 const FieldOptions& options, const GapEvidence& evidence = {});
+
+std::vector<StructurePart> parts_of(const StructureLevels& levels);
+
+}  // namespace anatomesh

@@ -1,0 +1,630 @@
+#include "anatomesh/field/stack/parallel_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include "anatomesh/base/parallel.h"
+#include "anatomesh/contour/model/repeated_planes.h"
+#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/field/stack/caps.h"
+#include "anatomesh/field/slice/distance_map.h"
+#include "anatomesh/field/stack/domes.h"
+#include "anatomesh/field/model/field_queries.h"
+#include "anatomesh/field/stack/levels.h"
+#include "anatomesh/field/stack/lone_parts.h"
+#include "anatomesh/field/stack/slice_motion.h"
+#include "anatomesh/field/slice/slice_regions.h"
+#include "anatomesh/field/stack/track.h"
+#include "anatomesh/field/model/volume.h"
+
+namespace anatomesh {
+
+namespace {
+
+std::string text(double value) {
+    std::array<char, 32> buffer;
+    const auto end =
+        std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, 2);
+    return {buffer.data(), end.ptr};
+}
+
+std::string structure_text(const Structure& structure) {
+    return structure.name.empty() ? std::to_string(structure.number) : structure.name;
+}
+
+std::string slice_text(const ContourSet& set, std::uint32_t slice) {
+    return set.slices[slice].name.empty() ? "slice " + std::to_string(slice) : set.slices[slice].name;
+}
+
+constexpr double much_bowed = 0.05;  // gaps: a column through such a bow is integrated in finer steps
+
+class ParallelField final : public FieldQueries<ParallelField> {
+  public:
+    ParallelField(const Plane& frame, double spacing, double clamp, bool partition)
+        : frame_(frame), spacing_(spacing) {
+        clamp_ = clamp;
+        partition_ = partition;
+    }
+
+    double slice_spacing() const override { return spacing_; }
+    std::vector<Plane> flat_ends() const override {
+        std::vector<double> heights;
+        for (const Track& track : tracks_) track.add_flat_ends(heights);
+        std::sort(heights.begin(), heights.end());
+        std::vector<Plane> ends(heights.size(), frame_);
+        for (std::size_t n = 0; n < ends.size(); ++n)
+            ends[n].origin = frame_.origin + heights[n] * frame_.normal;
+        return ends;
+    }
+    Box3 box() const override { return box_; }
+
+    RawValue raw(std::uint32_t structure, Vec3 p, double reach) const {
+        assert(structure < tracks_.size());
+        return raw_at(structure, frame_.to_plane(p), frame_.signed_distance(p), reach);
+    }
+
+    double raw_union(Vec3 p) const {
+        return union_.blend(maps_, clamp_, frame_.to_plane(p), frame_.signed_distance(p), everywhere);
+    }
+
+    template <class Body>
+    void each_raw(Vec3 p, Body body) const {
+        const double z = frame_.signed_distance(p);
+        const double b = (z - low_) * inverse_bucket_;
+        if (!(b >= 0) || b >= static_cast<double>(bucket_begin_.size() - 1)) return;
+        const Vec2 q = frame_.to_plane(p);
+        const auto bucket = static_cast<std::size_t>(b);
+        for (std::uint32_t i = bucket_begin_[bucket]; i < bucket_begin_[bucket + 1]; ++i) {
+            if (!near_[i].box.contains(q)) continue;
+            const RawValue raw = raw_at(near_[i].structure, q, z, everywhere);
+            if (raw.value < clamp_) body(near_[i].structure, raw);
+        }
+    }
+
+    Result<std::vector<StructureVolume>> volumes(std::uint32_t count, const VolumeOptions& options,
+                                                 RunContext& context) const override;
+
+    Status build(const ContourSet& set, const std::vector<SliceInterval>& intervals,
+                 const FieldOptions& options, RunContext& context);
+
+  private:
+    struct NearEntry {
+        std::uint32_t structure;
+        Box2 box;
+    };
+
+    RawValue raw_at(std::uint32_t structure, Vec2 q, double z, double reach) const {
+        const Track& track = tracks_[structure];
+        RawValue raw{clamp_, track.beyond_end(z)};
+        raw.value = track.blend(maps_, clamp_, q, z, reach, partition_ ? &raw.ending : nullptr);
+        return raw;
+    }
+    StructureVolume pair_volume(std::uint32_t structure, const Track::Pair& pair, double points,
+                                std::size_t layer) const;
+    double inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q, double step) const;
+    bool is_alone(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const;
+    Status build_maps(const ContourSet& set, RunContext& context);
+    Status find_motions(const ContourSet& set, RunContext& context);
+    void add_lone_ends_to_union(std::size_t pair);
+    void warn_about_jumps(const ContourSet& set, RunContext& context) const;
+    void warn_about_ambiguities(const ContourSet& set, RunContext& context) const;
+    void build_tracks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
+                      const FieldOptions& options, RunContext& context);
+    void build_near_table();
+    void build_box();
+
+    Plane frame_;
+    double spacing_ = 0;
+    Box3 box_;
+    std::vector<std::optional<DistanceMap>> maps_;
+    std::vector<std::uint32_t> slice_of_map_;
+    std::vector<std::vector<std::int32_t>> map_of_;  // [structure][slice]; the union comes last
+    std::vector<Track> tracks_;
+    Track union_;
+    // Along the normal in buckets: the structures whose neighbourhood reaches into the bucket, rising.
+    double low_ = 0, inverse_bucket_ = 0;
+    std::vector<std::uint32_t> bucket_begin_;
+    std::vector<NearEntry> near_;
+};
+
+Status ParallelField::build_maps(const ContourSet& set, RunContext& context) {
+    std::vector<std::vector<SliceRegion>> regions(set.slices.size());
+    parallel_for(set.slices.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s) {
+            regions[s] = slice_regions(set, static_cast<std::uint32_t>(s), frame_);
+            if (partition_ && !regions[s].empty()) {
+                const auto none = static_cast<std::uint32_t>(set.structures.size());
+                std::vector<Edge2> boundary = union_boundary(regions[s]);
+                if (!boundary.empty())
+                    regions[s].push_back({regions[s].front().slice, none, std::move(boundary)});
+            }
+        }
+    });
+    map_of_.assign(set.structures.size() + 1, std::vector<std::int32_t>());
+    std::vector<SliceRegion*> jobs;
+    for (std::vector<SliceRegion>& slice : regions) {
+        for (SliceRegion& region : slice) {
+            std::vector<std::int32_t>& row = map_of_[region.structure];
+            if (row.empty()) row.assign(set.slices.size(), empty_level);
+            row[region.slice] = static_cast<std::int32_t>(jobs.size());
+            jobs.push_back(&region);
+            slice_of_map_.push_back(region.slice);
+        }
+    }
+    maps_.resize(jobs.size());
+    parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end && !context.cancelled(); ++i) {
+            maps_[i].emplace(std::move(jobs[i]->edges), clamp_);
+        }
+    });
+    if (context.cancelled()) return cancelled_error();
+    return Nothing{};
+}
+
+void warn_about_levels(const ContourSet& set, std::uint32_t structure, const StructureLevels& levels,
+                       RunContext& context) {
+    const std::string name = structure_text(set.structures[structure]);
+    const auto warn_gap = [&](const std::pair<double, double>& gap, const char* code, const char* message,
+                              const char* done) {
+        context.warn(
+            {code,
+             message,
+             {set.source, "", name, "", text(gap.first) + " to " + text(gap.second) + " mm along the normal"},
+             done});
+    };
+    for (const auto& gap : levels.open_gaps) {
+        warn_gap(gap, "W-FLD-001", "slices are missing inside the structure",
+                 "the two sides were not joined; --max-gap joins them");
+    }
+    for (const auto& gap : levels.bridged_gaps) {
+        warn_gap(gap, "W-FLD-002", "slices are missing inside the structure", "the gap was bridged");
+    }
+    if (!levels.gaps_by_groups.empty()) {
+        const auto& first = levels.gaps_by_groups.front();
+        context.warn({"W-FLD-009",
+                      "slices come in pairs or groups, and what is drawn on the next one was joined to each",
+                      {set.source, "", name, "",
+                       std::to_string(levels.gaps_by_groups.size()) + " gaps, the first from " +
+                           text(first.first) + " to " + text(first.second) + " mm along the normal"},
+                      "the gaps were bridged; parts that are apart are to be structures of their own"});
+    }
+    if (set.drawn && !levels.not_drawn.empty()) {
+        context.warn({"W-FLD-003",
+                      "not drawn on every slice between its first and its last one",
+                      {set.source, set.slices[levels.not_drawn.front()].name, name, "",
+                       std::to_string(levels.not_drawn.size()) + " slices without it"},
+                      "taken as empty there; slices that nobody drew on are left out by --without"});
+    }
+    if (set.drawn && !levels.untold.empty()) {
+        context.warn({"W-FLD-012",
+                      "drawn on slices of its own: others between these draw other structures and not it",
+                      {set.source, set.slices[levels.untold.front()].name, name, "",
+                       std::to_string(levels.untold.size()) + " slices without it"},
+                      "taken to say nothing about it: it goes on through them"});
+    }
+    if (levels.flat_island) {
+        context.warn({"W-FLD-004",
+                      "a part drawn on one slice alone cannot end flat",
+                      {set.source, "", name, "", ""},
+                      "it got half a slice on both sides"});
+    }
+}
+
+void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceInterval>& intervals,
+                                 const FieldOptions& options, RunContext& context) {
+    tracks_.resize(set.structures.size());
+    const auto levels_of = [&](std::uint32_t s, const std::vector<StructurePart>& parts) {
+        std::vector<std::uint32_t> drawn;
+        for (std::uint32_t i = 0; i < intervals.size(); ++i) {
+            if (map_of_[s][intervals[i].slice] != empty_level) drawn.push_back(i);
+        }
+        const bool is_union = s == set.structures.size();
+        const bool every_slice = set.exclusive || options.every_slice_tells;
+        const Plane& frame = set.slices.front().plane;
+        GapEvidence evidence{heights_left_out(set, s, frame.origin, frame.normal), {}, parts, is_union};
+        for (const std::uint32_t i : drawn) {
+            if (!is_union && is_interpolated(set, intervals[i].slice, s)) evidence.interpolated.push_back(i);
+        }
+        return structure_levels(intervals, drawn, every_slice, spacing_, options, evidence);
+    };
+    // Where some have slices of their own, others may end where they go on.
+    std::vector<StructurePart> parts;
+    for (std::uint32_t s = 0; s < tracks_.size() && set.exclusive && has_interpolated(set); ++s) {
+        if (map_of_[s].empty()) continue;
+        const std::vector<StructurePart> own = parts_of(levels_of(s, {}));
+        parts.insert(parts.end(), own.begin(), own.end());
+    }
+    for (std::uint32_t s = 0; s < map_of_.size(); ++s) {
+        if (map_of_[s].empty()) continue;
+        StructureLevels levels = levels_of(s, parts);
+        const bool is_union = s == set.structures.size();
+        if (!is_union) warn_about_levels(set, s, levels, context);
+        (is_union ? union_ : tracks_[s]) = Track(std::move(levels), map_of_[s], options.caps == EndCaps::rounded);
+    }
+}
+
+// What a structure of a partition ends with is part of the union, though there it touches others that go on.
+void ParallelField::add_lone_ends_to_union(std::size_t i) {
+    const Track::Pair pair = union_.pair(i);
+    if (pair.below == empty_level || pair.above == empty_level) return;
+    for (const bool from_below : {true, false}) {
+        const std::int32_t here = from_below ? pair.below : pair.above,
+                           there = from_below ? pair.above : pair.below;
+        const auto map = [&](std::int32_t m) {
+            return m == empty_level ? nullptr : &*maps_[static_cast<std::size_t>(m)];
+        };
+        const auto slice_of = [&](std::int32_t m) { return slice_of_map_[static_cast<std::size_t>(m)]; };
+        for (std::size_t s = 0; s < tracks_.size(); ++s) {
+            if (map_of_[s].empty() || map_of_[s][slice_of(here)] == empty_level) continue;
+            union_.add_lone_ends(
+                i,
+                lone_parts_of_union(*map(map_of_[s][slice_of(here)]), map(map_of_[s][slice_of(there)]),
+                                    *map(here), *map(there), pair.above_low - pair.below_high),
+                from_below, clamp_);
+        }
+    }
+}
+
+Status ParallelField::find_motions(const ContourSet& set, RunContext& context) {
+    std::vector<std::pair<Track*, std::size_t>> jobs;
+    const auto add = [&](Track& track) {
+        for (std::size_t i = 0; i < track.pair_count(); ++i) jobs.emplace_back(&track, i);
+    };
+    for (Track& track : tracks_) add(track);
+    add(union_);
+    parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
+            // In a partition a part ends where what it touches begins.
+            jobs[j].first->find_lone_ends(jobs[j].second, maps_, clamp_, !partition_);
+            if (jobs[j].first == &union_) add_lone_ends_to_union(jobs[j].second);
+        }
+    });
+    parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
+            jobs[j].first->find_motion(jobs[j].second, maps_);
+        }
+    });
+    if (context.cancelled()) return cancelled_error();
+    warn_about_jumps(set, context);
+    warn_about_ambiguities(set, context);
+    return Nothing{};
+}
+
+// Neighbouring slices on which a structure has no point in common, as seen along the normal: what is between
+// them is a guess.
+void ParallelField::warn_about_jumps(const ContourSet& set, RunContext& context) const {
+    const auto slice_at = [&](std::int32_t map) {
+        return slice_text(set, slice_of_map_[static_cast<std::size_t>(map)]);
+    };
+    for (std::size_t s = 0; s < tracks_.size(); ++s) {
+        std::size_t jumps = 0;
+        std::string first;
+        for (std::size_t i = 0; i < tracks_[s].pair_count(); ++i) {
+            const Track::Pair pair = tracks_[s].pair(i);
+            if (pair.motion->overlaps()) continue;
+            if (jumps++ == 0) first = slice_at(pair.below) + " and " + slice_at(pair.above);
+        }
+        if (jumps == 0) continue;
+        const std::string count =
+            jumps == 1 ? "1 pair of slices" : std::to_string(jumps) + " pairs of slices";
+        context.warn({"W-FLD-005",
+                      "the regions drawn on neighbouring slices do not overlap",
+                      {set.source, first, structure_text(set.structures[s]), "", count},
+                      "joined where the outline of one is near that of the other and faces the same way"});
+    }
+}
+
+// Outlines that overlap several of the next slice each, while there are more of them or fewer: nothing drawn
+// tells which becomes which. One warning per structure, with the worst of it.
+void ParallelField::warn_about_ambiguities(const ContourSet& set, RunContext& context) const {
+    for (std::size_t s = 0; s < tracks_.size(); ++s) {
+        std::size_t places = 0;
+        Ambiguity worst;
+        Track::Pair worst_pair{};
+        for (std::size_t i = 0; i < tracks_[s].pair_count(); ++i) {
+            const Track::Pair pair = tracks_[s].pair(i);
+            for (const Ambiguity& ambiguity : pair.motion->ambiguities()) {
+                if (places++ > 0 && ambiguity.below + ambiguity.above <= worst.below + worst.above) continue;
+                worst = ambiguity;
+                worst_pair = pair;
+            }
+        }
+        if (places == 0) continue;
+        const auto name = [&](std::int32_t map) {
+            return slice_text(set, slice_of_map_[static_cast<std::size_t>(map)]);
+        };
+        const Vec3 at =
+            frame_.to_space(worst.at) + 0.5 * (worst_pair.below_high + worst_pair.above_low) * frame_.normal;
+        std::string value = std::to_string(worst.below) + " outlines and " + std::to_string(worst.above) +
+                            " near " + text(at.x) + " " + text(at.y) + " " + text(at.z) + " mm";
+        if (places > 1) value += ", the worst of " + std::to_string(places) + " places";
+        context.warn({"W-FLD-010",
+                      "outlines of neighbouring slices overlap several of each other, and are not as many: "
+                      "which becomes which is ambiguous",
+                      {set.source, name(worst_pair.below) + " and " + name(worst_pair.above),
+                       structure_text(set.structures[s]), "", value},
+                      "joined as their overlaps suggest, not every two that overlap; look at the pieces, or draw a slice "
+                      "between the two"});
+    }
+}
+
+// Buckets as fine as the levels lie; a structure is entered with the box of those maps that have a say there.
+void ParallelField::build_near_table() {
+    double high = -std::numeric_limits<double>::infinity();
+    low_ = -high;
+    std::size_t levels = 0;
+    for (const Track& track : tracks_) {
+        if (track.empty()) continue;
+        low_ = std::min(low_, track.low());
+        high = std::max(high, track.high());
+        track.each_stretch([&](double, double, std::size_t, double) { ++levels; });
+    }
+    const std::size_t buckets = std::min<std::size_t>(2 * levels + 1, 4096);
+    inverse_bucket_ = static_cast<double>(buckets) / (high - low_);
+    std::vector<std::vector<NearEntry>> entries(buckets);
+    const auto bucket_of = [&](double z) {
+        return static_cast<std::size_t>(
+            std::clamp((z - low_) * inverse_bucket_, 0.0, static_cast<double>(buckets - 1)));
+    };
+    for (std::uint32_t s = 0; s < tracks_.size(); ++s) {
+        tracks_[s].each_stretch([&](double from, double to, std::size_t map, double move) {
+            const Box2 box = maps_[map]->box().grown(move);
+            for (std::size_t b = bucket_of(from); b <= bucket_of(to); ++b) {
+                if (entries[b].empty() || entries[b].back().structure != s) entries[b].push_back({s, box});
+                entries[b].back().box.extend(box.low);
+                entries[b].back().box.extend(box.high);
+            }
+        });
+    }
+    bucket_begin_.assign(1, 0);
+    for (const auto& list : entries) {
+        near_.insert(near_.end(), list.begin(), list.end());
+        bucket_begin_.push_back(static_cast<std::uint32_t>(near_.size()));
+    }
+}
+
+void ParallelField::build_box() {
+    for (const Track& track : tracks_) {
+        track.each_stretch([&](double from, double to, std::size_t map, double move) {
+            const Box2 region = maps_[map]->region_box().grown(move);
+            for (const double z : {from, to}) {
+                for (const Vec2 corner : {region.low, region.high, Vec2{region.low.x, region.high.y},
+                                          Vec2{region.high.x, region.low.y}}) {
+                    box_.extend(frame_.to_space(corner) + z * frame_.normal);
+                }
+            }
+        });
+    }
+}
+
+Status ParallelField::build(const ContourSet& set, const std::vector<SliceInterval>& intervals,
+                            const FieldOptions& options, RunContext& context) {
+    ANATOMESH_CHECK_STATUS(build_maps(set, context));
+    if (maps_.empty()) {
+        return Error{ErrorKind::geometry,
+                     "E-FLD-002",
+                     "no contour encloses an area",
+                     {set.source, "", "", "", ""},
+                     ""};
+    }
+    build_tracks(set, intervals, options, context);
+    ANATOMESH_CHECK_STATUS(find_motions(set, context));
+    build_near_table();
+    build_box();
+    return Nothing{};
+}
+
+// Whether no other structure reaches the column over q between two levels.
+bool ParallelField::is_alone(std::uint32_t structure, const Track::Pair& pair, Vec2 q) const {
+    const double last = static_cast<double>(bucket_begin_.size() - 2);
+    const auto from =
+        static_cast<std::size_t>(std::clamp((pair.below_high - low_) * inverse_bucket_, 0.0, last));
+    const auto to =
+        static_cast<std::size_t>(std::clamp((pair.above_low - low_) * inverse_bucket_, 0.0, last));
+    return std::none_of(
+        near_.begin() + bucket_begin_[from], near_.begin() + bucket_begin_[to + 1],
+        [&](const NearEntry& entry) { return entry.structure != structure && entry.box.contains(q); });
+}
+
+// The share of a strip inside whose middle has a signed distance: what a point of a lattice stands for is cut
+// by a boundary nearer than half the strip's width, which spoils the sum less than points wholly in or out.
+struct Strip {
+    double width;  // 0: a point
+
+    double inside(double distance) const {
+        if (width > 0) return std::clamp(0.5 - distance / width, 0.0, 1.0);
+        return distance < 0;
+    }
+    // The mean of inside() over all distances from `a` to `b`.
+    double mean_inside(double a, double b) const {
+        return std::abs(b - a) <= 1e-9 * (std::abs(a) + std::abs(b)) ? inside(a)
+                                                                     : (integral(b) - integral(a)) / (b - a);
+    }
+
+  private:
+    double integral(double distance) const {
+        const double half = 0.5 * width;
+        if (distance <= -half) return distance;
+        return distance >= half ? 0
+                                : 0.5 * (distance - half) - 0.5 * (distance * distance - half * half) / width;
+    }
+};
+
+// The same over the lower and the upper half of a way along which the distances are these at equal steps, an
+// even number; between them a cubic has them (Catmull and Rom, 1974).
+std::array<double, 2> inside_halves(const Strip& strip, std::span<const double> distances) {
+    const std::size_t parts = distances.size() - 1;
+    std::array<double, 2> halves{};
+    for (std::size_t k = 0; k < parts; ++k) {
+        const double from = distances[k], to = distances[k + 1];
+        const double before = k > 0 ? distances[k - 1] : 2 * from - to,
+                     beyond = k + 1 < parts ? distances[k + 2] : 2 * to - from;
+        const double middle = 0.0625 * (9 * (from + to) - before - beyond);
+        halves[2 * k / parts] += strip.mean_inside(from, middle) + strip.mean_inside(middle, to);
+    }
+    return {halves[0] / static_cast<double>(parts), halves[1] / static_cast<double>(parts)};
+}
+
+// The share of the column over q between two levels that is inside, less what slice integration gives it: a
+// half for each level on which q is inside. The column is `step` wide, the lattice's.
+double ParallelField::inside_share(std::uint32_t structure, const Track::Pair& pair, Vec2 q,
+                                   double step) const {
+    const auto distance = [&](std::int32_t map) {
+        return map == empty_level ? clamp_ : maps_[static_cast<std::size_t>(map)]->value(q);
+    };
+    const double a = distance(pair.below), b = distance(pair.above);
+    const double rest_a = pair.rest[0] ? pair.rest[0]->value(q) : a,
+                 rest_b = pair.rest[1] ? pair.rest[1]->value(q) : b;
+    // Where the boundary is further away on both levels than it moves and bows between them, nothing changes.
+    const double nearest = std::min(std::abs(a), std::abs(b));
+    const bool alike =
+        (a < 0) == (b < 0) && (a < 0) == (rest_a < 0) && (b < 0) == (rest_b < 0) && (a < 0 || !partition_);
+    if (alike && nearest > 0.99 * clamp_) return 0;
+    const double gap = pair.above_low - pair.below_high;
+    const SliceMotion::Path path = pair.motion->at(q, 0.5);
+    const double move = std::min(2 * length(path.move), pair.motion->max_move());
+    const double bow =
+        std::min({2 * SliceMotion::largest_bow(path), pair.motion->max_bow(), 10 * most_bow * gap});
+    // Neighbours share what is between them by counted sections, so there a column is a line.
+    const Strip column{partition_ || pair.below == empty_level || pair.above == empty_level ? 0 : step};
+    if (alike && nearest > move + bow + 0.5 * column.width) return 0;
+    const double by_slices = 0.5 * (column.inside(a) + column.inside(b));
+    if (!partition_ || is_alone(structure, pair, q)) {
+        if (pair.below == empty_level || pair.above == empty_level)
+            return pair.rounded ? rounded_height(std::min(a, b), 0.5 * gap) / gap - by_slices : 0;
+        const Vec3 foot = frame_.to_space(q) + pair.below_high * frame_.normal;
+        std::array<double, 9> values{rest_a};
+        const std::size_t parts = bow > much_bowed * gap ? 8 : 4;
+        for (std::size_t k = 1; k < parts; ++k) {
+            const double z = static_cast<double>(k) * gap / static_cast<double>(parts);
+            const Vec3 p = foot + z * frame_.normal;
+            values[k] = tracks_[structure].blend(maps_, clamp_, frame_.to_plane(p), frame_.signed_distance(p),
+                                                 everywhere, nullptr, false);
+        }
+        values[parts] = rest_b;
+        std::array<double, 2> halves = inside_halves(column, std::span(values).first(parts + 1));
+        for (const bool is_void : {true, false}) {
+            for (const LoneEnd& lone : *pair.lone_ends) {
+                if (lone.is_void != is_void || !lone.box.contains(q)) continue;
+                const double d = lone.map.value(q);
+                const std::array<double, 2> parts_of = lone.filled(d, gap, pair.rounded, column.inside(d));
+                for (const std::size_t n : {0u, 1u}) {
+                    double& half = halves[lone.from_below ? n : 1 - n];
+                    half = is_void ? std::min(half, 1 - parts_of[n]) : std::max(half, parts_of[n]);
+                }
+            }
+        }
+        return 0.5 * (halves[0] + halves[1]) - by_slices;
+    }
+    if (std::min(a, b) > 0.25 * clamp_ + move + bow) return 0;  // what others leave between them is thinner
+    constexpr int sections = 12;
+    int inside = 0;
+    std::vector<std::uint32_t> owners;
+    const Vec3 foot = frame_.to_space(q);
+    for (int k = 0; k < sections; ++k) {
+        const double z = pair.below_high + (k + 0.5) / sections * gap;
+        members(foot + z * frame_.normal, owners);
+        inside += !owners.empty() && owners.front() == structure;
+    }
+    return static_cast<double>(inside) / sections - by_slices;
+}
+
+StructureVolume ParallelField::pair_volume(std::uint32_t structure, const Track::Pair& pair, double points,
+                                           std::size_t layer) const {
+    const double gap = pair.above_low - pair.below_high;
+    if (tracks_[structure].beyond_end(0.5 * (pair.below_high + pair.above_low)) > 0) return {};
+    double area = 0, thickness = 0;
+    Box2 box;
+    for (const std::int32_t map : {pair.below, pair.above}) {
+        if (map == empty_level) continue;
+        const DistanceMap& drawn = *maps_[static_cast<std::size_t>(map)];
+        area += 0.5 * drawn.area();
+        box.extend(drawn.region_box().low);
+        box.extend(drawn.region_box().high);
+        if (map == pair.below) thickness = drawn.area() * (pair.below_high - pair.below_low);
+    }
+    StructureVolume volume{gap * area + thickness, gap * area + thickness};
+    const bool is_prism = !pair.rounded && (pair.below == empty_level || pair.above == empty_level);
+    if (box.empty() || (!partition_ && is_prism)) return volume;
+    box = box.grown(pair.motion->max_move() + std::min(pair.motion->max_bow(), 10 * most_bow * gap) +
+                    (partition_ ? 0.25 * clamp_ : 0));
+    const double correction = lattice_integral(
+        box, points, layer, [&](Vec2 q, double step) { return inside_share(structure, pair, q, step); });
+    volume.by_field += gap * correction;
+    return volume;
+}
+
+Result<std::vector<StructureVolume>> ParallelField::volumes(std::uint32_t count, const VolumeOptions& options,
+                                                            RunContext& context) const {
+    struct Job {
+        std::uint32_t structure;
+        Track::Pair pair;
+        StructureVolume volume;
+    };
+    std::vector<Job> jobs;
+    for (std::uint32_t s = 0; s < std::min<std::size_t>(count, tracks_.size()); ++s) {
+        for (std::size_t i = 0; i < tracks_[s].pair_count(); ++i) jobs.push_back({s, tracks_[s].pair(i), {}});
+    }
+    const double points =
+        std::min<double>(options.points_per_slab,
+                         std::max(4000.0, options.points_in_slabs / static_cast<double>(jobs.size() + 1)));
+    parallel_for(jobs.size(), 1, context.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t j = begin; j < end && !context.cancelled(); ++j) {
+            jobs[j].volume = pair_volume(jobs[j].structure, jobs[j].pair, points, j);
+        }
+    });
+    if (context.cancelled()) return cancelled_error();
+    std::vector<StructureVolume> totals(count);
+    for (const Job& job : jobs) {
+        totals[job.structure].by_field += job.volume.by_field;
+        totals[job.structure].by_slices += job.volume.by_slices;
+    }
+    return totals;
+}
+
+double median_gap(const std::vector<SliceInterval>& intervals) {
+    std::vector<double> gaps;
+    for (std::size_t i = 1; i < intervals.size(); ++i)
+        gaps.push_back(intervals[i].low - intervals[i - 1].high);
+    gaps = usual_gaps(gaps);
+    if (gaps.empty()) return 0;
+    std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
+    return gaps[gaps.size() / 2];
+}
+
+}  // namespace
+
+bool is_parallel(const ContourSet& set) {
+    return set.slices.empty() || !parallel_intervals(set, set.slices.front().plane).empty();
+}
+
+Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourSet& set,
+                                                                  const FieldOptions& options,
+                                                                  RunContext& context) {
+    const Plane& frame = set.slices.front().plane;
+    const std::vector<SliceInterval> intervals = parallel_intervals(set, frame);
+    assert(!intervals.empty());
+    double spacing = median_gap(intervals);
+    if (spacing <= 0) spacing = options.single_slice_mm;
+    if (spacing <= 0) {
+        return Error{ErrorKind::geometry,
+                     "E-FLD-003",
+                     "one slice alone has no thickness",
+                     {set.source, set.slices.front().name, "", "", ""},
+                     "state it with --slice-thickness"};
+    }
+    std::vector<bool> used(set.structures.size(), false);
+    for (const Contour& contour : set.contours) used[contour.structure] = true;
+    const bool several = std::count(used.begin(), used.end(), true) > 1;
+    const double clamp = options.clamp_mm > 0 ? options.clamp_mm : 1.5 * spacing;
+    auto field = std::make_shared<ParallelField>(frame, spacing, clamp, set.exclusive && several);
+    ANATOMESH_CHECK_STATUS(field->build(set, intervals, options, context));
+    return std::shared_ptr<const StructureField>(std::move(field));
+}
+
+}  // namespace anatomesh

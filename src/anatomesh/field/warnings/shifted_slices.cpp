@@ -1,0 +1,45 @@
+#include "anatomesh/field/warnings/shifted_slices.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/contour/planes/out_of_line.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::size_t most_named = 5;  // slices in a message
+
+}  // namespace
+
+void warn_about_shifted_slices(const ContourSet& set, RunContext& context) {
+    if (!set.drawn) return;
+    const std::vector<OutOfLine> out = slices_out_of_line(set);
+    if (out.empty()) return;
+    const auto worst = std::max_element(out.begin(), out.end(), [](const OutOfLine& a, const OutOfLine& b) {
+        return a.distance_mm < b.distance_mm;
+    });
+    std::string names;
+    for (std::size_t n = 0; n < std::min(out.size(), most_named); ++n)
+        names += (n > 0 ? ", " : "") + set.slices[out[n].slice].name;
+    if (out.size() > most_named) names += ", ...";
+    const Structure& structure = set.structures[worst->structure];
+    const std::string& slice = set.slices[worst->slice].name;
+    if (std::any_of(context.warnings.begin(), context.warnings.end(), [&](const Warning& told) {
+            return told.code == "W-FLD-011" && told.place.slice == slice;
+        }))
+        return;
+    context.warn(
+        {"W-FLD-011",
+         "what is drawn lies aside of what is drawn on the slices before and after, which agree "
+         "without it: slice " +
+             names,
+         {set.source, slice, structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
+          brief(worst->distance_mm) + " mm"},
+         "kept as drawn: was the slice, or the patient, moved? --without leaves it out"});
+}
+
+}  // namespace anatomesh

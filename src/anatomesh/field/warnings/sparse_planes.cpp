@@ -1,0 +1,140 @@
+#include "anatomesh/field/warnings/sparse_planes.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/field/warnings/thin_structures.h"
+#include "anatomesh/geom/box.h"
+#include "anatomesh/geom/polygon.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr int lattice = 16;
+constexpr double far_share = 0.25;    // of the thickness
+constexpr double most_far_off = 0.1;  // of the volume
+constexpr std::size_t few_planes = 6;    // of more, gaps between them are told (missing_slices.h)
+constexpr double cos_45 = 0.7071067811865476;
+constexpr double least_thickness = 0.4;  // of the volume of a body as thick across its planes as in them
+
+// Patches of the contours of one structure alone.
+std::vector<PlanePatch> patches_of(const ContourSet& set, std::uint32_t structure, Box3& box) {
+    std::vector<PlanePatch> patches;
+    for (const Slice& slice : set.slices) {
+        PlanePatch patch{slice.plane, {}, 0, 0};
+        bool any = false;
+        for (const Contour& contour : set.contours_of(slice)) {
+            if (contour.structure != structure) continue;
+            any = true;
+            for (const Vec3& p : set.points_of(contour)) {
+                patch.box.extend(slice.plane.to_plane(p));
+                box.extend(p);
+            }
+        }
+        if (any) patches.push_back(patch);
+    }
+    return patches;
+}
+
+// Of lattice points, in a structure's box.
+struct Inside {
+    double volume = 0;   // mm^3
+    double far_off = 0;  // share of it further than the bound from all patches
+};
+
+// `all`: also where nothing lies far off.
+Inside count_inside(const StructureField& field, std::uint32_t structure,
+                    const std::vector<PlanePatch>& patches, const Box3& box, double bound, bool all) {
+    std::vector<Vec3> near;
+    double far_off = 0, inside = 0;
+    const Vec3 step = (1.0 / lattice) * (box.high - box.low);
+    for (int n = 0; n < lattice * lattice * lattice; ++n) {
+        const Vec3 p = box.low + Vec3{(n % lattice + 0.5) * step.x, (n / lattice % lattice + 0.5) * step.y,
+                                      (n / (lattice * lattice) + 0.5) * step.z};
+        const bool is_near = std::any_of(patches.begin(), patches.end(), [&](const PlanePatch& patch) {
+            return squared_length(patch.offset_from(p, bound)) <= bound * bound;
+        });
+        if (is_near)
+            near.push_back(p);
+        else
+            far_off += field.value(structure, p) < 0;
+    }
+    if (far_off == 0 && !all) return {};
+    for (const Vec3& p : near) inside += field.value(structure, p) < 0;
+    inside += far_off;
+    return {inside * step.x * step.y * step.z, inside > 0 ? far_off / inside : 0};
+}
+
+bool are_at_narrow_angles(const std::vector<PlanePatch>& patches) {
+    return std::all_of(patches.begin(), patches.end(), [&](const PlanePatch& a) {
+        return std::all_of(patches.begin(), patches.end(), [&](const PlanePatch& b) {
+            return std::abs(dot(a.plane.normal, b.plane.normal)) >= cos_45;
+        });
+    });
+}
+
+// The volume of a body as thick across its planes as it is in them: of a ball, 4/3 of its section's area
+// times its radius, which is twice the area over the outline. Of the planes that draw a structure the
+// largest.
+double volume_as_thick(const ContourSet& set, std::uint32_t structure) {
+    double largest = 0;
+    for (const Slice& slice : set.slices) {
+        double area = 0, outline = 0;
+        for (const Contour& contour : set.contours_of(slice)) {
+            if (contour.structure != structure) continue;
+            std::vector<Vec2> ring;
+            for (const Vec3& p : set.points_of(contour)) ring.push_back(slice.plane.to_plane(p));
+            area += signed_area(ring);
+            for (std::size_t n = 0; n < ring.size(); ++n)
+                outline += length(ring[(n + 1) % ring.size()] - ring[n]);
+        }
+        if (area > 0) largest = std::max(largest, 4.0 / 3 * area * 2 * area / outline);
+    }
+    return largest;
+}
+
+}  // namespace
+
+void warn_about_sparse_planes(const ContourSet& set, const StructureField& field, double known_mm,
+                              RunContext& context) {
+    const std::vector<double> thickness = mean_thicknesses(set);
+    for (std::uint32_t s = 0; s < thickness.size(); ++s) {
+        if (!(thickness[s] > 0) || context.cancelled()) continue;
+        Box3 box;
+        const std::vector<PlanePatch> patches = patches_of(set, s, box);
+        const double far = std::max(far_share * thickness[s], known_mm);
+        const bool are_few = patches.size() <= few_planes && are_at_narrow_angles(patches);
+        const Inside inside = count_inside(field, s, patches, box, far, are_few);
+        const Structure& structure = set.structures[s];
+        const std::string name = structure.name.empty() ? std::to_string(structure.number) : structure.name,
+                          planes = std::to_string(patches.size()) + " planes";
+        if (inside.far_off > most_far_off) {
+            context.warn(
+                {"W-FLD-008",
+                 "poorly sampled: much of the structure is far from the planes that it is drawn on, and "
+                 "what is there follows from none of them",
+                 {set.source, "", name, "",
+                  brief(100 * inside.far_off) + " % of its volume further than " + brief(far) + " mm from " +
+                      planes},
+                 "kept; its shape and volume may be wrong there: draw planes between"});
+            continue;
+        }
+        const double as_thick = are_few ? volume_as_thick(set, s) : 0;
+        if (inside.volume >= least_thickness * as_thick) continue;
+        context.warn({"W-FLD-008",
+                      "poorly sampled: the planes that the structure is drawn on lie so near each other that "
+                      "none tells how far it reaches across them, and it ends close to them",
+                      {set.source, "", name, "",
+                       brief(inside.volume) + " mm3 round " + planes +
+                           "; a body as thick across them as in "
+                           "them has about " +
+                           brief(as_thick) + " mm3"},
+                      "kept; most of it may be missing: draw planes across"});
+    }
+}
+
+}  // namespace anatomesh

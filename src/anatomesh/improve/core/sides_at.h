@@ -1,0 +1,56 @@
+// SidesAt: what the mesh has at edges and vertices, seen from one structure.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "anatomesh/improve/core/workbench.h"
+
+namespace anatomesh {
+
+// Uses the bench's ring and star. An edge or a vertex is on a structure's surface where cells of both sides
+// are round it.
+class SidesAt {
+  public:
+    explicit SidesAt(Workbench& bench) : bench_(bench) {}
+
+    bool has(std::uint32_t c, std::uint32_t structure) const {
+        return bench_.table->contains(bench_.mesh.region(c), structure);
+    }
+    // Finds the cells round an edge, for the bench's ring; false where it is none, or on the hull.
+    bool find_ring(std::uint32_t a, std::uint32_t b);
+    // Of the cells of the bench's ring.
+    bool ring_is_mixed(std::uint32_t structure) const { return is_mixed(bench_.ring.cells, structure); }
+
+    bool on_surface(std::uint32_t a, std::uint32_t b, std::uint32_t structure) {
+        return find_ring(a, b) && ring_is_mixed(structure);
+    }
+    bool on_surface(std::uint32_t v, std::uint32_t structure) {
+        bench_.mesh.star(v, bench_.star);
+        return is_mixed(bench_.star, structure);
+    }
+    // An edge with cells of one side alone.
+    bool beside_surface(std::uint32_t a, std::uint32_t b, std::uint32_t structure) {
+        return find_ring(a, b) && !ring_is_mixed(structure);
+    }
+    // The vertices on the straight way from one vertex to another that edges of the surface join, from the
+    // first on, as far as they go.
+    std::vector<std::uint32_t> row_from(std::uint32_t first, std::uint32_t last, std::uint32_t structure);
+    // How far a step leads on along a way, times its length, if it lies on it within a millionth.
+    static std::optional<double> onward(Vec3 step, Vec3 way);
+    // Of pieces one after the other, each an edge or what fixed edges became of it.
+    bool on_surface(std::span<const std::uint32_t> chain, std::uint32_t structure);
+
+  private:
+    bool row_on_surface(std::uint32_t a, std::uint32_t b, std::uint32_t structure);
+    std::uint32_t next_in_row(std::uint32_t at, std::uint32_t a, std::uint32_t b);
+    std::uint32_t next_on_surface(std::uint32_t at, std::uint32_t first, std::uint32_t last,
+                                  std::uint32_t structure);
+    bool is_mixed(const std::vector<std::uint32_t>& cells, std::uint32_t structure) const;
+
+    Workbench& bench_;
+};
+
+}  // namespace anatomesh

@@ -1,0 +1,57 @@
+// VainTries: what was tried on a mesh in vain, and need not be tried again as long as nothing changed there.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "anatomesh/mesh/edit/edit_mesh.h"
+
+namespace anatomesh {
+
+// A try is what names it: an operation, and what it is about. It is about the cells at some vertices, and is
+// worth another one once one of these has changed. Requires of a try that it looks at these cells alone.
+// Complexity: O(1) a question, and O(cells) a change.
+class VainTries {
+  public:
+    using Name = std::array<std::uint32_t, 4>;
+
+    // Whether it was in vain, and no cell at one of the vertices was changed since.
+    bool contains(const Name& name, std::span<const std::uint32_t> vertices) const {
+        const auto found = tried_.find(name);
+        if (found == tried_.end()) return false;
+        for (const std::uint32_t v : vertices) {
+            if (v < changed_in_.size() && changed_in_[v] > found->second) return false;
+        }
+        return true;
+    }
+
+    void add(const Name& name) { tried_[name] = changes_; }
+
+    // These cells were made or reshaped, or given to another region; no_cell and such that are gone allowed.
+    void note_change(const EditMesh& mesh, std::span<const std::uint32_t> cells) {
+        ++changes_;
+        changed_in_.resize(mesh.point_count(), 0);
+        for (const std::uint32_t c : cells) {
+            if (c == no_cell || !mesh.alive(c)) continue;
+            for (const std::uint32_t v : mesh.cell(c)) changed_in_[v] = changes_;
+        }
+    }
+
+  private:
+    struct Hash {
+        std::size_t operator()(const Name& name) const {
+            std::uint64_t hash = 0;
+            for (const std::uint32_t part : name) hash = (hash ^ part) * 0x9e3779b97f4a7c15u;
+            return hash ^ (hash >> 32);
+        }
+    };
+
+    std::uint32_t changes_ = 0;
+    std::vector<std::uint32_t> changed_in_;                // by vertex: the last change of a cell there
+    std::unordered_map<Name, std::uint32_t, Hash> tried_;  // after which change
+};
+
+}  // namespace anatomesh

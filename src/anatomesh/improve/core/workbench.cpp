@@ -1,0 +1,235 @@
+#include "anatomesh/improve/core/workbench.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "anatomesh/geom/predicates.h"
+#include "anatomesh/mesh/shape/cell_shape.h"
+
+namespace anatomesh {
+
+Workbench::Workbench(EditMesh& mesh_in, std::vector<std::uint8_t>& fixed,
+                     std::span<const VertexPair> fixed_edges, const StructureField& field,
+                     std::uint32_t structures, const DihedralOptions& options_in)
+    : mesh(mesh_in),
+      probe(field, structures),
+      options(options_in),
+      fixed_(fixed),
+      fixed_edges_(fixed_edges) {}
+
+bool Workbench::fixed_edge(std::uint32_t a, std::uint32_t b) const {
+    if (!fixed(a) || !fixed(b)) return false;
+    const VertexPair edge{std::min(a, b), std::max(a, b)};
+    return std::binary_search(fixed_edges_.begin(), fixed_edges_.end(), edge) ||
+           std::binary_search(split_edges_.begin(), split_edges_.end(), edge);
+}
+
+void Workbench::fix_on_edge(std::uint32_t v, std::uint32_t a, std::uint32_t b) {
+    fix(v);
+    if (slices && slice_of(a) != no_slice && slice_of(a) == slice_of(b))
+        points_of_slices_.push_back({v, slice_of(a)});  // points come in order
+    for (const std::uint32_t end : {a, b}) fix_edge(v, end);
+}
+
+void Workbench::fix_edge(std::uint32_t a, std::uint32_t b) {
+    const VertexPair edge{std::min(a, b), std::max(a, b)};
+    split_edges_.insert(std::upper_bound(split_edges_.begin(), split_edges_.end(), edge), edge);
+}
+
+void Workbench::unfix_edge(std::uint32_t a, std::uint32_t b) {
+    const VertexPair edge{std::min(a, b), std::max(a, b)};
+    const auto at = std::lower_bound(split_edges_.begin(), split_edges_.end(), edge);
+    if (at != split_edges_.end() && *at == edge) split_edges_.erase(at);
+}
+
+void Workbench::keep_edge(std::uint32_t a, std::uint32_t b) {
+    const VertexPair edge{std::min(a, b), std::max(a, b)};
+    const auto at = std::lower_bound(kept_edges_.begin(), kept_edges_.end(), edge);
+    if (at == kept_edges_.end() || *at != edge) kept_edges_.insert(at, edge);
+}
+
+void Workbench::release_edge(std::uint32_t a, std::uint32_t b) {
+    std::erase(kept_edges_, VertexPair{std::min(a, b), std::max(a, b)});
+}
+
+bool Workbench::keeps_edge(std::uint32_t a, std::uint32_t b) const {
+    return std::binary_search(kept_edges_.begin(), kept_edges_.end(), VertexPair{std::min(a, b), std::max(a, b)});
+}
+
+bool Workbench::loses_kept_edge(std::span<const std::uint32_t> removed, std::span<const Cell> added) const {
+    if (kept_edges_.empty()) return false;
+    for (const std::uint32_t n : removed) {
+        const Cell& c = mesh.cell(n);
+        for (const auto& [i, j] : cell_edges) {
+            if (!fixed(c[i]) || !fixed(c[j])) continue;
+            const VertexPair edge{std::min(c[i], c[j]), std::max(c[i], c[j])};
+            if (!std::binary_search(kept_edges_.begin(), kept_edges_.end(), edge)) continue;
+            const auto has = [](const Cell& cell, std::uint32_t v) {
+                return std::find(cell.begin(), cell.end(), v) != cell.end();
+            };
+            if (std::none_of(added.begin(), added.end(),
+                             [&](const Cell& cell) { return has(cell, edge[0]) && has(cell, edge[1]); }))
+                return true;
+        }
+    }
+    return false;
+}
+
+std::uint32_t Workbench::slice_of(std::uint32_t v) const {
+    if (v < slices->slice_of.size()) return slices->slice_of[v];
+    const auto found = std::lower_bound(points_of_slices_.begin(), points_of_slices_.end(), VertexPair{v, 0});
+    return found != points_of_slices_.end() && (*found)[0] == v ? (*found)[1] : no_slice;
+}
+
+bool Workbench::spoils_cut(std::uint32_t a, std::uint32_t b, std::uint32_t c, Region above, Region below) {
+    if (!slices) return false;
+    const std::uint32_t slice = slice_of(a);
+    if (slice == no_slice || slice_of(b) != slice || slice_of(c) != slice) return false;
+    const std::vector<std::uint32_t>&one = table->members[above], &other = table->members[below];
+    std::vector<std::uint32_t> both;
+    std::set_union(one.begin(), one.end(), other.begin(), other.end(), std::back_inserter(both));
+    return both != probe.members((1.0 / 3.0) * (mesh.point(a) + mesh.point(b) + mesh.point(c)));
+}
+
+double Workbench::sine(const Cell& c) const {
+    return least_sine(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3]));
+}
+
+Bar Workbench::bar_of(std::span<const std::uint32_t> cells_in) const {
+    Bar bar;
+    for (const std::uint32_t n : cells_in) {
+        const Cell& c = mesh.cell(n);
+        if (!counts(mesh.region(n), c)) {
+            bar.outside_sine = std::min(bar.outside_sine, sine(c));
+            continue;
+        }
+        const CellMeasures m =
+            measure_cell(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3]));
+        bar.sine = std::min(bar.sine, m.least_sine());
+        bar.squared_ratio = std::max(bar.squared_ratio, m.squared_ratio);
+    }
+    return bar;
+}
+
+double Workbench::value(const Cell& c, Region region, const Bar& bar) const {
+    if (!counts(region, c)) {
+        const double outside = sine(c);
+        return outside > 0 && outside >= needed_outside_sine(bar) ? 1 : -1;
+    }
+    const CellMeasures m =
+        measure_cell(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3]));
+    const double inside = m.least_sine();
+    return inside > 0 && m.squared_ratio <= allowed_squared_ratio(bar) ? inside : -1;
+}
+
+bool Workbench::commit(std::span<const std::uint32_t> removed, std::span<const Cell> added,
+                       std::span<const Region> new_regions) {
+    for (const Cell& c : added) {
+        if (orient3d(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3])) <= 0)
+            return false;
+    }
+    if (loses_kept_edge(removed, added)) return false;
+    if (scouts) {
+        proposal.cells.removed.assign(removed.begin(), removed.end());
+        proposal.cells.added.assign(added.begin(), added.end());
+        proposal.cells.regions.assign(new_regions.begin(), new_regions.end());
+        return true;
+    }
+    mesh.replace(removed, added, new_regions, changed);
+    return true;
+}
+
+std::uint32_t Workbench::split_ring(Vec3 at) {
+    const std::uint32_t a = ring.a, b = ring.b;
+    const bool was_fixed = fixed_edge(a, b);
+    const std::uint32_t v = add_point(at);
+    cells.clear();
+    regions.clear();
+    for (const std::uint32_t c : ring.cells) {
+        for (const std::uint32_t end : {a, b}) {
+            cells.push_back(mesh.cell(c));
+            std::replace(cells.back().begin(), cells.back().end(), end, v);
+            regions.push_back(mesh.region(c));
+        }
+    }
+    if (!commit(ring.cells, cells, regions)) return no_cell;
+    if (was_fixed) fix_on_edge(v, a, b);
+    return v;
+}
+
+bool Workbench::commit_move(std::uint32_t v, Vec3 to) {
+    if (scouts) {
+        proposal.vertex = v;
+        proposal.to = to;
+        return true;
+    }
+    const Vec3 from = mesh.point(v);
+    mesh.move_point(v, to);
+    if (!positive(star)) {
+        mesh.move_point(v, from);
+        return false;
+    }
+    changed = star;
+    return true;
+}
+
+bool Workbench::carry_out(const Proposal& change) {
+    if (change.lone != no_cell && mesh.edge_on_interface(change.lone, change.lone_edge)) return false;
+    if (change.vertex == no_cell) {
+        mesh.replace(change.cells.removed, change.cells.added, change.cells.regions, changed);
+    } else {
+        mesh.star(change.vertex, star);
+        if (!commit_move(change.vertex, change.to)) return false;
+    }
+    ++(stats.*change.counter);
+    return true;
+}
+
+bool Workbench::positive(std::span<const std::uint32_t> cells_in) const {
+    return std::all_of(cells_in.begin(), cells_in.end(), [&](std::uint32_t n) {
+        const Cell& c = mesh.cell(n);
+        return orient3d(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3])) > 0;
+    });
+}
+
+void Workbench::look_between(Region here, Region there) {
+    if (table) probe.focus_between(table->members[here], table->members[there]);
+}
+
+bool Workbench::near_interface(std::uint32_t a, std::uint32_t b, std::uint32_t c, double before) {
+    return facet_distance(mesh.point(a), mesh.point(b), mesh.point(c)) <=
+           std::max(before, options.max_deviation_mm);
+}
+
+std::array<std::uint32_t, 2> others_of_facet(const Cell& cell, int facet, std::uint32_t vertex) {
+    const auto& corner = facet_vertices[facet];
+    std::array<std::uint32_t, 3> f{cell[corner[0]], cell[corner[1]], cell[corner[2]]};
+    while (f[0] != vertex) f = {f[1], f[2], f[0]};
+    return {f[1], f[2]};
+}
+
+bool surface_facets_at(Workbench& bench, std::uint32_t vertex,
+                       std::vector<std::array<std::uint32_t, 2>>& facets) {
+    const Region side = bench.mesh.region(bench.star[0]);
+    Region other = side;
+    for (const std::uint32_t c : bench.star) {
+        const Region region = bench.mesh.region(c);
+        if (region != side) {
+            if (other == side) other = region;
+            if (region != other) return false;
+            continue;
+        }
+        const Cell& cell = bench.mesh.cell(c);
+        for (int i = 0; i < 4; ++i) {
+            if (cell[i] == vertex) continue;
+            const std::uint32_t n = bench.mesh.neighbor(c, i);
+            if (n == no_cell) return false;
+            if (bench.mesh.region(n) == side) continue;
+            facets.push_back(others_of_facet(cell, i, vertex));
+        }
+    }
+    bench.look_between(side, other);
+    return true;
+}
+
+}  // namespace anatomesh

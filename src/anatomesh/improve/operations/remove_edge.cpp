@@ -1,0 +1,206 @@
+#include <algorithm>
+#include <array>
+
+#include "anatomesh/improve/operations/operations.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr int most_ring = 9;
+
+// The best triangulation of a ring's polygon or of a part of it. Vertices i < j of the ring; piece (i, j) is
+// the polygon i, i + 1, ..., j, in ring order from `first`.
+class RingTriangulation {
+  public:
+    RingTriangulation(Workbench& bench, const Bar& bar) : bench_(bench), bar_(bar) {}
+
+    // Appends the cells of the best triangulation of the polygon of `count` ring vertices from `first`, in
+    // `region`, to the bench's cells. False if it has a cell that does not reach `needed`.
+    bool append(int first, int count, Region region, double needed) {
+        first_ = first;
+        region_ = region;
+        for (int i = 0; i + 1 < count; ++i) best_[i][i + 1] = 2;
+        for (int span = 2; span < count; ++span) {
+            for (int i = 0; i + span < count; ++i) {
+                const int j = i + span;
+                best_[i][j] = -2;
+                for (int k = i + 1; k < j; ++k) {
+                    const double bound = std::min(best_[i][k], best_[k][j]);
+                    if (bound < needed || bound <= best_[i][j]) continue;
+                    const double value = std::min(bound, triangle_value(i, k, j, needed));
+                    if (value > best_[i][j]) {
+                        best_[i][j] = value;
+                        apex_[i][j] = k;
+                    }
+                }
+            }
+        }
+        if (best_[0][count - 1] < needed) return false;
+        emit(count);
+        return true;
+    }
+
+    // Whether no triangle at the side between the first and the last vertex will do, whatever the rest.
+    bool fails_at_base(int first, int count, Region region, double needed) {
+        first_ = first;
+        region_ = region;
+        for (int k = 1; k + 1 < count; ++k) {
+            if (triangle_value(0, k, count - 1, needed) >= needed) return false;
+        }
+        return true;
+    }
+
+  private:
+    std::uint32_t vertex(int n) const {
+        return bench_.ring.ring[static_cast<std::size_t>(first_ + n) % bench_.ring.ring.size()];
+    }
+    Cell upper(int i, int k, int j) const { return {vertex(i), vertex(k), vertex(j), bench_.ring.b}; }
+    Cell lower(int i, int k, int j) const { return {vertex(i), vertex(j), vertex(k), bench_.ring.a}; }
+
+    double triangle_value(int i, int k, int j, double needed) const {
+        const double above = bench_.value(upper(i, k, j), region_, bar_);
+        if (above < needed) return above;
+        return std::min(above, bench_.value(lower(i, k, j), region_, bar_));
+    }
+
+    void emit(int count) {
+        std::array<std::array<int, 2>, most_ring> stack;
+        int height = 0;
+        stack[height++] = {0, count - 1};
+        while (height > 0) {
+            const auto [i, j] = stack[--height];
+            if (j - i < 2) continue;
+            const int k = apex_[i][j];
+            bench_.cells.push_back(upper(i, k, j));
+            bench_.cells.push_back(lower(i, k, j));
+            bench_.regions.insert(bench_.regions.end(), 2, region_);
+            stack[height++] = {i, k};
+            stack[height++] = {k, j};
+        }
+    }
+
+    Workbench& bench_;
+    const Bar& bar_;
+    int first_ = 0;
+    Region region_ = 0;
+    std::array<std::array<double, most_ring>, most_ring> best_{};
+    std::array<std::array<int, most_ring>, most_ring> apex_{};
+};
+
+// Where the region changes round a ring: ring[n] for the facets (a, b, ring[n]) between two regions.
+struct RingFacets {
+    int count = 0;
+    std::array<int, 2> at{};
+};
+
+RingFacets interface_facets(const Workbench& bench) {
+    RingFacets facets;
+    const auto& cells = bench.ring.cells;
+    for (std::size_t n = 0; n < cells.size(); ++n) {
+        const std::size_t before = n == 0 ? cells.size() - 1 : n - 1;
+        if (bench.mesh.region(cells[n]) == bench.mesh.region(cells[before])) continue;
+        if (facets.count < 2) facets.at[facets.count] = static_cast<int>(n);
+        ++facets.count;
+    }
+    return facets;
+}
+
+// Edge of a cell that joins two of its vertices.
+int edge_between(const Cell& cell, std::uint32_t u, std::uint32_t v) {
+    for (int e = 0; e < 6; ++e) {
+        const std::uint32_t a = cell[cell_edges[e][0]], b = cell[cell_edges[e][1]];
+        if ((a == u && b == v) || (a == v && b == u)) return e;
+    }
+    return 6;
+}
+
+// The facets abc, abd of an interface become acd, bcd: near enough to the field's interface, and not folded?
+bool may_flip(Workbench& bench, std::uint32_t c, std::uint32_t d, Region above, Region below) {
+    const std::uint32_t a = bench.ring.a, b = bench.ring.b;
+    if (bench.fixed_edge(a, b) || bench.spoils_cut(a, c, d, above, below) ||
+        bench.spoils_cut(b, c, d, above, below))
+        return false;
+    const Vec3 pa = bench.mesh.point(a), pb = bench.mesh.point(b), pc = bench.mesh.point(c),
+               pd = bench.mesh.point(d);
+    const Vec3 old_1 = cross(pb - pa, pc - pa), old_2 = cross(pd - pa, pb - pa);
+    const Vec3 new_1 = cross(pd - pa, pc - pa), new_2 = cross(pc - pb, pd - pb);
+    const Vec3 mean = old_1 + old_2;
+    if (!(dot(new_1, mean) > 0.5 * length(new_1) * length(mean)) ||
+        !(dot(new_2, mean) > 0.5 * length(new_2) * length(mean))) {
+        return false;
+    }
+    bench.look_between(above, below);
+    const double now = std::max(bench.facet_distance(pa, pd, pc), bench.facet_distance(pd, pb, pc));
+    if (now <= bench.options.max_deviation_mm) return true;
+    return now <= bench.facet_distance(pa, pb, pc) || now <= bench.facet_distance(pa, pb, pd);
+}
+
+bool remove_surface_edge(Workbench& bench, const RingFacets& facets, const Bar& bar, double needed) {
+    const auto size = static_cast<int>(bench.ring.ring.size());
+    const int from = facets.at[0], to = facets.at[1];
+    const std::uint32_t c = bench.ring.ring[static_cast<std::size_t>(from)],
+                        d = bench.ring.ring[static_cast<std::size_t>(to)];
+    const Region between = bench.mesh.region(bench.ring.cells[static_cast<std::size_t>(from)]);
+    const Region beyond = bench.mesh.region(bench.ring.cells[static_cast<std::size_t>(to)]);
+    const int arc = to - from;
+    RingTriangulation triangulation(bench, bar);
+    // An arc of one cell has the diagonal as an edge already: then it must not be an edge of an interface.
+    if (arc == 1 || arc == size - 1) {
+        const std::uint32_t lone = bench.ring.cells[static_cast<std::size_t>(arc == 1 ? from : to)];
+        const int edge = edge_between(bench.mesh.cell(lone), c, d);
+        if (bench.nearsighted) {
+            bench.proposal.lone = lone;
+            bench.proposal.lone_edge = edge;
+        } else if (bench.mesh.edge_on_interface(lone, edge)) {
+            return false;
+        }
+        if (!triangulation.append(0, size, arc == 1 ? beyond : between, needed)) return false;
+    } else if (triangulation.fails_at_base(from, arc + 1, between, needed) ||
+               triangulation.fails_at_base(to, size - arc + 1, beyond, needed) ||
+               !triangulation.append(from, arc + 1, between, needed) ||
+               !triangulation.append(to, size - arc + 1, beyond, needed)) {
+        return false;
+    }
+    return may_flip(bench, c, d, between, beyond) &&
+           bench.commit(bench.ring.cells, bench.cells, bench.regions);
+}
+
+}  // namespace
+
+bool remove_edge(Workbench& bench, std::uint32_t cell, int e) {
+    bench.mesh.ring(cell, e, bench.ring);
+    const auto size = static_cast<int>(bench.ring.ring.size());
+    if (!bench.ring.closed || size < 3 || size > most_ring) return false;
+    const RingFacets facets = interface_facets(bench);
+    if (facets.count > 2) return false;
+    const Bar bar = bench.bar_of(bench.ring.cells);
+    bench.cells.clear();
+    bench.regions.clear();
+    if (facets.count == 2) {
+        if (!remove_surface_edge(bench, facets, bar, bench.needed_sine(bar))) return false;
+        bench.count(&DihedralStats::surface_edges_flipped);
+        return true;
+    }
+    if (!RingTriangulation(bench, bar).append(0, size, bench.mesh.region(cell), bench.needed_sine(bar)))
+        return false;
+    if (!bench.commit(bench.ring.cells, bench.cells, bench.regions)) return false;
+    bench.count(&DihedralStats::edges_removed);
+    return true;
+}
+
+bool flip_edge(Workbench& bench, std::uint32_t cell, int e, double good_sine) {
+    bench.mesh.ring(cell, e, bench.ring);
+    const auto size = static_cast<int>(bench.ring.ring.size());
+    if (!bench.ring.closed || size < 3 || size > most_ring) return false;
+    const RingFacets facets = interface_facets(bench);
+    if (facets.count != 2) return false;
+    const Bar bar = bench.bar_of(bench.ring.cells);
+    bench.cells.clear();
+    bench.regions.clear();
+    if (!remove_surface_edge(bench, facets, bar, std::min(bar.sine, good_sine))) return false;
+    bench.count(&DihedralStats::surface_edges_smoothed);
+    return true;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,616 @@
+#include "anatomesh/improve/reroute/follow_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/contour/overlay/slice_soundness.h"
+#include "anatomesh/improve/reroute/contour_loop.h"
+#include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/reroute/surface_section.h"
+#include "anatomesh/mesh/shape/cell_shape.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double on_segment = 1e-6;  // a vertex within it lies on a segment, in its lengths, or in its plane
+constexpr std::size_t most_missed = 1000;   // segments: where more are, the cells do not fit the contours
+constexpr std::size_t most_attempts = 400;  // to lead one
+constexpr int rounds = 3;                   // over the contours: one may need that beside it
+constexpr std::size_t last_missed = 10;     // segments: no more than these may ask for worse shapes
+constexpr std::size_t most_beside = 6;      // segments on either side of a missed one that a way may replace
+constexpr double reach = 2;                 // and how far along them it may end, in most_mm
+constexpr int turns = 3;                    // of drawing a way near, shapes being improved in between
+constexpr int passes = 4;                   // over the vertices of a way, towards what is drawn
+// Of an edge that a way crosses: a free end as near as that moves onto the way. Tried in turn.
+constexpr std::array nearness{0.3, 0.5, 0.1};
+constexpr std::array steps{1.0, 0.5, 0.25};  // towards what is drawn
+
+// A contour, and what came of it.
+struct Led {
+    std::uint32_t number = 0;
+    Contour contour;
+    ContourLoop loop;
+    bool is_led = false;
+    std::uint64_t segments = 0;
+    double farthest_mm = 0;
+};
+
+// When a segment was tried in vain last.
+struct Tried {
+    std::vector<std::uint32_t> reach = {};  // vertices where a way might have ended; rising
+    std::size_t changed_before = 0;         // cells, before it
+};
+
+// Where a way may leave the contour, or come back to it: from a missed segment outwards.
+struct Shore {
+    std::vector<LoopCorner> corners;
+    std::vector<WayEnd> ends;  // at the price of what lies between them and the segment
+    double length = 0;
+
+    double at(std::uint32_t vertex) const {
+        return std::find_if(corners.begin(), corners.end(),
+                            [&](const LoopCorner& corner) { return corner.vertex == vertex; })
+            ->at;
+    }
+};
+
+// Over the section of the surface, and the places between which it replaces what is drawn.
+struct Way {
+    std::vector<SectionPoint> points;
+    double from = 0, to = 0;
+    double farthest_mm = 0;
+
+    std::vector<Vec3> places() const {
+        std::vector<Vec3> all;
+        for (const SectionPoint& point : points) all.push_back(point.place);
+        return all;
+    }
+};
+
+// What an attempt has done to the workbench beside the mesh.
+struct Attempt {
+    std::vector<std::uint32_t> changed;   // cells
+    std::vector<std::uint32_t> moved;     // vertices that were free, or new ones on no other contour
+    std::vector<std::uint32_t> released;  // vertices that were fixed
+    std::vector<std::uint8_t> crowded;    // what these were
+    std::vector<VertexPair> let_go;       // edges that were kept
+    std::vector<VertexPair> fixed;        // edges
+};
+
+class Follower {
+  public:
+    Follower(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded, double least_sine,
+             double last_sine, const ImproveCells& improve, const RunContext& context)
+        : bench_(bench),
+          drawn_(drawn),
+          crowded_(crowded),
+          following_(drawn.following),
+          sides_(bench),
+          least_sine_(least_sine),
+          last_sine_(last_sine),
+          improve_(improve),
+          context_(context) {}
+
+    FollowStats run() {
+        FollowStats stats;
+        for (std::uint32_t n = 0; n < following_.contours.size(); ++n) {
+            Led led = as_drawn(n);
+            const std::size_t missed = count_missed(led);
+            stats.missed += missed;
+            if (missed > 0) contours_.push_back(std::move(led));
+        }
+        if (contours_.empty() || stats.missed > most_missed) return stats;
+        find_vertices();
+        lead_all();
+        std::size_t left = 0;
+        for (const Led& led : contours_) left += count_missed(led);
+        if (left > 0 && left <= last_missed) {
+            least_sine_ = std::min(least_sine_, last_sine_);
+            tried_.clear();
+            attempts_ = 0;
+            lead_all();
+        }
+        for (const Led& led : contours_) {
+            if (!led.is_led || is_as_drawn(led)) continue;
+            FollowedContour& followed =
+                stats.followed.emplace_back(FollowedContour{led.number, {}, led.segments, led.farthest_mm});
+            for (std::size_t n = 0; n < led.loop.size(); ++n)
+                followed.vertices.push_back(led.loop.corner(n).vertex);
+        }
+        stats.changed = std::move(changed_);
+        return stats;
+    }
+
+  private:
+    void lead_all() {
+        for (int round = 0; round < rounds; ++round) {
+            bool any = false;
+            for (Led& led : contours_) any |= lead(led);
+            if (!any) break;
+        }
+    }
+
+    Led as_drawn(std::uint32_t number) const {
+        const Contour& contour = following_.contours[number];
+        const auto vertices = following_.vertices.subspan(contour.first_point, contour.point_count);
+        std::vector<Vec3> places;
+        for (const std::uint32_t v : vertices) places.push_back(bench_.mesh.point(v));
+        return {number, contour, {vertices, std::move(places)}};
+    }
+
+    // Whether all of it is edges of the surface where it is drawn: a way may lie on that.
+    bool is_as_drawn(const Led& led) {
+        const Led drawn = as_drawn(led.number);
+        return count_missed(drawn) == 0;
+    }
+
+    bool is_missed(const Led& led, std::size_t n) {
+        const std::uint32_t a = led.loop.corner(n).vertex, b = led.loop.corner(n + 1).vertex;
+        return sides_.row_from(a, b, led.contour.structure).back() != b;
+    }
+
+    std::size_t count_missed(const Led& led) {
+        std::size_t missed = 0;
+        for (std::size_t n = 0; n < led.loop.size(); ++n) missed += is_missed(led, n);
+        return missed;
+    }
+
+    static std::uint64_t drawing(const Contour& contour) {
+        return static_cast<std::uint64_t>(contour.slice) << 32 | contour.structure;
+    }
+
+    void find_vertices() {
+        for (const Contour& contour : following_.contours) {
+            for (std::uint32_t n = 0; n < contour.point_count; ++n)
+                note(contour, following_.vertices[contour.first_point + n]);
+        }
+        for (auto& [key, vertices] : of_drawing_) sort_distinct(vertices);
+        for (auto& [slice, vertices] : of_slice_) sort_distinct(vertices);
+        drawn_vertices_.assign(following_.vertices.begin(), following_.vertices.end());
+        sort_distinct(drawn_vertices_);
+    }
+
+    void note(const Contour& contour, std::uint32_t v) {
+        of_drawing_[drawing(contour)].push_back(v);
+        of_slice_[contour.slice].push_back(v);
+    }
+
+    // Whether any of it was led.
+    bool lead(Led& led) {
+        bool any = false;
+        for (std::size_t n = 0; n < led.loop.size() && attempts_ < most_attempts; ++n) {
+            if (context_.cancelled() || !is_missed(led, n)) continue;
+            const std::size_t before = count_missed(led);
+            const Shore here = shore(led, n, -1), there = shore(led, n, 1);
+            if (is_known_to_fail(led, n, here, there)) continue;
+            if (std::none_of(nearness.begin(), nearness.end(), [&](double near) {
+                    ++attempts_;
+                    return attempt(led, here, there, near);
+                }))
+                continue;
+            led.segments += before - std::min(before, count_missed(led));
+            led.is_led = any = true;
+        }
+        return any;
+    }
+
+    // Whether the segment was tried when no cell at its surroundings was another one; notes that it is tried.
+    bool is_known_to_fail(const Led& led, std::size_t n, const Shore& here, const Shore& there) {
+        Tried& tried = tried_[{led.loop.corner(n).vertex, led.loop.corner(n + 1).vertex, led.number}];
+        const bool fails =
+            !tried.reach.empty() &&
+            std::none_of(changed_.begin() + static_cast<std::ptrdiff_t>(tried.changed_before), changed_.end(),
+                         [&](std::uint32_t c) {
+                             const Cell& cell = bench_.mesh.cell(c);
+                             return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
+                                 return std::binary_search(tried.reach.begin(), tried.reach.end(), v);
+                             });
+                         });
+        tried.changed_before = changed_.size();
+        tried.reach.clear();
+        for (const Shore* const shore : {&here, &there}) {
+            for (const WayEnd& end : shore->ends) tried.reach.push_back(end.vertex);
+        }
+        sort_distinct(tried.reach);
+        return fails;
+    }
+
+    // Vertices of the contour that edges of its surface join to others, from missed segment n on: `step` is
+    // +1 for those after it, -1 for those before it.
+    Shore shore(const Led& led, std::size_t n, int step) {
+        const std::size_t count = led.loop.size(), most = std::min(most_beside, (count - 2) / 2);
+        Shore found;
+        // From the segment's other end on.
+        LoopCorner x = led.loop.corner(n);
+        if (step < 0) x = led.loop.beside(n, x.at, 1);
+        for (std::size_t k = 0; k <= most && found.length <= reach * following_.most_mm; ++k) {
+            const LoopCorner y = led.loop.beside(step > 0 ? n + k : n + 1 + count - k, x.at, step);
+            add_row(led.contour.structure, x, y, k > 0, found);
+            x = y;
+        }
+        return found;
+    }
+
+    // Of the segment from x to y without x: all, or what there is of it on y's side - and on x's, if asked
+    // for - of where it is missed.
+    void add_row(std::uint32_t structure, const LoopCorner& x, const LoopCorner& y, bool both, Shore& shore) {
+        std::vector<std::uint32_t> row = sides_.row_from(y.vertex, x.vertex, structure);
+        if (both && row.back() != x.vertex) {
+            for (const std::uint32_t v : sides_.row_from(x.vertex, y.vertex, structure)) add(x, y, v, shore);
+        }
+        std::reverse(row.begin(), row.end());
+        for (const std::uint32_t v : row) add(x, y, v, shore);
+    }
+
+    void add(const LoopCorner& x, const LoopCorner& y, std::uint32_t v, Shore& shore) const {
+        if (v == x.vertex) return;
+        const Vec3 p = bench_.mesh.point(v);
+        if (!shore.corners.empty())
+            shore.length += length(p - bench_.mesh.point(shore.corners.back().vertex));
+        const Vec3 a = bench_.mesh.point(x.vertex), b = bench_.mesh.point(y.vertex);
+        shore.corners.push_back({v, x.at + length(p - a) / length(b - a) * (y.at - x.at)});
+        if (v == y.vertex) shore.corners.back() = y;
+        shore.ends.push_back({v, shore.length});
+    }
+
+    std::optional<Way> find_way(const Led& led, const Shore& here, const Shore& there) {
+        const Contour& contour = led.contour;
+        const std::vector<Vec3> drawn =
+            led.loop.drawn_between(here.corners.back().at, there.corners.back().at);
+        double longest = 0;
+        for (std::size_t n = 1; n < drawn.size(); ++n)
+            longest = std::max(longest, length(drawn[n] - drawn[n - 1]));
+        SurfaceSection section(bench_, following_.planes[contour.slice], contour.structure,
+                               on_segment * longest, of_slice_[contour.slice]);
+        const std::vector<std::uint32_t>& taken = of_drawing_[drawing(contour)];
+        const auto is_end = [&](std::uint32_t v) {
+            return std::any_of(there.ends.begin(), there.ends.end(),
+                               [&](const WayEnd& end) { return end.vertex == v; });
+        };
+        std::optional<std::vector<SectionPoint>> points =
+            section.shortest_way(here.ends, there.ends, [&](const SectionPoint& point) {
+                if (point.node.is_vertex() && !is_end(point.node.p) &&
+                    std::binary_search(taken.begin(), taken.end(), point.node.p))
+                    return false;
+                return length(point.place - nearest_on_row(drawn, point.place)) <= following_.most_mm;
+            });
+        if (!points) return std::nullopt;
+        Way way{std::move(*points)};
+        way.from = here.at(way.points.front().node.p);
+        way.to = there.at(way.points.back().node.p);
+        way.farthest_mm = distance_of_rows(way.places(), led.loop.drawn_between(way.from, way.to));
+        return way;
+    }
+
+    bool attempt(Led& led, const Shore& here, const Shore& there, double near) {
+        std::optional<Way> way = find_way(led, here, there);
+        if (!way) return false;
+        const DihedralStats stats = bench_.stats;
+        bench_.mesh.begin_attempt();
+        Attempt done;
+        while (way && move_near(*way, near, done)) way = find_way(led, here, there);
+        ContourLoop loop = led.loop;
+        std::vector<std::uint32_t> vertices;
+        const bool good = way && make_edges(*way, led.contour.structure, vertices, done) &&
+                          settle(led, *way, vertices, done) && replace(led, *way, vertices, loop);
+        bench_.mesh.end_attempt(good);
+        if (!good) {
+            take_back(done);
+            bench_.stats = stats;
+            return false;
+        }
+        led.loop = std::move(loop);
+        led.farthest_mm = std::max(led.farthest_mm, way->farthest_mm);
+        keep(led.contour, vertices, done);
+        return true;
+    }
+
+    // Draws the way, now edges, near to what is drawn, and improves the shapes. False if the cells are bad
+    // then, or if it went too far.
+    bool settle(const Led& led, Way& way, const std::vector<std::uint32_t>& vertices, Attempt& done) {
+        const std::vector<Vec3> drawn = led.loop.drawn_between(way.from, way.to);
+        release(led, way, vertices, done);
+        for (int turn = 0; turn < turns; ++turn) {
+            draw_near(drawn, vertices, done);
+            for (std::size_t n = 0; n < vertices.size(); ++n)
+                way.points[n].place = bench_.mesh.point(vertices[n]);
+            ContourLoop loop = led.loop;
+            if (turn == 0 && !replace(led, way, vertices, loop)) return false;
+            improve_cells(done);
+        }
+        way.farthest_mm = distance_of_rows(way.places(), drawn);
+        return way.farthest_mm <= following_.most_mm && is_on_surface(vertices, led.contour.structure) &&
+               std::all_of(done.changed.begin(), done.changed.end(),
+                           [&](std::uint32_t c) { return is_good(c); });
+    }
+
+    // Puts the way into the loop; false if the slice's contours are none of a kept set then.
+    bool replace(const Led& led, const Way& way, const std::vector<std::uint32_t>& vertices,
+                 ContourLoop& loop) const {
+        return loop.replace({way.from, way.to, vertices, way.places()}) && is_sound(led, loop);
+    }
+
+    bool is_on_surface(const std::vector<std::uint32_t>& way, std::uint32_t structure) {
+        for (std::size_t n = 1; n < way.size(); ++n) {
+            if (sides_.row_from(way[n - 1], way[n], structure).back() != way[n]) return false;
+        }
+        return true;
+    }
+
+    // Free ends of edges that the way crosses near them, onto it; says whether there were any.
+    bool move_near(const Way& way, double near, Attempt& done) {
+        const std::size_t before = done.moved.size();
+        for (const auto& [node, place] : way.points) {
+            if (node.is_vertex()) continue;
+            const double from_p = length(place - bench_.mesh.point(node.p)),
+                         from_q = length(place - bench_.mesh.point(node.q));
+            const std::uint32_t v = from_p < from_q ? node.p : node.q;
+            if (bench_.fixed(v) || std::min(from_p, from_q) > near * (from_p + from_q)) continue;
+            bench_.mesh.star(v, bench_.star);
+            if (!bench_.commit_move(v, place)) continue;
+            done.changed.insert(done.changed.end(), bench_.star.begin(), bench_.star.end());
+            bench_.fix(v);
+            done.moved.push_back(v);
+        }
+        return done.moved.size() > before;
+    }
+
+    // Puts vertices on the edges that the way crosses; false if it is not edges of the surface then.
+    bool make_edges(const Way& way, std::uint32_t structure, std::vector<std::uint32_t>& vertices,
+                    Attempt& done) {
+        for (const auto& [node, place] : way.points) {
+            if (node.is_vertex()) {
+                vertices.push_back(node.p);
+                if (bench_.fixed(node.p)) continue;
+                bench_.fix(node.p);
+                done.moved.push_back(node.p);
+                continue;
+            }
+            if (!sides_.find_ring(node.p, node.q)) return false;
+            const bool is_on_contour = bench_.fixed_edge(node.p, node.q);
+            const std::uint32_t v = bench_.split_ring(place);
+            if (v == no_cell) return false;
+            bench_.fix(v);
+            if (!is_on_contour) done.moved.push_back(v);
+            done.changed.insert(done.changed.end(), bench_.changed.begin(), bench_.changed.end());
+            vertices.push_back(v);
+        }
+        for (std::size_t n = 1; n < vertices.size(); ++n) {
+            if (!sides_.on_surface(vertices[n - 1], vertices[n], structure)) return false;
+            bench_.fix_edge(vertices[n - 1], vertices[n]);
+            done.fixed.push_back({vertices[n - 1], vertices[n]});
+        }
+        return true;
+    }
+
+    // Those of the way that were moved or made, in the plane towards what is drawn.
+    void draw_near(const std::vector<Vec3>& drawn, const std::vector<std::uint32_t>& vertices,
+                   Attempt& done) {
+        std::vector<std::uint32_t> movable = done.moved;
+        sort_distinct(movable);
+        for (int pass = 0; pass < passes; ++pass) {
+            bool any = false;
+            for (const std::uint32_t v : vertices) {
+                if (std::binary_search(movable.begin(), movable.end(), v) && move_towards(v, drawn)) {
+                    done.changed.insert(done.changed.end(), bench_.star.begin(), bench_.star.end());
+                    any = true;
+                }
+            }
+            if (!any) break;
+        }
+    }
+
+    // As far as the shapes of cells allow.
+    bool move_towards(std::uint32_t v, const std::vector<Vec3>& drawn) {
+        const Vec3 from = bench_.mesh.point(v), to = nearest_on_row(drawn, from);
+        if (to == from) return false;
+        bench_.mesh.star(v, bench_.star);
+        const double needed = std::min(worst_in_star(), least_sine_);
+        for (const double step : steps) {
+            if (!bench_.commit_move(v, from + step * (to - from))) continue;
+            if (worst_in_star() >= needed) return true;
+            bench_.mesh.move_point(v, from);
+        }
+        return false;
+    }
+
+    // The least sine of the cells inside.
+    double worst_in_star() const {
+        double worst = 1;
+        for (const std::uint32_t c : bench_.star) {
+            if (bench_.mesh.region(c) != 0) worst = std::min(worst, bench_.sine(c));
+        }
+        return worst;
+    }
+
+    // Pieces of segments that the way takes the place of: their edges need not be there any more, vertices of
+    // theirs alone may move, and do not crowd others.
+    void release(const Led& led, const Way& way, const std::vector<std::uint32_t>& vertices, Attempt& done) {
+        std::vector<std::uint32_t> row;
+        std::vector<VertexPair> edges;
+        for (auto n = static_cast<std::int64_t>(std::floor(way.from)); static_cast<double>(n) < way.to; ++n) {
+            const std::uint32_t a = led.loop.drawn(n), b = led.loop.drawn(n + 1);
+            const double whole = length(bench_.mesh.point(b) - bench_.mesh.point(a));
+            for (std::uint32_t last = a; last != b;) {
+                const std::uint32_t v = end_of_piece(last, a, b, led.contour.structure);
+                if (v == no_cell) break;
+                const auto place = [&](std::uint32_t w) {
+                    return static_cast<double>(n) +
+                           (w == b ? 1 : length(bench_.mesh.point(w) - bench_.mesh.point(a)) / whole);
+                };
+                if (place(v) > way.from && place(v) < way.to) row.push_back(v);
+                if (place(last) >= way.from && place(v) <= way.to)
+                    edges.push_back({std::min(last, v), std::max(last, v)});
+                last = v;
+            }
+        }
+        for (const VertexPair& edge : edges) {
+            const auto is_of_another = [&](const std::array<std::uint32_t, 3>& piece) {
+                return piece[2] != led.contour.structure &&
+                       VertexPair{std::min(piece[0], piece[1]), std::max(piece[0], piece[1])} == edge;
+            };
+            if (bench_.keeps_edge(edge[0], edge[1]) &&
+                std::none_of(drawn_.pieces_beside.begin(), drawn_.pieces_beside.end(), is_of_another))
+                done.let_go.push_back(edge);
+        }
+        for (const VertexPair& edge : done.let_go) bench_.release_edge(edge[0], edge[1]);
+        std::vector<std::uint32_t> own = row;
+        own.insert(own.end(), vertices.begin(), vertices.end());
+        sort_distinct(own);
+        for (const std::uint32_t v : row) {
+            // Vertices of contours stay, on the surface, whether it passes through them or not; and so do
+            // those that another contour was led along.
+            if (!std::binary_search(drawn_vertices_.begin(), drawn_vertices_.end(), v) &&
+                !std::binary_search(led_vertices_.begin(), led_vertices_.end(), v) &&
+                std::find(vertices.begin(), vertices.end(), v) == vertices.end() &&
+                is_free_without(own, led.contour.structure, v))
+                free(v, done);
+        }
+    }
+
+    // The end of the piece that leads on from v along the segment from a to b.
+    std::uint32_t end_of_piece(std::uint32_t v, std::uint32_t a, std::uint32_t b,
+                               std::uint32_t structure) const {
+        const Vec3 way = bench_.mesh.point(b) - bench_.mesh.point(a);
+        for (const ContourOwners::Piece& piece : drawn_.owners->pieces_at(v)) {
+            if (piece.structure == structure &&
+                SidesAt::onward(bench_.mesh.point(piece.other) - bench_.mesh.point(v), way))
+                return piece.other;
+        }
+        return no_cell;
+    }
+
+    // Whether all pieces at v are of this structure, and end there. `own`: rising.
+    bool is_free_without(const std::vector<std::uint32_t>& own, std::uint32_t structure,
+                         std::uint32_t v) const {
+        const auto pieces = drawn_.owners->pieces_at(v);
+        return bench_.fixed(v) && !pieces.empty() &&
+               std::all_of(pieces.begin(), pieces.end(), [&](const ContourOwners::Piece& piece) {
+                   return piece.structure == structure &&
+                          std::binary_search(own.begin(), own.end(), piece.other);
+               });
+    }
+
+    void free(std::uint32_t v, Attempt& done) {
+        bench_.unfix(v);
+        done.released.push_back(v);
+        done.crowded.push_back(v < crowded_.size() ? std::exchange(crowded_[v], std::uint8_t{0}) : 0);
+        bench_.mesh.star(v, bench_.star);
+        done.changed.insert(done.changed.end(), bench_.star.begin(), bench_.star.end());
+    }
+
+    void improve_cells(Attempt& done) {
+        sort_distinct(done.changed);
+        const std::vector<std::uint32_t> improved = improve_(done.changed);
+        done.changed.insert(done.changed.end(), improved.begin(), improved.end());
+        sort_distinct(done.changed);
+    }
+
+    bool is_good(std::uint32_t c) const {
+        if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return true;
+        const Cell& v = bench_.mesh.cell(c);
+        const bool forced = drawn_.are_crowded(v) || shortest_is_drawn(v);
+        const CellMeasures m = measure_cell(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
+                                            bench_.mesh.point(v[2]), bench_.mesh.point(v[3]));
+        const double most = forced ? most_crowded_ratio : bench_.options.last_radius_edge;
+        return m.least_sine() >= (forced ? least_crowded_sine : least_sine_) &&
+               m.squared_ratio <= most * most;
+    }
+
+    // Whether the shortest edge of a cell joins two vertices of contours as they are drawn.
+    bool shortest_is_drawn(const Cell& v) const {
+        double shortest = HUGE_VAL;
+        bool is_drawn = false;
+        for (const auto& [i, j] : cell_edges) {
+            const double edge = squared_length(bench_.mesh.point(v[i]) - bench_.mesh.point(v[j]));
+            if (edge >= shortest) continue;
+            shortest = edge;
+            is_drawn = std::binary_search(drawn_vertices_.begin(), drawn_vertices_.end(), v[i]) &&
+                       std::binary_search(drawn_vertices_.begin(), drawn_vertices_.end(), v[j]);
+        }
+        return is_drawn;
+    }
+
+    // Whether the contours of its slice are still what those of kept sets are.
+    bool is_sound(const Led& led, const ContourLoop& changed) const {
+        const Plane& plane = following_.planes[led.contour.slice];
+        std::vector<PlaneRing> rings;
+        for (std::uint32_t n = 0; n < following_.contours.size(); ++n) {
+            const Contour& contour = following_.contours[n];
+            if (contour.slice != led.contour.slice) continue;
+            PlaneRing& ring = rings.emplace_back(PlaneRing{contour.structure, {}});
+            const auto found = std::find_if(contours_.begin(), contours_.end(),
+                                            [&](const Led& other) { return other.number == n; });
+            const ContourLoop* const loop = n == led.number            ? &changed
+                                            : found != contours_.end() ? &found->loop
+                                                                       : nullptr;
+            const std::size_t count = loop ? loop->size() : contour.point_count;
+            for (std::size_t k = 0; k < count; ++k) {
+                const std::uint32_t v =
+                    loop ? loop->corner(k).vertex : following_.vertices[contour.first_point + k];
+                ring.at.push_back(plane.to_plane(bench_.mesh.point(v)));
+            }
+        }
+        return slice_faults(rings, following_.exclusive).empty();
+    }
+
+    void take_back(const Attempt& done) {
+        for (const std::uint32_t v : done.moved) bench_.unfix(v);
+        for (std::size_t n = 0; n < done.released.size(); ++n) {
+            bench_.fix(done.released[n]);
+            if (done.released[n] < crowded_.size()) crowded_[done.released[n]] = done.crowded[n];
+        }
+        for (const VertexPair& edge : done.let_go) bench_.keep_edge(edge[0], edge[1]);
+        for (const VertexPair& edge : done.fixed) bench_.unfix_edge(edge[0], edge[1]);
+    }
+
+    // `way`: its vertices.
+    void keep(const Contour& contour, const std::vector<std::uint32_t>& way, const Attempt& done) {
+        changed_.insert(changed_.end(), done.changed.begin(), done.changed.end());
+        for (const std::uint32_t v : way) note(contour, v);
+        led_vertices_.insert(led_vertices_.end(), way.begin(), way.end());
+        sort_distinct(led_vertices_);
+        sort_distinct(of_drawing_[drawing(contour)]);
+        sort_distinct(of_slice_[contour.slice]);
+        // What moved for an earlier way and is not on this one is free again.
+        for (const std::uint32_t v : done.moved) {
+            if (std::find(way.begin(), way.end(), v) == way.end()) bench_.unfix(v);
+        }
+    }
+
+    Workbench& bench_;
+    const DrawnSlices& drawn_;
+    std::span<std::uint8_t> crowded_;
+    const FollowingContours& following_;
+    SidesAt sides_;
+    double least_sine_, last_sine_;  // of cells inside that no contour forces
+    const ImproveCells& improve_;
+    const RunContext& context_;
+    std::size_t attempts_ = 0;
+    std::map<std::array<std::uint32_t, 3>, Tried> tried_;  // by ends and contour
+    std::vector<Led> contours_;                            // that have missed segments, by number
+    // Vertices of the contours as they are now, rising: of a slice and a structure, and of a slice; and as
+    // they are drawn.
+    std::map<std::uint64_t, std::vector<std::uint32_t>> of_drawing_;
+    std::map<std::uint32_t, std::vector<std::uint32_t>> of_slice_;
+    std::vector<std::uint32_t> drawn_vertices_, led_vertices_;  // these, of all ways; rising
+    std::vector<std::uint32_t> changed_;                        // cells
+};
+
+}  // namespace
+
+FollowStats follow_surface(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded,
+                           double least_sine, double last_sine, const ImproveCells& improve,
+                           const RunContext& context) {
+    if (!drawn.table || !drawn.owners || drawn.following.contours.empty() || !(drawn.following.most_mm > 0))
+        return {};
+    return Follower(bench, drawn, crowded, least_sine, last_sine, improve, context).run();
+}
+
+}  // namespace anatomesh

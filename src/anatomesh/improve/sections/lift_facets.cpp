@@ -1,0 +1,186 @@
+#include "anatomesh/improve/sections/lift_facets.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/base/parallel.h"
+#include "anatomesh/improve/core/hole.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double first_height = 0.2,
+                 height_factor = 1.5;  // of the new vertex, as a share of the cell's height
+constexpr int heights = 4;
+constexpr double flat_end = 1e-3;  // of a facet's longest edge: nearer to an interface its middle lies on it
+constexpr std::size_t most_round_edge = 12;  // cells between two facets that are lifted together
+constexpr double last_radius_edge = 3.9;     // of cells for the sake of what is drawn
+
+class Lifter {
+  public:
+    Lifter(Workbench& bench, const DrawnSlices& drawn, double least_sine)
+        : bench_(bench), drawn_(drawn), least_sine_(least_sine) {}
+
+    LiftStats run(int threads) {
+        std::vector<std::uint32_t> waiting = parallel_collect<std::uint32_t>(
+            bench_.mesh.cell_count(), 16384, threads,
+            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& cells) {
+                for (std::size_t c = first; c < last; ++c) {
+                    if (may_rest(static_cast<std::uint32_t>(c)))
+                        cells.push_back(static_cast<std::uint32_t>(c));
+                }
+            });
+        LiftStats stats;
+        for (std::size_t n = 0; n < waiting.size(); ++n) {
+            const std::uint32_t c = waiting[n];
+            if (!bench_.mesh.alive(c)) continue;
+            int i = 0;
+            while (i < 4 && !rests(c, i)) ++i;
+            if (i == 4) continue;
+            const std::size_t lifted = lift(c, i);
+            stats.facets_lifted += lifted;
+            if (lifted == 0) {
+                ++stats.facets_left;
+                continue;
+            }
+            // Others that rest may have new cells.
+            stats.changed.insert(stats.changed.end(), bench_.changed.begin(), bench_.changed.end());
+            for (const std::uint32_t changed : bench_.changed) {
+                if (may_rest(changed)) waiting.push_back(changed);
+            }
+        }
+        return stats;
+    }
+
+  private:
+    bool in_slice(const Cell& cell, int i) const {
+        const auto slice = [&](int corner) {
+            const std::uint32_t v = cell[facet_vertices[i][corner]];
+            return v < drawn_.slice_of.size() ? drawn_.slice_of[v] : no_slice;
+        };
+        return slice(0) != no_slice && slice(1) == slice(0) && slice(2) == slice(0);
+    }
+
+    bool may_rest(std::uint32_t c) const {
+        if (!bench_.mesh.alive(c)) return false;
+        for (int i = 0; i < 4; ++i) {
+            if (in_slice(bench_.mesh.cell(c), i)) return true;
+        }
+        return false;
+    }
+
+    // Whether a facet lies in a slice between regions of which the cell's has a structure that is not drawn
+    // there, and the other one what is.
+    bool rests(std::uint32_t c, int i) {
+        const std::uint32_t other = bench_.mesh.neighbor(c, i);
+        if (other == no_cell || bench_.mesh.region(other) == bench_.mesh.region(c) ||
+            !in_slice(bench_.mesh.cell(c), i))
+            return false;
+        // A facet of a flat end lies on the interface itself.
+        const double on_interface = flat_end * longest_edge({c, i});
+        const InterfaceProbe::Look look = bench_.probe.look(middle({c, i}), on_interface);
+        if (look.distance < on_interface) return false;
+        const std::vector<std::uint32_t>& there = look.members;
+        const std::vector<std::uint32_t>& here = drawn_.table->members[bench_.mesh.region(c)];
+        return drawn_.table->members[bench_.mesh.region(other)] == there &&
+               !std::includes(there.begin(), there.end(), here.begin(), here.end());
+    }
+
+    double longest_edge(Hole::CellFacet facet) const {
+        double longest = 0;
+        for (int n = 0; n < 3; ++n) {
+            const Cell& cell = bench_.mesh.cell(facet.first);
+            const auto& f = facet_vertices[facet.second];
+            longest = std::max(
+                longest, length(bench_.mesh.point(cell[f[n]]) - bench_.mesh.point(cell[f[(n + 1) % 3]])));
+        }
+        return longest;
+    }
+
+    Vec3 middle(Hole::CellFacet facet) const {
+        Vec3 sum{};
+        for (const int n : facet_vertices[facet.second])
+            sum = sum + (1.0 / 3) * bench_.mesh.point(bench_.mesh.cell(facet.first)[n]);
+        return sum;
+    }
+
+    // The next facet of the surface round an edge of a resting one - that without its corner n -, seen from
+    // inside; `cells`: those between the two.
+    std::optional<Hole::CellFacet> beside(Hole::CellFacet facet, int n,
+                                          std::vector<std::uint32_t>& cells) const {
+        const auto [first, i] = facet;
+        std::uint32_t c = first;
+        std::uint32_t leave = bench_.mesh.cell(c)[facet_vertices[i][n]], keep = bench_.mesh.cell(c)[i];
+        cells.assign(1, c);
+        while (cells.size() < most_round_edge) {
+            const Cell& cell = bench_.mesh.cell(c);
+            const int across = static_cast<int>(std::find(cell.begin(), cell.end(), leave) - cell.begin());
+            const std::uint32_t next = bench_.mesh.neighbor(c, across);
+            if (next == no_cell) return std::nullopt;
+            if (bench_.mesh.region(next) != bench_.mesh.region(c)) return Hole::CellFacet{c, across};
+            const Cell& entered = bench_.mesh.cell(next);
+            for (const std::uint32_t v : entered) {
+                if (std::find(cell.begin(), cell.end(), v) == cell.end()) leave = std::exchange(keep, v);
+            }
+            cells.push_back(c = next);
+        }
+        return std::nullopt;
+    }
+
+    // Lifts it with another one beside it if there is one, else, or if that can't be done, alone. How many
+    // then.
+    std::size_t lift(std::uint32_t c, int i) {
+        const Hole::CellFacet facet{c, i};
+        std::vector<std::uint32_t> cells;
+        for (int n = 0; n < 3; ++n) {
+            const Cell& cell = bench_.mesh.cell(c);
+            const std::optional<Hole::CellFacet> other = beside(facet, n, cells);
+            if (!other || !rests(other->first, other->second) ||
+                bench_.fixed_edge(cell[facet_vertices[i][(n + 1) % 3]],
+                                  cell[facet_vertices[i][(n + 2) % 3]]) ||
+                bench_.mesh.region(bench_.mesh.neighbor(c, i)) !=
+                    bench_.mesh.region(bench_.mesh.neighbor(other->first, other->second)))
+                continue;
+            if (fill(cells, std::array{facet, *other})) return 2;
+        }
+        return fill({c}, std::array{facet}) ? 1 : 0;
+    }
+
+    // From several heights over the facets.
+    bool fill(const std::vector<std::uint32_t>& cells, std::span<const Hole::CellFacet> facets) {
+        Vec3 foot{}, top{};
+        const double share = 1 / static_cast<double>(facets.size());
+        for (const Hole::CellFacet& facet : facets) {
+            foot = foot + share * middle(facet);
+            top = top + share * bench_.mesh.point(bench_.mesh.cell(facet.first)[facet.second]);
+        }
+        const auto enough = [&](const Bar&) { return least_sine_; };
+        const auto anywhere = [](Vec3&) { return true; };
+        for (const double most : {bench_.options.max_radius_edge, last_radius_edge}) {
+            double height = first_height;
+            for (int n = 0; n < heights; ++n, height *= height_factor) {
+                if (Hole(bench_, cells, facets)
+                        .fill(foot + height * (top - foot), {}, most, enough, anywhere))
+                    return true;
+            }
+        }
+        return false;
+    }
+
+    Workbench& bench_;
+    const DrawnSlices& drawn_;
+    double least_sine_;
+};
+
+}  // namespace
+
+LiftStats lift_facets(Workbench& bench, const DrawnSlices& drawn, double least_sine, int threads) {
+    if (!drawn.table || drawn.slice_of.empty()) return {};
+    return Lifter(bench, drawn, least_sine).run(threads);
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,562 @@
+#include "anatomesh/improve/sections/mend_cuts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/base/parallel.h"
+#include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/improve/core/hole.h"
+#include "anatomesh/improve/operations/operations.h"
+#include "anatomesh/improve/sections/section_areas.h"
+#include "anatomesh/improve/core/vain_tries.h"
+#include "anatomesh/mesh/shape/cell_shape.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double enough_less = 0.5;               // of the wrong share
+constexpr std::uint64_t most_vain = 10'000;       // places: so many are of slices that contradict each other
+constexpr double least_wrong_of_crossing = 1e-6;  // share of what is drawn: less is not mended there
+constexpr std::array heights{0.05, -0.05, 0.1,  -0.1,
+                             0.2,  -0.2,  0.35, -0.35};  // of a moved vertex over the plane, in edges at it
+constexpr std::array lifts{0.1, 0.2, 0.3, 0.45, 0.06, 0.03};  // of a new vertex, in heights of the cell
+constexpr double radians_per_degree = std::numbers::pi / 180;
+constexpr double before_moving = 0.5;  // of the least sine that an edge may be collapsed for
+constexpr int moves_after_collapse = 3;
+constexpr double most_turned = 0.5;  // cosine of a facet's turning
+
+class Mender {
+  public:
+    Mender(Workbench& bench, const DrawnSlices& drawn, double least_sine, const RunContext& context)
+        : bench_(bench),
+          context_(context),
+          areas_(bench, drawn),
+          owners_(*drawn.owners),
+          least_wrong_(drawn.extents.empty() ? 0 : least_wrong_of_crossing),
+          bounds_{
+              {{std::sin(bench.options.target_degrees * radians_per_degree), bench.options.max_radius_edge},
+               {least_sine, bench.options.max_radius_edge},
+               {least_sine, bench.options.last_radius_edge}}} {}
+
+    // From these cells on, rising.
+    MendStats run(std::vector<std::uint32_t> waiting) {
+        mend_all(waiting, 1);
+        // Those of cuts that still are further from what is drawn are worth worse cells. What a surface that
+        // just passes through a plane makes wrong may lie in any cell that has a vertex of it.
+        std::vector<std::uint32_t> passed = waiting;
+        std::erase_if(passed, [&](std::uint32_t c) { return suspect_facet(c, 0) == 4; });
+        areas_.sum_cuts_round(passed);
+        mend_all(waiting, bounds_.size());
+        std::erase_if(waiting, [&](std::uint32_t c) { return suspect_facet(c, 0) == 4; });
+        stats_.left = std::move(waiting);
+        return stats_;
+    }
+
+    // Those of all cells at which something may be wrong.
+    std::vector<std::uint32_t> suspects(int threads) const {
+        return parallel_collect<std::uint32_t>(
+            bench_.mesh.cell_count(), 16384, threads,
+            [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
+                for (std::size_t c = first; c < last; ++c) {
+                    if (suspect_facet(static_cast<std::uint32_t>(c), 0) < 4)
+                        found.push_back(static_cast<std::uint32_t>(c));
+                }
+            });
+    }
+
+  private:
+    // The first facet of the cell from that on that passes through a plane or lies in it, and is between
+    // regions, or, in it, in one beside others; 4: none.
+    int suspect_facet(std::uint32_t c, int from) const {
+        if (!bench_.mesh.alive(c)) return 4;
+        std::array<bool, 4> between{};
+        for (int i = 0; i < 4; ++i) {
+            const std::uint32_t other = bench_.mesh.neighbor(c, i);
+            between[i] = other != no_cell && bench_.mesh.region(other) != bench_.mesh.region(c);
+        }
+        if (std::find(between.begin(), between.end(), true) == between.end()) return 4;
+        const Cell& cell = bench_.mesh.cell(c);
+        for (int i = from; i < 4; ++i) {
+            if (bench_.mesh.neighbor(c, i) == no_cell) continue;
+            const auto& f = facet_vertices[i];
+            const std::array facet{cell[f[0]], cell[f[1]], cell[f[2]]};
+            if ((between[i] && areas_.passes_between(facet)) || areas_.plane_of(facet) != no_slice) return i;
+        }
+        return 4;
+    }
+
+    // What new cells inside must keep.
+    struct Bounds {
+        double sine, ratio;
+    };
+
+    // Within the first so many bounds; `waiting` grows by the cells to be looked at again.
+    void mend_all(std::vector<std::uint32_t>& waiting, std::size_t count) {
+        std::uint64_t vain = 0;
+        for (std::size_t n = 0; n < waiting.size() && vain < most_vain; ++n) {
+            if (context_.cancelled()) return;
+            const std::uint32_t c = waiting[n];
+            for (int i = suspect_facet(c, 0); i < 4; i = suspect_facet(c, i + 1)) {
+                if (!(wrong_at(c, i) > least_wrong_)) continue;
+                ++stats_.places_found;
+                if (count > 1 && areas_.largest_cut_at(c, i) < much_of_cut) continue;
+                if (!mend(c, i, count)) {
+                    ++vain;
+                    continue;
+                }
+                stats_.changed.insert(stats_.changed.end(), bench_.changed.begin(), bench_.changed.end());
+                vain_.note_change(bench_.mesh, bench_.changed);
+                for (const std::uint32_t changed : bench_.changed) {
+                    if (suspect_facet(changed, 0) < 4) waiting.push_back(changed);
+                }
+                break;
+            }
+        }
+    }
+
+    // Of the facet alone where it lies in one region: what cells beside it have wrong is found at others.
+    double wrong_at(std::uint32_t c, int i) {
+        const std::uint32_t other = bench_.mesh.neighbor(c, i);
+        return bench_.mesh.region(other) == bench_.mesh.region(c) ? areas_.wrong_in_plane(c, i)
+                                                                  : areas_.wrong_at(c, i);
+    }
+
+    bool mend(std::uint32_t c, int i, std::size_t count) {
+        const std::uint32_t other = bench_.mesh.neighbor(c, i);
+        if (bench_.mesh.region(other) == bench_.mesh.region(c)) {
+            return std::any_of(bounds_.begin(), bounds_.begin() + static_cast<std::ptrdiff_t>(count),
+                               [&](const Bounds& bounds) { return give_both(c, other, bounds); });
+        }
+        std::vector<std::uint32_t> vertices(bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
+        for (const std::uint32_t v : bench_.mesh.cell(other)) {
+            if (std::find(vertices.begin(), vertices.end(), v) == vertices.end()) vertices.push_back(v);
+        }
+        const Region here = bench_.mesh.region(c), there = bench_.mesh.region(other);
+        const auto last = bounds_.begin() + static_cast<std::ptrdiff_t>(count);
+        return std::any_of(bounds_.begin(), last, [&](const Bounds& bounds) {
+            return std::any_of(vertices.begin(), vertices.end(),
+                               [&](std::uint32_t v) { return move_unless_tried(v, bounds); }) ||
+                   give_unless_tried(c, there, bounds) || give_unless_tried(other, here, bounds) ||
+                   flip(c, i, bounds) || collapse(c, i, bounds) || fill(c, i, bounds) ||
+                   (count > 1 && (lift_off(c, there, bounds) || lift_off(other, here, bounds)));
+        });
+    }
+
+    enum class Operation : std::uint32_t { move, lift_off, collapse, give, flip };
+
+    // Unless it was in vain since the cells at these vertices have changed; cells at several facets share
+    // vertices, edges and cells.
+    template <class Operate>
+    bool try_anew(Operation operation, const Bounds& bounds, std::array<std::uint32_t, 3> of,
+                  std::span<const std::uint32_t> vertices, const Operate& operate) {
+        const auto bound = static_cast<std::uint32_t>(&bounds - bounds_.data());
+        const VainTries::Name name{static_cast<std::uint32_t>(operation) * 16 + bound, of[0], of[1], of[2]};
+        if (vain_.contains(name, vertices)) return false;
+        if (operate()) return true;
+        vain_.add(name);
+        return false;
+    }
+
+    bool move_unless_tried(std::uint32_t v, const Bounds& bounds) {
+        return try_anew(Operation::move, bounds, {v, 0, 0}, std::array{v}, [&] { return move(v, bounds); });
+    }
+
+    bool give_unless_tried(std::uint32_t c, Region to, const Bounds& bounds) {
+        return try_anew(Operation::give, bounds, {c, to, 0}, bench_.mesh.cell(c),
+                        [&] { return give(c, to, bounds); });
+    }
+
+    struct Facet {
+        Vec3 b, c;
+        Region here, there;
+        double most;
+    };
+
+    // To a place over or under a plane that its cells meet.
+    bool move(std::uint32_t v, const Bounds& bounds) {
+        const bool again = bench_.settled(v);
+        if (bench_.fixed(v) && !again) return false;
+        bench_.mesh.star(v, bench_.star);
+        const double before = areas_.wrong_round(v, bench_.star);
+        if (!(before > least_wrong_)) return false;
+        double edges = 0;
+        std::size_t count = 0;
+        const Vec3 from = bench_.mesh.point(v);
+        std::vector<std::uint32_t> round;
+        for (const std::uint32_t c : bench_.star) {
+            for (const std::uint32_t u : bench_.mesh.cell(c)) {
+                round.push_back(u);
+                if (u == v) continue;
+                edges += length(bench_.mesh.point(u) - from);
+                ++count;
+            }
+        }
+        sort_distinct(round);
+        const double edge = edges / static_cast<double>(count);
+        const Bar bar = bench_.bar_of(bench_.star);
+        const std::vector<Facet> facets = facets_at(v);
+        const std::vector<std::uint32_t> star = bench_.star;
+        bench_.local.reset(bench_.needed_outside_sine(bar), bounds.ratio * bounds.ratio);
+        for (const std::uint32_t c : star) {
+            const Cell& cell = bench_.mesh.cell(c);
+            const auto& f = facet_vertices[std::find(cell.begin(), cell.end(), v) - cell.begin()];
+            bench_.local.add(bench_.mesh.point(cell[f[0]]), bench_.mesh.point(cell[f[1]]),
+                             bench_.mesh.point(cell[f[2]]), bench_.mesh.region(c) != 0);
+        }
+        const auto near = [&](Vec3& q) { return keeps_near(q, from, facets); };
+        return areas_.any_plane_at(round, [&](std::uint32_t k) {
+            if (!(areas_.wrong_round(v, star, k) > least_wrong_)) return false;
+            const Plane& plane = areas_.plane(k);
+            for (const double share : heights) {
+                Vec3 p = from + (share * edge - plane.signed_distance(from)) * plane.normal;
+                if (!near(p)) continue;
+                if (bench_.local.ascend(p, bench_.local.worst(p, -2), bench_.goal, plane.normal, near) <
+                    bounds.sine)
+                    continue;
+                bench_.mesh.move_point(v, p);
+                if (bench_.positive(star) && areas_.wrong_round(v, star) <= enough_less * before) {
+                    bench_.changed = star;
+                    again ? bench_.fix(v) : bench_.settle(v);
+                    ++stats_.vertices_moved;
+                    return true;
+                }
+                bench_.mesh.move_point(v, from);
+            }
+            return false;
+        });
+    }
+
+    // Those between regions at the vertex whose star the bench has.
+    std::vector<Facet> facets_at(std::uint32_t v) {
+        std::vector<Facet> facets;
+        const Vec3 p = bench_.mesh.point(v);
+        for (const std::uint32_t c : bench_.star) {
+            const Cell& cell = bench_.mesh.cell(c);
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t n = bench_.mesh.neighbor(c, i);
+                if (cell[i] == v || n == no_cell || n < c || bench_.mesh.region(n) == bench_.mesh.region(c))
+                    continue;
+                const auto [u, w] = others_of_facet(cell, i, v);
+                const Region here = bench_.mesh.region(c), there = bench_.mesh.region(n);
+                bench_.look_between(here, there);
+                const Vec3 b = bench_.mesh.point(u), d = bench_.mesh.point(w);
+                facets.push_back(
+                    {b, d, here, there, std::max(bench_.facet_distance(p, b, d), bench_.options.apex_mm)});
+            }
+        }
+        return facets;
+    }
+
+    bool keeps_near(Vec3 q, Vec3 from, const std::vector<Facet>& facets) {
+        return std::all_of(facets.begin(), facets.end(), [&](const Facet& f) {
+            const Vec3 before = cross(f.b - from, f.c - from), after = cross(f.b - q, f.c - q);
+            if (!(dot(before, after) > most_turned * length(before) * length(after))) return false;
+            bench_.look_between(f.here, f.there);
+            return bench_.facet_distance(q, f.b, f.c) <= f.most;
+        });
+    }
+
+    bool give(std::uint32_t c, Region to, const Bounds& bounds) {
+        const Region own = bench_.mesh.region(c);
+        const std::array cells{c};
+        const double before = areas_.wrong(cells);
+        if (!(before > 0) || !may_give(bench_, c, to, owners_, bounds.sine, bounds.ratio)) return false;
+        bench_.mesh.set_region(c, to);
+        if (areas_.wrong(cells) <= enough_less * before) {
+            bench_.changed.assign(1, c);
+            for (int i = 0; i < 4; ++i) bench_.changed.push_back(bench_.mesh.neighbor(c, i));
+            ++stats_.cells_given;
+            return true;
+        }
+        bench_.mesh.set_region(c, own);
+        return false;
+    }
+
+    // The cells on both sides of a facet in a plane, to a region beside them.
+    bool give_both(std::uint32_t c, std::uint32_t other, const Bounds& bounds) {
+        const Region own = bench_.mesh.region(c);
+        const std::array cells{c, other};
+        const double before = areas_.wrong(cells);
+        for (const std::uint32_t side : cells) {
+            for (int i = 0; i < 4; ++i) {
+                if (bench_.mesh.neighbor(side, i) == no_cell) return false;
+                const Region to = bench_.mesh.region(bench_.mesh.neighbor(side, i));
+                if (to == own || !may_give_all(bench_, cells, to, owners_, bounds.sine, bounds.ratio))
+                    continue;
+                for (const std::uint32_t given : cells) bench_.mesh.set_region(given, to);
+                if (areas_.wrong(cells) <= enough_less * before) {
+                    bench_.changed.assign(cells.begin(), cells.end());
+                    for (const std::uint32_t given : cells) {
+                        for (int k = 0; k < 4; ++k) bench_.changed.push_back(bench_.mesh.neighbor(given, k));
+                    }
+                    stats_.cells_given += cells.size();
+                    return true;
+                }
+                for (const std::uint32_t given : cells) bench_.mesh.set_region(given, own);
+            }
+        }
+        return false;
+    }
+
+    // The ends of a cell's edge, if it is one of the facet and between vertices on both sides of a plane;
+    // else no_cell.
+    std::array<std::uint32_t, 2> edge_across(std::uint32_t c, int i, int e) const {
+        const auto [a, b] = cell_edges[static_cast<std::size_t>(e)];
+        const Cell& cell = bench_.mesh.cell(c);
+        const std::array ends{cell[a], cell[b]};
+        if (a == i || b == i || !areas_.passes_between(ends)) return {no_cell, no_cell};
+        return ends;
+    }
+
+    // The facet's edge between vertices on both sides of a plane.
+    bool flip(std::uint32_t c, int i, const Bounds& bounds) {
+        for (int e = 0; e < 6; ++e) {
+            const auto [a, b] = edge_across(c, i, e);
+            if (a == no_cell || bench_.fixed_edge(a, b)) continue;
+            const std::array ends{std::min(a, b), std::max(a, b)};
+            if (try_anew(Operation::flip, bounds, {ends[0], ends[1], 0}, ends,
+                         [&] { return flip_across(c, e, bounds); }))
+                return true;
+        }
+        return false;
+    }
+
+    bool flip_across(std::uint32_t c, int e, const Bounds& bounds) {
+        bench_.mesh.ring(c, e, bench_.ring);
+        const std::vector<std::uint32_t> round = bench_.ring.cells;
+        if (!try_exchange(round, [&] { return flip_edge(bench_, c, e, bounds.sine); })) return false;
+        ++stats_.edges_flipped;
+        return true;
+    }
+
+    // A free vertex of the facet goes along an edge that passes through a plane.
+    bool collapse(std::uint32_t c, int i, const Bounds& bounds) {
+        for (int e = 0; e < 6; ++e) {
+            const auto [a, b] = edge_across(c, i, e);
+            if (a == no_cell) continue;
+            for (const bool first_onto_second : {true, false}) {
+                const std::uint32_t from = first_onto_second ? a : b, to = first_onto_second ? b : a;
+                if (bench_.fixed(from)) continue;
+                const std::array ends{from, to};
+                if (try_anew(Operation::collapse, bounds, {from, to, 0}, ends,
+                             [&] { return collapse_along(c, e, first_onto_second, ends, bounds); }))
+                    return true;
+            }
+        }
+        return false;
+    }
+
+    bool collapse_along(std::uint32_t c, int e, bool first_onto_second,
+                        const std::array<std::uint32_t, 2>& ends, const Bounds& bounds) {
+        const auto [from, to] = ends;
+        const std::vector<std::uint32_t> round = stars(from, to);
+        const std::size_t bad = count_bad(round, bounds);
+        const auto operation = [&, to = to] {
+            return collapse_onto(c, e, first_onto_second, to, bounds) &&
+                   count_bad(bench_.changed, bounds) <= bad;
+        };
+        if (!try_exchange(round, operation)) return false;
+        if (!bench_.fixed(to)) bench_.settle(to);
+        ++stats_.edges_collapsed;
+        return true;
+    }
+
+    // The cells at either of two vertices.
+    std::vector<std::uint32_t> stars(std::uint32_t a, std::uint32_t b) {
+        std::vector<std::uint32_t> cells, more;
+        bench_.mesh.star(a, cells);
+        bench_.mesh.star(b, more);
+        for (const std::uint32_t c : more) {
+            if (std::find(cells.begin(), cells.end(), c) == cells.end()) cells.push_back(c);
+        }
+        return cells;
+    }
+
+    // Cells inside that do not keep the bounds.
+    std::size_t count_bad(const std::vector<std::uint32_t>& cells, const Bounds& bounds) const {
+        return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [&](std::uint32_t c) {
+            if (bench_.mesh.region(c) == 0) return false;
+            const Cell& v = bench_.mesh.cell(c);
+            const CellMeasures m = measure_cell(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
+                                                bench_.mesh.point(v[2]), bench_.mesh.point(v[3]));
+            return m.least_sine() < bounds.sine || m.squared_ratio > bounds.ratio * bounds.ratio;
+        }));
+    }
+
+    // The vertex that stays may move where cells at it are too flat then.
+    bool collapse_onto(std::uint32_t c, int e, bool first_onto_second, std::uint32_t to,
+                       const Bounds& bounds) {
+        bench_.mesh.star(to, bench_.others);
+        const double sine = std::min(bounds.sine, bench_.bar_of(bench_.others).sine);
+        if (!collapse_edge_within(bench_, c, e, first_onto_second, before_moving * bounds.sine, bounds.ratio))
+            return false;
+        for (int n = 0; n < moves_after_collapse; ++n) {
+            bench_.mesh.star(to, bench_.changed);
+            if (bench_.bar_of(bench_.changed).sine >= sine) return true;
+            if (!move_vertex(bench_, to)) return false;
+        }
+        bench_.mesh.star(to, bench_.changed);
+        return bench_.bar_of(bench_.changed).sine >= sine;
+    }
+
+    // An operation that exchanges these cells; taken back unless the cuts gain enough.
+    template <class Operation>
+    bool try_exchange(const std::vector<std::uint32_t>& round, const Operation& operation) {
+        const double before = areas_.wrong(round);
+        bench_.mesh.begin_attempt();
+        const bool done = operation() && areas_.wrong(bench_.changed) <= enough_less * before;
+        bench_.mesh.end_attempt(done);
+        return done;
+    }
+
+    // A facet in a plane goes, and the cells on both sides with it.
+    bool fill(std::uint32_t c, int i, const Bounds& bounds) {
+        const std::uint32_t other = bench_.mesh.neighbor(c, i);
+        const Cell cell = bench_.mesh.cell(c);
+        const auto& f = facet_vertices[i];
+        const std::uint32_t k = areas_.plane_of(std::array{cell[f[0]], cell[f[1]], cell[f[2]]});
+        if (k == no_slice) return false;
+        const Vec3 a = bench_.mesh.point(cell[f[0]]), b = bench_.mesh.point(cell[f[1]]),
+                   d = bench_.mesh.point(cell[f[2]]);
+        const Vec3 foot = (1.0 / 3) * (a + b + d);
+        const double before = areas_.wrong_at(c, i);
+        const auto enough = [&](const Bar&) { return bounds.sine; };
+        for (const std::uint32_t side : {c, other}) {
+            const Vec3 top = bench_.mesh.point(apex_of(side, cell, i));
+            // Then the plane has there what is on the other side.
+            const std::uint32_t under = side == c ? other : c;
+            if (areas_.wrong_facet(a, b, d, k, bench_.mesh.region(under), bench_.mesh.region(under)) >
+                enough_less * before)
+                continue;
+            const auto above = [&](Vec3& q) {
+                return areas_.plane(k).signed_distance(q) * areas_.plane(k).signed_distance(top) > 0;
+            };
+            for (const double share : lifts) {
+                const auto v = static_cast<std::uint32_t>(bench_.mesh.point_count());
+                if (!Hole(bench_, {c, other}, {})
+                         .fill(foot + share * (top - foot), {}, bounds.ratio, enough, above))
+                    continue;
+                bench_.settle(v);
+                ++stats_.vertices_inserted;
+                return true;
+            }
+        }
+        return false;
+    }
+
+    // The surface leaves a free vertex of the cell that lies beyond a plane, on to a new vertex this side of
+    // it: the vertex's cells of the cell's region are filled from there, those at the surface for the region
+    // `to`.
+    bool lift_off(std::uint32_t c, Region to, const Bounds& bounds) {
+        const Cell cell = bench_.mesh.cell(c);
+        return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
+            const Region own = bench_.mesh.region(c);
+            return (!bench_.fixed(v) || bench_.settled(v)) &&
+                   try_anew(Operation::lift_off, bounds, {v, own, to}, std::array{v},
+                            [&] { return lift_off_vertex(v, own, to, bounds); });
+        });
+    }
+
+    bool lift_off_vertex(std::uint32_t v, Region own, Region to, const Bounds& bounds) {
+        std::vector<std::uint32_t> star, cells, round;
+        bench_.mesh.star(v, star);
+        std::copy_if(star.begin(), star.end(), std::back_inserter(cells),
+                     [&](std::uint32_t c) { return bench_.mesh.region(c) == own; });
+        std::vector<Hole::CellFacet> at_surface;
+        for (const std::uint32_t c : cells) {
+            const Cell& cell = bench_.mesh.cell(c);
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t beyond = bench_.mesh.neighbor(c, i);
+                round.push_back(cell[i]);
+                // A facet that does not have the vertex stays between what it lies between.
+                if (cell[i] == v) continue;
+                if (beyond == no_cell) return false;
+                if (bench_.mesh.region(beyond) == own) continue;
+                if (bench_.mesh.region(beyond) != to) return false;
+                at_surface.push_back({c, i});
+            }
+        }
+        if (at_surface.empty()) return false;
+        const double before = areas_.wrong(cells);
+        if (!(before > least_wrong_)) return false;
+        sort_distinct(round);
+        return areas_.any_plane_at(round, [&](std::uint32_t k) {
+            const int side = areas_.side(v, k);
+            return (side <= 0 && lift_to(1, v, k, cells, at_surface, before, bounds)) ||
+                   (side >= 0 && lift_to(-1, v, k, cells, at_surface, before, bounds));
+        });
+    }
+
+    // To a place over the plane, or, with -1, under it.
+    bool lift_to(double over, std::uint32_t v, std::uint32_t k, const std::vector<std::uint32_t>& cells,
+                 const std::vector<Hole::CellFacet>& at_surface, double before, const Bounds& bounds) {
+        const Vec3 from = bench_.mesh.point(v), normal = areas_.plane(k).normal;
+        const double depth = areas_.plane(k).signed_distance(from);
+        double edges = 0;
+        for (const std::uint32_t c : cells) {
+            for (const std::uint32_t u : bench_.mesh.cell(c)) edges += length(bench_.mesh.point(u) - from);
+        }
+        const double edge = edges / (3.0 * static_cast<double>(cells.size()));
+        const Region own = bench_.mesh.region(cells.front()),
+                     to = bench_.mesh.region(
+                         bench_.mesh.neighbor(at_surface.front().first, at_surface.front().second));
+        const double most = bench_.options.apex_mm;
+        const auto may_lie = [&](Vec3& q) {
+            bench_.look_between(own, to);
+            return over * areas_.plane(k).signed_distance(q) > 0 && bench_.probe.distance(q, most) <= most;
+        };
+        const auto enough = [&](const Bar&) { return bounds.sine; };
+        for (const double share : lifts) {
+            const Vec3 p = from + (over * share * edge - depth) * normal;
+            const auto added = static_cast<std::uint32_t>(bench_.mesh.point_count());
+            bench_.mesh.begin_attempt();
+            const bool done =
+                Hole(bench_, cells, at_surface).fill(p, normal, bounds.ratio, enough, may_lie) &&
+                areas_.wrong(bench_.changed) <= enough_less * before;
+            bench_.mesh.end_attempt(done);
+            if (!done) continue;
+            bench_.settle(added);
+            ++stats_.vertices_inserted;
+            return true;
+        }
+        return false;
+    }
+
+    std::uint32_t apex_of(std::uint32_t side, const Cell& cell, int i) const {
+        const auto& f = facet_vertices[i];
+        for (const std::uint32_t v : bench_.mesh.cell(side)) {
+            if (v != cell[f[0]] && v != cell[f[1]] && v != cell[f[2]]) return v;
+        }
+        return no_cell;
+    }
+
+    Workbench& bench_;
+    const RunContext& context_;
+    SectionAreas areas_;
+    const ContourOwners& owners_;
+    double least_wrong_;
+    std::array<Bounds, 3> bounds_;
+    MendStats stats_;
+    VainTries vain_;
+};
+
+}  // namespace
+
+MendStats mend_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine, const RunContext& context,
+                    const std::vector<std::uint32_t>* look) {
+    if (!drawn.table || !drawn.owners || drawn.planes.empty()) return {};
+    Mender mender(bench, drawn, least_sine, context);
+    if (!look) return mender.run(mender.suspects(context.threads));
+    std::vector<std::uint32_t> cells = *look;
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    return mender.run(std::move(cells));
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,146 @@
+// SectionAreas: by how much the cuts of cells by the planes of slices are not what is drawn there.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "anatomesh/geom/parallel_planes.h"
+#include "anatomesh/improve/core/workbench.h"
+
+namespace anatomesh {
+
+// Of what is drawn of a structure in a slice, the share that may be wrong in the cut, and that from which a
+// cut is so near to it that it is worth worse cells.
+inline constexpr double most_of_cut = 1e-3, much_of_cut = 7e-4;
+
+// Planes have the numbers of their slices. A vertex that is in a slice as drawn lies in its plane.
+class SectionAreas {
+  public:
+    // Requires: both outlive this; `drawn.planes` not empty.
+    SectionAreas(Workbench& bench, const DrawnSlices& drawn);
+
+    const Plane& plane(std::uint32_t k) const { return drawn_.planes[k]; }
+    // Of a vertex: 0 in the plane, 1 over it, -1 under it.
+    int side(std::uint32_t v, std::uint32_t k) const;
+
+    // The planes that some of these vertices lie in, or that not all lie on the same side of: `visit` of the
+    // number, until that says true. Whether one did. O(log planes) where they are parallel, else O(planes).
+    template <class Visit>
+    bool any_plane_at(std::span<const std::uint32_t> vertices, const Visit& visit) const {
+        if (!stack_) {
+            const Reach reach = reach_of(vertices);
+            for (std::uint32_t k = 0; k < drawn_.planes.size(); ++k) {
+                if (is_beyond(k, reach, vertices)) continue;
+                const int first = side(vertices[0], k);
+                const bool passes = first == 0 || std::any_of(vertices.begin() + 1, vertices.end(),
+                                                              [&](auto v) { return side(v, k) != first; });
+                if (passes && visit(k)) return true;
+            }
+            return false;
+        }
+        std::uint32_t low = level(vertices[0]), high = low;
+        for (const std::uint32_t v : vertices.subspan(1)) {
+            const std::uint32_t other = level(v);
+            low = std::min(low, other);
+            high = std::max(high, other);
+        }
+        for (std::uint32_t n = low / 2; 2 * n + 1 <= high; ++n) {
+            if (visit(order_[n])) return true;
+        }
+        return false;
+    }
+
+    // Whether one passes between these vertices, some on either side.
+    bool passes_between(std::span<const std::uint32_t> vertices) const;
+    // The plane that they all lie in, or no_slice.
+    std::uint32_t plane_of(std::span<const std::uint32_t> vertices) const;
+
+    // Areas of what is in a cut and not drawn, or drawn and not in it, as shares of what is drawn, summed
+    // over structures and planes: of the cells' sections, and of their facets in planes, which belong to both
+    // sides.
+    double wrong(std::span<const std::uint32_t> cells);
+    // The same of a vertex's star, without the facets that do not have it; of all planes, or of one.
+    double wrong_round(std::uint32_t v, std::span<const std::uint32_t> star);
+    double wrong_round(std::uint32_t v, std::span<const std::uint32_t> star, std::uint32_t plane);
+    // Of the sections of the two cells at a facet, and of the facet.
+    double wrong_at(std::uint32_t cell, int facet);
+    // Of the facet alone, 0 where it lies in no plane.
+    double wrong_in_plane(std::uint32_t cell, int facet);
+    double wrong_facet(Vec3 a, Vec3 b, Vec3 c, std::uint32_t plane, Region here, Region there);
+
+    // A section of a cell by a plane, or, with a facet below 4, a facet in it.
+    struct Section {
+        std::uint32_t cell;
+        int facet;
+        double share;  // of what is drawn
+        Vec3 middle;
+    };
+    // Of some cells those sections by a plane that a structure has and are not drawn as it, or the other way
+    // round, rising; facets in the plane once. Those too small to count are left out.
+    std::vector<Section> wrong_sections_of(std::uint32_t structure, std::uint32_t plane,
+                                           std::span<const std::uint32_t> cells);
+
+    // Sums what is wrong by cuts, of structures by planes. Requires: of each facet in a plane that is wrong
+    // both cells.
+    void sum_cuts(std::span<const std::uint32_t> cells);
+    // The same of all cells that share a vertex with one of these, without that.
+    void sum_cuts_round(std::span<const std::uint32_t> cells);
+    // By structure and slice, as the weights of what is drawn.
+    std::span<const double> sums() const { return of_cuts_; }
+    // Of those that wrong_at() is about the largest sum.
+    double largest_cut_at(std::uint32_t cell, int facet);
+
+  private:
+    // The first of some vertices, how far the others are from it, and whether one is in a slice as drawn.
+    struct Reach {
+        Vec3 from;
+        double radius = 0;
+        bool any_drawn = false;
+    };
+    Reach reach_of(std::span<const std::uint32_t> vertices) const;
+    // Whether they are all on one side of it, and further from it than what lies in it is.
+    bool is_beyond(std::uint32_t k, const Reach& reach, std::span<const std::uint32_t> vertices) const {
+        if (std::abs(plane(k).signed_distance(reach.from)) <= reach.radius) return false;
+        return !reach.any_drawn || std::none_of(vertices.begin(), vertices.end(),
+                                                [&](std::uint32_t v) { return slice_of(v) == k; });
+    }
+    std::uint32_t slice_of(std::uint32_t v) const {
+        return v < drawn_.slice_of.size() ? drawn_.slice_of[v] : no_slice;
+    }
+
+    // As ParallelPlanes has it.
+    std::uint32_t level(std::uint32_t v) const;
+    double wrong_sections(std::uint32_t cell);
+    double wrong_section(std::uint32_t cell, std::uint32_t plane);
+    double wrong_part(double area, Region here, Region there, std::uint32_t plane, Vec3 p);
+    bool speaks_of(std::uint32_t plane, Vec3 p) const {
+        return drawn_.extents.empty() || drawn_.extents[plane].contains(drawn_.planes[plane].to_plane(p));
+    }
+
+    struct Piece {  // of a plane
+        double area = 0;
+        Vec3 middle;
+    };
+    // Area 0 where the plane does not pass through the cell.
+    Piece section(std::uint32_t cell, std::uint32_t plane) const;
+    // Area 0 where the facet does not lie in the plane, or the mesh ends there.
+    Piece facet_in(std::uint32_t plane, std::uint32_t cell, int facet) const;
+
+    Workbench& bench_;
+    const DrawnSlices& drawn_;
+    std::optional<ParallelPlanes> stack_;  // where planes are parallel, over (0, 0, 0)
+    std::vector<std::uint32_t> order_;     // of its planes, rising
+    std::vector<std::uint32_t> rank_;      // of each plane in it
+    std::vector<double> of_cuts_;          // by structure and slice
+    std::uint32_t only_ = no_slice;        // if any: the plane that is looked at
+    bool counts_ = false;                  // into these
+    double share_ = 1, largest_ = 0;       // of a part that counts; of the cuts seen
+    std::vector<std::uint32_t> both_;
+};
+
+}  // namespace anatomesh

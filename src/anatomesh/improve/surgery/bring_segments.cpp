@@ -1,0 +1,198 @@
+#include "anatomesh/improve/surgery/bring_segments.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/improve/core/cell_judge.h"
+#include "anatomesh/improve/sections/section_areas.h"
+#include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/surgery/surface_sheets.h"
+#include "anatomesh/improve/surgery/thicken_sheet.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::size_t most_chains =
+    40;  // where more are off their surface, the size does not fit the contours
+constexpr std::size_t most_improved = 12;          // sheets and thicknesses whose cells are worked on
+constexpr std::size_t most_improved_at_last = 36;  // where some of these may be above the first bound
+constexpr std::size_t most_improved_in_all = 100;
+constexpr std::size_t most_tried_in_all = 1000;    // sheets and thicknesses, sound or not
+constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
+constexpr double most_of_cuts = 3e-4;  // share of what is drawn by which cuts may get worse for a chain
+constexpr std::size_t no_limit = static_cast<std::size_t>(-1);
+constexpr int rounds = 4;  // over the chains: one may need that beside it
+
+struct TriedChain : Chain {
+    // When it was tried last:
+    std::vector<std::uint32_t> reach = {};  // its vertices and those of its sheets; rising
+    std::size_t changed_before = 0;         // cells, before it
+};
+
+class Bringer {
+  public:
+    Bringer(Workbench& bench, const DrawnSlices& drawn, double least_sine, double most_more,
+            const ImproveCells& improve)
+        : bench_(bench),
+          owners_(*drawn.owners),
+          sides_(bench),
+          judge_(bench, drawn, least_sine),
+          most_more_share_(most_more),
+          improve_(improve) {
+        if (!drawn.planes.empty()) areas_.emplace(bench, drawn);
+    }
+
+    BringStats run(std::span<const std::array<std::uint32_t, 3>> pieces) {
+        std::vector<TriedChain> chains;
+        for (Chain& chain : find_chains(bench_, owners_, pieces)) chains.push_back({std::move(chain)});
+        BringStats stats;
+        for (const TriedChain& chain : chains) stats.found += chain.vertices.size() - 1;
+        if (chains.size() > most_chains) return stats;
+        stats.brought = stats.found;
+        if (chains.empty()) return stats;
+        std::vector<std::uint32_t> all = bench_.mesh.alive_cells();
+        std::erase_if(all, [&](std::uint32_t c) { return bench_.mesh.region(c) == 0; });
+        most_more_ = static_cast<std::size_t>(most_more_share_ * static_cast<double>(all.size()));
+        above_bound_ = judge_.those_above_bound(std::move(all));
+        for (int round = 0; round < rounds && !chains.empty(); ++round) {
+            const std::size_t before = chains.size();
+            std::erase_if(chains, [&](TriedChain& chain) {
+                if (sides_.on_surface(chain.vertices, chain.structure)) return true;
+                if (is_enough() || (round > 0 && !has_changed(chain))) return false;
+                chain.changed_before = changed_.size();
+                return bring(chain);
+            });
+            if (chains.size() == before) break;
+        }
+        for (const TriedChain& chain : chains) stats.brought -= chain.vertices.size() - 1;
+        stats.changed = std::move(changed_);
+        return stats;
+    }
+
+  private:
+    enum class Outcome { done, unsound, bad_cut, bad_cells };
+
+    // Whether cells at one of its sheets have, since it was tried.
+    bool has_changed(const TriedChain& chain) const {
+        return std::any_of(changed_.begin() + static_cast<std::ptrdiff_t>(chain.changed_before),
+                           changed_.end(), [&](std::uint32_t c) {
+                               const Cell& cell = bench_.mesh.cell(c);
+                               return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
+                                   return std::binary_search(chain.reach.begin(), chain.reach.end(), v);
+                               });
+                           });
+    }
+
+    bool bring(TriedChain& chain) {
+        for (std::size_t n = chain.vertices.size() - 1; n > 0; --n) {
+            if (!sides_.beside_surface(chain.vertices[n - 1], chain.vertices[n], chain.structure))
+                return false;
+        }
+        // The ring is now that of the first piece.
+        const Region own = bench_.mesh.region(bench_.ring.cells.front());
+        const std::vector<Sheet> sheets =
+            find_sheets(bench_, chain, bench_.table->contains(own, chain.structure));
+        chain.reach = chain.vertices;
+        for (const Sheet& sheet : sheets) {
+            const std::vector<std::uint32_t> more = sheet.vertices();
+            chain.reach.insert(chain.reach.end(), more.begin(), more.end());
+        }
+        sort_distinct(chain.reach);
+        least_more_ = no_limit;
+        if (try_all(chain, sheets, own, 0)) return true;
+        const std::size_t least = least_more_;
+        return least <= most_more_ && try_all(chain, sheets, own, least);
+    }
+
+    bool is_enough() const { return improved_ >= most_improved_in_all || tried_ >= most_tried_in_all; }
+
+    // `most_more`: cells above the first bound that may come of it where cells are parted.
+    bool try_all(const Chain& chain, const std::vector<Sheet>& sheets, Region own, std::size_t most_more) {
+        const std::size_t improved_before = improved_,
+                          most_here = most_more_ > 0 ? most_improved_at_last : most_improved;
+        for (const Sheet& sheet : sheets) {
+            for (const SheetReach reach : {SheetReach::wide, SheetReach::joined}) {
+                for (const double thickness : thicknesses) {
+                    const Outcome outcome = attempt(chain, sheet, own, reach, thickness, most_more);
+                    ++tried_;
+                    if (outcome == Outcome::done) return true;
+                    if (outcome == Outcome::unsound) break;
+                    improved_ += outcome == Outcome::bad_cells;
+                }
+            }
+            if (improved_ - improved_before >= most_here || is_enough()) break;
+        }
+        return false;
+    }
+
+    Outcome attempt(const Chain& chain, const Sheet& sheet, Region own, SheetReach reach, double thickness,
+                    std::size_t most_more) {
+        const DihedralStats stats = bench_.stats;
+        bench_.mesh.begin_attempt();
+        std::optional<ThickenedSheet> made =
+            thicken_sheet(bench_, owners_, chain, sheet, own, reach, thickness, areas_ ? &*areas_ : nullptr);
+        if (!made || made->wrong_of_cuts > most_of_cuts) {
+            bench_.mesh.end_attempt(false);
+            return made ? Outcome::bad_cut : Outcome::unsound;
+        }
+        for (std::size_t n = 1; n < chain.vertices.size(); ++n) {
+            bench_.fix_edge(chain.vertices[n - 1], chain.vertices[n]);
+            bench_.release_edge(chain.vertices[n - 1], chain.vertices[n]);
+        }
+        std::vector<std::uint32_t> changed = std::move(made->changed);
+        const std::vector<std::uint32_t> improved = improve_(changed);
+        changed.insert(changed.end(), improved.begin(), improved.end());
+        sort_distinct(changed);
+        std::vector<std::uint32_t> above_bound = above_bound_;
+        above_bound.insert(above_bound.end(), changed.begin(), changed.end());
+        sort_distinct(above_bound);
+        above_bound = judge_.those_above_bound(std::move(above_bound));
+        const std::size_t more = above_bound.size() - std::min(above_bound.size(), above_bound_.size());
+        bool good = sides_.on_surface(chain.vertices, chain.structure) &&
+                    std::all_of(changed.begin(), changed.end(),
+                                [&](std::uint32_t c) { return judge_.is_good(c) && judge_.is_near(c); });
+        if (good && made->parts_cells) {
+            least_more_ = std::min(least_more_, more);
+            good = more <= most_more;
+        }
+        bench_.mesh.end_attempt(good);
+        if (good) {
+            above_bound_ = std::move(above_bound);
+            changed_.insert(changed_.end(), changed.begin(), changed.end());
+        } else {
+            for (std::size_t n = 1; n < chain.vertices.size(); ++n)
+                bench_.keep_edge(chain.vertices[n - 1], chain.vertices[n]);
+            bench_.stats = stats;
+        }
+        return good ? Outcome::done : Outcome::bad_cells;
+    }
+
+    Workbench& bench_;
+    const ContourOwners& owners_;
+    SidesAt sides_;
+    CellJudge judge_;
+    std::optional<SectionAreas> areas_;
+    std::size_t improved_ = 0;  // in vain
+    std::size_t tried_ = 0;
+    double most_more_share_;
+    std::size_t most_more_ = 0;               // cells above the first bound that a chain may cost
+    std::size_t least_more_ = no_limit;       // that it did
+    std::vector<std::uint32_t> above_bound_;  // cells inside; rising
+    std::vector<std::uint32_t> changed_;      // cells, for the chains that were brought
+    const ImproveCells& improve_;
+};
+
+}  // namespace
+
+BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine, double most_more,
+                          const ImproveCells& improve) {
+    if (!drawn.table || !drawn.owners || drawn.pieces_beside.empty()) return {};
+    return Bringer(bench, drawn, least_sine, most_more, improve).run(drawn.pieces_beside);
+}
+
+}  // namespace anatomesh

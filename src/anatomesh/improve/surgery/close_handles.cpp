@@ -1,0 +1,316 @@
+#include "anatomesh/improve/surgery/close_handles.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <utility>
+
+#include "anatomesh/base/disjoint_sets.h"
+#include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/improve/sections/section_areas.h"
+#include "anatomesh/improve/surgery/surface_sheets.h"
+#include "anatomesh/improve/surgery/thicken_sheet.h"
+#include "anatomesh/mesh/check/topology.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::size_t most_improved = 60;          // sheets and thicknesses whose cells are worked on in vain
+constexpr std::size_t most_handles = 200;          // where more are found, cells do not fit the contours
+constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
+constexpr double most_of_cuts = 3e-4;  // share of what is drawn by which cuts may get worse for a handle
+constexpr std::array reaches{SheetReach::near, SheetReach::joined, SheetReach::wide};
+
+// What lies on the two sides of loops of edges on a closed oriented surface.
+class SurfaceSides {
+  public:
+    explicit SurfaceSides(std::span<const Triangle> triangles) : triangles_(triangles) {
+        for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+            for (std::size_t k = 0; k < 3; ++k)
+                sides_.push_back({triangles[t][k], triangles[t][(k + 1) % 3], t});
+        }
+        std::sort(sides_.begin(), sides_.end());
+    }
+
+    // Whether a simple loop has different parts of the surface on its two sides. Linear in the smaller one.
+    bool are_parted_by(std::span<const std::uint32_t> loop) const {
+        std::set<Edge> rim;
+        for (std::size_t n = 0; n < loop.size(); ++n)
+            rim.insert(std::minmax(loop[n], loop[(n + 1) % loop.size()]));
+        std::array<std::vector<std::uint32_t>, 2> seen{std::vector{triangle_at(loop[0], loop[1])},
+                                                       std::vector{triangle_at(loop[1], loop[0])}};
+        std::array<std::set<std::uint32_t>, 2> known;
+        for (std::size_t side = 0; side < 2; ++side) known[side].insert(seen[side][0]);
+        for (std::size_t n = 0;; ++n) {  // in turn from either side
+            for (std::size_t side = 0; side < 2; ++side) {
+                if (n == seen[side].size()) return true;
+                const Triangle& from = triangles_[seen[side][n]];
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const std::uint32_t a = from[k], b = from[(k + 1) % 3];
+                    if (rim.contains(std::minmax(a, b))) continue;
+                    const std::uint32_t next = triangle_at(b, a);
+                    if (known[1 - side].contains(next)) return false;
+                    if (known[side].insert(next).second) seen[side].push_back(next);
+                }
+            }
+        }
+    }
+
+    // Of a way from one vertex over another to a third: whether edges that `must_stay` lead off there on
+    // either side.
+    template <class MustStay>
+    std::array<bool, 2> taken_at(std::uint32_t before, std::uint32_t v, std::uint32_t next,
+                                 const MustStay& must_stay) const {
+        return {any_between(v, next, before, must_stay), any_between(v, before, next, must_stay)};
+    }
+
+  private:
+    using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+    std::uint32_t triangle_at(std::uint32_t a, std::uint32_t b) const {
+        return (*std::lower_bound(sides_.begin(), sides_.end(), std::array{a, b, 0u}))[2];
+    }
+
+    // Of the edges at a vertex those from one to another, round it.
+    template <class MustStay>
+    bool any_between(std::uint32_t v, std::uint32_t first, std::uint32_t last,
+                     const MustStay& must_stay) const {
+        for (std::uint32_t at = first;;) {
+            Triangle t = triangles_[triangle_at(v, at)];
+            while (t[0] != v) t = {t[1], t[2], t[0]};
+            at = t[2];
+            if (at == last) return false;
+            if (must_stay(v, at)) return true;
+        }
+    }
+
+    std::span<const Triangle> triangles_;
+    std::vector<std::array<std::uint32_t, 3>> sides_;  // of every triangle: from, to, and itself
+};
+
+class Closer {
+  public:
+    Closer(Workbench& bench, const DrawnSlices& drawn, double reach_mm, double least_sine,
+           const ImproveCells& improve, const RunContext& context)
+        : bench_(bench),
+          drawn_(drawn),
+          reach_mm_(reach_mm),
+          shapes_(bench, drawn, least_sine),
+          improve_(improve),
+          context_(context) {
+        if (!drawn.planes.empty()) areas_.emplace(bench, drawn);
+    }
+
+    CloseStats run() {
+        for (const std::vector<std::uint32_t>& members : bench_.table->members) {
+            if (!members.empty()) structures_ = std::max(structures_, members.back() + 1);
+        }
+        for (structure_ = 0; structure_ < structures_; ++structure_) close_all();
+        sort_distinct(stats_.changed);
+        return std::move(stats_);
+    }
+
+  private:
+    // Of a structure and of what is outside it: parts that facets join.
+    using Parts = std::array<std::size_t, 2>;
+
+    bool has(std::uint32_t c, std::uint32_t structure) const {
+        return bench_.table->contains(bench_.mesh.region(c), structure);
+    }
+    bool is_enough() const { return context_.cancelled() || improved_ >= most_improved; }
+
+    // Of the structure: those that cannot be closed are not tried again.
+    void close_all() {
+        std::set<std::vector<std::uint32_t>> in_vain;
+        for (bool first = true;; first = false) {
+            const std::vector<Triangle> surface = surface_of_structure();
+            if (surface.empty() || surface_topology(surface).genus <= 0) return;
+            std::vector<Vec3> points(bench_.mesh.point_count());
+            for (const Triangle& t : surface) {
+                for (const std::uint32_t v : t) points[v] = bench_.mesh.point(v);
+            }
+            const std::vector<SmallHandles> parts =
+                untold_handles(points, surface, structure_,
+                               {drawn_.following.contours, drawn_.following.vertices}, reach_mm_);
+            std::uint64_t found = 0;
+            for (const SmallHandles& part : parts) found += part.handles;
+            if (first) stats_.found += found;
+            if (found > most_handles) return;
+            const SurfaceSides sides(surface);
+            const bool closed = std::any_of(parts.begin(), parts.end(), [&](const SmallHandles& part) {
+                return !is_enough() && in_vain.insert(part.vertices).second && close(part.vertices, sides);
+            });
+            if (!closed) return;
+            parts_before_.clear();
+            ++stats_.closed;
+        }
+    }
+
+    std::vector<Triangle> surface_of_structure() const {
+        std::vector<Triangle> surface;
+        for (const std::uint32_t c : bench_.mesh.alive_cells()) {
+            if (!has(c, structure_)) continue;
+            const Cell& cell = bench_.mesh.cell(c);
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t other = bench_.mesh.neighbor(c, i);
+                if (other != no_cell && has(other, structure_)) continue;
+                const auto& f = facet_vertices[i];
+                surface.push_back({cell[f[0]], cell[f[1]], cell[f[2]]});
+            }
+        }
+        return surface;
+    }
+
+    // One handle among the vertices, by the cheapest sheet that does it.
+    bool close(const std::vector<std::uint32_t>& vertices, const SurfaceSides& sides) {
+        const auto is_piece = [&](std::uint32_t a, std::uint32_t b) { return bench_.fixed_edge(a, b); };
+        const RimSides rim_sides = [&](std::uint32_t before, std::uint32_t v, std::uint32_t next) {
+            return sides.taken_at(before, v, next, is_piece);
+        };
+        const auto closes_a_handle = [&](const Sheet& sheet) {
+            return sheet.path.size() > 2 && !sides.are_parted_by(sheet.path);
+        };
+        std::vector<std::pair<Sheet, Region>> sheets;
+        for (const bool side : {false, true}) {
+            for (Sheet& sheet :
+                 find_sheets_across(bench_, structure_, side, vertices, rim_sides, closes_a_handle)) {
+                if (const std::optional<Region> own = region_of(sheet))
+                    sheets.push_back({std::move(sheet), *own});
+            }
+        }
+        std::stable_sort(sheets.begin(), sheets.end(),
+                         [](const auto& x, const auto& y) { return x.first.price < y.first.price; });
+        return std::any_of(sheets.begin(), sheets.end(),
+                           [&](const auto& sheet) { return thicken(sheet.first, sheet.second); });
+    }
+
+    // Of the cells at the sheet's first facet, if it is one.
+    std::optional<Region> region_of(const Sheet& sheet) {
+        const auto& [a, b, c] = sheet.facets.front();
+        bench_.mesh.star(a, bench_.star);
+        std::optional<Region> found;
+        for (const std::uint32_t cell : bench_.star) {
+            const Cell& v = bench_.mesh.cell(cell);
+            if (std::find(v.begin(), v.end(), b) == v.end() || std::find(v.begin(), v.end(), c) == v.end())
+                continue;
+            if (found && *found != bench_.mesh.region(cell)) return std::nullopt;
+            found = bench_.mesh.region(cell);
+        }
+        return found;
+    }
+
+    Parts parts_of(std::uint32_t structure) const {
+        DisjointSets sets(bench_.mesh.cell_count());
+        const std::vector<std::uint32_t> all = bench_.mesh.alive_cells();
+        for (const std::uint32_t c : all) {
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t other = bench_.mesh.neighbor(c, i);
+                if (other < c && has(other, structure) == has(c, structure)) sets.join(c, other);
+            }
+        }
+        Parts parts{};
+        for (const std::uint32_t c : all) parts[has(c, structure)] += sets.root(c) == c;
+        return parts;
+    }
+
+    // Of the structures of regions at the sheet: no other one changes.
+    void note_parts_at(const Sheet& sheet) {
+        for (const std::uint32_t v : sheet.vertices()) {
+            bench_.mesh.star(v, bench_.star);
+            for (const std::uint32_t c : bench_.star) {
+                for (const std::uint32_t s : bench_.table->members[bench_.mesh.region(c)]) {
+                    if (!parts_before_.contains(s)) parts_before_[s] = parts_of(s);
+                }
+            }
+        }
+    }
+
+    bool thicken(const Sheet& sheet, Region own) {
+        note_parts_at(sheet);
+        for (const SheetSides side : {SheetSides::first, SheetSides::second}) {
+            for (const SheetReach reach : reaches) {
+                for (const double thickness : thicknesses) {
+                    if (is_enough()) return false;
+                    const Outcome outcome = attempt(sheet, own, {side, reach, thickness});
+                    if (outcome == Outcome::done) return true;
+                    if (outcome == Outcome::unsound) break;
+                }
+            }
+        }
+        return false;
+    }
+
+    struct Way {
+        SheetSides side;
+        SheetReach reach;
+        double thickness;
+    };
+
+    enum class Outcome { done, unsound, bad };
+
+    Outcome attempt(const Sheet& sheet, Region own, const Way& way) {
+        const DihedralStats stats = bench_.stats;
+        bench_.mesh.begin_attempt();
+        const Outcome outcome = change(sheet, own, way);
+        bench_.mesh.end_attempt(outcome == Outcome::done);
+        if (outcome != Outcome::done) bench_.stats = stats;
+        return outcome;
+    }
+
+    Outcome change(const Sheet& sheet, Region own, const Way& way) {
+        const Chain chain{{vertex_of_contour(sheet)}, structure_};
+        const SheetAcross across{way.side, {}, {}};
+        std::optional<ThickenedSheet> made =
+            thicken_sheet(bench_, *drawn_.owners, chain, sheet, own, way.reach, way.thickness,
+                          areas_ ? &*areas_ : nullptr, &across);
+        const auto is_whole = [&](std::uint32_t s) { return parts_of(s) == parts_before_.at(s); };
+        if (!made || std::find(made->parted.begin(), made->parted.end(), structure_) == made->parted.end() ||
+            !std::all_of(made->parted.begin(), made->parted.end(), is_whole))
+            return Outcome::unsound;
+        if (made->wrong_of_cuts > most_of_cuts) return Outcome::bad;
+        ++improved_;
+        std::vector<std::uint32_t> changed = std::move(made->changed);
+        const std::vector<std::uint32_t> improved = improve_(changed);
+        changed.insert(changed.end(), improved.begin(), improved.end());
+        sort_distinct(changed);
+        if (!shapes_.allow(changed)) return Outcome::bad;
+        --improved_;
+        shapes_.keep();
+        stats_.changed.insert(stats_.changed.end(), changed.begin(), changed.end());
+        return Outcome::done;
+    }
+
+    // On the rim, one of a contour if there is one.
+    std::uint32_t vertex_of_contour(const Sheet& sheet) const {
+        const auto found = std::find_if(sheet.path.begin(), sheet.path.end(),
+                                        [&](std::uint32_t v) { return drawn_.owners->has(v, structure_); });
+        return found == sheet.path.end() ? sheet.path.front() : *found;
+    }
+
+    Workbench& bench_;
+    const DrawnSlices& drawn_;
+    double reach_mm_;
+    ShapesKept shapes_;
+    const ImproveCells& improve_;
+    const RunContext& context_;
+    std::optional<SectionAreas> areas_;
+    std::uint32_t structures_ = 0, structure_ = 0;
+    std::map<std::uint32_t, Parts> parts_before_;  // by structure, before a handle is closed
+    std::size_t improved_ = 0;                // in vain
+    CloseStats stats_;
+};
+
+}  // namespace
+
+CloseStats close_handles(Workbench& bench, const DrawnSlices& drawn, double reach_mm, double least_sine,
+                         const ImproveCells& improve, const RunContext& context) {
+    if (!drawn.table || !drawn.owners) return {};
+    return Closer(bench, drawn, reach_mm, least_sine, improve, context).run();
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,356 @@
+#include "anatomesh/improve/surgery/lower_apexes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/base/parallel.h"
+#include "anatomesh/geom/predicates.h"
+#include "anatomesh/mesh/shape/cell_shape.h"
+
+namespace anatomesh {
+
+namespace {
+
+// Length of the sum of a vertex's facet normals, as a share of the sum of their lengths.
+constexpr double flat_enough = 0.93;
+// Of the way from the apex to the base.
+constexpr std::array<double, 7> shares{0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3};
+constexpr double inwards = 0.25;  // of the way to the base: where the field is asked what should be there
+constexpr double gain = 0.75;     // of the distance from the field's surface
+constexpr int most_times = 3;     // a new vertex may be an apex again
+
+using Rim = std::vector<std::array<std::uint32_t, 2>>;
+
+struct SurfaceFacet {
+    std::array<std::uint32_t, 3> v;
+    std::array<Region, 2> regions;
+};
+
+std::vector<SurfaceFacet> surface_facets(const EditMesh& mesh, int threads) {
+    return parallel_collect<SurfaceFacet>(
+        mesh.cell_count(), 16384, threads,
+        [&](std::size_t first, std::size_t last, std::vector<SurfaceFacet>& found) {
+            for (std::size_t n = first; n < last; ++n) {
+                const auto c = static_cast<std::uint32_t>(n);
+                if (!mesh.alive(c)) continue;
+                const Cell& cell = mesh.cell(c);
+                for (int i = 0; i < 4; ++i) {
+                    const std::uint32_t other = mesh.neighbor(c, i);
+                    if (other == no_cell || mesh.region(other) >= mesh.region(c)) continue;
+                    const auto& corner = facet_vertices[i];
+                    found.push_back({{cell[corner[0]], cell[corner[1]], cell[corner[2]]},
+                                     {mesh.region(other), mesh.region(c)}});
+                }
+            }
+        });
+}
+
+// Free vertices between two regions with facets that lean against each other, and all where more regions
+// meet, in rising order.
+std::vector<std::uint32_t> suspects(const Workbench& bench, int threads) {
+    const EditMesh& mesh = bench.mesh;
+    std::vector<Vec3> sum(mesh.point_count());
+    std::vector<double> lengths(mesh.point_count(), 0);
+    std::vector<std::array<Region, 2>> between(mesh.point_count());
+    std::vector<std::uint8_t> is_junction(mesh.point_count(), 0);
+    for (const SurfaceFacet& facet : surface_facets(mesh, threads)) {
+        const auto& [a, b, c] = facet.v;
+        const Vec3 normal = cross(mesh.point(b) - mesh.point(a), mesh.point(c) - mesh.point(a));
+        const double area = length(normal);
+        for (const std::uint32_t v : facet.v) {
+            if (lengths[v] > 0 && between[v] != facet.regions) is_junction[v] = 1;
+            between[v] = facet.regions;
+            sum[v] += normal;
+            lengths[v] += area;
+        }
+    }
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t v = 0; v < sum.size(); ++v) {
+        const bool is_sharp = !bench.fixed(v) && length(sum[v]) < flat_enough * lengths[v];
+        if (lengths[v] > 0 && (is_sharp || is_junction[v])) found.push_back(v);
+    }
+    return found;
+}
+
+// Those of the vertices that are not near the field's surface. Where a mesh has one structure alone it is
+// this surface that would move: the others, nearly all, need no look at their cells.
+std::vector<std::uint32_t> far_ones(const Workbench& bench, const std::vector<std::uint32_t>& vertices,
+                                    double apex_mm, int threads) {
+    const auto& members = bench.table->members;
+    if (members.size() != 2 || members[1].size() != 1) return vertices;
+    return parallel_collect<std::uint32_t>(
+        vertices.size(), 256, threads,
+        [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& far) {
+            InterfaceProbe probe = bench.probe;
+            probe.focus(members[1]);
+            for (std::size_t n = first; n < last; ++n) {
+                if (probe.distance(bench.mesh.point(vertices[n]), apex_mm) > apex_mm)
+                    far.push_back(vertices[n]);
+            }
+        });
+}
+
+// Whether the edges are one closed line that meets no vertex twice.
+bool is_circle(const Rim& rim) {
+    if (rim.size() < 3) return false;
+    std::size_t met = 1;
+    for (std::uint32_t at = rim[0][1]; at != rim[0][0]; ++met) {
+        const auto next =
+            std::find_if(rim.begin(), rim.end(), [&](const auto& edge) { return edge[0] == at; });
+        if (next == rim.end() || met == rim.size()) return false;
+        at = (*next)[1];
+    }
+    return met == rim.size();
+}
+
+class ApexLowering {
+  public:
+    ApexLowering(Workbench& bench, double apex_mm, double least_sine)
+        : bench_(bench), apex_mm_(apex_mm), least_sine_(least_sine) {}
+
+    // Lowers the cells of each region at the vertex that stand out there, and those at the new vertices.
+    void lower(std::uint32_t vertex) {
+        bench_.mesh.star(vertex, bench_.star);
+        std::vector<Region> regions;
+        for (const std::uint32_t c : bench_.star) regions.push_back(bench_.mesh.region(c));
+        std::sort(regions.begin(), regions.end());
+        regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+        for (const Region receding : regions) {
+            std::optional<std::uint32_t> apex = vertex;
+            for (int n = 0; n < most_times && apex; ++n) apex = lower(*apex, receding);
+        }
+    }
+
+    ApexStats stats;
+
+  private:
+    // The new vertex in its place, if it is an apex of cells of that region and can be lowered.
+    std::optional<std::uint32_t> lower(std::uint32_t apex, Region receding) {
+        if (!look_at(apex, receding)) return std::nullopt;
+        ++stats.found;
+        std::optional<Vec3> to;
+        for (const double most : {bench_.options.max_radius_edge, bench_.options.last_radius_edge}) {
+            if (!to) to = place_for(apex, most);
+        }
+        if (!to) return std::nullopt;
+        const auto next = static_cast<std::uint32_t>(bench_.mesh.point_count());
+        make_cells(apex, next);
+        if (!keeps_regions_whole(apex)) return std::nullopt;
+        const std::uint32_t v = bench_.add_point(*to);
+        if (!bench_.commit(receding_, bench_.cells, bench_.regions)) return std::nullopt;
+        ++stats.lowered;
+        return v;
+    }
+
+    // Fills what is known of the apex, and turns the probe to the surfaces that would move.
+    bool look_at(std::uint32_t apex, Region receding) {
+        bench_.mesh.star(apex, bench_.star);
+        if (!find_rim(apex, receding) || !is_circle(rim_)) return false;
+        const Vec3 p = bench_.mesh.point(apex);
+        base_ = {};
+        for (const std::uint32_t c : receding_)
+            base_ = base_ + (1 / static_cast<double>(receding_.size())) * opposite(c, apex);
+        const std::vector<std::uint32_t>& told = bench_.probe.members(p + inwards * (base_ - p));
+        const auto taking = std::find_if(beyond_.begin(), beyond_.end(),
+                                         [&](Region r) { return bench_.table->members[r] == told; });
+        if (taking == beyond_.end()) return false;
+        region_ = *taking;
+        return surfaces_are_far(p, receding);
+    }
+
+    // Of the cells of a region in the star. False where the mesh ends.
+    bool find_rim(std::uint32_t apex, Region receding) {
+        receding_.clear();
+        rim_.clear();
+        beyond_.clear();
+        for (const std::uint32_t c : bench_.star) {
+            if (bench_.mesh.region(c) != receding) continue;
+            receding_.push_back(c);
+            const Cell& cell = bench_.mesh.cell(c);
+            for (int i = 0; i < 4; ++i) {
+                if (cell[i] == apex) continue;
+                const std::uint32_t n = bench_.mesh.neighbor(c, i);
+                if (n == no_cell) return false;
+                if (bench_.mesh.region(n) == receding) continue;
+                rim_.push_back(others_of_facet(cell, i, apex));
+                beyond_.push_back(bench_.mesh.region(n));
+            }
+        }
+        return true;
+    }
+
+    // Whether all surfaces between the two regions are, and none that also goes elsewhere from the apex
+    // would have to stay there.
+    bool surfaces_are_far(Vec3 p, Region receding) {
+        const std::vector<std::uint32_t>&here = bench_.table->members[receding],
+              &there = bench_.table->members[region_];
+        std::vector<std::uint32_t> moving;
+        std::set_symmetric_difference(here.begin(), here.end(), there.begin(), there.end(),
+                                      std::back_inserter(moving));
+        for (const std::uint32_t s : moving) {
+            const bool leaves = std::binary_search(here.begin(), here.end(), s);
+            const auto stays = [&](Region beyond) { return bench_.table->contains(beyond, s) == leaves; };
+            if (std::any_of(beyond_.begin(), beyond_.end(), stays)) return false;
+            bench_.probe.focus({&s, 1});
+            if (bench_.probe.distance(p) <= apex_mm_) return false;
+        }
+        bench_.probe.focus(moving);
+        return true;
+    }
+
+    // On the ways to the middles of the base of the cells that recede, and of the rim.
+    std::optional<Vec3> place_for(std::uint32_t apex, double most_ratio) {
+        const Vec3 from = bench_.mesh.point(apex);
+        const double most_distance = gain * bench_.probe.distance(from), most_far = farthest(from);
+        Vec3 rim{};
+        for (const auto& edge : rim_)
+            rim = rim + (1 / static_cast<double>(rim_.size())) * bench_.mesh.point(edge[0]);
+        double best = HUGE_VAL;
+        std::optional<Vec3> to;
+        for (const Vec3 foot : {base_, rim}) {
+            for (const double share : shares) {
+                const Vec3 q = from + share * (foot - from);
+                const double distance = bench_.probe.distance(q);
+                if (distance > most_distance) continue;
+                const double far = farthest(q);
+                if (far > most_far || distance + far >= best || !may_be(apex, q, most_ratio)) continue;
+                best = distance + far;
+                to = q;
+            }
+        }
+        return to;
+    }
+
+    Vec3 opposite(std::uint32_t c, std::uint32_t apex) const {
+        Vec3 sum{};
+        for (const std::uint32_t v : bench_.mesh.cell(c)) {
+            if (v != apex) sum = sum + (1.0 / 3) * bench_.mesh.point(v);
+        }
+        return sum;
+    }
+
+    // Of the vertex at q and the middles of its facets from the field's surface.
+    double farthest(Vec3 q) {
+        double distance = bench_.probe.distance(q);
+        for (const auto& [a, b] : rim_)
+            distance =
+                std::max(distance, bench_.facet_distance(q, bench_.mesh.point(a), bench_.mesh.point(b)));
+        return distance;
+    }
+
+    bool is_good(const std::array<Vec3, 4>& p, Region region, const Bar& bar, double most_ratio) const {
+        if (orient3d(p[0], p[1], p[2], p[3]) <= 0) return false;
+        const CellMeasures m = measure_cell(p[0], p[1], p[2], p[3]);
+        if (region == 0) return m.least_sine() >= bench_.needed_outside_sine(bar);
+        return m.least_sine() >= least_sine_ && m.squared_ratio <= most_ratio * most_ratio;
+    }
+
+    // With the new vertex at q.
+    bool may_be(std::uint32_t apex, Vec3 q, double most_ratio) const {
+        const Bar bar = bench_.bar_of(receding_);
+        const Vec3 p = bench_.mesh.point(apex);
+        for (const auto& [a, b] : rim_) {
+            if (!is_good({q, p, bench_.mesh.point(a), bench_.mesh.point(b)}, region_, bar, most_ratio))
+                return false;
+        }
+        return std::all_of(receding_.begin(), receding_.end(), [&](std::uint32_t c) {
+            std::array<Vec3, 4> corners;
+            for (std::size_t i = 0; i < 4; ++i) {
+                const std::uint32_t v = bench_.mesh.cell(c)[i];
+                corners[i] = v == apex ? q : bench_.mesh.point(v);
+            }
+            return is_good(corners, bench_.mesh.region(c), bar, most_ratio);
+        });
+    }
+
+    // Where the cells that recede border on several regions, the one that takes their place might come to be
+    // in two pieces at a vertex, or round another region.
+    bool keeps_regions_whole(std::uint32_t apex) {
+        if (std::all_of(beyond_.begin(), beyond_.end(), [&](Region r) { return r == region_; })) return true;
+        return is_whole_at(apex) &&
+               std::all_of(rim_.begin(), rim_.end(), [&](const auto& edge) { return is_whole_at(edge[0]); });
+    }
+
+    // Whether with the new cells the region that grows, and all the others together, are in one piece each at
+    // a vertex: then its surface is a disc there, for what the cells at a vertex cut out of a small sphere is
+    // bounded by one circle if it and the rest are connected.
+    bool is_whole_at(std::uint32_t v) {
+        around_.clear();
+        const auto has_it = [&](const Cell& cell) {
+            return std::find(cell.begin(), cell.end(), v) != cell.end();
+        };
+        bench_.mesh.star(v, bench_.star);
+        for (const std::uint32_t c : bench_.star) {
+            if (std::find(receding_.begin(), receding_.end(), c) == receding_.end())
+                around_.push_back({bench_.mesh.cell(c), bench_.mesh.region(c) == region_});
+        }
+        for (std::size_t n = 0; n < bench_.cells.size(); ++n) {
+            if (has_it(bench_.cells[n])) around_.push_back({bench_.cells[n], bench_.regions[n] == region_});
+        }
+        return is_connected(true) && is_connected(false);
+    }
+
+    // Across facets at the vertex that all have.
+    bool is_connected(bool in_region) {
+        const auto shared = [](const Cell& a, const Cell& b) {
+            return std::count_if(a.begin(), a.end(), [&](std::uint32_t v) {
+                return std::find(b.begin(), b.end(), v) != b.end();
+            });
+        };
+        std::vector<Cell> waiting, reached;
+        for (const auto& [cell, in] : around_) {
+            if (in == in_region) waiting.push_back(cell);
+        }
+        if (waiting.empty()) return true;
+        reached.push_back(waiting.back());
+        waiting.pop_back();
+        for (std::size_t n = 0; n < reached.size(); ++n) {
+            const auto apart = std::partition(waiting.begin(), waiting.end(), [&](const Cell& cell) {
+                return shared(cell, reached[n]) != 3;
+            });
+            reached.insert(reached.end(), apart, waiting.end());
+            waiting.erase(apart, waiting.end());
+        }
+        return waiting.empty();
+    }
+
+    void make_cells(std::uint32_t apex, std::uint32_t v) {
+        bench_.cells.clear();
+        bench_.regions.clear();
+        for (const std::uint32_t c : receding_) {
+            bench_.cells.push_back(bench_.mesh.cell(c));
+            std::replace(bench_.cells.back().begin(), bench_.cells.back().end(), apex, v);
+            bench_.regions.push_back(bench_.mesh.region(c));
+        }
+        for (const auto& [a, b] : rim_) {
+            bench_.cells.push_back({v, apex, a, b});
+            bench_.regions.push_back(region_);
+        }
+    }
+
+    Workbench& bench_;
+    double apex_mm_, least_sine_;
+    std::vector<std::uint32_t> receding_;        // cells at the apex in a region that the field is not in
+    Vec3 base_;                                  // the middle of their facets opposite the apex
+    Rim rim_;                                    // of their other facets, seen from without
+    std::vector<Region> beyond_;                 // those facets, one for each edge of the rim
+    Region region_ = 0;                          // what takes their place: the one the field is in
+    std::vector<std::pair<Cell, bool>> around_;  // cells at a vertex, and whether they are in it
+};
+
+}  // namespace
+
+ApexStats lower_apexes(Workbench& bench, double apex_mm, double least_sine, int threads) {
+    if (!bench.table) return {};
+    ApexLowering lowering(bench, apex_mm, least_sine);
+    for (const std::uint32_t v : far_ones(bench, suspects(bench, threads), apex_mm, threads))
+        lowering.lower(v);
+    return lowering.stats;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,276 @@
+#include "anatomesh/improve/surgery/surface_sheets.h"
+
+#include <map>
+#include <optional>
+#include <queue>
+#include <set>
+#include <utility>
+
+#include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/improve/core/sides_at.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::size_t most_pieces = 50;                         // of a chain
+constexpr std::size_t most_facets = 8;                          // of a sheet, beside one for each piece
+constexpr std::size_t most_looked_at = 4000, most_sheets = 16, most_across = 6;
+constexpr double edge_price = 0.43;  // of its square: the facets that an edge off the surface still needs
+constexpr double wrong_side = 5;     // price of a facet where the field has the side of the chain
+
+struct Dearer {
+    bool operator()(const Sheet& x, const Sheet& y) const {
+        const double here = x.price + x.to_come, there = y.price + y.to_come;
+        return here != there ? here > there : x.facets > y.facets;
+    }
+};
+
+// All chains of pieces beside their surfaces that begin and end on them.
+class ChainSearch {
+  public:
+    ChainSearch(Workbench& bench, const ContourOwners& owners) : owners_(owners), sides_(bench) {}
+
+    // `pieces`: those that may be.
+    std::vector<Chain> run(std::span<const std::array<std::uint32_t, 3>> pieces) {
+        std::vector<std::array<std::uint32_t, 3>> ends;
+        for (const auto& [a, b, structure] : pieces) {
+            ends.push_back({a, b, structure});
+            ends.push_back({b, a, structure});
+        }
+        sort_distinct(ends);
+        for (const auto& [v, other, structure] : ends) {
+            if (sides_.beside_surface(v, other, structure) && sides_.on_surface(v, structure))
+                follow(v, {other, structure});
+        }
+        return std::move(chains_);
+    }
+
+  private:
+    void follow(std::uint32_t first, ContourOwners::Piece piece) {
+        Chain chain{{first, piece.other}, piece.structure};
+        while (!sides_.on_surface(chain.vertices.back(), piece.structure)) {
+            const std::uint32_t at = chain.vertices.back(), from = chain.vertices[chain.vertices.size() - 2];
+            const auto pieces = owners_.pieces_at(at);
+            const auto next =
+                std::find_if(pieces.begin(), pieces.end(), [&](const ContourOwners::Piece& other) {
+                    return other.structure == piece.structure && other.other != from &&
+                           sides_.beside_surface(at, other.other, piece.structure);
+                });
+            if (next == pieces.end() || chain.vertices.size() > most_pieces) return;
+            chain.vertices.push_back(next->other);
+        }
+        // From the other end it is found too.
+        if (chain.vertices.front() < chain.vertices.back()) chains_.push_back(std::move(chain));
+    }
+
+    const ContourOwners& owners_;
+    SidesAt sides_;
+    std::vector<Chain> chains_;
+};
+
+// Sheets grown facet by facet from a chain, the cheapest first, until the rest of the rim lies on the
+// surface.
+class SheetSearch {
+  public:
+    SheetSearch(Workbench& bench, const Chain& chain, bool side)
+        : bench_(bench), chain_(chain), side_(side), sides_(bench) {}
+
+    std::vector<Sheet> run() {
+        waiting_.push({{}, chain_.vertices, 0, 0});
+        return cheapest(most_sheets, [](const Sheet&) { return true; });
+    }
+
+    std::vector<Sheet> run_among(std::span<const std::uint32_t> vertices, const RimSides& sides_of_rim,
+                                 const std::function<bool(const Sheet&)>& wanted) {
+        among_ = vertices;
+        rim_sides_ = &sides_of_rim;
+        for (const std::uint32_t u : vertices) begin_at(u);
+        return cheapest(most_across, wanted);
+    }
+
+  private:
+    std::vector<Sheet> cheapest(std::size_t most, const std::function<bool(const Sheet&)>& wanted) {
+        std::vector<Sheet> found;
+        for (std::size_t n = 0; n < most_looked_at && !waiting_.empty() && found.size() < most; ++n) {
+            Sheet sheet = waiting_.top();
+            waiting_.pop();
+            const std::size_t open = first_off_surface(sheet);
+            if (open + 1 == sheet.path.size()) {
+                if (wanted(sheet)) found.push_back(std::move(sheet));
+                continue;
+            }
+            if (sheet.facets.size() == most_facets + chain_.vertices.size()) continue;
+            const EdgeRing& edge = ring_of(sheet.path[open], sheet.path[open + 1]);
+            if (!edge.closed) continue;
+            for (const std::uint32_t w : edge.vertices) push(grown(sheet, open, w));
+            // Elsewhere facets between two edges of the path alone: they may be all that the others wait for.
+            for (std::size_t k = open + 1; k + 2 < sheet.path.size(); ++k) {
+                if (is_facet(sheet.path[k], sheet.path[k + 1], sheet.path[k + 2]))
+                    push(grown(sheet, k, sheet.path[k + 2]));
+            }
+        }
+        return found;
+    }
+
+    void push(std::optional<Sheet> more) {
+        if (!more || is_enclosed(*more) || !seen_.insert(more->facets).second) return;
+        more->to_come = to_come(*more);
+        waiting_.push(std::move(*more));
+    }
+
+    // Each facet on this side at an edge of the surface from the vertex on, alone.
+    void begin_at(std::uint32_t u) {
+        bench_.mesh.star(u, bench_.star);
+        const std::vector<std::uint32_t> star = bench_.star;
+        for (const std::uint32_t c : star) {
+            if (sides_.has(c, chain_.structure) != side_) continue;
+            for (int i = 0; i < 4; ++i) {
+                const std::uint32_t beyond = bench_.mesh.neighbor(c, i);
+                if (bench_.mesh.cell(c)[i] == u || beyond == no_cell || beyond < c ||
+                    sides_.has(beyond, chain_.structure) != side_)
+                    continue;
+                const auto [v, w] = others_of_facet(bench_.mesh.cell(c), i, u);
+                if (!is_among(v) || !is_among(w)) continue;
+                std::array facet{u, v, w};
+                std::sort(facet.begin(), facet.end());
+                if (on_surface(u, v))
+                    push(Sheet{{facet}, {u, w, v}, price(facet), 0});
+                else if (on_surface(u, w))
+                    push(Sheet{{facet}, {u, v, w}, price(facet), 0});
+            }
+        }
+    }
+
+    // Whether the part of the rim that lies on the surface already has no side left.
+    bool is_enclosed(const Sheet& sheet) {
+        if (!rim_sides_) return false;
+        std::array<bool, 2> taken{};
+        const std::vector<std::uint32_t>& path = sheet.path;
+        bool on_before = true;  // the edge that joins its ends is
+        for (std::size_t n = 0; n < path.size(); ++n) {
+            const std::size_t next = (n + 1) % path.size();
+            const bool on = next == 0 || on_surface(path[n], path[next]);
+            if (on && on_before) {
+                const auto [place, is_new] =
+                    rim_sides_at_.try_emplace({path[n == 0 ? path.size() - 1 : n - 1], path[n], path[next]});
+                const auto& [before, at, after] = place->first;
+                if (is_new) place->second = (*rim_sides_)(before, at, after);
+                for (std::size_t side = 0; side < 2; ++side) taken[side] = taken[side] || place->second[side];
+            }
+            on_before = on;
+        }
+        return taken[0] && taken[1];
+    }
+
+    bool is_among(std::uint32_t v) const {
+        return among_.empty() || std::binary_search(among_.begin(), among_.end(), v);
+    }
+
+    // What is round an edge: asked for again and again, of few edges.
+    struct EdgeRing {
+        bool closed = false, on_surface = false;
+        std::vector<std::uint32_t> vertices;
+    };
+    const EdgeRing& ring_of(std::uint32_t a, std::uint32_t b) {
+        const auto [place, is_new] = rings_.try_emplace(std::minmax(a, b));
+        EdgeRing& edge = place->second;
+        if (is_new && sides_.find_ring(a, b)) {
+            edge = {true, sides_.ring_is_mixed(chain_.structure), bench_.ring.ring};
+        }
+        return edge;
+    }
+    bool on_surface(std::uint32_t a, std::uint32_t b) { return ring_of(a, b).on_surface; }
+
+    // The first edge of the path that is off the surface.
+    std::size_t first_off_surface(const Sheet& sheet) {
+        std::size_t n = 0;
+        while (n + 1 < sheet.path.size() && on_surface(sheet.path[n], sheet.path[n + 1])) ++n;
+        return n;
+    }
+
+    // By the facet at the path's edge n and a vertex; nothing where the sheet would meet itself, or touch a
+    // surface within its rim.
+    std::optional<Sheet> grown(const Sheet& sheet, std::size_t n, std::uint32_t w) {
+        const std::uint32_t u = sheet.path[n], v = sheet.path[n + 1];
+        std::array facet{u, v, w};
+        std::sort(facet.begin(), facet.end());
+        if (std::find(sheet.facets.begin(), sheet.facets.end(), facet) != sheet.facets.end())
+            return std::nullopt;
+        Sheet more = sheet;
+        const auto at = more.path.begin() + static_cast<std::ptrdiff_t>(n);
+        if (n > 0 && sheet.path[n - 1] == w) {
+            if (!may_be_within(u)) return std::nullopt;
+            more.path.erase(at);
+        } else if (n + 2 < sheet.path.size() && sheet.path[n + 2] == w) {
+            if (!may_be_within(v)) return std::nullopt;
+            more.path.erase(at + 1);
+        } else if (sheet.has(w) || chain_.has(w) || !is_among(w)) {
+            return std::nullopt;
+        } else {
+            more.path.insert(at + 1, w);
+        }
+        more.facets.insert(std::upper_bound(more.facets.begin(), more.facets.end(), facet), facet);
+        more.price += price(facet);
+        return more;
+    }
+
+    bool is_facet(std::uint32_t u, std::uint32_t v, std::uint32_t w) {
+        const EdgeRing& edge = ring_of(u, v);
+        return std::find(edge.vertices.begin(), edge.vertices.end(), w) != edge.vertices.end();
+    }
+
+    bool may_be_within(std::uint32_t v) { return chain_.has(v) || !bench_.mesh.vertex_on_interface(v); }
+
+    double price(const std::array<std::uint32_t, 3>& facet) {
+        const auto [place, is_new] = prices_.try_emplace(facet);
+        if (!is_new) return place->second;
+        const Vec3 a = bench_.mesh.point(facet[0]), b = bench_.mesh.point(facet[1]),
+                   c = bench_.mesh.point(facet[2]);
+        const std::vector<std::uint32_t>& there = bench_.probe.members((1.0 / 3) * (a + b + c));
+        const bool wrong = std::binary_search(there.begin(), there.end(), chain_.structure) == side_;
+        return place->second = 0.5 * length(cross(b - a, c - a)) * (wrong ? wrong_side : 1);
+    }
+
+    double to_come(const Sheet& sheet) {
+        double sum = 0;
+        for (std::size_t n = 1; n < sheet.path.size(); ++n) {
+            const std::uint32_t a = sheet.path[n - 1], b = sheet.path[n];
+            if (!on_surface(a, b))
+                sum += edge_price * squared_length(bench_.mesh.point(b) - bench_.mesh.point(a));
+        }
+        return sum;
+    }
+
+    Workbench& bench_;
+    const Chain& chain_;
+    bool side_;  // of the structure on which the chain lies
+    SidesAt sides_;
+    std::span<const std::uint32_t> among_;  // if any: vertices, rising
+    const RimSides* rim_sides_ = nullptr;
+    std::map<std::array<std::uint32_t, 3>, std::array<bool, 2>> rim_sides_at_;
+    std::set<std::vector<std::array<std::uint32_t, 3>>> seen_;
+    std::priority_queue<Sheet, std::vector<Sheet>, Dearer> waiting_;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, EdgeRing> rings_;
+    std::map<std::array<std::uint32_t, 3>, double> prices_;
+};
+
+}  // namespace
+
+std::vector<Chain> find_chains(Workbench& bench, const ContourOwners& owners,
+                               std::span<const std::array<std::uint32_t, 3>> pieces) {
+    return ChainSearch(bench, owners).run(pieces);
+}
+
+std::vector<Sheet> find_sheets(Workbench& bench, const Chain& chain, bool side) {
+    return SheetSearch(bench, chain, side).run();
+}
+
+std::vector<Sheet> find_sheets_across(Workbench& bench, std::uint32_t structure, bool side,
+                                      std::span<const std::uint32_t> vertices, const RimSides& rim_sides,
+                                      const std::function<bool(const Sheet&)>& wanted) {
+    const Chain none{{}, structure};
+    return SheetSearch(bench, none, side).run_among(vertices, rim_sides, wanted);
+}
+
+}  // namespace anatomesh

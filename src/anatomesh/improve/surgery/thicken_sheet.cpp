@@ -1,0 +1,363 @@
+#include "anatomesh/improve/surgery/thicken_sheet.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <iterator>
+#include <set>
+#include <utility>
+
+#include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/improve/core/cell_before.h"
+#include "anatomesh/improve/surgery/join_sides.h"
+#include "anatomesh/improve/core/parts_at.h"
+#include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/core/surface_count.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double middle = 0.5;  // where an edge between two vertices of a sheet is cut
+
+class Thickening {
+  public:
+    Thickening(Workbench& bench, const ContourOwners& owners, const Chain& chain, const Sheet& sheet,
+               Region own, SheetReach reach, const SheetAcross* across)
+        : bench_(bench),
+          owners_(owners),
+          chain_(chain),
+          sheet_(sheet),
+          own_(own),
+          side_(bench.table->contains(own, chain.structure)),
+          reach_(reach),
+          across_(across),
+          sides_(bench),
+          on_sheet_(sheet.vertices()),
+          first_new_(static_cast<std::uint32_t>(bench.mesh.point_count())) {}
+
+    std::optional<ThickenedSheet> run(double thickness, SectionAreas* areas) {
+        find_cells();
+        if (!cut_edges(thickness)) return std::nullopt;
+        std::vector<std::uint32_t> given = cells_between_cuts();
+        const std::optional<Region> to = across_ && across_->to ? across_->to : region_across(given);
+        if (!to || given.empty() || !leave_one_part(given, *to, thickness)) return std::nullopt;
+        if (across_) {
+            auto joined = join_sides(
+                bench_,
+                {chain_.structure, own_, *to, reach_ == SheetReach::others, thickness, on_sheet_, first_new_},
+                std::move(given));
+            if (!joined) return std::nullopt;
+            given = std::move(*joined);
+        }
+        note_changed(given);
+        SurfaceCount count(bench_, owners_, given, *to);
+        const SurfaceCount::Figures before = count.figures();
+        if (areas) made_.wrong_of_cuts -= areas->wrong(given);
+        for (const std::uint32_t c : given) bench_.mesh.set_region(c, *to);
+        if (areas) made_.wrong_of_cuts += areas->wrong(given);
+        const SurfaceCount::Figures after = count.figures();
+        const bool sound = after.excess == 0 && may_become(count, before, after) && count.newly_lost() == 0 &&
+                           sides_.on_surface(chain_.vertices, chain_.structure);
+        return sound ? std::optional(std::move(made_)) : std::nullopt;
+    }
+
+  private:
+    // A piece of the structure on the sheet's rim: of the chain, or of a contour that the surface has
+    // already; or, there, of an edge of a contour that was cut since the owners were made. The bench has the
+    // edge's ring.
+    bool is_rim_piece(std::uint32_t a, std::uint32_t b) const {
+        if (!sheet_.has_on_rim(a, b)) return false;
+        bool known = false;
+        for (const ContourOwners::Piece& piece : owners_.pieces_at(a)) {
+            if (piece.other != b) continue;
+            if (piece.structure == chain_.structure) return true;
+            known = true;
+        }
+        return !known && bench_.fixed_edge(a, b) && sides_.ring_is_mixed(chain_.structure);
+    }
+
+    bool may_become(const SurfaceCount& count, const SurfaceCount::Figures& before,
+                    const SurfaceCount::Figures& after) {
+        const std::span<const int> was = count.of_structures(before), is = count.of_structures(after);
+        for (std::size_t n = 0; n < was.size(); ++n) {
+            if (is[n] == was[n]) continue;
+            const bool of_chain = count.structures()[n] == chain_.structure;
+            const bool both = across_ && across_->sides == SheetSides::both;
+            if (both && of_chain && is[n] == was[n] - 2) {
+                made_.joins = true;
+                continue;
+            }
+            if (!across_ || (both && !of_chain) || is[n] != was[n] + 2) return false;
+            made_.parted.push_back(count.structures()[n]);
+        }
+        return true;
+    }
+
+    // Those of other regions stay, for the sake of the surfaces of other structures.
+    bool may_go(std::uint32_t c) const { return bench_.mesh.region(c) == own_; }
+
+    bool is_on(std::uint32_t v) const { return std::binary_search(on_sheet_.begin(), on_sheet_.end(), v); }
+
+    // Those that may go, and their edges that leave the sheet.
+    void find_cells() {
+        const bool both = !across_ || across_->sides == SheetSides::both;
+        for (const std::uint32_t c : both ? cells_at_edges() : cells_on_side()) {
+            const Cell& cell = bench_.mesh.cell(c);
+            cells_.push_back(CellBefore::of(bench_.mesh, c));
+            for (const std::uint32_t d : cell) {
+                for (const std::uint32_t x : cell) {
+                    if (is_on(d) && (!is_on(x) || (d < x && !sheet_.has_edge(d, x))))
+                        edges_.push_back({d, x});
+                }
+            }
+        }
+        sort_distinct(edges_);
+    }
+
+    // Those with an edge of the sheet that is no piece of its rim.
+    std::vector<std::uint32_t> cells_at_edges() {
+        std::vector<std::uint32_t> cells;
+        for (const auto& facet : sheet_.facets) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t a = facet[k], b = facet[(k + 1) % 3];
+                if (!sides_.find_ring(a, b)) continue;
+                if (is_rim_piece(a, b)) {
+                    if (across_) add_beside(facet[(k + 2) % 3], cells);
+                    continue;
+                }
+                std::copy_if(bench_.ring.cells.begin(), bench_.ring.cells.end(), std::back_inserter(cells),
+                             [&](std::uint32_t c) { return may_go(c); });
+            }
+        }
+        sort_distinct(cells);
+        return cells;
+    }
+
+    // Those that facets at vertices of the sheet, but none of it, join to one at its first facet; none, where
+    // that leads round it.
+    std::vector<std::uint32_t> cells_on_side() {
+        std::vector<std::uint32_t> ends;
+        const auto& [a, b, w] = sheet_.facets.front();
+        if (!sides_.find_ring(a, b)) return {};
+        std::copy_if(bench_.ring.cells.begin(), bench_.ring.cells.end(), std::back_inserter(ends),
+                     [&](std::uint32_t c) {
+                         const Cell& cell = bench_.mesh.cell(c);
+                         return may_go(c) && std::find(cell.begin(), cell.end(), w) != cell.end();
+                     });
+        if (ends.size() != 2) return {};
+        const auto [low, high] = std::minmax(ends[0], ends[1]);
+        const bool first = across_->sides == SheetSides::first;
+        std::vector<std::uint32_t> cells{first ? low : high};
+        std::set<std::uint32_t> known{cells[0]};
+        for (std::size_t n = 0; n < cells.size(); ++n) {
+            for (int i = 0; i < 4; ++i) {
+                const Cell& cell = bench_.mesh.cell(cells[n]);
+                const std::uint32_t next = bench_.mesh.neighbor(cells[n], i);
+                if (next == no_cell || !may_go(next)) continue;
+                std::array facet{cell[facet_vertices[i][0]], cell[facet_vertices[i][1]],
+                                 cell[facet_vertices[i][2]]};
+                if (std::none_of(facet.begin(), facet.end(), [&](std::uint32_t v) { return is_on(v); }))
+                    continue;
+                std::sort(facet.begin(), facet.end());
+                if (std::binary_search(sheet_.facets.begin(), sheet_.facets.end(), facet)) continue;
+                if (known.insert(next).second) cells.push_back(next);
+            }
+        }
+        if (known.contains(first ? high : low)) return {};
+        return cells;
+    }
+
+    // Of the ring of a piece, from the sheet's facet to this vertex on both ways round: cells up to the other
+    // side of the structure, if that is reached before half a turn.
+    void add_beside(std::uint32_t sheet_vertex, std::vector<std::uint32_t>& cells) const {
+        const EdgeRing& ring = bench_.ring;
+        const std::size_t count = ring.cells.size();
+        const auto at = static_cast<std::size_t>(std::find(ring.ring.begin(), ring.ring.end(), sheet_vertex) -
+                                                 ring.ring.begin());
+        if (at == count) return;
+        const Vec3 from = bench_.mesh.point(ring.a);
+        const Vec3 in = cross(across_->normal, bench_.mesh.point(ring.b) - from);
+        const double inward = dot(in, bench_.mesh.point(sheet_vertex) - from);
+        for (const bool onward : {true, false}) {
+            std::vector<std::uint32_t> part;
+            bool over = false;
+            for (std::size_t n = 0; n < count; ++n) {
+                const std::size_t i = onward ? (at + n) % count : (at + 2 * count - 1 - n) % count;
+                const std::uint32_t c = ring.cells[i];
+                if (!may_go(c)) {
+                    if (sides_.has(c, chain_.structure) != side_)
+                        cells.insert(cells.end(), part.begin(), part.end());
+                    break;
+                }
+                part.push_back(c);
+                // Beyond the piece, where the next vertex is on the other side of the plane than those
+                // before.
+                const Vec3 next = bench_.mesh.point(ring.ring[onward ? (i + 1) % count : i]) - from;
+                const double height = dot(across_->normal, next);
+                if (n > 0 && (height > 0) != over) break;
+                over = height > 0;
+                if (height == 0 && dot(in, next) * inward < 0) break;
+            }
+        }
+    }
+
+    // But for those on the surface. False where a cell would not be positive.
+    bool cut_edges(double thickness) {
+        for (const auto& [d, x] : edges_) {
+            if (!sides_.find_ring(d, x)) return false;
+            if (sides_.ring_is_mixed(chain_.structure) &&
+                (reach_ < SheetReach::near || bench_.fixed_edge(d, x))) {
+                if (!is_on(x)) beside_.push_back(x);
+                continue;
+            }
+            cut_.push_back({d, x});
+            if (!cut(d, x, is_on(x) ? middle : thickness)) return false;
+        }
+        sort_distinct(beside_);
+        return true;
+    }
+
+    // The edge whose ring the bench has.
+    bool cut(std::uint32_t a, std::uint32_t b, double share) {
+        const Vec3 from = bench_.mesh.point(a);
+        return bench_.split_ring(from + share * (bench_.mesh.point(b) - from)) != no_cell;
+    }
+
+    std::vector<std::uint32_t> cells_between_cuts() {
+        std::vector<std::uint32_t> given;
+        for_each_near([&](std::uint32_t c) {
+            if (may_go(c) && lies_between_cuts(c)) given.push_back(c);
+        });
+        sort_distinct(given);
+        return given;
+    }
+
+    // Where what is given parts the cells left of the chain's region at a vertex of the sheet - on its rim,
+    // between cells that have no edge of it -, one part stays there; near the vertex the others are given
+    // too. False where a cell would not be positive.
+    bool leave_one_part(std::vector<std::uint32_t>& given, Region to, double thickness) {
+        std::vector<Region> before;
+        const auto give = [&](std::uint32_t c) {
+            before.push_back(bench_.mesh.region(c));
+            bench_.mesh.set_region(c, to);
+        };
+        std::for_each(given.begin(), given.end(), give);
+        for (const std::uint32_t v : on_sheet_) {
+            const auto parts = parts_at(bench_, v, [&](std::uint32_t c) { return may_go(c); });
+            if (parts.size() < 2) continue;
+            made_.parts_cells = true;
+            const auto stays = worthiest_at(bench_, v, parts);
+            for (auto part = parts.begin(); part != parts.end(); ++part) {
+                if (part != stays && !cut_near(v, *part, thickness)) return false;
+            }
+            for (const auto& part : parts_at(bench_, v, [&](std::uint32_t c) { return may_go(c); })) {
+                if (std::find(part.begin(), part.end(), stays->front()) != part.end()) continue;
+                given.insert(given.end(), part.begin(), part.end());
+                std::for_each(part.begin(), part.end(), give);
+            }
+        }
+        for (std::size_t n = 0; n < given.size(); ++n) bench_.mesh.set_region(given[n], before[n]);
+        return true;
+    }
+
+    // Of the edges from the vertex those within the cells.
+    bool cut_near(std::uint32_t v, const std::vector<std::uint32_t>& cells, double thickness) {
+        std::vector<std::uint32_t> ends;
+        for (const std::uint32_t c : cells)
+            ends.insert(ends.end(), bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
+        sort_distinct(ends);
+        std::erase(ends, v);
+        return std::all_of(ends.begin(), ends.end(), [&](std::uint32_t x) {
+            return sides_.find_ring(v, x) && (sides_.ring_is_mixed(chain_.structure) || cut(v, x, thickness));
+        });
+    }
+
+    // Of all cells at vertices of the sheet and new ones; some more than once.
+    template <class Visit>
+    void for_each_near(const Visit& visit) {
+        std::vector<std::uint32_t> look = on_sheet_;
+        for (auto v = first_new_; v < bench_.mesh.point_count(); ++v) look.push_back(v);
+        for (const std::uint32_t v : look) {
+            bench_.mesh.star(v, bench_.star);
+            for (const std::uint32_t c : bench_.star) visit(c);
+        }
+    }
+
+    void note_changed(const std::vector<std::uint32_t>& given) {
+        made_.changed = given;
+        for (auto v = first_new_; v < bench_.mesh.point_count(); ++v) {
+            bench_.mesh.star(v, bench_.star);
+            made_.changed.insert(made_.changed.end(), bench_.star.begin(), bench_.star.end());
+        }
+        sort_distinct(made_.changed);
+    }
+
+    bool lies_between_cuts(std::uint32_t c) const {
+        const Cell& cell = bench_.mesh.cell(c);
+        if (std::none_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return is_on(v); })) return false;
+        const CellBefore* was = cell_before(c);
+        return was && std::all_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
+                   return v >= first_new_ || is_on(v) || stays(*was, v);
+               });
+    }
+
+    // That in which a cell lies.
+    const CellBefore* cell_before(std::uint32_t c) const { return find_before(cells_, bench_.mesh, c); }
+
+    // Whether what is given reaches to a vertex beside the sheet.
+    bool stays(const CellBefore& was, std::uint32_t v) const {
+        if (!std::binary_search(beside_.begin(), beside_.end(), v)) return false;
+        return reach_ != SheetReach::joined ||
+               std::none_of(was.cell.begin(), was.cell.end(), [&](std::uint32_t d) {
+                   return is_on(d) && std::binary_search(cut_.begin(), cut_.end(), std::array{d, v});
+               });
+    }
+
+    // Of those at the chain's ends on the other side the one most like that of the cells.
+    std::optional<Region> region_across(const std::vector<std::uint32_t>& given) {
+        if (given.empty()) return std::nullopt;
+        const std::vector<std::uint32_t>& here = bench_.table->members[bench_.mesh.region(given.front())];
+        std::optional<std::pair<std::size_t, Region>> best;
+        for (const std::uint32_t end : {chain_.vertices.front(), chain_.vertices.back()}) {
+            bench_.mesh.star(end, bench_.star);
+            for (const std::uint32_t c : bench_.star) {
+                if (sides_.has(c, chain_.structure) == side_) continue;
+                const std::vector<std::uint32_t>& there = bench_.table->members[bench_.mesh.region(c)];
+                std::vector<std::uint32_t> differ;
+                std::set_symmetric_difference(here.begin(), here.end(), there.begin(), there.end(),
+                                              std::back_inserter(differ));
+                const std::pair<std::size_t, Region> offer{differ.size(), bench_.mesh.region(c)};
+                if (!best || offer < *best) best = offer;
+            }
+        }
+        if (!best) return std::nullopt;
+        return best->second;
+    }
+
+    Workbench& bench_;
+    const ContourOwners& owners_;
+    const Chain& chain_;
+    const Sheet& sheet_;
+    Region own_;
+    bool side_;
+    SheetReach reach_;
+    const SheetAcross* across_;
+    SidesAt sides_;
+    std::vector<std::uint32_t> on_sheet_, beside_;           // vertices
+    std::vector<std::array<std::uint32_t, 2>> edges_, cut_;  // from a vertex of the sheet on
+    std::vector<CellBefore> cells_;
+    std::uint32_t first_new_;  // vertex
+    ThickenedSheet made_;
+};
+
+}  // namespace
+
+std::optional<ThickenedSheet> thicken_sheet(Workbench& bench, const ContourOwners& owners, const Chain& chain,
+                                            const Sheet& sheet, Region own, SheetReach reach,
+                                            double thickness, SectionAreas* areas,
+                                            const SheetAcross* across) {
+    return Thickening(bench, owners, chain, sheet, own, reach, across).run(thickness, areas);
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,57 @@
+// thicken_sheet: gives the cells at a sheet to the other side of its structure, so that its chain comes to
+// lie on the surface.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "anatomesh/improve/sections/section_areas.h"
+#include "anatomesh/improve/surgery/surface_sheets.h"
+#include "anatomesh/improve/core/workbench.h"
+
+namespace anatomesh {
+
+struct ThickenedSheet {
+    std::vector<std::uint32_t> changed;  // cells that were made or changed their region; rising
+    double wrong_of_cuts = 0;            // that came of it, a share of what is drawn
+    bool parts_cells = false;            // of the chain's region, at a vertex of the sheet
+    std::vector<std::uint32_t> parted;  // structures that lose a handle or a tunnel by it, or fall into parts
+    bool joins = false;                 // parts of where the cells go, or makes a handle or a tunnel there
+};
+
+// On which sides of a sheet cells go: of the two cells at its first facet that of the lower number, or the
+// other one, tells which side is the first.
+enum class SheetSides { both, first, second };
+
+// Of a sheet that is no chain's: of a patch in a slice's plane, or one across a hole or a bridge.
+struct SheetAcross {
+    SheetSides sides = SheetSides::both;
+    Vec3 normal;               // of the plane that it lies in, if cells go on both sides
+    std::optional<Region> to;  // of the other side of the chain's structure; where the sheet goes
+};
+
+// How far what goes reaches along the structure's surface: as far as to all vertices of it beside the sheet;
+// to those alone that edges of the surface join to all that a cell has of the sheet; or to where edges of the
+// surface are cut too, but those of contours; that, and at vertices also cells of other regions.
+enum class SheetReach { wide, joined, near, others };
+
+// The edges that lead off the sheet are cut, at `thickness` of their length from it, and what lies between
+// the cuts goes to the other side: a regular neighbourhood of the sheet (Rourke and Sanderson, Introduction
+// to Piecewise-Linear Topology, 1972, chapter 3) but for cells that have nothing of it but pieces on its rim.
+// `own`: the region in which the chain lies; cells of others stay. `areas`: those of a stack, or null.
+// `across`: null where the sheet is a chain's. Else, on both sides, cells at pieces on its rim go too, which
+// lie between the sheet and the other side and not beyond the piece in the plane; on one side all cells do
+// that facets at vertices of the sheet join there, so that what is on the sheet's rim stays on the surface.
+// At vertices where what goes meets the other side in no facet, what is between them goes, so that all is in
+// one part there; and the characteristic of the chain's structure may rise by two, and, on one side, those of
+// others, and on both sides it may fall by two. Returns nothing where a cell would not be positive, a surface
+// not one disc at each vertex concerned, that of a structure of another Euler characteristic, a contour
+// vertex or piece off its surface, or the chain not on it. What was done to the mesh then is the caller's to
+// take back. Complexity: O(cells at the sheet).
+std::optional<ThickenedSheet> thicken_sheet(Workbench& bench, const ContourOwners& owners, const Chain& chain,
+                                            const Sheet& sheet, Region own, SheetReach reach,
+                                            double thickness, SectionAreas* areas,
+                                            const SheetAcross* across = nullptr);
+
+}  // namespace anatomesh

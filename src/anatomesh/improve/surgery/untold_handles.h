@@ -1,0 +1,30 @@
+// untold_handles: small handles of a structure's surface that no contour of it is drawn beside.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/geom/vec.h"
+#include "anatomesh/mesh/check/small_handles.h"
+
+namespace anatomesh {
+
+// In edge lengths: a handle within so little is the mesh's own where no contour tells of it.
+inline constexpr double untold_reach = 1.5;
+
+// Contours with the mesh vertices of all their points, or no_cell.
+struct ContourVertices {
+    std::span<const Contour> contours = {};
+    std::span<const std::uint32_t> vertices = {};
+};
+
+// Of the small handles (mesh/check/small_handles.h) of the structure's surface those that are more than the
+// contours of the structure that lie wholly among their vertices, for these are drawings of them; less by
+// that many. Requires, and complexity: as small_handles(); and linear in the contours for each part found.
+std::vector<SmallHandles> untold_handles(std::span<const Vec3> points, std::span<const Triangle> surface,
+                                         std::uint32_t structure, const ContourVertices& drawn,
+                                         double reach_mm);
+
+}  // namespace anatomesh

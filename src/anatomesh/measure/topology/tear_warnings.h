@@ -1,0 +1,46 @@
+// Where a model's surface is joined otherwise than its contours show, told to the user, whoever made it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/measure/report.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
+#include "anatomesh/measure/topology/surface_tears.h"
+#include "anatomesh/measure/topology/untold_joints.h"
+
+namespace anatomesh {
+
+struct TornModel {
+    const TetMesh& mesh;
+    std::span<const std::uint32_t> neighbors;  // as cell_neighbors() gives them
+    const RegionTable& regions;
+    std::span<const StructureReport> structures;  // measured, of the model
+    const ContourSet& contours;
+    std::span<const std::size_t> structure_of;  // the model's, of each of the contours; beyond: none
+    std::span<const std::uint32_t> vertex_of;   // of every contour point, or no_cell
+    double size_mm = 0;                         // edge length
+};
+
+struct ModelTears {
+    std::vector<SurfaceTear> of_slices;
+    std::vector<UntoldJoint> between_planes;  // where planes cross
+    std::vector<UntoldJoint> small;           // there, handles of about an edge length
+};
+
+// The tears of surface_tears() that are sure to be none of the field's own: of structures twice as thick in
+// the mean as the edge length those alone that go on from end to end, and where parts branch or vanish no
+// joints. Of planes that are no sweep also untold_joints(), and those small_handles() within one and a half
+// edge lengths that no whole contour is drawn beside. Requires: surfaces that are closed manifolds.
+ModelTears find_tears(const TornModel& model, int threads);
+
+// Where planes cross, how many of them; of what each of two ways sees what sees more, by structure.
+std::size_t untold_places(const ModelTears& tears);
+
+// W-PIP-004, once for each structure. `tears`: as find_tears() gives them.
+void warn_of_tears(const ModelTears& tears, const ContourSet& contours, double size_mm, RunContext& context);
+
+}  // namespace anatomesh

@@ -1,0 +1,95 @@
+#include "anatomesh/mesh/shape/quality.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "anatomesh/mesh/model/tet_mesh.h"
+
+namespace anatomesh {
+namespace {
+
+using Points = std::array<Vec3, 4>;
+
+const Points regular{{{1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1}}};
+const Points corner{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+double ratio(const Points& p) {
+    return radius_edge_ratio(p[0], p[1], p[2], p[3]);
+}
+std::array<double, 6> angles(const Points& p) {
+    return dihedral_angles(p[0], p[1], p[2], p[3]);
+}
+
+Points random_cell(std::mt19937& random) {
+    Points p;
+    for (Vec3& point : p) {
+        point = {static_cast<double>(random() % 2001) - 1000, static_cast<double>(random() % 2001) - 1000,
+                 static_cast<double>(random() % 2001) - 1000};
+    }
+    return p;
+}
+
+TEST(Quality, regular_cell) {
+    EXPECT_NEAR(ratio(regular), std::sqrt(6.0) / 4, 1e-15);
+    for (const double angle : angles(regular)) EXPECT_NEAR(angle, 70.528779365509308, 1e-12);
+}
+
+TEST(Quality, corner_of_a_cube) {
+    EXPECT_NEAR(ratio(corner), std::sqrt(3.0) / 2, 1e-15);
+    EXPECT_DOUBLE_EQ(signed_volume(corner[0], corner[1], corner[2], corner[3]), 1.0 / 6);
+    const std::array<double, 6> found = angles(corner);
+    const double slanted = std::acos(1 / std::sqrt(3.0)) * 180 / std::acos(-1.0);
+    for (std::size_t e = 0; e < 6; ++e) {
+        const bool at_corner = cell_edges[e][0] == 0;
+        EXPECT_NEAR(found[e], at_corner ? 90.0 : slanted, 1e-12);
+    }
+    EXPECT_EQ(circumcenter(corner[0], corner[1], corner[2], corner[3]), (Vec3{0.5, 0.5, 0.5}));
+}
+
+TEST(Quality, flat_and_pointlike_cells) {
+    const Points flat{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+    EXPECT_TRUE(std::isinf(ratio(flat)));
+    const DihedralRange range = dihedral_range(flat[0], flat[1], flat[2], flat[3]);
+    EXPECT_EQ(range.smallest, 0.0);
+    EXPECT_EQ(range.largest, 180.0);
+    EXPECT_TRUE(std::isinf(ratio({{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3}}})));
+}
+
+TEST(Quality, circumcenter_is_as_far_from_every_vertex) {
+    std::mt19937 random(3);
+    for (int trial = 0; trial < 1000; ++trial) {
+        const Points p = random_cell(random);
+        if (std::abs(signed_volume(p[0], p[1], p[2], p[3])) < 1e4) continue;
+        const Vec3 center = circumcenter(p[0], p[1], p[2], p[3]);
+        const double radius = length(center - p[0]);
+        for (const Vec3& point : p) EXPECT_NEAR(length(center - point), radius, 1e-9 * radius);
+    }
+}
+
+// Relabelling, mirroring, moving and scaling leave the shape measures alone; the range agrees with all six
+// angles.
+TEST(Quality, laws_of_shape) {
+    std::mt19937 random(5);
+    for (int trial = 0; trial < 1000; ++trial) {
+        const Points p = random_cell(random);
+        if (std::abs(signed_volume(p[0], p[1], p[2], p[3])) < 1e4) continue;
+        const Points turned{{p[2], p[0], p[3], p[1]}};
+        Points other;
+        for (std::size_t i = 0; i < 4; ++i)
+            other[i] = Vec3{16, 32, -64} + 0.5 * Vec3{p[i].x, -p[i].y, p[i].z};
+        EXPECT_NEAR(ratio(p), ratio(turned), 1e-9 * ratio(p));
+        EXPECT_NEAR(ratio(p), ratio(other), 1e-9 * ratio(p));
+        std::array<double, 6> mine = angles(p), mirrored = angles(other);
+        for (std::size_t e = 0; e < 6; ++e) EXPECT_NEAR(mine[e], mirrored[e], 1e-9);
+        const DihedralRange range = dihedral_range(p[0], p[1], p[2], p[3]);
+        EXPECT_EQ(range.smallest, *std::min_element(mine.begin(), mine.end()));
+        EXPECT_EQ(range.largest, *std::max_element(mine.begin(), mine.end()));
+        EXPECT_NEAR(signed_volume(p[0], p[1], p[2], p[3]), -signed_volume(p[1], p[0], p[2], p[3]), 1e-3);
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh

@@ -1,0 +1,130 @@
+// Star analysis: into how many pieces the structures at a vertex cut the cells round it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/mesh/model/tet_mesh.h"
+
+namespace anatomesh {
+
+using CellNeighbors = std::array<std::uint32_t, 4>;
+
+// The cells at every vertex, cells in rising order. Complexity: O(cells) time; memory beside the stars: one number
+// for every point and thread.
+class VertexStars {
+  public:
+    VertexStars(std::span<const Cell> cells, std::size_t point_count, int threads = 1);
+    std::span<const std::uint32_t> at(std::uint32_t vertex) const {
+        return {cells_.data() + start_[vertex], start_[vertex + 1] - start_[vertex]};
+    }
+
+  private:
+    std::vector<std::uint32_t> start_, cells_;
+};
+
+// The structures whose contours have a vertex at a mesh vertex, or a segment along a mesh edge: they must have it on their
+// surface.
+class ContourOwners {
+  public:
+    // A piece of a contour segment, seen from one of its ends.
+    struct Piece {
+        std::uint32_t other, structure;
+        friend auto operator<=>(const Piece&, const Piece&) = default;
+    };
+
+    ContourOwners() = default;
+    // vertices: pairs (vertex, structure); pieces: triples (vertex, vertex, structure). In any order, repeats allowed.
+    ContourOwners(const std::vector<std::array<std::uint32_t, 2>>& vertices, std::size_t point_count,
+                  const std::vector<std::array<std::uint32_t, 3>>& pieces = {});
+    std::span<const std::uint32_t> at(std::uint32_t vertex) const {
+        if (vertex + 1 >= start_.size()) return {};
+        return {structures_.data() + start_[vertex], start_[vertex + 1] - start_[vertex]};
+    }
+    std::span<const Piece> pieces_at(std::uint32_t vertex) const {
+        if (vertex + 1 >= piece_start_.size()) return {};
+        return {pieces_.data() + piece_start_[vertex], piece_start_[vertex + 1] - piece_start_[vertex]};
+    }
+
+    bool knows(std::uint32_t vertex) const { return vertex + 1 < start_.size(); }
+    // Whether a contour of the structure has a vertex there, or the end of a piece.
+    bool has(std::uint32_t vertex, std::uint32_t structure) const;
+
+  private:
+    std::vector<std::uint32_t> start_, structures_, piece_start_;
+    std::vector<Piece> pieces_;
+};
+
+// A set of regions whose surface must be a manifold: all regions of one structure, or one region by itself (region 0,
+// the outside, stands for the union of all structures).
+struct Body {
+    bool is_region = false;
+    std::uint32_t index = 0;  // of the structure, or the region
+
+    bool holds(const RegionTable& table, Region region) const {
+        return is_region ? region == index : table.contains(region, index);
+    }
+};
+
+// One piece of a star: facet-connected cells on one side of one body (or of several that cut the star alike).
+struct StarPiece {
+    Body body;                         // one body that makes this cut
+    bool inside = false;               // whether the piece lies in it
+    bool largest = false;              // of its side
+    std::vector<std::uint32_t> cells;
+};
+
+// Looks at stars of a mesh whose regions change under it. Keeps scratch space: not thread-safe.
+// A vertex is *sound* when every body cuts its star into at most one piece inside and one outside (then the
+// body's surface passes through it as one disc or not at all: no non-manifold edge or vertex there) and
+// every structure with a contour vertex there has it on its surface. Pieces of contour segments off the surface are
+// defects too, but do not make a vertex unsound.
+class StarAnalyzer {
+  public:
+    StarAnalyzer(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
+                 const std::vector<Region>& regions, const RegionTable& table, const ContourOwners& owners);
+
+    // 0 for a sound vertex, else the number of pieces too many, plus `lost_weight` for each structure with a
+    // contour vertex here that is not on its surface.
+    int defect(std::uint32_t vertex);
+
+    // The pieces of contour segments at the vertex that are edges of the mesh but not of their structure's surface,
+    // both ends counted: a sum over vertices counts each twice.
+    int lost_piece_count(std::uint32_t vertex);
+    void lost_pieces(std::uint32_t vertex, std::vector<ContourOwners::Piece>& pieces);
+
+    // Pieces of those sides that have more than one. Empty for a vertex without excess pieces.
+    void excess_pieces(std::uint32_t vertex, std::vector<StarPiece>& pieces);
+
+    // Structures with a contour vertex here that do not have it on their surface.
+    void lost_structures(std::uint32_t vertex, std::vector<std::uint32_t>& structures);
+
+    static constexpr int lost_weight = 3;
+
+  private:
+    void load(std::uint32_t vertex);
+    bool piece_lost(std::uint32_t vertex, ContourOwners::Piece piece) const;
+    void find_cuts();
+    void add_cut(Body body);
+    int count_pieces(std::uint32_t cut);
+
+    const std::vector<Cell>& cells_;
+    const std::vector<CellNeighbors>& neighbors_;
+    const VertexStars& stars_;
+    const std::vector<Region>& regions_;
+    const RegionTable& table_;
+    const ContourOwners& owners_;
+
+    std::span<const std::uint32_t> star_;
+    std::vector<std::uint32_t> local_;                     // by cell: position in the star
+    std::vector<std::array<std::uint32_t, 3>> adjacent_;   // by position: positions across facets at the vertex
+    std::vector<Region> kinds_;                            // distinct regions of the star
+    std::vector<std::uint8_t> kind_;                       // by position
+    std::vector<std::uint64_t> cuts_;                      // distinct partitions: bit n = kinds_[n] is inside
+    std::vector<Body> cut_body_;                           // one body that makes each
+    std::vector<std::uint32_t> piece_, stack_;             // by position; scratch
+};
+
+}  // namespace anatomesh

@@ -1,0 +1,346 @@
+#include "anatomesh/overlaps/outlines_between.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "anatomesh/contour/overlay/boundary_loops.h"
+#include "anatomesh/contour/model/choose_structures.h"
+#include "anatomesh/contour/model/chosen_slices.h"
+#include "anatomesh/contour/simplify/simplify.h"
+#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/field/stack/levels.h"
+#include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/field/planes/plane_trace.h"
+#include "anatomesh/slices/coverage/slices_tell.h"
+#include "anatomesh/geom/polygon.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
+
+namespace anatomesh {
+
+namespace {
+
+// A step of the lattice: at most the first of the mean distance of drawn vertices, and the second of the mean
+// length of a contour, which may have few.
+constexpr double lattice_share = 0.5, contour_share = 1.0 / 96;
+constexpr double most_moved = 0.05;  // of a step, when vertices are left out
+
+// The set as if no slice told what it does not draw.
+ContourSet not_exclusive(ContourSet set) {
+    set.exclusive = false;
+    set.overlapping = nullptr;
+    return set;
+}
+
+// Slices between the structure's own that say nothing of it.
+std::vector<std::uint32_t> silent_slices(const ContourSet& set, std::uint32_t structure,
+                                         const std::vector<bool>& tell) {
+    std::vector<std::uint32_t> drawn, silent;
+    for (const Contour& contour : set.contours) {
+        if (contour.structure == structure) drawn.push_back(contour.slice);
+    }
+    if (drawn.empty()) return silent;
+    const auto [first, last] = std::minmax_element(drawn.begin(), drawn.end());
+    for (std::uint32_t k = *first; k < *last; ++k) {
+        if (!tell[k]) silent.push_back(k);
+    }
+    return silent;
+}
+
+bool has_silent_slices(const ContourSet& set) {
+    if (!set.drawn || !set.exclusive || !is_parallel(set)) return false;
+    const ContourSet plain = not_exclusive(set);
+    for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
+        if (!silent_slices(plain, s, slices_tell(plain, s)).empty()) return true;
+    }
+    return false;
+}
+
+// Whether a structure of a level goes on through slices that draw one which comes after it, and not it: there
+// it would cut what is drawn.
+bool cuts_what_is_drawn(const OverlappingContours& all, std::size_t level) {
+    const ContourSet plain = not_exclusive(all.levels[level]);
+    if (!plain.drawn || !is_parallel(plain)) return false;
+    const auto rank = [&](std::int32_t number) {
+        return std::find(all.order.begin(), all.order.end(), number) - all.order.begin();
+    };
+    // Slices of the whole, and the numbers of what they draw in other levels.
+    std::map<std::uint32_t, std::vector<std::int32_t>> drawn;
+    for (std::size_t n = 0; n < all.levels.size(); ++n) {
+        for (const Contour& contour : all.levels[n].contours) {
+            if (n != level)
+                drawn[all.slices[n][contour.slice]].push_back(
+                    all.levels[n].structures[contour.structure].number);
+        }
+    }
+    for (std::uint32_t s = 0; s < plain.structures.size(); ++s) {
+        const auto own = rank(plain.structures[s].number);
+        for (const std::uint32_t k : silent_slices(plain, s, slices_tell(plain, s))) {
+            const std::vector<std::int32_t>& others = drawn[all.slices[level][k]];
+            if (std::any_of(others.begin(), others.end(),
+                            [&](std::int32_t other) { return own < rank(other); }))
+                return true;
+        }
+    }
+    return false;
+}
+
+bool lacks_outlines(const ContourSet& kept) {
+    if (!kept.overlapping) return has_silent_slices(kept);
+    for (std::size_t n = 0; n < kept.overlapping->levels.size(); ++n) {
+        if (has_silent_slices(kept.overlapping->levels[n]) || cuts_what_is_drawn(*kept.overlapping, n))
+            return true;
+    }
+    return false;
+}
+
+double lattice_step(const ContourSet& set) {
+    const double edge = mean_vertex_spacing(set);
+    const auto points = static_cast<double>(set.points.size()),
+               contours = static_cast<double>(set.contours.size());
+    return std::min(lattice_share * edge, contour_share * edge * points / contours);
+}
+
+// The loops that bound the region, from their lexicographically smallest vertex on.
+std::vector<std::vector<Vec3>> loops_of(const std::vector<Edge2>& edges, const Plane& plane) {
+    std::map<std::pair<double, double>, std::uint32_t> index;
+    std::vector<Vec2> at;
+    const auto number = [&](Vec2 p) {
+        const auto [entry, is_new] = index.try_emplace({p.x, p.y}, static_cast<std::uint32_t>(at.size()));
+        if (is_new) at.push_back(p);
+        return entry->second;
+    };
+    std::vector<BoundaryEdge> graph;
+    for (const Edge2& edge : edges) {
+        const std::uint32_t from = number(edge.a), to = number(edge.b);
+        if (from != to) graph.push_back({from, to});
+    }
+    std::vector<std::vector<Vec3>> loops;
+    for (const std::vector<std::uint32_t>& loop : boundary_loops(at, graph)) {
+        std::vector<Vec3>& points = loops.emplace_back();
+        for (const std::uint32_t e : loop) points.push_back(plane.to_space(at[graph[e].from]));
+        const auto first = std::min_element(points.begin(), points.end(), [](const Vec3& a, const Vec3& b) {
+            return lexicographic_less(a, b);
+        });
+        std::rotate(points.begin(), first, points.end());
+    }
+    return loops;
+}
+
+double area_of(const std::vector<Vec3>& loop, const Plane& plane) {
+    std::vector<Vec2> ring;
+    for (const Vec3& p : loop) ring.push_back(plane.to_plane(p));
+    return std::abs(signed_area(ring));
+}
+
+class Outlines {
+  public:
+    Outlines(const ContourSet& set, const FieldOptions& options, RunContext& context)
+        : set_(set), options_(options), context_(context) {}
+
+    // Those of a structure on slices that are silent about it, on all slices of the set.
+    Result<ContourSet> of(std::uint32_t structure, const std::vector<std::uint32_t>& silent) const {
+        std::vector<std::uint32_t> own;
+        for (std::uint32_t k = 0; k < set_.slices.size(); ++k) {
+            if (!std::binary_search(silent.begin(), silent.end(), k)) own.push_back(k);
+        }
+        const ContourSet alone = chosen_slices(choose_structures(set_, {&structure, 1}), own);
+        RunContext apart;  // the set's own field will say what is to be said
+        apart.threads = context_.threads;
+        apart.cancel = context_.cancel;
+        ANATOMESH_TRY(const auto field, make_structure_field(alone, options_, apart));
+        const std::vector<std::uint32_t> within = within_parts(alone, silent);
+        const double step = lattice_step(alone);
+        ContourSet outlines = choose_structures(set_, {&structure, 1});
+        outlines.contours.clear();
+        outlines.points.clear();
+        for (std::uint32_t k = 0; k < set_.slices.size(); ++k) {
+            Slice& slice = outlines.slices[k];
+            slice.first_contour = static_cast<std::uint32_t>(outlines.contours.size());
+            slice.contour_count = 0;
+            if (context_.cancelled()) return cancelled_error();
+            if (std::binary_search(within.begin(), within.end(), k)) trace(*field, step, k, outlines);
+        }
+        ANATOMESH_TRY(SimplifyResult fewer,
+                      simplify_contours(outlines, {most_moved * step, step / lattice_share, 0}, apart));
+        return std::move(fewer.kept);
+    }
+
+  private:
+    // Those of the slices between two that a part of the structure goes on from and to; not beyond its ends.
+    std::vector<std::uint32_t> within_parts(const ContourSet& alone,
+                                            const std::vector<std::uint32_t>& slices) const {
+        const Plane& frame = set_.slices.front().plane;
+        const std::vector<SliceInterval> intervals = parallel_intervals(alone, frame);
+        std::vector<std::uint32_t> drawn, within;
+        for (std::uint32_t i = 0; i < intervals.size(); ++i) {
+            if (alone.slices[intervals[i].slice].contour_count > 0) drawn.push_back(i);
+        }
+        const std::vector<StructurePart> parts =
+            parts_of(structure_levels(intervals, drawn, false, median_spacing(alone), options_,
+                                      {heights_left_out(alone, 0, frame.origin, frame.normal), {}, {}}));
+        for (const std::uint32_t k : slices) {
+            const double height = frame.signed_distance(set_.slices[k].plane.origin);
+            if (std::any_of(parts.begin(), parts.end(), [&](const StructurePart& part) {
+                    return part.low < height && height < part.high;
+                }))
+                within.push_back(k);
+        }
+        return within;
+    }
+
+    void trace(const StructureField& field, double step, std::uint32_t k, ContourSet& outlines) const {
+        Slice& slice = outlines.slices[k];
+        const Plane& plane = slice.plane;
+        Box2 box;
+        const Box3 whole = field.box();
+        for (int corner = 0; corner < 8; ++corner)
+            box.extend(plane.to_plane({corner & 1 ? whole.high.x : whole.low.x,
+                                       corner & 2 ? whole.high.y : whole.low.y,
+                                       corner & 4 ? whole.high.z : whole.low.z}));
+        const auto value = [&](Vec2 q) { return field.value_within(0, plane.to_space(q), 0); };
+        std::vector<std::vector<Vec3>> loops =
+            loops_of(trace_in_plane(value, box.grown(2 * step), step, context_.threads), plane);
+        std::erase_if(loops, [&](const std::vector<Vec3>& loop) {
+            return loop.size() < 3 || area_of(loop, plane) < step * step;
+        });
+        std::sort(loops.begin(), loops.end(),
+                  [](const auto& a, const auto& b) { return lexicographic_less(a.front(), b.front()); });
+        for (const std::vector<Vec3>& loop : loops) {
+            outlines.contours.push_back({0, k, static_cast<std::uint32_t>(outlines.points.size()),
+                                         static_cast<std::uint32_t>(loop.size())});
+            outlines.points.insert(outlines.points.end(), loop.begin(), loop.end());
+            ++slice.contour_count;
+        }
+    }
+
+    const ContourSet& set_;
+    const FieldOptions& options_;
+    RunContext& context_;
+};
+
+// The contours of the set and, on slices without any of a structure, those of `outlines`, by structure.
+void put_together(const ContourSet& set, const std::vector<ContourSet>& outlines, ContourSet& all) {
+    all.contours.clear();
+    all.points.clear();
+    const auto add = [&](const ContourSet& from, Contour contour, std::uint32_t structure) {
+        const auto points = from.points_of(contour);
+        contour.structure = structure;
+        contour.first_point = static_cast<std::uint32_t>(all.points.size());
+        all.points.insert(all.points.end(), points.begin(), points.end());
+        all.contours.push_back(contour);
+    };
+    for (std::uint32_t k = 0; k < set.slices.size(); ++k) {
+        const auto first = static_cast<std::uint32_t>(all.contours.size());
+        for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
+            for (const Contour& contour : set.contours_of(set.slices[k])) {
+                if (contour.structure == s) add(set, contour, s);
+            }
+            if (outlines[s].slices.empty()) continue;
+            for (const Contour& contour : outlines[s].contours_of(outlines[s].slices[k]))
+                add(outlines[s], contour, s);
+        }
+        all.slices[k].first_contour = first;
+        all.slices[k].contour_count = static_cast<std::uint32_t>(all.contours.size()) - first;
+    }
+}
+
+// The slices of `set` as those of `marked` say which of their outlines were not drawn: `from[k]` of these.
+void mark(ContourSet& set, const ContourSet& marked, const std::vector<std::uint32_t>& from) {
+    for (std::uint32_t k = 0; k < set.slices.size(); ++k)
+        set.slices[k].interpolated = marked.slices[from[k]].interpolated;
+}
+
+void mark_all(ContourSet& kept, const ContourSet& marked) {
+    std::vector<std::uint32_t> all(kept.slices.size());
+    std::iota(all.begin(), all.end(), 0u);
+    mark(kept, marked, all);
+    if (!kept.overlapping) return;
+    OverlappingContours overlapping = *kept.overlapping;
+    for (std::size_t n = 0; n < overlapping.levels.size(); ++n)
+        mark(overlapping.levels[n], marked, overlapping.slices[n]);
+    kept.overlapping = std::make_shared<const OverlappingContours>(std::move(overlapping));
+}
+
+void warn_of_outlines(const ContourSet& set, RunContext& context) {
+    for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
+        std::vector<std::uint32_t> slices;
+        for (std::uint32_t k = 0; k < set.slices.size(); ++k) {
+            if (is_interpolated(set, k, s)) slices.push_back(k);
+        }
+        if (slices.empty()) continue;
+        const Structure& structure = set.structures[s];
+        context.warn(
+            {"W-PRI-002",
+             "drawn on slices of its own, and not on those between them, which draw others",
+             {set.source, set.slices[slices.front()].name,
+              structure.name.empty() ? std::to_string(structure.number) : structure.name, "",
+              std::to_string(slices.size()) + " slices"},
+             "its outline there is what its own slices tell, interpolated, not drawn; parts that are apart "
+             "are to be structures of their own"});
+    }
+}
+
+}  // namespace
+
+Result<ContourSet> outlines_between(const ContourSet& set, const FieldOptions& options, RunContext& context) {
+    assert(!set.exclusive && is_parallel(set));
+    ContourSet all = set;
+    std::vector<ContourSet> outlines(set.structures.size());
+    for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
+        const std::vector<std::uint32_t> silent = silent_slices(set, s, slices_tell(set, s));
+        if (silent.empty()) continue;
+        ANATOMESH_TRY(outlines[s], Outlines(set, options, context).of(s, silent));
+        for (const std::uint32_t k : silent) {
+            if (outlines[s].slices[k].contour_count > 0)
+                all.slices[k].interpolated.push_back(set.structures[s].number);
+        }
+    }
+    put_together(set, outlines, all);
+    return all;
+}
+
+Result<PriorityResult> part_structures(const ContourSet& set, const std::vector<std::uint32_t>& order,
+                                       const FieldOptions& options, RunContext& context) {
+    const std::size_t warnings = context.warnings.size();
+    ANATOMESH_TRY(PriorityResult result, give_overlaps(set, order, context));
+    if (!is_parallel(set) || !lacks_outlines(result.kept)) return result;
+    ANATOMESH_TRY(const ContourSet whole, outlines_between(not_exclusive(set), options, context));
+    if (!has_interpolated(whole)) return result;
+    context.warnings.resize(warnings);
+    ANATOMESH_TRY(result, give_overlaps(whole, order, context));
+    // Planes so near that they became one are marked no longer: what was interpolated counts as drawn.
+    if (result.kept.slices.size() == whole.slices.size()) mark_all(result.kept, whole);
+    warn_of_outlines(whole, context);
+    return result;
+}
+
+ContourSet drawn_alone(const ContourSet& set) {
+    if (!has_interpolated(set)) return set;
+    ContourSet drawn = not_exclusive(set);
+    std::erase_if(drawn.contours, [&](const Contour& contour) {
+        return is_interpolated(set, contour.slice, contour.structure);
+    });
+    std::size_t next = 0;
+    std::vector<Vec3> points;
+    for (std::uint32_t k = 0; k < drawn.slices.size(); ++k) {
+        drawn.slices[k].first_contour = static_cast<std::uint32_t>(next);
+        drawn.slices[k].interpolated.clear();
+        for (; next < drawn.contours.size() && drawn.contours[next].slice == k; ++next) {
+            Contour& contour = drawn.contours[next];
+            const auto from = set.points_of(contour);
+            contour.first_point = static_cast<std::uint32_t>(points.size());
+            points.insert(points.end(), from.begin(), from.end());
+        }
+        drawn.slices[k].contour_count = static_cast<std::uint32_t>(next) - drawn.slices[k].first_contour;
+    }
+    drawn.points = std::move(points);
+    return drawn;
+}
+
+}  // namespace anatomesh

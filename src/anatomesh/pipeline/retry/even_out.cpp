@@ -1,0 +1,72 @@
+#include "anatomesh/pipeline/retry/even_out.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/pipeline/retry/compare_reports.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double most_mean = 0.95;    // of the radius-edge ratio
+constexpr double least_gain = 0.005;  // of a model that does not get there
+constexpr std::array<double, 3> even_means{0.99, 0.98, 0.965};
+constexpr std::size_t small_model = 30000;  // cells
+constexpr double near_enough = 0.5;         // to the field, in sizes: farther off it is warned of
+
+bool is_uneven(const Model& model) {
+    return model.report.quality.radius_edge_mean > most_mean;
+}
+
+// Bad cells without a reason.
+std::uint64_t unforced(const Model& model) {
+    return model.report.listed_cells_total - model.report.listed_cells_forced;
+}
+
+// The first of two that has a mean as is asked for, or one lower by something; of two that have it, the one
+// with fewer bad cells.
+bool is_better(const Model& model, const Model& other) {
+    const double mean = model.report.quality.radius_edge_mean;
+    const double before = other.report.quality.radius_edge_mean;
+    if (before <= most_mean) return mean <= most_mean && unforced(model) < unforced(other);
+    return mean <= most_mean || mean <= before - least_gain;
+}
+
+}  // namespace
+
+Result<EvenedModel> even_out(Model model, double size_mm, const std::function<Result<Model>(double)>& build,
+                             RunContext& context) {
+    EvenedModel result;
+    if (!is_uneven(model) || model.mesh.cells.size() >= small_model) {
+        result.model = std::move(model);
+        return result;
+    }
+    const std::vector<Warning> first_warnings = context.warnings;
+    std::vector<Warning> warnings = first_warnings;
+    const ComparedModel first{model.report, first_warnings};
+    CompareOptions options;
+    options.near_mm = near_enough * size_mm;
+    std::optional<Model> taken;
+    for (const double mean : even_means) {
+        const Model& best = taken ? *taken : model;
+        if (!is_uneven(best) && unforced(best) <= unforced(model)) break;
+        ++result.tries;
+        Result<Model> even = build(mean);
+        if (!even.ok() && even.error().kind == ErrorKind::cancelled) return even.error();
+        if (!even.ok() || !is_no_worse({even.value().report, context.warnings}, first, options) ||
+            !is_better(even.value(), best))
+            continue;
+        taken = std::move(even.value());
+        warnings = context.warnings;
+        result.even_mean = mean;
+    }
+    context.warnings = std::move(warnings);
+    result.model = taken ? std::move(*taken) : std::move(model);
+    return result;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,148 @@
+#include "anatomesh/reconcile/compare/contradictions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/reconcile/compare/disagreement.h"
+#include "anatomesh/reconcile/compare/reconcile_warnings.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double at_bound_share = 1e-3;   // of the bound: a contour so near to it cannot move further
+constexpr double least_left_share = 0.1;  // of the bound: slices that differ by less are warned of
+constexpr double beside_line = 2;         // bounds: of a moved point from the other slice's plane
+
+// A slice whose contours all lie on one side of the other's plane, beside their common line: there it tells
+// within a margin only that nothing is there, and an image that ends there draws along its edge. `at`: where
+// the points were drawn.
+std::string beyond_its_contours(const ContourSet& set, const std::vector<Vec3>& at, std::uint32_t a,
+                                std::uint32_t b) {
+    for (const auto& [slice, other] : {std::pair{a, b}, std::pair{b, a}}) {
+        double low = std::numeric_limits<double>::infinity(), high = -low;
+        for (const Contour& contour : set.contours_of(set.slices[slice])) {
+            for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+                const double height = set.slices[other].plane.signed_distance(at[k]);
+                low = std::min(low, height);
+                high = std::max(high, height);
+            }
+        }
+        if (low > 0 || high < 0)
+            return "if the image of slice " + set.slices[slice].name + " ends " +
+                   brief(std::max(low, -high)) +
+                   " mm from that line, where its contours do, they are no outline there: leave it out "
+                   "(--without \"" +
+                   set.slices[slice].name + "\"); else ";
+    }
+    return {};
+}
+
+// `culprit`: the slice that is in most of the contradictions.
+std::string ways_out(const ReconcileOptions& options, const std::string& culprit) {
+    return "leave a slice out, first --without \"" + culprit + "\", " +
+           (options.align ? "" : "shift slices with --align, ") +
+           "raise the bound with --max-disagreement, or keep every vertex with --reconcile 0";
+}
+
+Place place_of(const ContourSet& set, const WorstPlace& worst) {
+    Place place = place_of_slice(set, worst.a, worst.distance_mm);
+    const Structure& structure = set.structures[worst.structure];
+    place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+    return place;
+}
+
+Error contradiction(const ContourSet& set, const WorstPlace& worst, const ReconcileOptions& options,
+                    const std::string& where, const std::string& which) {
+    return Error{ErrorKind::geometry, "E-RCN-001",
+                 names_of(set, worst.a, worst.b) + " contradict each other by " + brief(worst.distance_mm) +
+                     " mm" + where + brief(options.max_disagreement_mm) + " mm; " +
+                     std::to_string(worst.places) + which + set.slices[worst.culprit].name,
+                 place_of(set, worst),
+                 beyond_its_contours(set, set.points, worst.a, worst.b) +
+                     ways_out(options, set.slices[worst.culprit].name)};
+}
+
+// A point that moved so far.
+struct MovedFar {
+    std::uint32_t slice = 0, structure = 0;
+    Vec3 at;
+};
+
+std::vector<MovedFar> moved_by(const ContourSet& set, const DrawnPlaces& drawn, double least_mm) {
+    std::vector<MovedFar> moved;
+    for (const Contour& contour : set.contours) {
+        for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+            if (length(set.points[k] - drawn.at[k]) >= least_mm)
+                moved.push_back({contour.slice, contour.structure, set.points[k]});
+        }
+    }
+    return moved;
+}
+
+}  // namespace
+
+Status check_bound(const ContourSet& set, std::span<const LineComparison> comparisons,
+                   const ReconcileOptions& options) {
+    const double bound = options.max_disagreement_mm;
+    if (const std::optional<WorstPlace> worst = worst_pair(set, comparisons, bound))
+        return contradiction(set, *worst, options,
+                             " in the median of the region ends where their planes cross, more than ",
+                             " such pairs, most of them with slice ");
+    if (const std::optional<WorstPlace> worst = worst_place(set, comparisons, bound))
+        return contradiction(set, *worst, options, " where their planes cross, more than ",
+                             " such places, most of them in slice ");
+    return Nothing{};
+}
+
+Status check_what_is_left(const ContourSet& set, const DrawnPlaces& drawn,
+                          std::span<const LineComparison> comparisons, const ReconcileOptions& options) {
+    const double bound = options.max_disagreement_mm;
+    const std::vector<MovedFar> moved = moved_by(set, drawn, (1 - at_bound_share) * bound);
+    const auto has_moved = [&](std::uint32_t slice, std::uint32_t structure, std::uint32_t other) {
+        return std::any_of(moved.begin(), moved.end(), [&](const MovedFar& m) {
+            return m.slice == slice && m.structure == structure &&
+                   std::abs(set.slices[other].plane.signed_distance(m.at)) <= beside_line * bound;
+        });
+    };
+    WorstPlace worst;
+    std::vector<std::uint64_t> pairs_of(set.slices.size(), 0);
+    for (std::uint32_t structure = 0; structure < set.structures.size() && !moved.empty(); ++structure) {
+        std::vector<LineComparison> of_structure;
+        std::copy_if(comparisons.begin(), comparisons.end(), std::back_inserter(of_structure),
+                     [&](const LineComparison& c) { return c.structure == structure; });
+        for (const PairDisagreement& pair : disagreements(of_structure)) {
+            if (pair.difference_mm <= least_left_share * bound) continue;
+            const std::uint32_t a = pair.slice_a, b = pair.slice_b;
+            if (!has_moved(a, structure, b) && !has_moved(b, structure, a)) continue;
+            ++worst.places;
+            ++pairs_of[a];
+            ++pairs_of[b];
+            if (pair.difference_mm <= worst.distance_mm) continue;
+            worst.a = a;
+            worst.b = b;
+            worst.structure = structure;
+            worst.distance_mm = pair.difference_mm;
+        }
+    }
+    if (worst.places == 0) return Nothing{};
+    const auto most = std::max_element(pairs_of.begin(), pairs_of.end()) - pairs_of.begin();
+    worst.culprit = static_cast<std::uint32_t>(most);
+    return Error{ErrorKind::geometry, "E-RCN-003",
+                 names_of(set, worst.a, worst.b) + " still differ along " + brief(worst.distance_mm) +
+                     " mm of the line where their planes cross when contours have moved by as much as they "
+                     "may, " +
+                     brief(bound) + " mm; " + std::to_string(worst.places) +
+                     " such pairs, most of them with slice " + set.slices[worst.culprit].name,
+                 place_of(set, worst),
+                 beyond_its_contours(set, drawn.at, worst.a, worst.b) +
+                     ways_out(options, set.slices[worst.culprit].name)};
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,222 @@
+#include "anatomesh/reconcile/compare/disagreement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "anatomesh/reconcile/move/contour_graph.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double normal_reach_mm = 2;  // contours' normals are taken over chords of this half length
+
+struct Figures {
+    double median = 0, p95 = 0, max = 0;
+};
+
+// The least values that half and 95 % of the distances do not exceed. The same elements give the same
+// figures.
+Figures figures_of(std::vector<double> distances) {
+    if (distances.empty()) return {};
+    std::sort(distances.begin(), distances.end());
+    const std::size_t n = distances.size();
+    return {distances[(n - 1) / 2], distances[(95 * n + 99) / 100 - 1], distances.back()};
+}
+
+void append_distances(const LineComparison& comparison, std::vector<double>& distances) {
+    for (const auto& [i, j] : comparison.matching.matched) {
+        distances.push_back(std::abs(comparison.ends_a[i].t - comparison.ends_b[j].t));
+    }
+}
+
+std::size_t unmatched_in(const LineComparison& comparison) {
+    return comparison.matching.only_first.size() + comparison.matching.only_second.size();
+}
+
+double distance_to_region_boundary(const ContourSet& set, std::uint32_t slice, std::uint32_t structure,
+                                   Vec3 p) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Contour& contour : set.contours_of(set.slices[slice])) {
+        if (contour.structure != structure) continue;
+        for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+            const Vec3 a = set.points[k], along = set.points[point_after(contour, k)] - a;
+            const double square = squared_length(along);
+            const double share = square > 0 ? std::clamp(dot(p - a, along) / square, 0.0, 1.0) : 0;
+            least = std::min(least, squared_length(p - a - share * along));
+        }
+    }
+    return std::sqrt(least);
+}
+
+// Points from `start` on until `stop`, if all lie on one side of the plane.
+Arc arc_from(const ContourSet& set, const Contour& contour, std::uint32_t start, std::uint32_t stop,
+             const Plane& own, const Plane& other) {
+    const Vec2 across{dot(other.normal, own.u), dot(other.normal, own.v)};
+    const double sine = length(across);
+    Arc arc;
+    double side = 0;
+    for (std::uint32_t k = start; k != stop; k = point_after(contour, k)) {
+        const double height = other.signed_distance(set.points[k]) / sine;
+        if (side == 0 && std::abs(height) > on_plane_mm) side = height > 0 ? 1 : -1;
+        if (side * height < -on_plane_mm || arc.points.size() == contour.point_count) return {};
+        arc.points.push_back(k);
+        arc.heights_mm.push_back(std::abs(height));
+        arc.height_mm = std::max(arc.height_mm, std::abs(height));
+    }
+    if (side == 0) return {};
+    arc.back = (-side / sine) * across;
+    return arc;
+}
+
+std::uint32_t most_of(const std::vector<std::uint64_t>& counts) {
+    return static_cast<std::uint32_t>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+}
+
+// How far apart corresponding ends are across the contours: along the line, times the lesser sine of the
+// angles at which the two contours meet it.
+double distance_across(const ContourSet& set, const LineComparison& c, const LineEnd& a, const LineEnd& b) {
+    const auto sine = [&](const LineEnd& end, std::uint32_t slice) {
+        const Plane& plane = set.slices[slice].plane;
+        return std::abs(dot(contour_normal(set, end, normal_reach_mm),
+                            {dot(c.line.direction, plane.u), dot(c.line.direction, plane.v)}));
+    };
+    return std::abs(a.t - b.t) * std::min(sine(a, c.a), sine(b, c.b));
+}
+
+class WorstFinder {
+  public:
+    WorstFinder(const ContourSet& set, double bound)
+        : set_(set), bound_(bound), counts_(set.slices.size(), 0) {}
+
+    void look_at(const LineComparison& c) {
+        for (const auto& [i, j] : c.matching.matched) {
+            const LineEnd &a = c.ends_a[i], &b = c.ends_b[j];
+            if (std::abs(a.t - b.t) <= bound_) continue;
+            take(c, 0.5 * std::min(distance_to_region_boundary(set_, c.a, c.structure, b.at),
+                                   distance_to_region_boundary(set_, c.b, c.structure, a.at)));
+        }
+        for (const std::uint32_t i : c.matching.only_first)
+            look_at_single(c, c.ends_a[i], c.ends_a[i + 1], c.a, c.b);
+        for (const std::uint32_t i : c.matching.only_second)
+            look_at_single(c, c.ends_b[i], c.ends_b[i + 1], c.b, c.a);
+    }
+
+    std::optional<WorstPlace> result() {
+        if (worst_.places == 0) return std::nullopt;
+        worst_.culprit = most_of(counts_);
+        return worst_;
+    }
+
+  private:
+    void look_at_single(const LineComparison& c, const LineEnd& p, const LineEnd& q, std::uint32_t own,
+                        std::uint32_t other) {
+        const Arc arc = arc_between(set_, p, q, set_.slices[own].plane, set_.slices[other].plane);
+        if (!arc.points.empty() && arc.height_mm <= bound_) return;
+        take(c, 0.5 * distance_to_region_boundary(set_, own, c.structure, 0.5 * (p.at + q.at)));
+    }
+
+    void take(const LineComparison& c, double distance) {
+        if (distance <= bound_) return;
+        ++worst_.places;
+        ++counts_[c.a];
+        ++counts_[c.b];
+        if (distance <= worst_.distance_mm) return;
+        worst_.a = c.a;
+        worst_.b = c.b;
+        worst_.structure = c.structure;
+        worst_.distance_mm = distance;
+    }
+
+    const ContourSet& set_;
+    const double bound_;
+    WorstPlace worst_;
+    std::vector<std::uint64_t> counts_;
+};
+
+}  // namespace
+
+std::vector<PairDisagreement> disagreements(std::span<const LineComparison> comparisons) {
+    std::vector<PairDisagreement> pairs;
+    std::vector<double> distances;
+    for (std::size_t i = 0; i < comparisons.size(); ++i) {
+        const LineComparison& c = comparisons[i];
+        if (pairs.empty() || pairs.back().slice_a != c.a || pairs.back().slice_b != c.b) {
+            pairs.push_back({});
+            pairs.back().slice_a = c.a;
+            pairs.back().slice_b = c.b;
+            distances.clear();
+        }
+        PairDisagreement& pair = pairs.back();
+        append_distances(c, distances);
+        pair.ends += static_cast<std::uint32_t>(c.matching.matched.size());
+        pair.unmatched += static_cast<std::uint32_t>(unmatched_in(c));
+        pair.difference_mm += c.difference_mm;
+        const bool last =
+            i + 1 == comparisons.size() || comparisons[i + 1].a != c.a || comparisons[i + 1].b != c.b;
+        if (!last) continue;
+        const Figures figures = figures_of(distances);
+        pair.median_mm = figures.median;
+        pair.p95_mm = figures.p95;
+        pair.max_mm = figures.max;
+    }
+    return pairs;
+}
+
+void summarize(std::span<const LineComparison> comparisons, ReconcileStats& stats) {
+    std::vector<double> distances;
+    for (const LineComparison& comparison : comparisons) {
+        append_distances(comparison, distances);
+        stats.unmatched += unmatched_in(comparison);
+        stats.difference_mm += comparison.difference_mm;
+    }
+    stats.ends = distances.size();
+    const Figures figures = figures_of(std::move(distances));
+    stats.median_mm = figures.median;
+    stats.p95_mm = figures.p95;
+    stats.max_mm = figures.max;
+}
+
+Arc arc_between(const ContourSet& set, const LineEnd& p, const LineEnd& q, const Plane& own,
+                const Plane& other) {
+    if (p.contour != q.contour) return {};
+    const Contour& contour = set.contours[p.contour];
+    const auto start_after = [&](const LineEnd& end) {
+        return end.from == end.to ? point_after(contour, end.to) : end.to;
+    };
+    const auto stop_at = [](const LineEnd& end) { return end.to; };
+    Arc one = arc_from(set, contour, start_after(p), stop_at(q), own, other);
+    Arc two = arc_from(set, contour, start_after(q), stop_at(p), own, other);
+    if (one.points.empty()) return two;
+    if (two.points.empty()) return one;
+    return two.height_mm < one.height_mm ? two : one;
+}
+
+std::optional<WorstPlace> worst_pair(const ContourSet& set, std::span<const LineComparison> comparisons,
+                                     double bound_mm) {
+    WorstPlace worst;
+    std::vector<std::uint64_t> counts(set.slices.size(), 0);
+    for (const LineComparison& c : comparisons) {
+        std::vector<double> distances;
+        for (const auto& [i, j] : c.matching.matched)
+            distances.push_back(distance_across(set, c, c.ends_a[i], c.ends_b[j]));
+        const double median = figures_of(std::move(distances)).median;
+        if (median <= bound_mm) continue;
+        ++worst.places, ++counts[c.a], ++counts[c.b];
+        if (median > worst.distance_mm)
+            worst.a = c.a, worst.b = c.b, worst.structure = c.structure, worst.distance_mm = median;
+    }
+    if (worst.places == 0) return std::nullopt;
+    worst.culprit = most_of(counts);
+    return worst;
+}
+
+std::optional<WorstPlace> worst_place(const ContourSet& set, std::span<const LineComparison> comparisons,
+                                      double bound_mm) {
+    WorstFinder finder(set, bound_mm);
+    for (const LineComparison& comparison : comparisons) finder.look_at(comparison);
+    return finder.result();
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,323 @@
+#include "anatomesh/reconcile/compare/reconcile_warnings.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/contour/model/message_text.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::size_t most_named_pairs = 10;
+// Of pairs: that differ by more, or by this share of the bound.
+constexpr double named_mm = 0.5, named_share = 0.05;
+constexpr double least_named_change_mm = 0.1;  // of a contour that moving did not bring to agree
+constexpr double outlier_mm = 2,
+                 outlier_factor = 4;  // of a slice's median disagreement, and over that of all
+
+class Warner {
+  public:
+    Warner(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
+           std::span<const Silence> silences, std::span<const StraySlice> strays, RunContext& context)
+        : set_(set),
+          options_(options),
+          stats_(stats),
+          silences_(silences),
+          strays_(strays),
+          context_(context) {}
+
+    void warn() {
+        warn_of_shifts();
+        warn_of_disagreement();
+        warn_of_pairs();
+        warn_of_folds();
+        warn_of_poles();
+        warn_of_parting();
+        warn_of_taken_over();
+        warn_of_settled();
+        warn_of_walls();
+        warn_of_rest();
+        warn_of_outliers();
+        warn_of_silences();
+        warn_of_strays();
+    }
+
+  private:
+    // The pairs with the largest figures above `least`, largest first.
+    template <class Figure>
+    std::vector<const PairDisagreement*> largest(Figure figure, double least) const {
+        std::vector<const PairDisagreement*> named;
+        for (const PairDisagreement& pair : stats_.pairs) {
+            if (figure(pair) > least) named.push_back(&pair);
+        }
+        std::stable_sort(
+            named.begin(), named.end(),
+            [&](const PairDisagreement* p, const PairDisagreement* q) { return figure(*p) > figure(*q); });
+        return named;
+    }
+
+    void warn_of_strays() {
+        std::vector<StraySlice> named(strays_.begin(), strays_.end());
+        std::stable_sort(named.begin(), named.end(),
+                         [](const StraySlice& p, const StraySlice& q) { return p.others > q.others; });
+        for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
+            const StraySlice& stray = named[n];
+            context_.warn({"W-RCN-008",
+                           "the slice has nothing in common with the " + std::to_string(stray.others) +
+                               (stray.others == 1 ? " slice" : " slices") +
+                               " that draw the same structure where their planes cross, but elsewhere; "
+                               "the nearest is slice " +
+                               set_.slices[stray.nearest].name + ": is it in its place?" +
+                               (named.size() > most_named_pairs && n == 0
+                                    ? "; " + std::to_string(named.size()) + " such slices"
+                                    : ""),
+                           place_of_slice(set_, stray.slice, stray.gap_mm), "kept, as a part by itself"});
+        }
+    }
+
+    void warn_of_silences() {
+        std::vector<Silence> named(silences_.begin(), silences_.end());
+        std::stable_sort(named.begin(), named.end(),
+                         [](const Silence& p, const Silence& q) { return p.shown_mm > q.shown_mm; });
+        for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
+            const Structure& structure = set_.structures[named[n].structure];
+            Place place = place_of_slice(set_, named[n].slice, named[n].shown_mm);
+            place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+            context_.warn({"W-RCN-007",
+                           "the structure is not drawn on this slice, but slice " +
+                               set_.slices[named[n].shown_by].name + " has it where their planes cross" +
+                               (named.size() > most_named_pairs && n == 0
+                                    ? "; " + std::to_string(named.size()) + " such slices and structures"
+                                    : ""),
+                           std::move(place), "the slice says nothing of the structure"});
+        }
+    }
+
+    void warn_of_folds() {
+        const FoldStats& folds = stats_.folds;
+        if (folds.vertices == 0) return;
+        const auto counted = [](std::uint64_t count, const std::string& noun) {
+            return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+        };
+        context_.warn({"W-RCN-006",
+                       counted(folds.folds, "narrow fold") + " and " + counted(folds.spikes, "spike") +
+                           ", up to " + brief(folds.highest_mm) +
+                           " mm high, came about as contours were moved",
+                       {set_.source, "", "", "", ""},
+                       "cut off, with " + std::to_string(folds.vertices) + " drawn vertices"});
+    }
+
+    void warn_of_poles() {
+        const PoleStats& poles = stats_.poles;
+        const FlankStats& flanks = stats_.flanks;
+        if (poles.poles + flanks.points == 0) return;
+        const double highest = std::max(poles.highest_mm, flanks.farthest_mm);
+        context_.warn(
+            {"W-RCN-009",
+             "contours rise and fall from plane to plane beside a line in which four planes or more "
+             "meet, or run steeply along it, at " +
+                 std::to_string(poles.poles) + (poles.poles == 1 ? " place" : " places") + " on it and " +
+                 std::to_string(flanks.points) + (flanks.points == 1 ? " point" : " points") + " along it",
+             {set_.source, "", "", "", brief(highest) + " mm"},
+             "turned and moved there, by " + brief(highest) + " mm at most"});
+    }
+
+    void warn_of_parting() {
+        const KeptApart& apart = stats_.kept_apart;
+        if (apart.places == 0) return;
+        context_.warn({"W-RCN-013",
+                       "contours came to touch each other but for a hair as they were moved, at " +
+                           std::to_string(apart.places) + (apart.places == 1 ? " place" : " places"),
+                       {set_.source, "", "", "", brief(apart.farthest_mm) + " mm"},
+                       "taken apart, by " + brief(apart.farthest_mm) + " mm at most"});
+    }
+
+    void warn_of_taken_over() {
+        std::vector<TakenOver> named = stats_.taken_over;
+        std::stable_sort(named.begin(), named.end(), [](const TakenOver& p, const TakenOver& q) {
+            return p.farthest_mm > q.farthest_mm;
+        });
+        for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
+            Place place = place_of_slice(set_, named[n].slice, named[n].farthest_mm);
+            const Structure& structure = set_.structures[named[n].structure];
+            place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+            context_.warn(
+                {"W-RCN-010",
+                 "most of the slices through a line in which planes meet have the structure there "
+                 "otherwise: this one does not reach the line, or goes on over it" +
+                     std::string(named.size() > most_named_pairs && n == 0
+                                     ? "; " + std::to_string(named.size()) + " such slices and structures"
+                                     : ""),
+                 std::move(place), "its contour was taken over the line, as the others have it"});
+        }
+    }
+
+    void warn_of_settled() {
+        std::vector<SettledPiece> named;
+        for (const SettledPiece& piece : stats_.settled) {
+            if (piece.parts || piece.farthest_mm >= least_named_change_mm) named.push_back(piece);
+        }
+        std::stable_sort(named.begin(), named.end(), [](const SettledPiece& p, const SettledPiece& q) {
+            return p.farthest_mm > q.farthest_mm;
+        });
+        for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
+            const SettledPiece& piece = named[n];
+            Place place = place_of_slice(set_, piece.slice, piece.farthest_mm);
+            const Structure& structure = set_.structures[piece.structure];
+            place.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+            context_.warn(
+                {"W-RCN-012",
+                 "the slice contradicts slice " + set_.slices[piece.other].name + " on " +
+                     brief(piece.length_mm) + " mm of their common line, and moving contours did not help" +
+                     (named.size() > most_named_pairs && n == 0
+                          ? "; " + std::to_string(named.size()) + " such places"
+                          : ""),
+                 std::move(place),
+                 std::string("its contours were changed there by up to ") + brief(piece.farthest_mm) +
+                     " mm, so that the structure " + (piece.inside ? "has" : "does not have") +
+                     " the place, as on the other slice"});
+        }
+    }
+
+    void warn_of_walls() {
+        const LedStats &slivers = stats_.slivers, &shared = stats_.shared_lines;
+        if (slivers.contours_changed + shared.contours_changed == 0) return;
+        const bool wider = slivers.widest_mm > shared.widest_mm;
+        const LedStats& worst = wider ? slivers : shared;
+        context_.warn(
+            {"W-RCN-011",
+             "contours of neighbouring structures came to lie beside each other as they were moved: "
+             "slivers of " +
+                 brief(slivers.area_mm2) + " mm2 between them on " + std::to_string(slivers.slices) +
+                 (slivers.slices == 1 ? " slice" : " slices") + ", and lines " + brief(shared.widest_mm) +
+                 " mm apart on " + std::to_string(shared.slices),
+             place_of_slice(set_, worst.worst_slice, worst.widest_mm),
+             "closed, both led through each other's vertices there; --close-slivers 0 and "
+             "--same-line 0 keep them"});
+    }
+
+    void warn_of_shifts() {
+        std::uint32_t shifted = 0, worst = 0;
+        double sum = 0, others = 0;
+        for (std::uint32_t s = 0; s < stats_.movements.size(); ++s) {
+            const double shift = length(stats_.movements[s].shift);
+            if (shift < 10 * align_precision_mm) continue;
+            ++shifted;
+            sum += shift;
+            if (shift > length(stats_.movements[worst].shift)) worst = s;
+        }
+        if (shifted == 0) return;
+        for (std::uint32_t s = 0; s < stats_.movements.size(); ++s) {
+            if (s != worst) others = std::max(others, length(stats_.movements[s].shift));
+        }
+        context_.warn({"W-RCN-001",
+                       std::to_string(shifted) + " of " + std::to_string(stats_.movements.size()) +
+                           " slices agree better with those that they cross when they are " +
+                           "shifted in their planes, by " + brief(sum / shifted) +
+                           " mm in the mean and most in slice " + set_.slices[worst].name +
+                           "; the others by " + brief(others) + " mm at most",
+                       place_of_slice(set_, worst, length(stats_.movements[worst].shift)), "shifted"});
+    }
+
+    // Slices that disagree with the others far more than these among themselves: a jump of a tracker, as a
+    // rule.
+    void warn_of_outliers() {
+        std::vector<std::vector<double>> of_slice(set_.slices.size());
+        for (const PairDisagreement& pair : stats_.pairs) {
+            const double figure = std::max(pair.median_mm, pair.unmatched > 0 ? 0.5 * pair.difference_mm : 0);
+            of_slice[pair.slice_a].push_back(figure);
+            of_slice[pair.slice_b].push_back(figure);
+        }
+        for (std::uint32_t s = 0; s < of_slice.size(); ++s) {
+            std::vector<double>& figures = of_slice[s];
+            if (figures.size() < 3) continue;
+            const auto middle = figures.begin() + static_cast<std::ptrdiff_t>(figures.size() / 2);
+            std::nth_element(figures.begin(), middle, figures.end());
+            if (*middle <= std::max(outlier_mm, outlier_factor * stats_.median_mm)) continue;
+            context_.warn({"W-RCN-005",
+                           "the slice disagrees with most of those that it crosses: is it in its place?",
+                           place_of_slice(set_, s, *middle), "kept"});
+        }
+    }
+
+    void warn_of_disagreement() {
+        if (stats_.max_mm <= agreement_mm && stats_.unmatched == 0) return;
+        std::string done = "kept as drawn";
+        if (options_.reconcile) {
+            done = "contours moved in their planes by " + brief(stats_.mean_movement_mm) +
+                   " mm in the mean and " + brief(stats_.max_movement_mm) + " mm at most";
+        }
+        context_.warn({"W-RCN-002",
+                       "slices disagree where their planes cross: region ends differ by " +
+                           brief(stats_.median_mm) + " mm in the median, " + brief(stats_.p95_mm) +
+                           " mm at 95 % and " + brief(stats_.max_mm) + " mm at most; " +
+                           std::to_string(stats_.unmatched) + " intervals or gaps are in one slice only",
+                       {set_.source, "", "", "",
+                        brief(stats_.difference_mm) + " mm on " + std::to_string(stats_.pairs.size()) +
+                            " common lines"},
+                       std::move(done)});
+    }
+
+    void warn_of_pairs() {
+        const auto figure = [](const PairDisagreement& pair) {
+            return std::max(pair.max_mm, pair.difference_mm);
+        };
+        const auto named = largest(figure, std::max(named_mm, named_share * options_.max_disagreement_mm));
+        for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
+            const PairDisagreement& pair = *named[n];
+            context_.warn({"W-RCN-003",
+                           names_of(set_, pair.slice_a, pair.slice_b) +
+                               " disagree where their planes cross: " + std::to_string(pair.ends) +
+                               " region ends by up to " + brief(pair.max_mm) + " mm, " +
+                               std::to_string(pair.unmatched) + " intervals or gaps in one of them only",
+                           place_of_slice(set_, pair.slice_a, pair.difference_mm),
+                           options_.reconcile ? "moved" : "kept as drawn"});
+        }
+    }
+
+    void warn_of_rest() {
+        if (!options_.reconcile) return;
+        const auto figure = [](const PairDisagreement& pair) { return pair.difference_after_mm; };
+        const auto left = largest(figure, on_plane_mm);
+        if (left.empty()) return;
+        std::string worst;
+        for (std::size_t n = 0; n < std::min<std::size_t>(left.size(), 3); ++n) {
+            worst += (n > 0 ? "; " : "") + names_of(set_, left[n]->slice_a, left[n]->slice_b) + " " +
+                     brief(left[n]->difference_after_mm) + " mm";
+        }
+        context_.warn({"W-RCN-004",
+                       std::to_string(left.size()) +
+                           " pairs of slices could not be made to agree everywhere on their common "
+                           "line: " +
+                           worst,
+                       {set_.source, "", "", "", brief(stats_.difference_after_mm) + " mm"},
+                       "left; where they cross, the contour nearest to a point counts"});
+    }
+
+    const ContourSet& set_;
+    const ReconcileOptions& options_;
+    const ReconcileStats& stats_;
+    std::span<const Silence> silences_;
+    std::span<const StraySlice> strays_;
+    RunContext& context_;
+};
+
+}  // namespace
+
+void warn_of_reconciling(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
+                         std::span<const Silence> silences, std::span<const StraySlice> strays,
+                         RunContext& context) {
+    Warner(set, options, stats, silences, strays, context).warn();
+}
+
+Place place_of_slice(const ContourSet& set, std::uint32_t slice, double value_mm) {
+    return {set.source, set.slices[slice].name, "", "", brief(value_mm) + " mm"};
+}
+
+std::string names_of(const ContourSet& set, std::uint32_t a, std::uint32_t b) {
+    return "slices " + set.slices[a].name + " and " + set.slices[b].name;
+}
+
+}  // namespace anatomesh

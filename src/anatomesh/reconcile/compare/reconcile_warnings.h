@@ -1,0 +1,28 @@
+// warn_of_reconciling: what of the slices' disagreements and movements their user should hear.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/reconcile/reconcile.h"
+#include "anatomesh/slices/coverage/silences.h"
+#include "anatomesh/reconcile/compare/stray_slices.h"
+
+namespace anatomesh {
+
+inline constexpr double agreement_mm = 0.01;        // across contours: then common points can be put in
+inline constexpr double align_precision_mm = 1e-3;  // of shifts
+
+// Warnings W-RCN-001..011, of the stats of reconcile_contours() for `set` as kept. None where no slices
+// cross.
+void warn_of_reconciling(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
+                         std::span<const Silence> silences, std::span<const StraySlice> strays,
+                         RunContext& context);
+
+Place place_of_slice(const ContourSet& set, std::uint32_t slice, double value_mm);
+std::string names_of(const ContourSet& set, std::uint32_t a, std::uint32_t b);
+
+}  // namespace anatomesh

@@ -1,0 +1,149 @@
+#include "anatomesh/reconcile/move/align_slices.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "anatomesh/reconcile/move/contour_graph.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double normal_reach_mm = 2;
+constexpr double least_bound_mm = 1;    // gaps below this are drawing noise
+constexpr double pull_to_place = 0.02;  // of a whole shift, beside some 0.5 for every end
+constexpr double least_sine = 0.2;      // contours that run nearly along the line say nothing about shifts
+
+// weight * (gap + to_a . shift of a - to_b . shift of b)^2
+struct Equation {
+    std::uint32_t a = 0, b = 0;
+    Vec2 to_a, to_b;
+    double gap = 0, weight = 0;
+};
+
+std::vector<Equation> equations_of(const ContourSet& set, std::span<const LineComparison> comparisons) {
+    std::vector<Equation> equations;
+    for (const LineComparison& comparison : comparisons) {
+        const Vec3 along = comparison.line.direction;
+        const Plane &plane_a = set.slices[comparison.a].plane, &plane_b = set.slices[comparison.b].plane;
+        const Vec2 along_a{dot(along, plane_a.u), dot(along, plane_a.v)},
+            along_b{dot(along, plane_b.u), dot(along, plane_b.v)};
+        for (const auto& [i, j] : comparison.matching.matched) {
+            const Vec2 normal_a = contour_normal(set, comparison.ends_a[i], normal_reach_mm),
+                       normal_b = contour_normal(set, comparison.ends_b[j], normal_reach_mm);
+            const double sine_a = dot(normal_a, along_a), sine_b = dot(normal_b, along_b);
+            if (std::abs(sine_a) < least_sine || std::abs(sine_b) < least_sine) continue;
+            equations.push_back({comparison.a, comparison.b, (1 / sine_a) * normal_a, (1 / sine_b) * normal_b,
+                                 comparison.ends_a[i].t - comparison.ends_b[j].t,
+                                 1 / (1 / (sine_a * sine_a) + 1 / (sine_b * sine_b))});
+        }
+    }
+    return equations;
+}
+
+// Huber's weights about the median gap across the contours.
+void reweigh(std::vector<Equation>& equations) {
+    std::vector<double> gaps;
+    for (const Equation& e : equations) gaps.push_back(std::abs(e.gap) * std::sqrt(e.weight));
+    const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+    std::nth_element(gaps.begin(), middle, gaps.end());
+    const double bound = std::max(1.5 * *middle, least_bound_mm);
+    for (Equation& e : equations) {
+        const double gap = std::abs(e.gap) * std::sqrt(e.weight);
+        if (gap > bound) e.weight *= bound / gap;
+    }
+}
+
+}  // namespace
+
+std::vector<Vec2> estimate_shifts(const ContourSet& set, std::span<const LineComparison> comparisons,
+                                  std::span<const Vec2> shifted) {
+    constexpr int most_steps = 200;
+    std::vector<Vec2> shifts(set.slices.size());
+    std::vector<Equation> equations = equations_of(set, comparisons);
+    if (equations.empty()) return shifts;
+    reweigh(equations);
+    // The equations' values times their weights, carried back to the slices.
+    const auto spread = [&](const std::vector<Vec2>& x, auto&& value_of, std::vector<Vec2>& out) {
+        out.assign(x.size(), {});
+        for (const Equation& e : equations) {
+            const double value = e.weight * value_of(e, x);
+            out[e.a] = out[e.a] + value * e.to_a;
+            out[e.b] = out[e.b] - value * e.to_b;
+        }
+    };
+    const auto linear = [](const Equation& e, const std::vector<Vec2>& x) {
+        return dot(e.to_a, x[e.a]) - dot(e.to_b, x[e.b]);
+    };
+    const auto product = [](const std::vector<Vec2>& x, const std::vector<Vec2>& y) {
+        double sum = 0;
+        for (std::size_t i = 0; i < x.size(); ++i) sum += dot(x[i], y[i]);
+        return sum;
+    };
+    std::vector<Vec2> residual, direction, image;
+    spread(
+        shifts, [](const Equation& e, const std::vector<Vec2>&) { return -e.gap; }, residual);
+    for (std::size_t i = 0; i < shifts.size(); ++i) residual[i] = residual[i] - pull_to_place * shifted[i];
+    direction = residual;
+    double square = product(residual, residual);
+    const double enough = 1e-16 * square;
+    for (int step = 0; step < most_steps && square > enough; ++step) {
+        spread(direction, linear, image);
+        for (std::size_t i = 0; i < image.size(); ++i) image[i] = image[i] + pull_to_place * direction[i];
+        const double curvature = product(direction, image);
+        if (!(curvature > 1e-12 * product(direction, direction))) break;
+        const double length = square / curvature;
+        for (std::size_t i = 0; i < shifts.size(); ++i) {
+            shifts[i] = shifts[i] + length * direction[i];
+            residual[i] = residual[i] - length * image[i];
+        }
+        const double next = product(residual, residual), ratio = next / square;
+        square = next;
+        for (std::size_t i = 0; i < shifts.size(); ++i) direction[i] = residual[i] + ratio * direction[i];
+    }
+    return shifts;
+}
+
+Vec3 common_translation(const ContourSet& set, std::span<const Vec2> shifts) {
+    constexpr int steps = 100;
+    constexpr double least_mm = 1e-4;         // lengths below do not gain weight any more
+    constexpr double least_stiffness = 1e-9;  // along directions in which no slice moves
+    const auto left_of = [&](std::size_t s, Vec3 translation) {
+        const Plane& plane = set.slices[s].plane;
+        return shifts[s] - Vec2{dot(translation, plane.u), dot(translation, plane.v)};
+    };
+    const auto movement = [&](Vec3 translation) {
+        double sum = 0;
+        for (std::size_t s = 0; s < shifts.size(); ++s) sum += length(left_of(s, translation));
+        return sum;
+    };
+    Vec3 translation;
+    for (int step = 0; step < steps; ++step) {
+        // Rows of the normal equations, and their right side.
+        std::array<Vec3, 3> rows{};
+        Vec3 right;
+        double weights = 0;
+        for (std::size_t s = 0; s < shifts.size(); ++s) {
+            const Plane& plane = set.slices[s].plane;
+            const double weight = 1 / std::max(length(left_of(s, translation)), least_mm);
+            weights += weight;
+            for (const Vec3& axis : {plane.u, plane.v}) {
+                rows[0] += weight * axis.x * axis, rows[1] += weight * axis.y * axis;
+                rows[2] += weight * axis.z * axis;
+            }
+            right += weight * (shifts[s].x * plane.u + shifts[s].y * plane.v);
+        }
+        rows[0].x += least_stiffness * weights, rows[1].y += least_stiffness * weights;
+        rows[2].z += least_stiffness * weights;
+        // Cramer's rule; the rows are the columns.
+        const Vec3 across = cross(rows[1], rows[2]);
+        const double determinant = dot(rows[0], across);
+        if (!(determinant > 0)) break;
+        translation = (1 / determinant) * Vec3{dot(right, across), dot(rows[0], cross(right, rows[2])),
+                                               dot(rows[0], cross(rows[1], right))};
+    }
+    return movement(translation) <= 0.75 * movement({}) ? translation : Vec3{};
+}
+
+}  // namespace anatomesh

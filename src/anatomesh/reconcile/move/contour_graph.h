@@ -1,0 +1,66 @@
+// ContourGraph: the contours of a set as a graph in which what contours share is there once; and the places
+// on it where they pass through other slices' planes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/slices/lines/line_ends.h"
+
+namespace anatomesh {
+
+inline constexpr std::uint32_t no_node = 0xffffffffu;
+
+// Nodes are the distinct points of each slice.
+struct ContourGraph {
+    std::vector<std::uint32_t> node_of_point;  // per point of the set
+    std::vector<std::uint32_t> slice_of_node;
+    std::vector<std::uint32_t> point_of_node;            // one of its points
+    std::vector<std::array<std::uint32_t, 2>> segments;  // distinct, of two nodes, lower first
+    std::vector<std::uint32_t> segment_of_point;         // per point: the segment from it to the next one
+};
+
+// O(n log n).
+ContourGraph make_contour_graph(const ContourSet& set);
+
+// Per point of the set, whether it stays where one slice's contours are moved: where several slices have it,
+// and where the contours of its slice branch. O(n log n).
+std::vector<bool> points_that_stay(const ContourSet& set, const ContourGraph& graph);
+
+// A place of the graph: a node, or a place inside a segment.
+struct GraphPlace {
+    std::uint32_t node = no_node;  // no_node: inside the segment
+    std::uint32_t segment = 0;
+    double distance = 0;  // from the segment's lower node, mm
+    Vec3 at;
+};
+
+// The ends of all comparisons as places, one entry a distinct place.
+struct EndPlaces {
+    std::vector<GraphPlace>
+        places;                // those on nodes by node, then those inside segments by segment and distance
+    std::size_t on_nodes = 0;  // the number of the former
+    // Per comparison, per end of each side: index into places.
+    std::vector<std::vector<std::uint32_t>> of_a, of_b;
+};
+
+// Places on one segment that differ by rounding are one. O(n log n).
+EndPlaces place_ends(const ContourSet& set, const ContourGraph& graph,
+                     std::span<const LineComparison> comparisons);
+
+// Unit normal of the contour at an end, in the frame of its slice: across the chord of the contour that
+// reaches at least `reach` mm, or one segment, to both sides.
+Vec2 contour_normal(const ContourSet& set, const LineEnd& end, double reach);
+
+// Neighbours of a point along its contour.
+inline std::uint32_t point_after(const Contour& contour, std::uint32_t point) {
+    return point + 1 == contour.first_point + contour.point_count ? contour.first_point : point + 1;
+}
+inline std::uint32_t point_before(const Contour& contour, std::uint32_t point) {
+    return point == contour.first_point ? contour.first_point + contour.point_count - 1 : point - 1;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,528 @@
+#include "anatomesh/reconcile/move/shared_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/contour/overlay/slice_soundness.h"
+#include "anatomesh/geom/point_grid.h"
+#include "anatomesh/reconcile/move/lay_out_points.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double snap_mm = 0.05;  // across the contour
+constexpr double same_point_mm = 1e-6;
+constexpr double merge_mm = 0.03;            // of a moved vertex with a shared point beside it
+constexpr double least_interval_mm = 0.001;  // on a common line: a shorter one is none
+constexpr double least_weight = 1e-6;
+
+// A place with a line that it has to stay on.
+struct Membership {
+    std::uint32_t root = 0, place = 0;
+    const Line* line = nullptr;
+    const LineEnd* end = nullptr;
+};
+
+std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+
+// Every matched end with its line, by group, in order of places.
+std::vector<Membership> memberships(const EndPlaces& ends, std::span<const LineComparison> comparisons) {
+    std::vector<std::uint32_t> parent(ends.places.size());
+    std::iota(parent.begin(), parent.end(), 0u);
+    std::vector<Membership> members;
+    for (std::size_t c = 0; c < comparisons.size(); ++c) {
+        const LineComparison& comparison = comparisons[c];
+        for (const auto& [i, j] : comparison.matching.matched) {
+            const std::uint32_t p = ends.of_a[c][i], q = ends.of_b[c][j];
+            members.push_back({0, p, &comparison.line, &comparison.ends_a[i]});
+            members.push_back({0, q, &comparison.line, &comparison.ends_b[j]});
+            const std::uint32_t root_p = find_root(parent, p), root_q = find_root(parent, q);
+            parent[std::max(root_p, root_q)] = std::min(root_p, root_q);
+        }
+    }
+    for (Membership& member : members) member.root = find_root(parent, member.place);
+    std::stable_sort(members.begin(), members.end(), [](const Membership& p, const Membership& q) {
+        return std::tie(p.root, p.place) < std::tie(q.root, q.place);
+    });
+    return members;
+}
+
+bool same_line(const Line& p, const Line& q) {
+    if (squared_length(cross(p.direction, q.direction)) > 1e-16) return false;
+    const Vec3 offset = q.origin - p.origin;
+    return length(offset - dot(offset, p.direction) * p.direction) <= same_point_mm;
+}
+
+// Those that are not in `distinct` yet.
+void add_lines(std::span<const Line> lines, std::vector<Line>& distinct) {
+    for (const Line& line : lines) {
+        const auto same = [&](const Line& other) { return same_line(line, other); };
+        if (std::none_of(distinct.begin(), distinct.end(), same)) distinct.push_back(line);
+    }
+}
+
+// The point nearest to all lines: (sum of (1 - d d^T)) x = sum of (1 - d d^T) o, by Cramer's rule.
+bool meeting_point(std::span<const Line> lines, Vec3 near, Vec3& point) {
+    Vec3 row_x, row_y, row_z, right;
+    for (const Line& line : lines) {
+        const Vec3 d = line.direction, o = line.origin - near;
+        row_x += Vec3{1, 0, 0} - d.x * d;
+        row_y += Vec3{0, 1, 0} - d.y * d;
+        row_z += Vec3{0, 0, 1} - d.z * d;
+        right += o - dot(o, d) * d;
+    }
+    const double determinant = dot(row_x, cross(row_y, row_z));
+    const auto count = static_cast<double>(lines.size());
+    if (!(determinant > 1e-6 * count * count * count)) return false;
+    // The matrix is symmetric: its rows are its columns.
+    point = near + (1 / determinant) * Vec3{dot(right, cross(row_y, row_z)), dot(row_x, cross(right, row_z)),
+                                            dot(row_x, cross(row_y, right))};
+    return true;
+}
+
+class Grouper {
+  public:
+    Grouper(const ContourSet& set, const EndPlaces& ends, double reach, EndGroups& groups)
+        : set_(set), ends_(ends), reach_(reach), groups_(groups) {}
+
+    void add(std::span<const Membership> members) {
+        const auto group = static_cast<std::uint32_t>(groups_.position.size());
+        const Line& line = *members.front().line;
+        for (const Membership& member : members) {
+            EndGroups::Member& place = groups_.members[member.place];
+            if (place.group != no_node) continue;
+            place.group = group;
+            const Plane& plane = set_.slices[set_.contours[member.end->contour].slice].plane;
+            const Vec2 normal = contour_normal(set_, *member.end, reach_);
+            place.sine = dot(normal, {dot(line.direction, plane.u), dot(line.direction, plane.v)});
+            place.direction = place.sine * normal;
+            place.sine = std::abs(place.sine);
+            place.place = line.along(member.end->at);
+        }
+        const bool one_line = std::all_of(members.begin(), members.end(), [&](const Membership& member) {
+            return same_line(line, *member.line);
+        });
+        std::vector<Line> lines;
+        for (const Membership& member : members) lines.push_back(*member.line);
+        Vec3 target;
+        if (one_line || !meeting_point(lines, members.front().end->at, target)) {
+            target = mean_on(line, members);
+            groups_.position.push_back(line.along(target));
+            measure(members, target);
+        } else {
+            groups_.position.push_back(0);
+            pin(members, target);
+        }
+        groups_.target.push_back(target);
+        groups_.lines.emplace_back();
+        add_lines(lines, groups_.lines.back());
+        std::vector<std::uint32_t> slices, contours;
+        for (const Membership& member : members) {
+            slices.push_back(set_.contours[member.end->contour].slice);
+            contours.push_back(member.end->contour);
+        }
+        sort_distinct(slices);
+        sort_distinct(contours);
+        groups_.slices.push_back(std::move(slices));
+        groups_.contours.push_back(std::move(contours));
+    }
+
+  private:
+    Vec3 mean_on(const Line& line, std::span<const Membership> members) const {
+        double sum = 0, weights = 0;
+        for (const Membership& member : members) {
+            const EndGroups::Member& place = groups_.members[member.place];
+            const double weight = place.sine * place.sine + least_weight;
+            sum += weight * place.place;
+            weights += weight;
+        }
+        const double position = sum / weights;
+        double spread = 0;
+        for (const Membership& member : members) {
+            spread = std::max(spread, std::abs(groups_.members[member.place].place - position));
+        }
+        for (const Membership& member : members) {
+            const Vec3 at = ends_.places[member.place].at;
+            const bool drawn = ends_.places[member.place].node != no_node && spread <= same_point_mm;
+            if (drawn && length(at - line.at(line.along(at))) <= on_plane_mm) return at;
+        }
+        return line.at(position);
+    }
+
+    void measure(std::span<const Membership> members, Vec3 target) {
+        for (const Membership& member : members) {
+            const double distance = length(target - ends_.places[member.place].at);
+            groups_.worst_mm = std::max(groups_.worst_mm, distance * groups_.members[member.place].sine);
+        }
+    }
+
+    void pin(std::span<const Membership> members, Vec3 target) {
+        for (const Membership& member : members) {
+            EndGroups::Member& place = groups_.members[member.place];
+            const Plane& plane = set_.slices[set_.contours[member.end->contour].slice].plane;
+            const Vec3 move = target - ends_.places[member.place].at;
+            place.pinned = true;
+            place.sine = 1;
+            place.direction = {dot(move, plane.u), dot(move, plane.v)};
+            groups_.worst_mm = std::max(groups_.worst_mm, length(place.direction));
+        }
+    }
+
+    const ContourSet& set_;
+    const EndPlaces& ends_;
+    const double reach_;
+    EndGroups& groups_;
+};
+
+// A shared point to be put into a contour: at its point `after`, or behind it.
+struct Insertion {
+    std::uint32_t after = 0;
+    bool replaces = false;
+    double distance = 0;  // from `after`
+    std::uint32_t group = 0;
+};
+
+class Inserter {
+  public:
+    Inserter(ContourSet& set, std::span<const LineComparison> comparisons, double reach,
+             const std::vector<bool>& moved)
+        : set_(set),
+          moved_(moved),
+          graph_(make_contour_graph(set)),
+          ends_(place_ends(set, graph_, comparisons)),
+          groups_(group_ends(set, ends_, comparisons, reach)),
+          usable_(groups_.target.size(), true),
+          insertions_(set.contours.size()) {
+        put_on_lines();
+        find_usable();
+        join_near();
+        for (std::size_t c = 0; c < comparisons.size(); ++c) {
+            gather(comparisons[c].ends_a, ends_.of_a[c]);
+            gather(comparisons[c].ends_b, ends_.of_b[c]);
+        }
+        for (auto& list : insertions_) sort_and_merge(list);
+        drop_doubled();
+    }
+
+    SharedPoints run() {
+        // What one slice cannot take is taken out of the others too, which are then looked at again.
+        for (bool dropped = true; dropped;) {
+            dropped = false;
+            for (const Slice& slice : set_.slices) dropped |= drop_unsound(slice);
+        }
+        lay_out();
+        return {static_cast<std::uint64_t>(std::count(usable_.begin(), usable_.end(), true))};
+    }
+
+  private:
+    // A vertex that was moved is as near to the line as the movement came; the point is on it.
+    void put_on_lines() {
+        for (std::size_t p = 0; p < ends_.on_nodes; ++p) {
+            const std::uint32_t group = groups_.members[p].group;
+            if (group == no_node || groups_.lines[group].size() != 1) continue;
+            Vec3& target = groups_.target[group];
+            const Line& line = groups_.lines[group].front();
+            if (moved_[graph_.point_of_node[ends_.places[p].node]] && target == ends_.places[p].at)
+                target = line.at(line.along(target));
+        }
+    }
+
+    // Groups that are one point within the bound, but for fewer places than a third: slices that could not
+    // be brought there keep theirs, and the others agree without them.
+    void find_usable() {
+        const std::size_t count = groups_.target.size();
+        std::vector<std::uint32_t> within(count, 0), beyond(count, 0);
+        left_out_.assign(ends_.places.size(), 0);
+        for (std::size_t p = 0; p < ends_.places.size(); ++p) {
+            const std::uint32_t group = groups_.members[p].group;
+            if (group == no_node) continue;
+            left_out_[p] = is_beyond(p);
+            ++(left_out_[p] ? beyond : within)[group];
+        }
+        lacks_some_.assign(count, 0);
+        for (std::uint32_t g = 0; g < count; ++g) {
+            if (beyond[g] == 0) continue;
+            lacks_some_[g] = groups_.lines[g].size() == 1 && 2 * beyond[g] < within[g];
+            usable_[g] = lacks_some_[g];
+        }
+        put_between_the_others();
+        for (std::size_t p = 0; p < ends_.places.size(); ++p) {
+            const std::uint32_t group = groups_.members[p].group;
+            if (group != no_node && lacks_some_[group] && !left_out_[p] && is_beyond(p))
+                usable_[group] = false;
+        }
+    }
+
+    bool is_beyond(std::size_t p) const {
+        const EndGroups::Member& member = groups_.members[p];
+        const double distance = length(groups_.target[member.group] - ends_.places[p].at);
+        return distance * std::max(member.sine, 0.01) > snap_mm;
+    }
+
+    // Points that not all places come to are the mean of those that do.
+    void put_between_the_others() {
+        std::vector<double> sum(groups_.target.size(), 0), weights(groups_.target.size(), 0);
+        for (std::size_t p = 0; p < ends_.places.size(); ++p) {
+            const EndGroups::Member& member = groups_.members[p];
+            if (member.group == no_node || !lacks_some_[member.group] || left_out_[p]) continue;
+            const double weight = member.sine * member.sine + least_weight;
+            sum[member.group] += weight * groups_.lines[member.group].front().along(ends_.places[p].at);
+            weights[member.group] += weight;
+        }
+        for (std::uint32_t g = 0; g < sum.size(); ++g) {
+            if (lacks_some_[g]) groups_.target[g] = groups_.lines[g].front().at(sum[g] / weights[g]);
+        }
+    }
+
+    // Where slices meet in one point, all their pairs have a group there: those that are nearer to each other
+    // than a vertex that gives way become one point.
+    void join_near() {
+        PointGrid grid(merge_mm, groups_.target.size());
+        for (const Vec3& p : groups_.target) grid.add(p);
+        apart_.resize(groups_.target.size());
+        for (std::uint32_t g = 0; g < groups_.target.size(); ++g) {
+            std::vector<std::uint32_t> near;
+            grid.for_each_within(groups_.target[g], merge_mm, [&](std::uint32_t k, double) {
+                if (usable_[k] && !apart_[k] && !lacks_some_[k]) near.push_back(k);
+            });
+            std::sort(near.begin(), near.end());
+            if (!usable_[g] || apart_[g] || lacks_some_[g] || near.size() < 3) continue;
+            const std::optional<Vec3> point = common_point(near, groups_.target[g]);
+            for (std::size_t n = 0; point && n < near.size(); ++n) {
+                apart_[near[n]] = std::exchange(groups_.target[near[n]], *point);
+            }
+        }
+    }
+
+    // Where an interval on a line has come to nothing, its two ends are one place: one point is enough.
+    void drop_doubled() {
+        PointGrid grid(least_interval_mm, groups_.target.size());
+        for (const Vec3& p : groups_.target) grid.add(p);
+        stands_in_.assign(groups_.target.size(), no_node);
+        for (std::uint32_t g = 0; g < groups_.target.size(); ++g) {
+            if (!usable_[g]) continue;
+            grid.for_each_within(groups_.target[g], least_interval_mm, [&](std::uint32_t k, double) {
+                if (usable_[k] && stands_for(k, g)) stands_in_[g] = std::min(stands_in_[g], k);
+            });
+            if (stands_in_[g] != no_node) usable_[g] = false;
+        }
+    }
+
+    // Whether a group has a point on all contours of another one, and is to be kept of the two.
+    bool stands_for(std::uint32_t kept, std::uint32_t other) const {
+        const std::vector<std::uint32_t>&of = groups_.contours[other], &all = groups_.contours[kept];
+        if (kept == other || lacks_some_[kept] || lacks_some_[other] ||
+            !std::includes(all.begin(), all.end(), of.begin(), of.end()))
+            return false;
+        if (all.size() != of.size()) return true;
+        if (apart_[kept].has_value() != apart_[other].has_value()) return apart_[kept].has_value();
+        return kept < other;
+    }
+
+    // Those that the group stood in for are on their own again.
+    void bring_back(std::uint32_t group) {
+        for (std::size_t g = 0; g < stands_in_.size(); ++g) {
+            if (stands_in_[g] != group) continue;
+            stands_in_[g] = no_node;
+            usable_[g] = true;
+        }
+    }
+
+    // Nothing unless these are the groups of all pairs of some slices, one each: else a contour would pass a
+    // line twice.
+    std::optional<Vec3> common_point(std::span<const std::uint32_t> near, Vec3 beside) const {
+        std::vector<Line> lines;
+        std::vector<std::uint32_t> slices;
+        for (const std::uint32_t g : near) {
+            const std::size_t before = lines.size();
+            add_lines(groups_.lines[g], lines);
+            if (groups_.lines[g].size() != 1 || lines.size() != before + 1) return std::nullopt;
+            slices.insert(slices.end(), groups_.slices[g].begin(), groups_.slices[g].end());
+        }
+        std::sort(slices.begin(), slices.end());
+        slices.erase(std::unique(slices.begin(), slices.end()), slices.end());
+        Vec3 point;
+        if (2 * lines.size() != slices.size() * (slices.size() - 1) || !meeting_point(lines, beside, point))
+            return std::nullopt;
+        for (const std::uint32_t g : near) {
+            if (length(point - groups_.target[g]) > merge_mm) return std::nullopt;
+        }
+        return point;
+    }
+
+    void gather(const std::vector<LineEnd>& ends, const std::vector<std::uint32_t>& places) {
+        for (std::size_t e = 0; e < ends.size(); ++e) {
+            const std::uint32_t group = groups_.members[places[e]].group;
+            if (group == no_node || !usable_[group] || left_out_[places[e]]) continue;
+            const LineEnd& end = ends[e];
+            insertions_[end.contour].push_back({end.from, end.from == end.to,
+                                                length(ends_.places[places[e]].at - set_.points[end.from]),
+                                                group});
+        }
+    }
+
+    static void sort_and_merge(std::vector<Insertion>& list) {
+        std::sort(list.begin(), list.end(), [](const Insertion& p, const Insertion& q) {
+            return std::tuple(p.after, !p.replaces, p.distance, p.group) <
+                   std::tuple(q.after, !q.replaces, q.distance, q.group);
+        });
+        list.erase(std::unique(list.begin(), list.end(),
+                               [](const Insertion& p, const Insertion& q) {
+                                   return p.after == q.after && p.replaces == q.replaces &&
+                                          p.group == q.group;
+                               }),
+                   list.end());
+    }
+
+    // A point of a contour that gets shared points.
+    struct Link {
+        Vec3 at;
+        bool is_shared = false;
+        bool is_moved = false;  // and not shared
+    };
+
+    // The contour with the points that `use` accepts; a point equal to its neighbour is there once.
+    template <class Use>
+    std::vector<Vec3> with_points(std::uint32_t c, Use&& use) const {
+        const Contour& contour = set_.contours[c];
+        std::vector<Link> links;
+        const auto add = [&](Link link) {
+            if (links.empty() || links.back().at != link.at) {
+                links.push_back(link);
+            } else if (link.is_shared) {
+                links.back() = link;
+            }
+        };
+        auto next = insertions_[c].begin();
+        for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+            Link link{set_.points[k], false, moved_[k]};
+            while (next != insertions_[c].end() && next->after == k && next->replaces) {
+                if (use(next->group)) link = {groups_.target[next->group], true, false};
+                ++next;
+            }
+            add(link);
+            for (; next != insertions_[c].end() && next->after == k; ++next) {
+                if (use(next->group)) add({groups_.target[next->group], true, false});
+            }
+        }
+        while (links.size() > 1 && links.back().at == links.front().at) links.pop_back();
+        return merged(links);
+    }
+
+    // Without the moved vertices beside shared points.
+    static std::vector<Vec3> merged(const std::vector<Link>& links) {
+        std::vector<Vec3> points;
+        const std::size_t count = links.size();
+        for (std::size_t n = 0; n < count; ++n) {
+            const auto gives_way_to = [&](const Link& other) {
+                return other.is_shared && length(other.at - links[n].at) < merge_mm;
+            };
+            if (links[n].is_moved &&
+                (gives_way_to(links[(n + 1) % count]) || gives_way_to(links[(n + count - 1) % count])))
+                continue;
+            // One between two places of a point has gone.
+            if (points.empty() || points.back() != links[n].at) points.push_back(links[n].at);
+        }
+        while (points.size() > 1 && points.back() == points.front()) points.pop_back();
+        return points;
+    }
+
+    template <class Use>
+    bool is_sound(const Slice& slice, Use&& use) const {
+        std::vector<PlaneRing> rings;
+        for (std::uint32_t c = slice.first_contour; c < slice.first_contour + slice.contour_count; ++c) {
+            PlaneRing ring{set_.contours[c].structure, {}};
+            for (const Vec3& p : with_points(c, use)) ring.at.push_back(slice.plane.to_plane(p));
+            if (ring.at.size() < 3) return false;
+            rings.push_back(std::move(ring));
+        }
+        return slice_faults(rings, set_.exclusive).empty();
+    }
+
+    bool drop_unsound(const Slice& slice) {
+        if (is_sound(slice, [&](std::uint32_t group) { return usable_[group]; })) return false;
+        std::vector<std::uint32_t> groups;
+        for (std::uint32_t c = slice.first_contour; c < slice.first_contour + slice.contour_count; ++c) {
+            for (const Insertion& insertion : insertions_[c]) groups.push_back(insertion.group);
+        }
+        std::sort(groups.begin(), groups.end());
+        groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
+        // One after the other, each with those before it that were sound.
+        bool dropped = false;
+        std::vector<std::uint32_t> sound;
+        for (const std::uint32_t group : groups) {
+            if (!usable_[group]) continue;
+            sound.push_back(group);
+            if (is_sound(slice,
+                         [&](std::uint32_t g) { return std::binary_search(sound.begin(), sound.end(), g); }))
+                continue;
+            sound.pop_back();
+            if (!part(group)) usable_[group] = false;
+            bring_back(group);
+            dropped = true;
+        }
+        return dropped;
+    }
+
+    // Takes the groups joined with this one back to their own points; says whether it was joined.
+    bool part(std::uint32_t group) {
+        if (!apart_[group]) return false;
+        const Vec3 joint = groups_.target[group];
+        for (std::size_t g = 0; g < apart_.size(); ++g) {
+            if (!apart_[g] || groups_.target[g] != joint) continue;
+            groups_.target[g] = *apart_[g];
+            apart_[g].reset();
+        }
+        return true;
+    }
+
+    void lay_out() {
+        std::vector<std::vector<Vec3>> fresh;
+        for (std::uint32_t c = 0; c < set_.contours.size(); ++c)
+            fresh.push_back(with_points(c, [&](std::uint32_t group) { return usable_[group]; }));
+        lay_out_points(set_, fresh);
+    }
+
+    ContourSet& set_;
+    const std::vector<bool>& moved_;
+    const ContourGraph graph_;
+    const EndPlaces ends_;
+    EndGroups groups_;
+    std::vector<bool> usable_;
+    std::vector<std::uint8_t> left_out_;              // per place: its slice keeps it where it is
+    std::vector<std::uint8_t> lacks_some_;            // per group: of its places
+    std::vector<std::optional<Vec3>> apart_;          // of groups that were joined: their own points
+    std::vector<std::uint32_t> stands_in_;            // per group: the one that is used in its place
+    std::vector<std::vector<Insertion>> insertions_;  // per contour, in its order
+};
+
+}  // namespace
+
+EndGroups group_ends(const ContourSet& set, const EndPlaces& ends,
+                     std::span<const LineComparison> comparisons, double normal_reach_mm) {
+    EndGroups groups;
+    groups.members.resize(ends.places.size());
+    const std::vector<Membership> members = memberships(ends, comparisons);
+    Grouper grouper(set, ends, normal_reach_mm, groups);
+    for (std::size_t begin = 0, end = 0; begin < members.size(); begin = end) {
+        while (end < members.size() && members[end].root == members[begin].root) ++end;
+        grouper.add({members.data() + begin, end - begin});
+    }
+    return groups;
+}
+
+SharedPoints insert_shared_points(ContourSet& set, std::span<const LineComparison> comparisons,
+                                  double normal_reach_mm, const std::vector<bool>& moved) {
+    return Inserter(set, comparisons, normal_reach_mm, moved).run();
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,156 @@
+#include "anatomesh/reconcile/move/true_planes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/geom/box.h"
+#include "anatomesh/slices/lines/line_ends.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double beside_mm = 0.05;        // as far as points may lie off their plane
+constexpr std::size_t least_planes = 5;   // fewer are no scan about an axis
+constexpr std::uint32_t most_firsts = 3;  // slices that are paired with all others to find the axis
+constexpr double least_sine = 0.01;       // between two planes that tell where the axis is
+
+// A straight line between two points, as far as contours reach along it.
+struct Axis {
+    std::array<Vec3, 2> ends;
+    Vec3 direction() const { return normalized(ends[1] - ends[0]); }
+};
+
+bool runs_through(const Plane& plane, const Axis& axis) {
+    return std::all_of(axis.ends.begin(), axis.ends.end(),
+                       [&](Vec3 p) { return std::abs(plane.signed_distance(p)) <= beside_mm; });
+}
+
+// As far as the box of all contours reaches along it.
+std::optional<Axis> common_line(const Box3& box, const Plane& p, const Plane& q) {
+    const Vec3 way = cross(p.normal, q.normal);
+    const double sine = length(way);
+    if (sine < least_sine) return std::nullopt;
+    // The point of both planes that is nearest to p's origin.
+    const Vec3 across = cross(way, p.normal);
+    const Vec3 at = p.origin - (q.signed_distance(p.origin) / dot(across, q.normal)) * across;
+    const Vec3 direction = (1 / sine) * way;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3 x{(corner & 1 ? box.high : box.low).x, (corner & 2 ? box.high : box.low).y,
+                     (corner & 4 ? box.high : box.low).z};
+        low = std::min(low, dot(x - at, direction));
+        high = std::max(high, dot(x - at, direction));
+    }
+    if (!(low < high)) return std::nullopt;
+    return Axis{{at + low * direction, at + high * direction}};
+}
+
+std::vector<std::uint32_t> planes_through(const ContourSet& set, const Axis& axis) {
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
+        if (runs_through(set.slices[s].plane, axis)) found.push_back(s);
+    }
+    return found;
+}
+
+// The line through which most planes run, of those of some slices and all others.
+std::optional<Axis> axis_of_most(const ContourSet& set) {
+    Box3 box;
+    for (const Vec3& p : set.points) box.extend(p);
+    std::optional<Axis> best;
+    std::size_t most = std::max(least_planes - 1, set.slices.size() / 2);
+    const auto firsts = std::min<std::uint32_t>(most_firsts, static_cast<std::uint32_t>(set.slices.size()));
+    for (std::uint32_t a = 0; a < firsts; ++a) {
+        for (std::uint32_t b = a + 1; b < set.slices.size(); ++b) {
+            const std::optional<Axis> axis = common_line(box, set.slices[a].plane, set.slices[b].plane);
+            if (!axis) continue;
+            const std::size_t count = planes_through(set, *axis).size();
+            if (count <= most) continue;
+            most = count;
+            best = axis;
+        }
+    }
+    return best;
+}
+
+// An end moved across the axis to where the squared distances from the planes are least.
+Vec3 nearest_to_all(const ContourSet& set, const std::vector<std::uint32_t>& slices, Vec3 end,
+                    Vec3 direction) {
+    const Plane across = make_plane(end, direction);
+    double uu = 0, uv = 0, vv = 0, ud = 0, vd = 0;
+    for (const std::uint32_t s : slices) {
+        const Plane& plane = set.slices[s].plane;
+        const double u = dot(plane.normal, across.u), v = dot(plane.normal, across.v),
+                     d = plane.signed_distance(end);
+        uu += u * u;
+        uv += u * v;
+        vv += v * v;
+        ud += u * d;
+        vd += v * d;
+    }
+    const double determinant = uu * vv - uv * uv;
+    if (!(determinant > 0)) return end;
+    return across.to_space({(uv * vd - vv * ud) / determinant, (uv * ud - uu * vd) / determinant});
+}
+
+// The plane turned to run through the axis.
+Plane through(const Plane& plane, const Axis& axis) {
+    const Vec3 direction = axis.direction();
+    const Vec3 normal = normalized(plane.normal - dot(plane.normal, direction) * direction);
+    return make_plane(plane.origin + dot(axis.ends[0] - plane.origin, normal) * normal, normal);
+}
+
+bool keeps_points(const ContourSet& set, const Slice& slice, const Plane& plane) {
+    for (const Contour& contour : set.contours_of(slice)) {
+        for (const Vec3& p : set.points_of(contour))
+            if (std::abs(plane.signed_distance(p)) > beside_mm) return false;
+    }
+    return true;
+}
+
+std::uint32_t turn_about_axis(ContourSet& set) {
+    if (set.slices.size() < least_planes) return 0;
+    const std::optional<Axis> rough = axis_of_most(set);
+    if (!rough) return 0;
+    const std::vector<std::uint32_t> slices = planes_through(set, *rough);
+    const Axis axis{{nearest_to_all(set, slices, rough->ends[0], rough->direction()),
+                     nearest_to_all(set, slices, rough->ends[1], rough->direction())}};
+    std::uint32_t turned = 0;
+    for (const std::uint32_t s : slices) {
+        Plane& plane = set.slices[s].plane;
+        const double off = std::max(std::abs(plane.signed_distance(axis.ends[0])),
+                                    std::abs(plane.signed_distance(axis.ends[1])));
+        if (off <= on_plane_mm) continue;
+        const Plane truly = through(plane, axis);
+        if (!keeps_points(set, set.slices[s], truly)) continue;
+        plane = truly;
+        ++turned;
+    }
+    return turned;
+}
+
+}  // namespace
+
+TruePlanesStats make_planes_true(ContourSet& set) {
+    TruePlanesStats stats;
+    stats.about_axis = turn_about_axis(set);
+    for (const Contour& contour : set.contours) {
+        const Plane& plane = set.slices[contour.slice].plane;
+        for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+            const double off = plane.signed_distance(set.points[k]);
+            if (std::abs(off) <= on_plane_mm) continue;
+            set.points[k] = set.points[k] - off * plane.normal;
+            ++stats.points;
+            stats.farthest_mm = std::max(stats.farthest_mm, std::abs(off));
+        }
+    }
+    return stats;
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,419 @@
+#include "anatomesh/reconcile/regularize/settle_flanks.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/contour/overlay/slice_soundness.h"
+#include "anatomesh/reconcile/move/contour_graph.h"
+#include "anatomesh/reconcile/move/lay_out_points.h"
+#include "anatomesh/slices/lines/line_ends.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::size_t planes_at_line = 4;
+constexpr double same_line_sine = 1e-6;  // of a common line's directions
+constexpr double same_line_mm = 10 * on_plane_mm;
+constexpr double steepest = 1.732;          // of a flank, height over length: 60 degrees
+constexpr double widest_gap_degrees = 150;  // between the half planes beside one
+constexpr double reach = 4;                 // radii: what is further from the line counts as so far
+constexpr double least_share = 0.1;         // of its distance from the line: less is no movement
+constexpr int most_steps = 50;
+
+double radians(double degrees) {
+    return degrees * std::numbers::pi / 180;
+}
+
+struct Axis {
+    Line line;
+    std::vector<std::uint32_t> slices;  // of planes through it
+};
+
+// Lines that four planes or more run through.
+std::vector<Axis> find_axes(const ContourSet& set) {
+    const auto count = static_cast<std::uint32_t>(set.slices.size());
+    std::vector<Axis> axes;
+    const auto is_known = [&](std::uint32_t a, std::uint32_t b) {
+        return std::any_of(axes.begin(), axes.end(), [&](const Axis& axis) {
+            return std::binary_search(axis.slices.begin(), axis.slices.end(), a) &&
+                   std::binary_search(axis.slices.begin(), axis.slices.end(), b);
+        });
+    };
+    const Vec3 near = set.box().low;
+    for (std::uint32_t a = 0; a < count; ++a) {
+        for (std::uint32_t b = a + 1; b < count; ++b) {
+            const Plane &p = set.slices[a].plane, &q = set.slices[b].plane;
+            if (length(cross(p.normal, q.normal)) <= same_line_sine || is_known(a, b)) continue;
+            const Line line = common_line(p, q, near);
+            std::vector<std::uint32_t> through;
+            for (std::uint32_t c = 0; c < count; ++c) {
+                const Plane& plane = set.slices[c].plane;
+                if (std::abs(dot(plane.normal, line.direction)) <= same_line_sine &&
+                    std::abs(plane.signed_distance(line.origin)) <= same_line_mm)
+                    through.push_back(c);
+            }
+            if (through.size() >= planes_at_line) axes.push_back({line, std::move(through)});
+        }
+    }
+    return axes;
+}
+
+// A point of a contour beside the line: how far along it and from it. It is a point of the set, or lies at a
+// share of the segment from there to the next one.
+struct FlankPoint {
+    double along = 0, from_line = 0;
+    std::uint32_t point = no_node;
+    double share = 0;                 // 0: that point
+    std::uint32_t low = 0, high = 0;  // the half plane's points at that segment's ends
+    double drawn_from_line = 0;       // before it was moved
+    bool may_move = false;
+};
+
+struct FlankSegment {
+    std::uint32_t a = 0, b = 0;  // indices into a half plane's points
+};
+
+// What a structure has beside the line on one side of it in a plane.
+struct HalfPlane {
+    std::uint32_t slice = 0;
+    Vec3 outward;        // unit vector across the line
+    double azimuth = 0;  // radians
+    std::vector<FlankPoint> points;
+    std::vector<FlankSegment> segments;
+
+    // How far from the line the first contour is at a place of it.
+    double first_at(double along, double farthest) const {
+        double first = farthest;
+        for (const FlankSegment& segment : segments) {
+            const FlankPoint &a = points[segment.a], &b = points[segment.b];
+            if (std::min(a.along, b.along) > along || std::max(a.along, b.along) < along) continue;
+            const double way = b.along - a.along;
+            const double share = way != 0 ? (along - a.along) / way : 0;
+            first = std::min(first, a.from_line + share * (b.from_line - a.from_line));
+        }
+        return first;
+    }
+};
+
+class AxisSettler {
+  public:
+    AxisSettler(const ContourSet& set, const Axis& axis, std::uint32_t structure, const FlankBounds& most_mm,
+                const FlankOptions& options, const std::vector<bool>& stays)
+        : set_(set), axis_(axis), most_mm_(most_mm), options_(options), stays_(stays) {
+        const Vec3 across = set.slices[axis.slices.front()].plane.normal,
+                   along = cross(axis.line.direction, across);
+        for (const std::uint32_t slice : axis.slices) {
+            const Vec3 out = normalized(cross(set.slices[slice].plane.normal, axis.line.direction));
+            for (const double side : {1.0, -1.0}) {
+                HalfPlane half;
+                half.slice = slice;
+                half.outward = side * out;
+                half.azimuth = std::atan2(dot(half.outward, along), dot(half.outward, across));
+                gather(half, structure);
+                halves_.push_back(std::move(half));
+            }
+        }
+        std::sort(halves_.begin(), halves_.end(),
+                  [](const HalfPlane& p, const HalfPlane& q) { return p.azimuth < q.azimuth; });
+    }
+
+    const std::vector<HalfPlane>& halves() const { return halves_; }
+
+    // Says whether anything was moved.
+    bool run() {
+        bool any = false;
+        for (int step = 0; step < most_steps; ++step) {
+            std::vector<Move> moves;
+            for (std::size_t h = 0; h < halves_.size(); ++h) find_moves(h, moves);
+            if (moves.empty()) break;
+            any = true;
+            for (const Move& move : moves) halves_[move.half].points[move.point].from_line = move.to;
+        }
+        return any;
+    }
+
+  private:
+    struct Move {
+        std::size_t half = 0, point = 0;
+        double to = 0;
+    };
+
+    void gather(HalfPlane& half, std::uint32_t structure) const {
+        for (const Contour& contour : set_.contours_of(set_.slices[half.slice])) {
+            if (contour.structure != structure) continue;
+            std::vector<std::uint32_t> index(contour.point_count, no_node);
+            const auto vertex = [&](std::uint32_t k) {
+                std::uint32_t& n = index[k - contour.first_point];
+                if (n == no_node) {
+                    n = static_cast<std::uint32_t>(half.points.size());
+                    const Vec2 at = place(half, k);
+                    half.points.push_back({at.x, at.y, k, 0, n, n, at.y, false});
+                }
+                return n;
+            };
+            for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+                const std::uint32_t next = point_after(contour, k);
+                const Vec2 a = place(half, k), b = place(half, next);
+                if (std::min(a.y, b.y) >= reach * options_.radius_mm || (a.y < 0 && b.y < 0)) continue;
+                const std::uint32_t low = vertex(k), high = vertex(next);
+                add_segment(half, low, high);
+            }
+        }
+    }
+
+    Vec2 place(const HalfPlane& half, std::uint32_t k) const {
+        return {axis_.line.along(set_.points[k]), dot(set_.points[k] - axis_.line.origin, half.outward)};
+    }
+
+    // With points about a radius apart where it is near the line.
+    void add_segment(HalfPlane& half, std::uint32_t low, std::uint32_t high) const {
+        const FlankPoint from = half.points[low], to = half.points[high];
+        const Vec2 a{from.along, from.from_line}, b{to.along, to.from_line};
+        const double radius = options_.radius_mm;
+        const bool is_flank = std::abs(b.y - a.y) <= steepest * std::abs(b.x - a.x) &&
+                              std::min(a.y, b.y) < radius && std::min(a.y, b.y) > -same_line_mm;
+        if (!is_flank) {
+            half.segments.push_back({low, high});
+            return;
+        }
+        for (const std::uint32_t n : {low, high}) {
+            FlankPoint& end = half.points[n];
+            end.may_move = end.from_line > 0 && end.from_line < radius && !stays_[end.point] &&
+                           !is_near_another_plane(half, {end.along, end.from_line});
+        }
+        const int parts = std::max(1, static_cast<int>(std::ceil(length(b - a) / radius)));
+        std::uint32_t last = low;
+        for (int n = 1; n < parts; ++n) {
+            const double share = static_cast<double>(n) / parts;
+            const Vec2 at = a + share * (b - a);
+            const auto next = static_cast<std::uint32_t>(half.points.size());
+            const bool may_move = at.y < radius && !is_near_another_plane(half, at);
+            half.points.push_back({at.x, at.y, from.point, share, low, high, at.y, may_move});
+            half.segments.push_back({last, next});
+            last = next;
+        }
+        half.segments.push_back({last, high});
+    }
+
+    // There contours meet those of that slice, too.
+    bool is_near_another_plane(const HalfPlane& half, Vec2 at) const {
+        const Vec3 p = axis_.line.at(at.x) + at.y * half.outward;
+        for (std::uint32_t s = 0; s < set_.slices.size(); ++s) {
+            if (!std::binary_search(axis_.slices.begin(), axis_.slices.end(), s) &&
+                std::abs(set_.slices[s].plane.signed_distance(p)) < options_.radius_mm)
+                return true;
+        }
+        return false;
+    }
+
+    void find_moves(std::size_t h, std::vector<Move>& moves) const {
+        const std::size_t count = halves_.size();
+        const HalfPlane &half = halves_[h], &before = halves_[(h + count - 1) % count],
+                        &after = halves_[(h + 1) % count];
+        const auto gap = [](const HalfPlane& p, const HalfPlane& q) {
+            const double way = q.azimuth - p.azimuth;
+            return way < 0 ? way + 2 * std::numbers::pi : way;
+        };
+        const double back = gap(before, half), on = gap(half, after);
+        if (back + on > radians(widest_gap_degrees)) return;
+        const double radius = options_.radius_mm, far = reach * radius;
+        for (const FlankSegment& segment : half.segments) {
+            const Vec2 way{half.points[segment.b].along - half.points[segment.a].along,
+                           half.points[segment.b].from_line - half.points[segment.a].from_line};
+            for (const std::uint32_t n : {segment.a, segment.b}) {
+                const FlankPoint& point = half.points[n];
+                if (!point.may_move || point.from_line >= radius ||
+                    half.first_at(point.along, far) < point.from_line - same_line_mm)
+                    continue;
+                const double p = before.first_at(point.along, far), q = after.first_at(point.along, far);
+                if (!(p > 0) || !(q > 0) || !is_sharp(point.from_line, way, p, back, q, on)) continue;
+                const double chord = p * q * std::sin(back + on) / (p * std::sin(back) + q * std::sin(on));
+                const double to = std::min(radius, point.from_line + 0.5 * (chord - point.from_line)),
+                             most = most_mm_[half.slice];
+                const double within =
+                    std::clamp(to, point.drawn_from_line - most, point.drawn_from_line + most);
+                if (within != point.from_line) moves.push_back({h, n, within});
+            }
+        }
+    }
+
+    // The angle at a flank that runs on by `way` (along, from the line), between the ways to those beside it.
+    bool is_sharp(double from_line, Vec2 way, double before, double back, double after, double on) const {
+        const Vec3 edge = normalized({way.x, way.y, 0});
+        const auto to = [&](double r, double azimuth) {
+            const Vec3 p{0, r * std::cos(azimuth) - from_line, r * std::sin(azimuth)};
+            return p - dot(p, edge) * edge;
+        };
+        const Vec3 p = to(before, -back), q = to(after, on);
+        return std::atan2(length(cross(p, q)), dot(p, q)) < radians(options_.least_degrees);
+    }
+
+    const ContourSet& set_;
+    const Axis& axis_;
+    const FlankBounds& most_mm_;
+    const FlankOptions& options_;
+    const std::vector<bool>& stays_;
+    std::vector<HalfPlane> halves_;
+};
+
+class Settler {
+  public:
+    Settler(ContourSet& set, DrawnPlaces& drawn, const FlankBounds& most_mm, const FlankOptions& options)
+        : set_(set), drawn_(drawn), most_mm_(most_mm), options_(options), graph_(make_contour_graph(set)) {}
+
+    FlankStats run() {
+        const std::vector<Axis> axes = find_axes(set_);
+        if (axes.empty()) return {};
+        stays_ = points_that_stay(set_, graph_);
+        moved_.assign(graph_.point_of_node.size(), Vec3{});
+        put_in_.resize(graph_.segments.size());
+        for (const Axis& axis : axes) {
+            for (std::uint32_t s = 0; s < set_.structures.size(); ++s) {
+                AxisSettler settler(set_, axis, s, most_mm_, options_, stays_);
+                if (settler.run()) take(settler.halves());
+            }
+        }
+        if (any_) lay_out();
+        return stats_;
+    }
+
+  private:
+    // Of a segment of the graph.
+    struct PutIn {
+        double share = 0;  // of the way from its lower node
+        Vec3 at, was;
+        double by_mm = 0;
+    };
+
+    // What moved enough, of contours that no structure before has moved there.
+    void take(const std::vector<HalfPlane>& halves) {
+        for (const HalfPlane& half : halves) {
+            for (const FlankPoint& point : half.points) {
+                const FlankPoint &low = half.points[point.low], &high = half.points[point.high];
+                const double without = point.share > 0
+                                           ? low.from_line + point.share * (high.from_line - low.from_line)
+                                           : point.drawn_from_line;
+                if (!(std::abs(point.from_line - without) >= least_share * without)) continue;
+                const Vec3 way = (point.from_line - point.drawn_from_line) * half.outward;
+                if (length(way) > options_.most_moved_mm) continue;
+                if (point.share > 0) {
+                    put_in(point, way);
+                } else {
+                    move(point, way);
+                }
+                any_ = true;
+            }
+        }
+    }
+
+    void move(const FlankPoint& point, Vec3 way) {
+        Vec3& moved = moved_[graph_.node_of_point[point.point]];
+        const Vec3 to = set_.points[point.point] + way;
+        if (moved != Vec3{} || length(to - drawn_.at[point.point]) > options_.most_moved_mm) return;
+        moved = way;
+    }
+
+    void put_in(const FlankPoint& point, Vec3 way) {
+        const std::uint32_t segment = graph_.segment_of_point[point.point];
+        const auto [low, high] = graph_.segments[segment];
+        const double share = graph_.node_of_point[point.point] == low ? point.share : 1 - point.share;
+        std::vector<PutIn>& all = put_in_[segment];
+        constexpr double same_share = 1e-9;
+        if (std::any_of(all.begin(), all.end(),
+                        [&](const PutIn& put) { return std::abs(put.share - share) < same_share; }))
+            return;
+        const std::uint32_t a = graph_.point_of_node[low], b = graph_.point_of_node[high];
+        all.push_back({share, set_.points[a] + share * (set_.points[b] - set_.points[a]) + way,
+                       drawn_.at[a] + share * (drawn_.at[b] - drawn_.at[a]), length(way)});
+    }
+
+    struct Laid {
+        std::vector<Vec3> points, drawn;
+        std::vector<bool> is_drawn;
+    };
+
+    Laid laid(const Contour& contour, bool changed) const {
+        Laid result;
+        const auto add = [&](Vec3 at, Vec3 drawn, bool is_drawn) {
+            result.points.push_back(at);
+            result.drawn.push_back(drawn);
+            result.is_drawn.push_back(is_drawn);
+        };
+        for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+            const std::uint32_t node = graph_.node_of_point[k], segment = graph_.segment_of_point[k];
+            add(changed ? set_.points[k] + moved_[node] : set_.points[k], drawn_.at[k], drawn_.is_drawn[k]);
+            if (!changed) continue;
+            std::vector<PutIn> between = put_in_[segment];
+            const bool upwards = graph_.segments[segment][0] == node;
+            std::sort(between.begin(), between.end(), [&](const PutIn& p, const PutIn& q) {
+                return upwards ? p.share < q.share : p.share > q.share;
+            });
+            for (const PutIn& put : between) add(put.at, put.was, false);
+        }
+        return result;
+    }
+
+    void count(const Contour& contour) {
+        const auto add = [&](double by) {
+            stats_.points += by > 0;
+            stats_.farthest_mm = std::max(stats_.farthest_mm, by);
+        };
+        for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+            add(length(moved_[graph_.node_of_point[k]]));
+            for (const PutIn& put : put_in_[graph_.segment_of_point[k]]) add(put.by_mm);
+        }
+    }
+
+    void lay_out() {
+        std::vector<std::vector<Vec3>> fresh(set_.contours.size());
+        DrawnPlaces drawn;
+        for (const Slice& slice : set_.slices) {
+            const std::uint32_t end = slice.first_contour + slice.contour_count;
+            std::vector<PlaneRing> rings;
+            for (std::uint32_t c = slice.first_contour; c < end; ++c) {
+                PlaneRing ring{set_.contours[c].structure, {}};
+                for (const Vec3& p : laid(set_.contours[c], true).points)
+                    ring.at.push_back(slice.plane.to_plane(p));
+                rings.push_back(std::move(ring));
+            }
+            const bool is_sound = slice_faults(rings, set_.exclusive).empty();
+            for (std::uint32_t c = slice.first_contour; c < end; ++c) {
+                Laid contour = laid(set_.contours[c], is_sound);
+                if (is_sound) count(set_.contours[c]);
+                fresh[c] = std::move(contour.points);
+                drawn.at.insert(drawn.at.end(), contour.drawn.begin(), contour.drawn.end());
+                drawn.is_drawn.insert(drawn.is_drawn.end(), contour.is_drawn.begin(), contour.is_drawn.end());
+            }
+        }
+        lay_out_points(set_, fresh);
+        drawn_ = std::move(drawn);
+    }
+
+    ContourSet& set_;
+    DrawnPlaces& drawn_;
+    const FlankBounds& most_mm_;
+    const FlankOptions& options_;
+    const ContourGraph graph_;
+    FlankStats stats_;
+    bool any_ = false;
+    std::vector<bool> stays_;                 // per point of the set
+    std::vector<Vec3> moved_;                 // per node: by how much
+    std::vector<std::vector<PutIn>> put_in_;  // per segment
+};
+
+}  // namespace
+
+FlankStats settle_flanks(ContourSet& set, DrawnPlaces& drawn, const FlankBounds& most_mm,
+                         const FlankOptions& options) {
+    assert(options.radius_mm > 0 && options.least_degrees > 0 && options.least_degrees < 180);
+    assert(drawn.at.size() == set.points.size());
+    assert(most_mm.size() == set.slices.size());
+    return Settler(set, drawn, most_mm, options).run();
+}
+
+}  // namespace anatomesh

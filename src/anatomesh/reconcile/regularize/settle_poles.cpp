@@ -1,0 +1,414 @@
+#include "anatomesh/reconcile/regularize/settle_poles.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/contour/overlay/slice_soundness.h"
+#include "anatomesh/reconcile/move/contour_graph.h"
+#include "anatomesh/reconcile/move/lay_out_points.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr std::size_t planes_at_pole = 4;
+constexpr double same_line_sine = 1e-6;     // of a common line's directions: planes as files give them
+constexpr double least_across = 0.1;        // of a way's direction across the line: else it runs along it
+constexpr double no_half_plane = 0.01;      // of a leg's: which of the two it lies in is not known
+constexpr double widest_gap_degrees = 150;  // between the neighbours of a leg
+constexpr double share_of_way = 1.0 / 3;    // to the next point that must stay
+constexpr double least_radius = 0.02;       // of that asked for: less is no room for a vertex
+constexpr double short_way = 0.5;           // of the radius: a leg with less room is no bound to the others
+constexpr double vertex_near = 1.3;         // of the radius: a vertex there is the leg's end
+constexpr double least_turn_degrees = 3;    // a leg that turns by less stays as it is
+constexpr int most_turns = 50;
+
+double degrees(double radians) {
+    return radians * 180 / std::numbers::pi;
+}
+
+// A point of a contour at a pole.
+struct Visit {
+    Vec3 at;
+    std::uint32_t slice = 0, structure = 0, contour = 0, point = 0;
+};
+
+struct PutIn {
+    Vec3 at, was;
+};
+
+struct Leg {
+    std::uint32_t slice = 0, contour = 0, pole = 0;  // pole: point of the set
+    bool forward = true;
+    std::vector<std::uint32_t> inside;  // points of the set up to the radius, going out
+    bool ends_on_vertex = false;        // the last of these; else between it and the next
+    Vec3 end;
+    Vec3 radial;                              // unit vector across the line, in the half plane
+    double drawn_latitude = 0, latitude = 0;  // of its end over that, radians; before and after
+    double azimuth = 0;                       // of the half plane, radians
+    bool held = false;
+};
+
+class Settler {
+  public:
+    Settler(ContourSet& set, DrawnPlaces& drawn, const PoleOptions& options)
+        : set_(set), drawn_(drawn), options_(options), graph_(make_contour_graph(set)) {}
+
+    PoleStats run() {
+        find_places();
+        moved_ = set_.points;
+        put_in_.resize(set_.points.size());
+        for (const auto& visits : places_) settle(visits);
+        if (stats_.poles > 0) lay_out();
+        if (stats_.highest_mm == 0) stats_.poles = 0;
+        return stats_;
+    }
+
+  private:
+    // The points of all contours by place.
+    void find_places() {
+        for (std::uint32_t c = 0; c < set_.contours.size(); ++c) {
+            const Contour& contour = set_.contours[c];
+            for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k)
+                visits_.push_back({set_.points[k], contour.slice, contour.structure, c, k});
+        }
+        std::sort(visits_.begin(), visits_.end(), [](const Visit& p, const Visit& q) {
+            if (p.at != q.at) return lexicographic_less(p.at, q.at);
+            return std::pair(p.structure, p.point) < std::pair(q.structure, q.point);
+        });
+        for (std::size_t first = 0, last = 0; first < visits_.size(); first = last) {
+            while (last < visits_.size() && visits_[last].at == visits_[first].at) ++last;
+            places_.push_back(std::span(visits_).subspan(first, last - first));
+        }
+        stays_ = points_that_stay(set_, graph_);
+    }
+
+    // The direction of the line that the planes of all visits share.
+    std::optional<Vec3> common_line(std::span<const Visit> visits) const {
+        std::vector<std::uint32_t> slices;
+        for (const Visit& visit : visits) slices.push_back(visit.slice);
+        sort_distinct(slices);
+        if (slices.size() < planes_at_pole) return {};
+        const Vec3 first = set_.slices[slices.front()].plane.normal;
+        Vec3 line;
+        for (const std::uint32_t slice : slices) {
+            const Vec3 other = cross(first, set_.slices[slice].plane.normal);
+            if (squared_length(other) > squared_length(line)) line = other;
+        }
+        if (!(squared_length(line) > 0)) return {};
+        line = normalized(line);
+        for (const std::uint32_t slice : slices) {
+            if (std::abs(dot(line, set_.slices[slice].plane.normal)) > same_line_sine) return {};
+        }
+        return line;
+    }
+
+    void settle(std::span<const Visit> visits) {
+        if (visits.size() < planes_at_pole) return;
+        const std::optional<Vec3> line = common_line(visits);
+        if (!line) return;
+        const double radius = radius_at(visits);
+        if (!(radius >= least_radius * options_.radius_mm)) return;
+        const std::size_t before = ways_.size();
+        for (std::size_t first = 0; first < visits.size();) {
+            std::size_t last = first;
+            while (last < visits.size() && visits[last].structure == visits[first].structure) ++last;
+            std::optional<std::vector<Leg>> fan = fan_of(visits.subspan(first, last - first), *line, radius);
+            if (fan && turn(*fan, *line)) {
+                for (const Leg& leg : *fan) {
+                    if (degrees(std::abs(leg.latitude - leg.drawn_latitude)) >= least_turn_degrees)
+                        ways_.emplace(key_of(leg), direction(leg, *line));
+                }
+            }
+            first = last;
+        }
+        // Every structure that has a leg, or none.
+        for (const bool moves : {false, true}) {
+            for (const Visit& visit : visits) {
+                for (const bool forward : {false, true}) {
+                    if (room_of(visit, forward) < radius) continue;
+                    const Leg leg = leg_of(visit, forward, radius);
+                    const auto found = ways_.find(key_of(leg));
+                    if (found == ways_.end()) continue;
+                    if (moves) {
+                        move(leg, found->second);
+                    } else if (goes_too_far(leg, found->second)) {
+                        ways_.erase(found);
+                    }
+                }
+            }
+        }
+        stats_.poles += ways_.size() > before;
+    }
+
+    std::uint32_t next(const Contour& contour, std::uint32_t point, bool forward) const {
+        return forward ? point_after(contour, point) : point_before(contour, point);
+    }
+
+    // As the crow flies, to the next point that stays; three times the radius where that is further.
+    double way_to_next(const Visit& visit, bool forward) const {
+        const Contour& contour = set_.contours[visit.contour];
+        const double far = options_.radius_mm / share_of_way;
+        for (std::uint32_t k = next(contour, visit.point, forward);; k = next(contour, k, forward)) {
+            const double distance = length(set_.points[k] - visit.at);
+            if (k == visit.point || stays_[k]) return std::min(distance, far);
+            if (distance >= far) return far;
+        }
+    }
+
+    double room_of(const Visit& visit, bool forward) const {
+        return share_of_way * way_to_next(visit, forward);
+    }
+
+    // For which half of the legs or more have room; the least room where fewer have any to speak of.
+    double radius_at(std::span<const Visit> visits) const {
+        double least = options_.radius_mm, radius = options_.radius_mm;
+        std::size_t with_room = 0;
+        for (const Visit& visit : visits) {
+            for (const bool forward : {false, true}) {
+                const double room = room_of(visit, forward);
+                least = std::min(least, room);
+                if (room < short_way * options_.radius_mm) continue;
+                radius = std::min(radius, room);
+                ++with_room;
+            }
+        }
+        return with_room >= visits.size() ? radius : least;
+    }
+
+    // One leg in every half plane, by azimuth; none where the contours are not so.
+    std::optional<std::vector<Leg>> fan_of(std::span<const Visit> visits, Vec3 line, double radius) const {
+        std::vector<Leg> fan;
+        const Vec3 across = set_.slices[visits.front().slice].plane.normal, along = cross(line, across);
+        for (const Visit& visit : visits) {
+            for (const bool forward : {false, true}) {
+                // Up to a point that stays, however near: there the leg may turn elsewhere.
+                const double room = std::min(radius, room_of(visit, forward));
+                if (!(room > 0)) return {};
+                Leg leg = leg_of(visit, forward, room);
+                const Vec3 way = normalized(leg.end - visit.at);
+                const Vec3 radial = way - dot(way, line) * line;
+                if (length(radial) < no_half_plane) return {};
+                leg.radial = cross(set_.slices[visit.slice].plane.normal, line);
+                if (dot(leg.radial, radial) < 0) leg.radial = -1 * leg.radial;
+                leg.radial = normalized(leg.radial);
+                leg.drawn_latitude = leg.latitude = std::atan2(dot(way, line), dot(way, leg.radial));
+                leg.azimuth = std::atan2(dot(leg.radial, along), dot(leg.radial, across));
+                if (const auto found = ways_.find(key_of(leg)); found != ways_.end()) {
+                    leg.latitude = std::atan2(dot(found->second, line), dot(found->second, leg.radial));
+                    leg.held = true;
+                }
+                leg.held = leg.held || room < radius;
+                fan.push_back(std::move(leg));
+            }
+        }
+        if (fan.size() < 2 * planes_at_pole) return {};
+        std::sort(fan.begin(), fan.end(), [](const Leg& p, const Leg& q) { return p.azimuth < q.azimuth; });
+        for (std::size_t n = 0; n < fan.size(); ++n) {
+            const Leg& other = fan[(n + 1) % fan.size()];
+            if (fan[n].slice == other.slice && dot(fan[n].radial, other.radial) > 0) return {};
+        }
+        return fan;
+    }
+
+    Leg leg_of(const Visit& visit, bool forward, double radius) const {
+        Leg leg;
+        leg.slice = visit.slice;
+        leg.contour = visit.contour;
+        leg.pole = visit.point;
+        leg.forward = forward;
+        const Contour& contour = set_.contours[visit.contour];
+        Vec3 from = visit.at;
+        for (std::uint32_t k = next(contour, visit.point, forward);; k = next(contour, k, forward)) {
+            const Vec3 at = set_.points[k];
+            const double distance = length(at - visit.at);
+            if (distance < vertex_near * radius) leg.inside.push_back(k);
+            if (distance >= radius) {
+                leg.ends_on_vertex = distance < vertex_near * radius;
+                leg.end = leg.ends_on_vertex ? at : crossing(visit.at, from, at, radius);
+                return leg;
+            }
+            from = at;
+        }
+    }
+
+    // Where the way from p, within the radius, to q leaves the ball.
+    static Vec3 crossing(Vec3 centre, Vec3 p, Vec3 q, double radius) {
+        const Vec3 way = q - p, from = p - centre;
+        const double a = squared_length(way), b = dot(way, from), c = squared_length(from) - radius * radius;
+        const double t = (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
+        return p + std::clamp(t, 0.0, 1.0) * way;
+    }
+
+    static Vec3 direction(const Leg& leg, Vec3 line) {
+        return std::cos(leg.latitude) * leg.radial + std::sin(leg.latitude) * line;
+    }
+
+    // Between the facets from a leg to its neighbours, at the leg; degrees.
+    static double angle_at(Vec3 before, Vec3 leg, Vec3 after) {
+        const Vec3 p = cross(leg, before), q = cross(leg, after);
+        return degrees(std::atan2(length(cross(p, q)), dot(p, q)));
+    }
+
+    static bool is_sharp(const std::vector<Vec3>& ways, double least) {
+        const std::size_t n = ways.size();
+        for (std::size_t k = 0; k < n; ++k) {
+            if (angle_at(ways[(k + n - 1) % n], ways[k], ways[(k + 1) % n]) < least) return true;
+        }
+        return false;
+    }
+
+    // Whether there was one.
+    bool turn_steep(std::vector<Leg>& fan) const {
+        const double most = options_.steepest_degrees * std::numbers::pi / 180;
+        bool turned = false;
+        for (Leg& leg : fan) {
+            if (leg.held || degrees(std::abs(leg.latitude) - most) < least_turn_degrees) continue;
+            leg.latitude = std::copysign(most, leg.latitude);
+            turned = true;
+        }
+        return turned;
+    }
+
+    // Whether a leg was turned.
+    bool turn(std::vector<Leg>& fan, Vec3 line) const {
+        const std::size_t n = fan.size();
+        std::vector<Vec3> ways(n);
+        bool turned = turn_steep(fan);
+        for (int step = 0; step < most_turns; ++step) {
+            for (std::size_t k = 0; k < n; ++k) ways[k] = direction(fan[k], line);
+            if (!is_sharp(ways, options_.least_degrees)) break;
+            turned = true;
+            for (std::size_t k = 0; k < n; ++k) {
+                Leg& leg = fan[k];
+                const Leg &before = fan[(k + n - 1) % n], &after = fan[(k + 1) % n];
+                double gap = degrees(after.azimuth - before.azimuth);
+                if (gap < 0) gap += 360;
+                if (leg.held || gap > widest_gap_degrees) continue;
+                Vec3 way = cross(cross(ways[(k + n - 1) % n], ways[(k + 1) % n]),
+                                 set_.slices[leg.slice].plane.normal);
+                if (dot(way, leg.radial) < 0) way = -1 * way;
+                if (dot(way, leg.radial) < least_across * length(way)) continue;
+                leg.latitude += 0.5 * (std::atan2(dot(way, line), dot(way, leg.radial)) - leg.latitude);
+            }
+        }
+        return turned;
+    }
+
+    // Structures that share a wall share its legs.
+    std::pair<std::uint32_t, std::uint32_t> key_of(const Leg& leg) const {
+        return {graph_.node_of_point[leg.pole],
+                graph_.node_of_point[next(set_.contours[leg.contour], leg.pole, leg.forward)]};
+    }
+
+    Vec3 turned(const Leg& leg, Vec3 at, Vec3 way) const {
+        const Vec3 pole = set_.points[leg.pole];
+        return pole + length(at - pole) * way;
+    }
+
+    bool goes_too_far(const Leg& leg, Vec3 way) const {
+        if (length(turned(leg, leg.end, way) - leg.end) > options_.most_moved_mm) return true;
+        return std::any_of(leg.inside.begin(), leg.inside.end(), [&](std::uint32_t k) {
+            return length(turned(leg, set_.points[k], way) - drawn_.at[k]) > options_.most_moved_mm;
+        });
+    }
+
+    void move(const Leg& leg, Vec3 way) {
+        for (const std::uint32_t k : leg.inside) moved_[k] = turned(leg, set_.points[k], way);
+        if (leg.ends_on_vertex) return;
+        const std::uint32_t last = leg.inside.empty() ? leg.pole : leg.inside.back();
+        const std::uint32_t from = leg.forward ? last : point_before(set_.contours[leg.contour], last);
+        put_in_[from].push_back({turned(leg, leg.end, way), leg.end});
+    }
+
+    void lay_out() {
+        std::vector<std::vector<Vec3>> fresh(set_.contours.size());
+        DrawnPlaces drawn;
+        for (const Slice& slice : set_.slices) {
+            std::vector<PlaneRing> rings;
+            const std::uint32_t end = slice.first_contour + slice.contour_count;
+            for (std::uint32_t c = slice.first_contour; c < end; ++c) {
+                fresh[c] = points_of(set_.contours[c]);
+                PlaneRing ring{set_.contours[c].structure, {}};
+                for (const Vec3& p : fresh[c]) ring.at.push_back(slice.plane.to_plane(p));
+                rings.push_back(std::move(ring));
+            }
+            if (slice_faults(rings, set_.exclusive).empty()) continue;
+            for (std::uint32_t c = slice.first_contour; c < end; ++c) {
+                restore(set_.contours[c]);
+                fresh[c] = points_of(set_.contours[c]);
+            }
+        }
+        for (std::uint32_t c = 0; c < set_.contours.size(); ++c) {
+            const Contour& contour = set_.contours[c];
+            for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+                drawn.at.push_back(drawn_.at[k]);
+                drawn.is_drawn.push_back(drawn_.is_drawn[k]);
+                stats_.highest_mm = std::max(stats_.highest_mm, length(moved_[k] - set_.points[k]));
+                for (const PutIn& point : ordered(k)) {
+                    drawn.at.push_back(point.was);
+                    drawn.is_drawn.push_back(false);
+                    stats_.highest_mm = std::max(stats_.highest_mm, length(point.at - point.was));
+                }
+            }
+        }
+        lay_out_points(set_, fresh);
+        drawn_ = std::move(drawn);
+    }
+
+    // Of two poles' legs on one segment the nearer comes first.
+    std::vector<PutIn> ordered(std::uint32_t k) const {
+        std::vector<PutIn> points = put_in_[k];
+        std::sort(points.begin(), points.end(), [&](const PutIn& p, const PutIn& q) {
+            return squared_length(p.was - set_.points[k]) < squared_length(q.was - set_.points[k]);
+        });
+        return points;
+    }
+
+    std::vector<Vec3> points_of(const Contour& contour) const {
+        std::vector<Vec3> points;
+        for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+            points.push_back(moved_[k]);
+            for (const PutIn& point : ordered(k)) points.push_back(point.at);
+        }
+        return points;
+    }
+
+    void restore(const Contour& contour) {
+        for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
+            moved_[k] = set_.points[k];
+            put_in_[k].clear();
+        }
+    }
+
+    ContourSet& set_;
+    DrawnPlaces& drawn_;
+    const PoleOptions& options_;
+    const ContourGraph graph_;
+    PoleStats stats_;
+    std::vector<Visit> visits_;  // by place, then by structure
+    std::vector<std::span<const Visit>> places_;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, Vec3> ways_;  // of legs that were turned
+    std::vector<bool> stays_;                                       // per point of the set
+    std::vector<Vec3> moved_;                                       // the same
+    std::vector<std::vector<PutIn>> put_in_;                        // after the point
+};
+
+}  // namespace
+
+PoleStats settle_poles(ContourSet& set, DrawnPlaces& drawn, const PoleOptions& options) {
+    assert(options.radius_mm > 0 && options.least_degrees > 0 && options.least_degrees < 180);
+    assert(options.steepest_degrees > 0 && options.steepest_degrees <= 90);
+    assert(drawn.at.size() == set.points.size());
+    return Settler(set, drawn, options).run();
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,248 @@
+#include "anatomesh/refine/refinement_rounds.h"
+
+#include <algorithm>
+
+#include "anatomesh/base/parallel.h"
+#include "anatomesh/mesh/model/prefetch.h"
+#include "anatomesh/mesh/shape/quality.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double shortest_spike = 0.4;  // an edge across a surface, with an end on another one, in sizes
+constexpr int crossing_rounds = 3;
+constexpr int deviation_rounds = 5;
+constexpr int refinement_rounds = 12;
+constexpr int protected_rounds = 4;         // of these, the first keep out of the balls of contour segments
+constexpr double protected_at_first = 0.5;  // of the balls, by radius
+constexpr int small_mesh_rounds = 60;       // tiny segments need a round for each doubling of the size,
+constexpr std::size_t small_mesh = 20000;   // in meshes of fewer points than this
+constexpr double bound_step = 0.05;         // of the bound for the sake of the mean, and so many of them
+constexpr int bound_steps = 5, bound_steps_below_1 = 8;  // for a mean below 1
+constexpr int even_rounds = 4;              // with each of these bounds
+constexpr int last_rounds = 1;              // after the last segments
+constexpr int changed_rounds = 4;           // of what changes later on
+// Where freehand planes lie closer than the vertices along them, contours tell the surface without more
+// points.
+constexpr double crowded_crossing_spacing =
+    0.05;  // of points where edges cross an interface from others, in edges
+constexpr int dense_deviation_rounds = 2;
+constexpr int cut_rounds = 6, cut_times = 3;  // so many rounds, in turns with pieces and shapes
+// Of sections from where slices contradict each other, in sizes: fins and handles would come of vertices
+// there.
+constexpr double contradicted_clearance = 0.25;
+
+// Radius-edge ratio of the cells inside in the mean, each at most the bound. Pieces of a fixed size: the same
+// at any number of threads.
+double mean_ratio(const LabelledMesh& mesh, double bound, int threads) {
+    struct Sum {
+        double ratios = 0, cells = 0;
+    };
+    constexpr std::size_t grain = 16384;
+    const std::vector<Cell>& cells = mesh.cells().cells;
+    std::vector<Sum> sums(cells.size() / grain + 1);
+    parallel_for(cells.size(), grain, threads, [&](std::size_t first, std::size_t last) {
+        Sum& sum = sums[first / grain];
+        for (std::size_t c = first; c < last; ++c) {
+            if (c + cells_ahead < last) prefetch_points(mesh.points(), cells[c + cells_ahead]);
+            if (mesh.regions()[c] == 0) continue;
+            const auto at = [&](std::size_t i) { return mesh.points()[cells[c][i]]; };
+            sum.ratios += std::min(bound, radius_edge_ratio(at(0), at(1), at(2), at(3)));
+            sum.cells += 1;
+        }
+    });
+    Sum total;
+    for (const Sum& sum : sums) total = {total.ratios + sum.ratios, total.cells + sum.cells};
+    return total.cells > 0 ? total.ratios / total.cells : 0;
+}
+
+}  // namespace
+
+RefinementRounds::RefinementRounds(LabelledMesh& mesh, ContourPieces& pieces, const SegmentGuard& guard,
+                                   const StructureField& field, std::uint32_t structures,
+                                   std::span<const std::uint8_t> given, const RefinementOptions& options)
+    : mesh_(mesh),
+      pieces_(pieces),
+      guard_(guard),
+      field_(field),
+      structures_(structures),
+      given_(given),
+      options_(options) {}
+
+Status RefinementRounds::run(RunContext& context) {
+    CrossingOptions crossing;
+    crossing.shortest_mm = shortest_spike * options_.size_mm;
+    ANATOMESH_CHECK_STATUS(meet_crossings(crossing, context));
+    ANATOMESH_CHECK_STATUS(meet_deviations(context));
+    ANATOMESH_CHECK_STATUS(pieces_.recover(500, context));
+    ANATOMESH_CHECK_STATUS(improve_shapes(context));
+    // Edges that came to cross an interface since the first rounds would end as spikes.
+    if (!options_.conforming) crossing.protected_share = 0.5;
+    ANATOMESH_CHECK_STATUS(meet_crossings(crossing, context));
+    // Where contours crowd each other, what is left is met beside them as well: a surface without a vertex
+    // there has a pit.
+    if (options_.spared) {
+        crossing.protected_share = 0;
+        crossing.min_spacing = crowded_crossing_spacing;
+        ANATOMESH_CHECK_STATUS(meet_crossings(crossing, context));
+    }
+    // Pieces and shapes may spoil cuts again.
+    for (int time = 0; time < cut_times; ++time) {
+        ANATOMESH_TRY(const bool met, meet_cuts(crossing, context));
+        if (time > 0 && !met) break;
+        ANATOMESH_CHECK_STATUS(pieces_.finish(context));
+        ANATOMESH_CHECK_STATUS(mend_shapes(shapes_, true, context));
+    }
+    if (!options_.spared) return Nothing{};
+    ANATOMESH_CHECK_STATUS(meet_crossings(crossing, context));
+    return pieces_.finish(context);
+}
+
+// Points where edges cross an interface; contour segments that keep them off are split instead.
+Status RefinementRounds::meet_crossings(const CrossingOptions& options, RunContext& context) {
+    for (int round = 0; round < crossing_rounds; ++round) {
+        std::vector<Vec3> found;
+        mesh_.look_again(crossings_);
+        const CrossingStats stats = find_crossing_points(
+            mesh_.points(), mesh_.cells(), mesh_.sides(), mesh_.registry().table(), field_, structures_,
+            mesh_.grid(), guard_, options, crossings_.cells, found, context);
+        if (found.empty() && (options.protected_share == 1 || stats.balls.empty())) break;
+        stats_.crossing_points += found.size();
+        ANATOMESH_CHECK_STATUS(pieces_.grow(
+            found, options.protected_share == 1 ? std::vector<std::uint32_t>{} : stats.balls, context));
+    }
+    return Nothing{};
+}
+
+Status RefinementRounds::meet_deviations(RunContext& context) {
+    DeviationOptions options;
+    options.max_deviation_mm = options_.max_deviation_mm;
+    if (options_.conforming) options.protected_share = 1;
+    CellSearch search;
+    for (int round = 0; round < (options_.spared ? dense_deviation_rounds : deviation_rounds); ++round) {
+        std::vector<Vec3> found;
+        mesh_.look_again(search);
+        find_deviation_points(mesh_.points(), mesh_.cells(), mesh_.regions(), mesh_.registry().table(),
+                              field_, structures_, mesh_.grid(), guard_, options, search.cells, found,
+                              context);
+        if (not_worth_a_round(found.size(), 500)) break;
+        stats_.deviation_points += found.size();
+        ANATOMESH_CHECK_STATUS(pieces_.grow(found, {}, context));
+    }
+    return Nothing{};
+}
+
+// Vertices beside the planes of slices where cuts are wrong, and where edges to these cross an interface.
+Result<bool> RefinementRounds::meet_cuts(const CrossingOptions& options, RunContext& context) {
+    if (options_.slices.planes.empty()) return false;
+    const std::uint64_t before = stats_.cut_points;
+    CutPointOptions cut;
+    cut.clearance_mm = contradicted_clearance * options_.size_mm;
+    for (int round = 0; round < cut_rounds; ++round) {
+        std::vector<Vec3> found;
+        mesh_.look_again(cuts_);
+        find_cut_points(mesh_.points(), mesh_.cells(), mesh_.regions(), mesh_.registry().table(),
+                        options_.slices, field_, structures_, mesh_.grid(), guard_, cut, cuts_.cells, found,
+                        context);
+        if (found.empty()) break;
+        stats_.cut_points += found.size();
+        ANATOMESH_CHECK_STATUS(pieces_.grow(found, {}, context));
+        ANATOMESH_CHECK_STATUS(meet_crossings(options, context));
+    }
+    return stats_.cut_points > before;
+}
+
+Status RefinementRounds::improve_shapes(RunContext& context) {
+    const SplitLimits limits = options_.conforming ? SplitLimits::beside_short() : SplitLimits::scaled(1);
+    for (int round = 0; round < rounds_in_small_meshes(refinement_rounds); ++round) {
+        // Where contours meet at small angles, segments and shape cannot both have their way: shape has the
+        // last word, but where segments were split for each other's sake.
+        const double share = options_.conforming || options_.graded ? 1
+                             : round < protected_rounds             ? protected_at_first
+                                                                    : 0;
+        std::vector<Vec3> found;
+        const RefineStats stats = find_shape_points(options_.max_radius_edge, share, shapes_, found, context);
+        if (round == 0) stats_.radius_edge_mean_before = stats.radius_edge_mean;
+        stats_.circumcenters += stats.circumcenters;
+        stats_.surface_points += stats.surface_points;
+        const std::size_t count = found.size() + stats.balls.size();
+        if (count == 0 || (round > 2 && not_worth_a_round(count, 800))) break;
+        const std::size_t before = mesh_.points().size();
+        ANATOMESH_CHECK_STATUS(pieces_.grow(found, stats.balls, context, limits));
+        // Balls that may not be split ask for it again and again.
+        if (options_.conforming && not_worth_a_round(mesh_.points().size() - before, 800)) break;
+    }
+    return options_.spared ? Nothing{} : even_shapes(context);
+}
+
+// Where contour vertices lie many times closer than the slices, cells grow from their spacing to the size
+// over all the way between, as fast as the bound lets them: most of them end near it. All of this out of the
+// balls of segments.
+Status RefinementRounds::even_shapes(RunContext& context) {
+    const double first = options_.max_radius_edge;
+    const auto mean = [&] { return mean_ratio(mesh_, first, context.threads); };
+    const int steps = options_.even_mean < 1 ? bound_steps_below_1 : bound_steps;
+    for (int step = 1; step <= steps; ++step) {
+        const double bound = (1 - step * bound_step) * first;
+        CellSearch search;
+        for (int round = 0; round < even_rounds; ++round) {
+            if (mean() <= options_.even_mean) return Nothing{};
+            std::vector<Vec3> found;
+            const RefineStats stats = find_shape_points(bound, 1, search, found, context);
+            if (not_worth_a_round(found.size(), 800)) break;
+            stats_.circumcenters += stats.circumcenters;
+            stats_.surface_points += stats.surface_points;
+            ANATOMESH_CHECK_STATUS(pieces_.grow(found, {}, context));
+        }
+    }
+    return Nothing{};
+}
+
+Status RefinementRounds::refine_changed(CellSearch search, RunContext& context) {
+    return mend_shapes(search, false, context);
+}
+
+// What inserting and splitting for the pieces' sake spoiled, out of the balls of the segments. With
+// `finishing` the pieces are finished after each round.
+Status RefinementRounds::mend_shapes(CellSearch& search, bool finishing, RunContext& context) {
+    for (int round = 0; round < (finishing ? rounds_in_small_meshes(last_rounds) : changed_rounds); ++round) {
+        std::vector<Vec3> found;
+        RefineStats stats = find_shape_points(options_.max_radius_edge, 1, search, found, context);
+        if (!pieces_.are_short()) stats.balls.clear();
+        if (found.empty() && stats.balls.empty()) break;
+        stats_.circumcenters += stats.circumcenters;
+        stats_.surface_points += stats.surface_points;
+        const std::size_t before = mesh_.points().size();
+        ANATOMESH_CHECK_STATUS(pieces_.grow(found, stats.balls, context, SplitLimits::beside_short()));
+        if (finishing) {
+            ANATOMESH_CHECK_STATUS(pieces_.finish(context));
+        }
+        if (mesh_.points().size() == before) break;
+    }
+    return Nothing{};
+}
+
+RefineStats RefinementRounds::find_shape_points(double bound, double protected_share, CellSearch& search,
+                                                std::vector<Vec3>& found, RunContext& context) const {
+    RefineOptions options;
+    options.max_radius_edge = bound;
+    options.max_reach_mm = 3 * options_.size_mm;
+    options.given = given_;
+    options.crowded_mm = options_.crowded_mm;
+    options.protected_share = protected_share;
+    mesh_.look_again(search);
+    return find_refinement_points(mesh_.points(), mesh_.cells(), mesh_.regions(), mesh_.sides(), field_,
+                                  structures_, mesh_.grid(), guard_, options, search.cells, found, context);
+}
+
+int RefinementRounds::rounds_in_small_meshes(int otherwise) const {
+    return mesh_.points().size() < small_mesh ? small_mesh_rounds : otherwise;
+}
+
+// The last few points.
+bool RefinementRounds::not_worth_a_round(std::size_t count, std::size_t share) const {
+    return count * share < mesh_.points().size();
+}
+
+}  // namespace anatomesh

@@ -1,0 +1,89 @@
+// RefinementRounds: the mesh refined between contours, round by round, until its cells are fit to be cut.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "anatomesh/base/result.h"
+#include "anatomesh/base/run_context.h"
+#include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/refine/contour_pieces.h"
+#include "anatomesh/refine/labelled_mesh.h"
+#include "anatomesh/refine/cut_points.h"
+#include "anatomesh/refine/refine.h"
+#include "anatomesh/sample/segment_guard.h"
+
+namespace anatomesh {
+
+struct RefinementOptions {
+    double size_mm = 0;          // the edge length aimed at. > 0
+    double max_radius_edge = 2;  // as in RefineOptions, and crowded_mm
+    double crowded_mm = 0;
+    double max_deviation_mm = 0;  // as in DeviationOptions. > 0
+    bool spared =
+        false;  // fewer rounds for what lies between the contours; what they crowd is met beside them
+    bool conforming = false;  // pieces were split beforehand as far as other contours ask, and are further
+    bool graded = false;      // they were in their slices alone
+    // Where the mean ratio of the cells inside, each at most the bound, is above this after the rounds for
+    // their shape, further ones go on with lower bounds. What follows takes a twentieth off. [0.9, 2]
+    double even_mean = 1;
+    CutSlices slices;  // whose planes cross; or none
+};
+
+struct RefinementStats {
+    // Points inserted: where edges cross an interface, at facets off it, where cuts are wrong, for the shape of
+    // cells (those that were moved onto an interface by themselves).
+    std::uint64_t crossing_points = 0, deviation_points = 0, cut_points = 0, circumcenters = 0,
+                  surface_points = 0;
+    double radius_edge_mean_before = 0;  // of the cells inside, before the rounds for their shape
+};
+
+// Each round searches the cells that changed since its last one (refine.h) and inserts by way of
+// ContourPieces, which splits the pieces of contours that points come too near to. Same result at any number
+// of threads. Errors: those of ContourPieces::grow().
+class RefinementRounds {
+  public:
+    // `given`: by vertex, as in RefineOptions. Requires: all outlive this.
+    RefinementRounds(LabelledMesh& mesh, ContourPieces& pieces, const SegmentGuard& guard,
+                     const StructureField& field, std::uint32_t structures,
+                     std::span<const std::uint8_t> given, const RefinementOptions& options);
+
+    // First the surface: points where edges cross an interface, then where facets deviate from it. Then the
+    // shape of cells, with bounds below the given one where their mean is above 1, and, up to three times, the
+    // cuts by planes that cross, the pieces that are still no edges (ContourPieces::finish()), and the shapes
+    // that these spoiled. Every loop ends after a bounded
+    // number of rounds, the longer ones when next to nothing is left.
+    Status run(RunContext& context);
+
+    // A few more rounds for the shape of the cells that the search has not seen: points put beside pieces
+    // later on, far nearer to them than the size asks for, leave long ones.
+    Status refine_changed(CellSearch search, RunContext& context);
+
+    const RefinementStats& stats() const { return stats_; }
+
+  private:
+    Status meet_crossings(const CrossingOptions& options, RunContext& context);
+    Status meet_deviations(RunContext& context);
+    // Whether there were cuts to meet.
+    Result<bool> meet_cuts(const CrossingOptions& options, RunContext& context);
+    Status improve_shapes(RunContext& context);
+    Status mend_shapes(CellSearch& search, bool finishing, RunContext& context);
+    Status even_shapes(RunContext& context);
+    RefineStats find_shape_points(double bound, double protected_share, CellSearch& search,
+                                  std::vector<Vec3>& found, RunContext& context) const;
+    int rounds_in_small_meshes(int otherwise) const;
+    bool not_worth_a_round(std::size_t count, std::size_t share) const;
+
+    LabelledMesh& mesh_;
+    ContourPieces& pieces_;
+    const SegmentGuard& guard_;
+    const StructureField& field_;
+    const std::uint32_t structures_;
+    const std::span<const std::uint8_t> given_;
+    const RefinementOptions options_;
+    CellSearch crossings_, cuts_, shapes_;
+    RefinementStats stats_;
+};
+
+}  // namespace anatomesh

@@ -1,0 +1,143 @@
+#include "anatomesh/slices/coverage/slices_tell.h"
+
+#include <gtest/gtest.h>
+
+#include "anatomesh/contour/model/chosen_slices.h"
+#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/slices/arrangement/sweep.h"
+
+namespace anatomesh {
+namespace {
+
+using namespace fixtures;
+using Places = std::vector<std::uint32_t>;
+
+Places telling(const std::vector<double>& heights, const std::vector<double>& drawn_at) {
+    Places drawn;
+    for (std::uint32_t n = 0; n < heights.size(); ++n) {
+        if (std::find(drawn_at.begin(), drawn_at.end(), heights[n]) != drawn_at.end()) drawn.push_back(n);
+    }
+    return telling_slices(drawn, heights);
+}
+
+TEST(TellingSlices, RS18_one_that_is_skipped_in_an_even_stack_tells) {
+    EXPECT_EQ(telling({0, 3, 6, 9, 12, 15}, {0, 3, 9, 12, 15}), (Places{0, 1, 2, 3, 4, 5}));
+}
+
+TEST(TellingSlices, RS19_those_between_slices_of_its_own_do_not) {
+    EXPECT_EQ(telling({0, 3, 6, 9, 12, 15, 18}, {0, 6, 12, 18}), (Places{0, 2, 4, 6}));
+}
+
+// A lesion is drawn on finer slices inside an organ that is drawn every 3 mm.
+TEST(TellingSlices, those_in_a_gap_that_is_as_wide_as_its_others_do_not) {
+    const std::vector<double> heights{0, 3, 6, 8, 9, 10, 12, 14, 15, 18, 21};
+    EXPECT_EQ(telling(heights, {0, 3, 6, 9, 12, 15, 18, 21}), (Places{0, 1, 2, 4, 6, 8, 9, 10}));
+    // Not drawn at 9 either: there it is empty.
+    EXPECT_EQ(telling(heights, {0, 3, 6, 12, 15, 18, 21}), (Places{0, 1, 2, 3, 4, 5, 6, 8, 9, 10}));
+}
+
+// Not drawn at 9, since that slice was left out: what lies beside it tells nothing.
+TEST(TellingSlices, those_between_four_that_are_evenly_spaced_do_not) {
+    // 0, 5, 10 and 15 mm, of which the last two gaps hold others.
+    const std::vector<double> heights{0, 5, 6, 8, 10, 12, 15};
+    EXPECT_EQ(telling_slices({0, 1, 4, 6}, heights), (std::vector<std::uint32_t>{0, 1, 4, 6}));
+    // Three show no spacing, nor do four of which one gap is wider.
+    EXPECT_EQ(telling_slices({0, 1, 4}, {0, 5, 6, 8, 10}), (std::vector<std::uint32_t>{0, 1, 2, 3, 4}));
+    EXPECT_EQ(telling_slices({0, 1, 4, 5}, {0, 5, 6, 8, 11, 16}),
+              (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5}));
+}
+
+TEST(TellingSlices, what_was_left_out_is_no_slice_without_it) {
+    const std::vector<double> heights{0, 3, 6, 8, 10, 12, 14, 15, 18, 21};
+    const Places drawn{0, 1, 2, 5, 7, 8, 9};
+    EXPECT_EQ(telling_slices(drawn, heights), (Places{0, 1, 2, 3, 4, 5, 7, 8, 9}));
+    EXPECT_EQ(telling_slices(drawn, heights, {9}), (Places{0, 1, 2, 5, 7, 8, 9}));
+    EXPECT_EQ(telling_slices(drawn, heights, {-3, 9, 24}), (Places{0, 1, 2, 5, 7, 8, 9}));
+    EXPECT_EQ(telling_slices(drawn, heights, {8}), (Places{0, 1, 2, 3, 4, 5, 7, 8, 9}));
+}
+
+TEST(TellingSlices, uneven_gaps_show_no_spacing) {
+    EXPECT_EQ(telling({0, 2, 3, 7, 9, 10.5, 12, 18}, {0, 2, 3, 7, 9, 12, 18}),
+              (Places{0, 1, 2, 3, 4, 5, 6, 7}));
+}
+
+// An organ on every third millimetre, and a lesion inside on every second.
+TEST(TellingSlices, an_organ_is_whole_where_a_lesion_in_it_has_slices_of_its_own) {
+    for (const double lean : {0.0, 0.004}) {
+        SetBuilder builder;
+        std::vector<std::pair<double, bool>> slices;
+        for (int z = -24; z <= 24; ++z) {
+            const bool organ = z % 3 == 0, lesion = z >= -3 && z <= 5 && (z + 3) % 2 == 0;
+            if (!organ && !lesion) continue;
+            builder.slice(make_plane({0, 0, static_cast<double>(z)}, {lean * (z % 2), lean * (z % 5), 1}));
+            if (organ) builder.ring(0, circle({}, std::sqrt(26.0 * 26 - z * z), 80));
+            if (lesion) builder.ring(1, circle({4, 0}, 5, 40));
+        }
+        RunContext context;
+        const auto field = make_structure_field(builder.set, {}, context).value();
+        for (double z = -20; z <= 20; z += 0.25) {
+            EXPECT_LT(field->value(0, {0, 10, z}), 0) << z;
+            if (z >= -2.5 && z <= 4.5) {
+                EXPECT_LT(field->value(1, {4, 0, z}), 0) << z;
+            }
+        }
+        const auto told = [&](const std::string& code) {
+            return std::count_if(context.warnings.begin(), context.warnings.end(),
+                                 [&](const Warning& warning) { return warning.code == code; });
+        };
+        EXPECT_EQ(told("W-FLD-003"), 0);
+        EXPECT_EQ(told("W-FLD-012"), 2);  // the lesion goes on through the organ's slice at 0, too
+        const std::vector<bool> tell = slices_tell(builder.set, 0);
+        for (std::uint32_t s = 0; s < tell.size(); ++s) {
+            const auto drawn = builder.set.contours_of(builder.set.slices[s]);
+            EXPECT_EQ(tell[s], drawn.front().structure == 0) << s;
+        }
+    }
+}
+
+// An organ every 3 mm, a lesion in it on each of some, and one of the organ's slices left out: parallel
+// slices, some that lean more and more, and some that lean as by hand and cross.
+TEST(TellingSlices, an_organ_is_whole_where_a_slice_of_its_own_is_left_out) {
+    enum class Lean { none, more_and_more, by_hand };
+    for (const Lean lean : {Lean::none, Lean::more_and_more, Lean::by_hand}) {
+        SCOPED_TRACE(static_cast<int>(lean));
+        SetBuilder builder;
+        std::vector<std::uint32_t> others;
+        std::uint32_t slice = 0;
+        for (int z = -24; z <= 24; ++z) {
+            const bool organ = z % 3 == 0, lesion = z >= -2 && z <= 4;
+            if (!organ && !lesion) continue;
+            Vec3 normal{0, 0, 1};
+            if (lean == Lean::more_and_more) normal.x = 0.007 * z;
+            if (lean == Lean::by_hand) normal = {0.12 * std::sin(2.3 * z), 0.1 * std::cos(1.7 * z), 1};
+            builder.slice(make_plane({0, 0, static_cast<double>(z)}, normal));
+            if (organ) builder.ring(0, circle({}, 20, 80));
+            if (lesion) builder.ring(1, circle({0, 4}, 5, 40));
+            if (z != 0) others.push_back(slice);
+            ++slice;
+        }
+        const ContourSet set = chosen_slices(builder.set, others);
+        ASSERT_EQ(set.left_out.size(), 2u);
+        EXPECT_EQ(set.left_out[0].structure, builder.set.structures[0].number);
+        EXPECT_EQ(is_parallel(set), lean == Lean::none);
+        EXPECT_EQ(Sweep::of(set).has_value(), lean != Lean::by_hand);
+        ContourSet unknown = set;
+        unknown.left_out.clear();
+        for (const bool known : {true, false}) {
+            RunContext context;
+            const auto field = make_structure_field(known ? set : unknown, {}, context).value();
+            bool whole = true;
+            for (double z = -20; z <= 20; z += 0.25) whole = whole && field->value(0, {0, 6, z}) < 0;
+            // Between planes that cross those of the lesion hardly tell of it.
+            if (known || lean != Lean::by_hand) {
+                EXPECT_EQ(whole, known);
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace anatomesh
