@@ -17,9 +17,10 @@
 #include <utility>
 #include <vector>
 
+#include "anatomesh/field/make_structure_field.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/slice/slice_regions.h"
-#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/input_options.h"
 #include "anatomesh/read_input.h"
 #include "any_planes.h"

@@ -14,18 +14,19 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/contour/clean/clean.h"
+#include "anatomesh/contour/model/chosen_slices.h"
+#include "anatomesh/field/make_structure_field.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/slice/slice_regions.h"
-#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/measure/hausdorff.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/random_solids_for_test.h"
 #include "anatomesh/read_input.h"
-#include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/reconcile/reconcile.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
 
 namespace anatomesh {
 

@@ -10,10 +10,11 @@
 
 #include "anatomesh/contour/trace/trace.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
+#include "anatomesh/field/make_structure_field.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/field/slice/bit_volume.h"
 #include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/slice/distance_raster.h"
-#include "anatomesh/field/model/structure_field.h"
 #include "delaunay_peer.h"
 
 namespace {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/input_options.h"
 #include "anatomesh/option_values.h"
 #include "anatomesh/read_input.h"

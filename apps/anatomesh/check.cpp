@@ -11,9 +11,10 @@
 #include "anatomesh/geom/box.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
-#include "anatomesh/mesh/check/topology.h"
-#include "anatomesh/pipeline/model_warnings.h"
 #include "anatomesh/measure/topology/tear_warnings.h"
+#include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/pipeline/model_warnings.h"
 #include "anatomesh_io/report/report_json.h"
 #include "answer.h"
 #include "command_words.h"
@@ -256,8 +257,9 @@ Status run_check(CheckOptions options, Session& session) {
         const bool share_first = opened.contours && walls_are_given(options.contours);
         ANATOMESH_TRY(contours,
                       contours_to_check(std::move(opened), options.contours, model, session.context));
-        ANATOMESH_TRY(ContoursOfModel both, contours_of_model(std::move(contours->kept), model, walls, share_first,
-                                                              options.contours.input, session.context));
+        ANATOMESH_TRY(ContoursOfModel both,
+                      contours_of_model(std::move(contours->kept), model, walls, share_first,
+                                        options.contours.input, session.context));
         contours->kept = std::move(both.drawn);
         on_surface = std::move(both.on_surface);
         report.followed_contours = std::move(both.followed);

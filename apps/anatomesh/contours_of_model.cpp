@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "anatomesh/contour/model/choose_structures.h"
-#include "anatomesh/overlaps/priority.h"
-#include "anatomesh/overlaps/outlines_between.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/hausdorff.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/overlaps/outlines_between.h"
+#include "anatomesh/overlaps/priority.h"
 #include "field_of_model.h"
 #include "followed_notes.h"
 #include "plural.h"

@@ -16,7 +16,7 @@ namespace anatomesh {
 
 struct ContoursOfModel {
     ContourSet drawn;
-    std::optional<ContourSet> on_surface;  // where some follow the surface, as the model's file says
+    std::optional<ContourSet> on_surface;         // where some follow the surface, as the model's file says
     std::vector<FollowedContourReport> followed;  // those
 };
 
@@ -30,7 +30,7 @@ struct ContoursOfModel {
 // another name or number than the model's, W-CMD-009 structures left out, W-CMD-010 structures that the
 // contours lack, W-CMD-011 what was done to the contours. `file`: of the contours, for messages.
 Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& model, const WallOptions& walls,
-                                     bool share_first, const std::string& file, RunContext& context);
+                                          bool share_first, const std::string& file, RunContext& context);
 
 // How far the contours' vertices are from the surfaces of their structures, in words, and what both span.
 // Empty where none can be measured.

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/model/choose_structures.h"
 #include "anatomesh/contour/clean/clean.h"
+#include "anatomesh/contour/model/choose_structures.h"
 #include "anatomesh/overlaps/outlines_between.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/model/quadratic_model.h"

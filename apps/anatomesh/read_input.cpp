@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <initializer_list>
 
-#include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/contour/clean/clean.h"
+#include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/contour/simplify/simplify.h"
 #include "anatomesh/contour/trace/trace.h"
 #include "anatomesh/image/components.h"

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/walls/close_gaps.h"
 #include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/contour/walls/close_gaps.h"
 #include "anatomesh/contour/walls/share_lines.h"
 #include "anatomesh/contour/walls/slivers.h"
 

@@ -36,7 +36,7 @@ struct Place {
 struct Error {
     ErrorKind kind = ErrorKind::internal;
     std::string code;
-    std::string message;    // one sentence, no trailing full stop
+    std::string message;  // one sentence, no trailing full stop
     Place place;
     std::string next_step;  // what the user can do now; may be empty
 };
@@ -63,11 +63,26 @@ class [[nodiscard]] Result {
     bool ok() const { return state_.index() == 0; }
     explicit operator bool() const { return ok(); }
 
-    T& value() & { assert(ok()); return *std::get_if<0>(&state_); }
-    const T& value() const& { assert(ok()); return *std::get_if<0>(&state_); }
-    T&& value() && { assert(ok()); return std::move(*std::get_if<0>(&state_)); }
-    const Error& error() const& { assert(!ok()); return *std::get_if<1>(&state_); }
-    Error&& error() && { assert(!ok()); return std::move(*std::get_if<1>(&state_)); }
+    T& value() & {
+        assert(ok());
+        return *std::get_if<0>(&state_);
+    }
+    const T& value() const& {
+        assert(ok());
+        return *std::get_if<0>(&state_);
+    }
+    T&& value() && {
+        assert(ok());
+        return std::move(*std::get_if<0>(&state_));
+    }
+    const Error& error() const& {
+        assert(!ok());
+        return *std::get_if<1>(&state_);
+    }
+    Error&& error() && {
+        assert(!ok());
+        return std::move(*std::get_if<1>(&state_));
+    }
 
   private:
     std::variant<T, Error> state_;
@@ -82,9 +97,9 @@ using Status = Result<Nothing>;
 //   ANATOMESH_TRY(auto mesh, tetrahedralize(points, context));
 #define ANATOMESH_CONCAT_(a, b) a##b
 #define ANATOMESH_CONCAT(a, b) ANATOMESH_CONCAT_(a, b)
-#define ANATOMESH_TRY_(name, declaration, ...)             \
-    auto name = (__VA_ARGS__);                             \
-    if (!name.ok()) return std::move(name).error();        \
+#define ANATOMESH_TRY_(name, declaration, ...)      \
+    auto name = (__VA_ARGS__);                      \
+    if (!name.ok()) return std::move(name).error(); \
     declaration = std::move(name).value()
 #define ANATOMESH_TRY(declaration, ...) \
     ANATOMESH_TRY_(ANATOMESH_CONCAT(try_result_, __LINE__), declaration, __VA_ARGS__)

@@ -17,10 +17,10 @@ class RunContext {
     // Called with the stage's name and the share done, 0 to 1. Never called from two threads at once.
     using Progress = std::function<void(const std::string& stage, double share)>;
 
-    int threads = 1;                             // at least 1
-    const std::atomic<bool>* cancel = nullptr;   // set to true by the caller to stop the run
-    Progress progress;                           // may be empty
-    std::vector<Warning> warnings;               // blemishes found so far, in input order
+    int threads = 1;                            // at least 1
+    const std::atomic<bool>* cancel = nullptr;  // set to true by the caller to stop the run
+    Progress progress;                          // may be empty
+    std::vector<Warning> warnings;              // blemishes found so far, in input order
 
     bool cancelled() const { return cancel && cancel->load(std::memory_order_relaxed); }
     void warn(Warning warning) { warnings.push_back(std::move(warning)); }

@@ -38,7 +38,8 @@ struct CulledMesh {
         context.threads = threads;
         cells = delaunay.snapshot();
         regions.resize(cells.cells.size());
-        find_sides(points(), cells.cells, all_cells(), field, structures, tolerance, sides, registry, context);
+        find_sides(points(), cells.cells, all_cells(), field, structures, tolerance, sides, registry,
+                   context);
         stats =
             cull(points(), cells.cells, all_cells(), sides, field, structures, regions, registry, context);
         for (std::size_t n = grid.size(); n < points().size(); ++n) grid.add(points()[n]);

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/mesh/stars/star.h"
 #include "anatomesh/mesh/shape/quality.h"
+#include "anatomesh/mesh/stars/star.h"
 
 namespace anatomesh {
 

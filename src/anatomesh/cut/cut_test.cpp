@@ -8,8 +8,9 @@
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {
 namespace {
@@ -43,7 +44,8 @@ Case random_case(std::uint32_t seed, std::size_t count, const std::vector<std::v
     result.neighbors = snapshot.neighbors;
     for (const Cell& cell : snapshot.cells) {
         const bool outer = std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return v >= count; });
-        result.mesh.regions.push_back(outer ? Region{0} : result.registry.intern(sets[random() % sets.size()]));
+        result.mesh.regions.push_back(outer ? Region{0}
+                                            : result.registry.intern(sets[random() % sets.size()]));
     }
     return result;
 }
@@ -65,7 +67,9 @@ void expect_manifold_surface(const TetMesh& mesh, const RegionTable& table, std:
 
 void expect_manifold(const Case& result, std::uint32_t structures) {
     for (const Cell& c : result.mesh.cells) {
-        ASSERT_GT(orient3d(result.mesh.points[c[0]], result.mesh.points[c[1]], result.mesh.points[c[2]], result.mesh.points[c[3]]), 0);
+        ASSERT_GT(orient3d(result.mesh.points[c[0]], result.mesh.points[c[1]], result.mesh.points[c[2]],
+                           result.mesh.points[c[3]]),
+                  0);
     }
     for (std::uint32_t structure = 0; structure < structures; ++structure) {
         expect_manifold_surface(result.mesh, result.registry.table(), structure);
@@ -123,8 +127,9 @@ TEST(Cut, random_labels_of_overlapping_structures_end_as_manifolds) {
 // Every vertex of the ball is a contour vertex: none may be lost, with labels that lose many at first.
 TEST(Cut, contour_vertices_are_brought_onto_the_surface) {
     for (std::uint32_t seed = 1; seed <= 6; ++seed) {
-        Case random = random_case(seed, 40, seed % 2 ? std::vector<std::vector<std::uint32_t>>{{}, {}, {}, {0}}
-                                                     : std::vector<std::vector<std::uint32_t>>{{}, {0}, {0}, {0}});
+        Case random = random_case(seed, 40,
+                                  seed % 2 ? std::vector<std::vector<std::uint32_t>>{{}, {}, {}, {0}}
+                                           : std::vector<std::vector<std::uint32_t>>{{}, {0}, {0}, {0}});
         std::vector<std::array<std::uint32_t, 2>> pairs;
         for (std::uint32_t v = 0; v < 40; v += 2) pairs.push_back({v, 0});
         const ContourOwners owners(pairs, random.mesh.points.size());
@@ -174,7 +179,8 @@ TEST(Cut, pieces_of_contour_segments_are_brought_onto_the_surface) {
         for (const Cell& cell : random.mesh.cells) {
             if (cell[0] >= 200 || cell[1] >= 200 || pieces.size() >= 60) continue;
             const Vec3 middle = 0.5 * (random.mesh.points[cell[0]] + random.mesh.points[cell[1]]);
-            if (length(middle) > 0.75) pieces.push_back({std::min(cell[0], cell[1]), std::max(cell[0], cell[1]), 0});
+            if (length(middle) > 0.75)
+                pieces.push_back({std::min(cell[0], cell[1]), std::max(cell[0], cell[1]), 0});
         }
         const ContourOwners owners({}, random.mesh.points.size(), pieces);
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());
@@ -191,7 +197,8 @@ TEST(Cut, pieces_of_contour_segments_are_brought_onto_the_surface) {
             bool in = false, out = false;
             for (std::size_t c = 0; c < random.mesh.cells.size(); ++c) {
                 const Cell& cell = random.mesh.cells[c];
-                if (std::count(cell.begin(), cell.end(), a) + std::count(cell.begin(), cell.end(), b) < 2) continue;
+                if (std::count(cell.begin(), cell.end(), a) + std::count(cell.begin(), cell.end(), b) < 2)
+                    continue;
                 (random.mesh.regions[c] == 0 ? out : in) = true;
             }
             lost += in != out;
@@ -214,18 +221,21 @@ TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_pieces) {
         const TetMesh& mesh = random.mesh;
         for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
             const Cell& v = mesh.cells[c];
-            const double height = mesh.points[v[0]].z + mesh.points[v[1]].z + mesh.points[v[2]].z + mesh.points[v[3]].z;
+            const double height =
+                mesh.points[v[0]].z + mesh.points[v[1]].z + mesh.points[v[2]].z + mesh.points[v[3]].z;
             const bool outer = std::any_of(v.begin(), v.end(), [](std::uint32_t n) { return n >= 300; });
             random.mesh.regions[c] = !outer && height < 0 ? 1 : 0;
         }
         std::vector<std::uint32_t> unsound;
         const VertexStars stars(mesh.cells, mesh.points.size());
-        relabel(mesh.points, mesh.cells, random.neighbors, stars, {}, {}, {}, random.mesh.regions, random.registry, unsound);
+        relabel(mesh.points, mesh.cells, random.neighbors, stars, {}, {}, {}, random.mesh.regions,
+                random.registry, unsound);
         std::vector<std::array<std::uint32_t, 3>> pieces;
         for (const Triangle& t : structure_surface(mesh, random.registry.table(), 0)) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-                if (std::max(length(mesh.points[a]), length(mesh.points[b])) < 0.8) pieces.push_back({std::min(a, b), std::max(a, b), 0});
+                if (std::max(length(mesh.points[a]), length(mesh.points[b])) < 0.8)
+                    pieces.push_back({std::min(a, b), std::max(a, b), 0});
             }
         }
         std::sort(pieces.begin(), pieces.end());
@@ -249,14 +259,16 @@ TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_pieces) {
         std::mt19937 chance(seed);
         for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
             const Cell& v = mesh.cells[c];
-            if (std::all_of(v.begin(), v.end(), [&](std::uint32_t n) { return n < 300 && length(mesh.points[n]) < 0.8; }) && chance() % 8 == 0)
+            if (std::all_of(v.begin(), v.end(),
+                            [&](std::uint32_t n) { return n < 300 && length(mesh.points[n]) < 0.8; }) &&
+                chance() % 8 == 0)
                 random.mesh.regions[c] = 1 - random.mesh.regions[c];
         }
         const std::vector<Region> noisy = mesh.regions;
         const auto lost_by = [&](const std::vector<VertexSide>& known, const RelabelOptions& options) {
             random.mesh.regions = noisy;
-            return relabel(mesh.points, mesh.cells, random.neighbors, stars, {{}, mesh.points.size(), pieces}, known,
-                           options, random.mesh.regions, random.registry, unsound)
+            return relabel(mesh.points, mesh.cells, random.neighbors, stars, {{}, mesh.points.size(), pieces},
+                           known, options, random.mesh.regions, random.registry, unsound)
                 .lost_pieces_after;
         };
         pieces_of_all += pieces.size();

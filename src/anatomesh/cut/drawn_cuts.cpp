@@ -108,14 +108,15 @@ double DrawnCuts::change(std::span<const std::uint32_t> moved, Region to) {
             const std::span<const std::uint32_t> drawn = drawn_at(part);
             const std::uint32_t k = part.slice;
             if (part.beyond == no_cell) {
-                sum +=
-                    part.area * (wrong_share(to, to, drawn, k) - wrong_share(regions_[c], regions_[c], drawn, k));
+                sum += part.area *
+                       (wrong_share(to, to, drawn, k) - wrong_share(regions_[c], regions_[c], drawn, k));
                 continue;
             }
             const bool both = std::find(moved.begin(), moved.end(), part.beyond) != moved.end();
             const Region beyond = regions_[part.beyond];
-            sum += (both ? 0.5 : 1) * part.area *
-                   (wrong_share(to, both ? to : beyond, drawn, k) - wrong_share(regions_[c], beyond, drawn, k));
+            sum +=
+                (both ? 0.5 : 1) * part.area *
+                (wrong_share(to, both ? to : beyond, drawn, k) - wrong_share(regions_[c], beyond, drawn, k));
         }
     }
     return sum;
@@ -153,7 +154,9 @@ const std::vector<std::uint32_t>* DrawnCuts::wanted(std::uint32_t c) {
     for (const Part& part : parts_) {
         if (part.area <= most) continue;
         const std::span<const std::uint32_t> drawn = drawn_at(part);
-        const auto is_drawn = [&](Region region) { return std::ranges::equal(table_.members[region], drawn); };
+        const auto is_drawn = [&](Region region) {
+            return std::ranges::equal(table_.members[region], drawn);
+        };
         if (is_drawn(regions_[c]) || (part.beyond != no_cell && is_drawn(regions_[part.beyond]))) continue;
         most = part.area;
         drawn_.assign(drawn.begin(), drawn.end());

@@ -7,9 +7,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "anatomesh/mesh/stars/star.h"
 #include "anatomesh/geom/plane.h"
 #include "anatomesh/geom/plane_sections.h"
+#include "anatomesh/mesh/stars/star.h"
 #include "anatomesh/sample/interface_probe.h"
 
 namespace anatomesh {

@@ -24,7 +24,7 @@ constexpr std::size_t most_openings = 12;
 constexpr int most_rounds_in_depth = 6, most_passes_in_depth = 4;
 // Where planes cross, of what is drawn: there every move spoils some cut a little.
 constexpr double least_spoiled_share = 1e-4;
-constexpr double flat_share = 1e-6;     // six volumes in cubes of the longest edge
+constexpr double flat_share = 1e-6;  // six volumes in cubes of the longest edge
 
 struct Move {
     std::vector<std::uint32_t> cells;
@@ -63,8 +63,7 @@ class Relabeler {
           owners_(owners),
           analyzer_(cells, neighbors, stars, regions, registry.table(), owners),
           known_(points.size()) {
-        if (slices.any())
-            cuts_.emplace(points, cells, neighbors, regions, registry.table(), slices);
+        if (slices.any()) cuts_.emplace(points, cells, neighbors, regions, registry.table(), slices);
     }
 
     // Whether moves that bring a deep vertex onto a surface are made.
@@ -604,8 +603,7 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
     }
     stats.lost_pieces_before /= 2;
 
-    Relabeler relabeler(cells, neighbors, stars, owners, sides, options, regions, registry,
-                        points, slices);
+    Relabeler relabeler(cells, neighbors, stars, owners, sides, options, regions, registry, points, slices);
     // Of one structure the pieces of contour segments that waiting would cost are worth more than a spike;
     // but a spike is no way round a cut that is spoiled.
     const bool one_structure = registry.table().members.size() <= 2;

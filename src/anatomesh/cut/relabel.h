@@ -7,9 +7,9 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/cut/drawn_cuts.h"
-#include "anatomesh/mesh/stars/star.h"
 #include "anatomesh/mesh/model/region_registry.h"
 #include "anatomesh/mesh/model/vertex_side.h"
+#include "anatomesh/mesh/stars/star.h"
 
 namespace anatomesh {
 

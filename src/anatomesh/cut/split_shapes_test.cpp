@@ -12,9 +12,10 @@
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/geom/predicates.h"
+#include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/shape/quality.h"
-#include "anatomesh/mesh/check/topology.h"
 
 namespace anatomesh {
 namespace {
@@ -214,8 +215,9 @@ TEST(SplitShapes, cells_beside_a_nearly_flat_one_do_not_overlap) {
         std::map<std::array<std::uint32_t, 3>, int> sides;  // of facets, by their vertices in order
         for (const Cell& c : mesh.cells) {
             EXPECT_EQ(orient3d(p[c[0]], p[c[1]], p[c[2]], p[c[3]]), 1);
-            for (std::array<std::uint32_t, 3> f : {std::array{c[1], c[2], c[3]}, std::array{c[0], c[3], c[2]},
-                                                   std::array{c[0], c[1], c[3]}, std::array{c[0], c[2], c[1]}}) {
+            for (std::array<std::uint32_t, 3> f :
+                 {std::array{c[1], c[2], c[3]}, std::array{c[0], c[3], c[2]}, std::array{c[0], c[1], c[3]},
+                  std::array{c[0], c[2], c[1]}}) {
                 std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
                 EXPECT_EQ(++sides[f], 1) << "two cells on one side of a facet";
             }

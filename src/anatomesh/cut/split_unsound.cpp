@@ -10,8 +10,9 @@
 
 #include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {
 
@@ -84,7 +85,8 @@ bool positive(const std::vector<Vec3>& points, const Cell& c) {
 // Cuts a prism with triangle (a0, a1, a2) at one end and (b0, b1, b2) at the other into three cells. The diagonal of
 // each side starts at the side's smallest vertex, so that two prisms agree on the side they share (Dompierre, Labbe,
 // Vallet and Camarero, How to subdivide pyramids, prisms and hexahedra into tetrahedra, 1999). Orientation is the caller's.
-void add_prism(std::array<std::uint32_t, 3> a, std::array<std::uint32_t, 3> b, Region region, Change& change) {
+void add_prism(std::array<std::uint32_t, 3> a, std::array<std::uint32_t, 3> b, Region region,
+               Change& change) {
     // Turn the prism so that its smallest vertex is a[0].
     if (*std::min_element(b.begin(), b.end()) < *std::min_element(a.begin(), a.end())) std::swap(a, b);
     const std::ptrdiff_t turn = std::min_element(a.begin(), a.end()) - a.begin();
@@ -128,7 +130,8 @@ Ring ring_of(const Patch& patch, std::uint32_t first, Edge edge) {
         ring.cells.push_back(c);
         ring.vertices.push_back(rest[0]);
         // Across the facet (a, b, rest[1]), opposite rest[0].
-        const auto at = std::find(patch.cells[c].begin(), patch.cells[c].end(), rest[0]) - patch.cells[c].begin();
+        const auto at =
+            std::find(patch.cells[c].begin(), patch.cells[c].end(), rest[0]) - patch.cells[c].begin();
         c = patch.neighbors[c][at];
     } while (c != no_cell && c != first);
     ring.closed = c == first;
@@ -155,8 +158,13 @@ std::vector<Arc> arcs_of(const Patch& patch, const Ring& ring, const RegionTable
 
 class Splitter {
   public:
-    Splitter(TetMesh& mesh, const ContourOwners& owners, RegionRegistry& registry, const SplitOptions& options)
-        : mesh_(mesh), owners_(owners), registry_(registry), options_(options), patch_{mesh.points, {}, {}, {}, {}} {}
+    Splitter(TetMesh& mesh, const ContourOwners& owners, RegionRegistry& registry,
+             const SplitOptions& options)
+        : mesh_(mesh),
+          owners_(owners),
+          registry_(registry),
+          options_(options),
+          patch_{mesh.points, {}, {}, {}, {}} {}
 
     Result<SplitStats> run(const std::vector<std::uint32_t>& unsound) {
         cut_out_patch(unsound);
@@ -179,10 +187,12 @@ class Splitter {
             apply_change();
         }
         const Vec3 at = patch_.points[unsound_.front()];
-        return Error{ErrorKind::geometry, "E-CUT-001",
-                     std::to_string(unsound_.size()) + " vertices of the surface stay non-manifold", {"", "", "", "",
-                     "first at " + brief(at.x) + ", " + brief(at.y) + ", " + brief(at.z) + " mm"},
-                     "try another --size"};
+        return Error{
+            ErrorKind::geometry,
+            "E-CUT-001",
+            std::to_string(unsound_.size()) + " vertices of the surface stay non-manifold",
+            {"", "", "", "", "first at " + brief(at.x) + ", " + brief(at.y) + ", " + brief(at.z) + " mm"},
+            "try another --size"};
     }
 
   private:
@@ -215,9 +225,10 @@ class Splitter {
             }
         }
         if (facets.empty()) return false;
-        const Region region = std::max_element(facets.begin(), facets.end(), [](const auto& x, const auto& y) {
-                                  return x.second < y.second;
-                              })->first;
+        const Region region =
+            std::max_element(facets.begin(), facets.end(), [](const auto& x, const auto& y) {
+                return x.second < y.second;
+            })->first;
         for (const std::uint32_t c : piece.cells) patch_.regions[c] = region;
         ++stats_.pieces_given;
         return true;
@@ -230,7 +241,8 @@ class Splitter {
         for (int ring = 1; ring <= 2; ++ring) {
             std::vector<std::uint8_t> grown = reach;
             for (const Cell& cell : mesh_.cells) {
-                const bool touches = std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return reach[v] != 0; });
+                const bool touches =
+                    std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return reach[v] != 0; });
                 if (!touches) continue;
                 for (const std::uint32_t v : cell) {
                     if (!grown[v]) grown[v] = static_cast<std::uint8_t>(ring + 1);
@@ -265,7 +277,8 @@ class Splitter {
 
     void find_unsound() {
         stars_.emplace(patch_.cells, patch_.points.size());
-        analyzer_.emplace(patch_.cells, patch_.neighbors, *stars_, patch_.regions, registry_.table(), owners_);
+        analyzer_.emplace(patch_.cells, patch_.neighbors, *stars_, patch_.regions, registry_.table(),
+                          owners_);
         unsound_.clear();
         for (const std::uint32_t v : patch_.watched) {
             if (analyzer_->defect(v) > 0) unsound_.push_back(v);
@@ -301,7 +314,8 @@ class Splitter {
                 from[n] = c;
                 queue.push_back(n);
                 if (registry_.table().contains(patch_.regions[n], structure) == was_inside) continue;
-                for (std::uint32_t step = c; step != no_cell; step = from[step]) patch_.regions[step] = patch_.regions[n];
+                for (std::uint32_t step = c; step != no_cell; step = from[step])
+                    patch_.regions[step] = patch_.regions[n];
                 ++stats_.vertices_joined;
                 return true;
             }
@@ -315,7 +329,8 @@ class Splitter {
         double most = 0;
         for (const std::uint32_t c : stars_->at(vertex)) {
             const Cell& cell = patch_.cells[c];
-            const double volume = signed_volume(patch_.points[cell[0]], patch_.points[cell[1]], patch_.points[cell[2]], patch_.points[cell[3]]);
+            const double volume = signed_volume(patch_.points[cell[0]], patch_.points[cell[1]],
+                                                patch_.points[cell[2]], patch_.points[cell[3]]);
             if (volume <= most) continue;
             most = volume;
             largest = c;
@@ -527,7 +542,9 @@ class Splitter {
         const auto star = stars_->at(v);
         std::vector<Region> result;
         for (const std::uint32_t c : star) result.push_back(patch_.regions[c]);
-        const auto position = [&](std::uint32_t c) { return std::lower_bound(star.begin(), star.end(), c) - star.begin(); };
+        const auto position = [&](std::uint32_t c) {
+            return std::lower_bound(star.begin(), star.end(), c) - star.begin();
+        };
         constexpr std::uint32_t unseen = 0xFFFFFFFEu;
         std::vector<std::uint32_t> from(star.size(), unseen), queue = start.cells;
         for (const std::uint32_t c : start.cells) from[position(c)] = no_cell;
@@ -587,10 +604,12 @@ class Splitter {
         link.erase(std::unique(link.begin(), link.end()), link.end());
         const std::uint32_t first_new = static_cast<std::uint32_t>(patch_.points.size());
         for (const std::uint32_t u : link) {
-            patch_.points.push_back(patch_.points[v] + options_.corner * (patch_.points[u] - patch_.points[v]));
+            patch_.points.push_back(patch_.points[v] +
+                                    options_.corner * (patch_.points[u] - patch_.points[v]));
         }
         const auto cut = [&](std::uint32_t u) {
-            return first_new + static_cast<std::uint32_t>(std::lower_bound(link.begin(), link.end(), u) - link.begin());
+            return first_new +
+                   static_cast<std::uint32_t>(std::lower_bound(link.begin(), link.end(), u) - link.begin());
         };
         Change added;
         for (std::size_t n = 0; n < star.size(); ++n) {
@@ -651,7 +670,8 @@ class Splitter {
     }
 
     bool touches_change(std::span<const std::uint32_t> cells) const {
-        return std::any_of(cells.begin(), cells.end(), [&](std::uint32_t c) { return change_.removed[c] != 0; });
+        return std::any_of(cells.begin(), cells.end(),
+                           [&](std::uint32_t c) { return change_.removed[c] != 0; });
     }
 
     void commit(const std::vector<std::uint32_t>& removed, const Change& added, std::uint32_t first_new) {
@@ -691,8 +711,9 @@ class Splitter {
 
 }  // namespace
 
-Result<SplitStats> split_unsound(TetMesh& mesh, const std::vector<std::uint32_t>& unsound, const ContourOwners& owners,
-                                 RegionRegistry& registry, const SplitOptions& options, RunContext& context) {
+Result<SplitStats> split_unsound(TetMesh& mesh, const std::vector<std::uint32_t>& unsound,
+                                 const ContourOwners& owners, RegionRegistry& registry,
+                                 const SplitOptions& options, RunContext& context) {
     if (unsound.empty()) return SplitStats{};
     (void)context;
     Splitter splitter(mesh, owners, registry, options);

@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/mesh/stars/star.h"
 #include "anatomesh/mesh/model/region_registry.h"
+#include "anatomesh/mesh/stars/star.h"
 
 namespace anatomesh {
 
 struct SplitOptions {
-    double corner = 0.5;     // where the edges at a split vertex are cut, as a share of their length. (0, 1)
-    double spindle = 0.5;    // how far a split edge's spindle reaches towards its ring. (0, 1)
-    int max_passes = 200;    // a pass splits all unsound edges, or vertices, that share no cell
+    double corner = 0.5;   // where the edges at a split vertex are cut, as a share of their length. (0, 1)
+    double spindle = 0.5;  // how far a split edge's spindle reaches towards its ring. (0, 1)
+    int max_passes = 200;  // a pass splits all unsound edges, or vertices, that share no cell
 };
 
 struct SplitStats {
@@ -51,7 +51,8 @@ struct SplitStats {
 // ends, for one structure: relabelling a regular neighbourhood of the singular set (Rourke and Sanderson,
 // Introduction to Piecewise-Linear Topology, 1972, chapter 3). With several structures at one vertex
 // max_passes bounds it.
-Result<SplitStats> split_unsound(TetMesh& mesh, const std::vector<std::uint32_t>& unsound, const ContourOwners& owners,
-                                 RegionRegistry& registry, const SplitOptions& options, RunContext& context);
+Result<SplitStats> split_unsound(TetMesh& mesh, const std::vector<std::uint32_t>& unsound,
+                                 const ContourOwners& owners, RegionRegistry& registry,
+                                 const SplitOptions& options, RunContext& context);
 
 }  // namespace anatomesh

@@ -62,9 +62,10 @@ struct Tetrahedralization::State {
     std::vector<std::uint32_t> index_of;  // of a kernel's vertex in `points`; no_cell for one not there yet
     std::vector<std::uint32_t> vertices;  // of the last batch, in the kernel
     DelaunaySnapshot snapshot;
-    std::vector<std::uint32_t> slots;          // of the cells of the snapshot
-    std::vector<std::uint32_t> place_of_slot;  // in the snapshot; no_cell for a slot without a finite cell there
-    std::uint32_t vertices_then = 0;           // of the kernel, at the snapshot
+    std::vector<std::uint32_t> slots;  // of the cells of the snapshot
+    std::vector<std::uint32_t>
+        place_of_slot;                // in the snapshot; no_cell for a slot without a finite cell there
+    std::uint32_t vertices_then = 0;  // of the kernel, at the snapshot
 
     bool insert(std::span<const Vec3> added, int threads, std::vector<std::uint32_t>& result);
     std::vector<std::uint32_t> take_removed_places(std::span<const std::uint32_t> touched);
@@ -92,7 +93,8 @@ bool Tetrahedralization::State::insert(std::span<const Vec3> added, int threads,
 }
 
 // The places of cells that are gone, rising.
-std::vector<std::uint32_t> Tetrahedralization::State::take_removed_places(std::span<const std::uint32_t> touched) {
+std::vector<std::uint32_t> Tetrahedralization::State::take_removed_places(
+    std::span<const std::uint32_t> touched) {
     std::vector<std::uint32_t> places;
     for (const std::uint32_t slot : touched) {
         std::uint32_t& place = place_of_slot[slot];
@@ -182,7 +184,8 @@ void Tetrahedralization::State::write_changed(int threads) {
             snapshot.neighbors[n][i] = other;
             if (other == no_cell || cells[link >> 2].vertex[0] >= vertices_then) continue;
             const auto& there = canonical_places(cells[link >> 2].vertex);
-            const auto back = std::find(there.begin(), there.end(), static_cast<int>(link & 3)) - there.begin();
+            const auto back =
+                std::find(there.begin(), there.end(), static_cast<int>(link & 3)) - there.begin();
             snapshot.neighbors[other][static_cast<std::size_t>(back)] = n;
         }
     };

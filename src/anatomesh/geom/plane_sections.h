@@ -24,8 +24,8 @@ struct CrossingPlanes {
 struct PlaneSection {
     static constexpr int no_facet = 4;
 
-    double area = 0;  // mm^2; 0: there is none
-    Vec3 middle;      // the mean of its corners
+    double area = 0;       // mm^2; 0: there is none
+    Vec3 middle;           // the mean of its corners
     int facet = no_facet;  // the number of the vertex opposite the facet
 };
 

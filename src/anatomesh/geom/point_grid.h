@@ -55,7 +55,9 @@ class PointGrid {
         const auto whole = static_cast<std::int64_t>(x);
         return whole - (static_cast<double>(whole) > x);
     }
-    Key key(Vec3 p) const { return {whole_below(p.x * inverse_), whole_below(p.y * inverse_), whole_below(p.z * inverse_)}; }
+    Key key(Vec3 p) const {
+        return {whole_below(p.x * inverse_), whole_below(p.y * inverse_), whole_below(p.z * inverse_)};
+    }
     // Cells of a row follow each other.
     std::size_t row(std::int64_t j, std::int64_t k) const {
         std::uint64_t hash = static_cast<std::uint64_t>(j) * 0xBF58476D1CE4E5B9ull;
@@ -75,9 +77,12 @@ class PointGrid {
             for (std::int64_t j = low.j; j <= high.j; ++j) {
                 const std::size_t cells = row(j, k);
                 for (std::int64_t i = low.i; i <= high.i; ++i) {
-                    for (std::uint32_t index = heads_[bucket(cells, i)]; index != none; index = next_[index]) {
+                    for (std::uint32_t index = heads_[bucket(cells, i)]; index != none;
+                         index = next_[index]) {
                         const double distance = squared_length(points_[index] - p);
-                        if (distance <= squared && key(points_[index]) == Key{i, j, k} && visit(index, distance)) return true;
+                        if (distance <= squared && key(points_[index]) == Key{i, j, k} &&
+                            visit(index, distance))
+                            return true;
                     }
                 }
             }

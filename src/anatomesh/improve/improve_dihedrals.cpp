@@ -10,19 +10,19 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/improve/surgery/bring_segments.h"
-#include "anatomesh/improve/surgery/carve_cuts.h"
 #include "anatomesh/improve/core/cell_judge.h"
-#include "anatomesh/improve/surgery/close_handles.h"
-#include "anatomesh/improve/smooth/flip_surface_edges.h"
+#include "anatomesh/improve/operations/operations.h"
 #include "anatomesh/improve/reroute/follow_surface.h"
 #include "anatomesh/improve/sections/lift_facets.h"
-#include "anatomesh/improve/surgery/lower_apexes.h"
 #include "anatomesh/improve/sections/mend_cuts.h"
-#include "anatomesh/improve/operations/operations.h"
 #include "anatomesh/improve/sections/section_areas.h"
-#include "anatomesh/mesh/shape/cell_shape.h"
+#include "anatomesh/improve/smooth/flip_surface_edges.h"
+#include "anatomesh/improve/surgery/bring_segments.h"
+#include "anatomesh/improve/surgery/carve_cuts.h"
+#include "anatomesh/improve/surgery/close_handles.h"
+#include "anatomesh/improve/surgery/lower_apexes.h"
 #include "anatomesh/mesh/model/prefetch.h"
+#include "anatomesh/mesh/shape/cell_shape.h"
 
 namespace anatomesh {
 

@@ -6,8 +6,10 @@
 #include <set>
 
 #include "anatomesh/improve/labelled_meshes_for_test.h"
-#include "anatomesh/mesh/shape/cell_shape.h"
+#include "anatomesh/improve/operations/segment_edges.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/shape/cell_shape.h"
 
 namespace anatomesh {
 namespace {

@@ -13,8 +13,9 @@
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/shape/cell_shape.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/shape/cell_shape.h"
 
 namespace anatomesh::fixtures {
 

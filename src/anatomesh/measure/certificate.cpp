@@ -55,12 +55,11 @@ ShellNumbers measure_structures(const CertificateInput& input, const Surfaces& s
     std::vector<std::uint64_t> pieces(surfaces.size());
     parallel_tasks(threads, {[&] { volumes = mesh_volumes(mesh, input.regions, input.structures.size()); },
                              [&] {
-                                 parallel_for(surfaces.size(), 1, threads,
-                                              [&](std::size_t first, std::size_t last) {
-                                                  for (std::size_t s = first; s < last; ++s)
-                                                      topologies[s] =
-                                                          surface_topology(surfaces[s], &shells[s]);
-                                              });
+                                 parallel_for(
+                                     surfaces.size(), 1, threads, [&](std::size_t first, std::size_t last) {
+                                         for (std::size_t s = first; s < last; ++s)
+                                             topologies[s] = surface_topology(surfaces[s], &shells[s]);
+                                     });
                              },
                              [&] {
                                  for (std::uint32_t s = 0; s < surfaces.size(); ++s)

@@ -112,14 +112,16 @@ TEST(Certificate, clause_2_says_how_many_of_the_segments_missed_another_slice_co
     crossed.contours.slices[1].plane = make_plane({2, 0, 0}, {1, 0, 0});
     crossed.contours.slices[1].first_contour = 1;
     crossed.contours.contours = {{0, 0, 0, 4}, {0, 1, 4, 4}};
-    crossed.contours.points = {{0, 0, 2}, {4, 0, 2}, {4, 4, 2}, {0, 4, 2}, {2, 1, 0}, {2, 3, 0}, {2, 3, 4}, {2, 1, 4}};
+    crossed.contours.points = {{0, 0, 2}, {4, 0, 2}, {4, 4, 2}, {0, 4, 2},
+                               {2, 1, 0}, {2, 3, 0}, {2, 3, 4}, {2, 1, 4}};
     const ModelReport report = crossed.measure(true);
     const StructureReport& structure = report.structures.at(0);
     EXPECT_EQ(structure.contour_segments, 8u);
     EXPECT_EQ(structure.contour_segments_on_surface, 6u);
     EXPECT_EQ(structure.contour_segments_contradicted, 2u);
-    EXPECT_NE(report.certificate[1].evidence.find("2 of the others pass another slice where that draws otherwise"),
-              std::string::npos)
+    EXPECT_NE(
+        report.certificate[1].evidence.find("2 of the others pass another slice where that draws otherwise"),
+        std::string::npos)
         << report.certificate[1].evidence;
     EXPECT_EQ(Case().measure(true).certificate[1].evidence.find("draws otherwise"), std::string::npos);
 }

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/mesh/model/buckets.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/model/buckets.h"
 
 namespace anatomesh {
 

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 
-#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
 namespace anatomesh {

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "anatomesh/geom/point_triangle.h"
-#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
 namespace anatomesh {
 namespace {

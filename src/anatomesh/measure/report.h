@@ -29,7 +29,7 @@ inline constexpr std::size_t max_listed_cells = 10'000;
 // A cell that breaks a bound, with what forces it.
 struct ListedCell {
     std::uint32_t cell = 0;
-    double value = 0;            // its radius-edge ratio
+    double value = 0;  // its radius-edge ratio
     double min_dihedral_deg = 0;
     std::array<double, 3> at{};  // centroid, mm
     std::string forced_by;  // "contour vertices 12 and 13 0.21 mm apart in slice k = 7", "" when not known
@@ -76,7 +76,7 @@ struct StructureReport {
     std::uint32_t components = 0;  // of its surface (shells)
     std::uint32_t pieces = 0;      // of its volume
     ShellReport shells;
-    std::int64_t genus = 0;        // summed over its surface's components
+    std::int64_t genus = 0;  // summed over its surface's components
     std::uint64_t open_edges = 0, nonmanifold_edges = 0, nonmanifold_vertices = 0;
     std::uint64_t contour_vertices = 0, contour_vertices_on_surface = 0;
     std::uint64_t contour_segments = 0, contour_segments_on_surface = 0;  // chains of surface edges
@@ -86,16 +86,16 @@ struct StructureReport {
 // The cut of the model by a slice's plane beside what is drawn there, for one structure.
 struct SliceCutReport {
     std::string structure, slice;
-    double drawn_mm2 = 0,       // area of the drawn region; 0: not drawn on this slice
-           difference_mm2 = 0;  // of its symmetric difference with the cut
+    double drawn_mm2 = 0,               // area of the drawn region; 0: not drawn on this slice
+        difference_mm2 = 0;             // of its symmetric difference with the cut
     std::uint32_t segments_missed = 0;  // of its contours: no chains of surface edges
 };
 
 // A contour that leaves what is drawn to lie on the surface, where no edges of that run along it.
 struct FollowedContourReport {
     std::string structure, slice;
-    std::uint64_t segments = 0,       // drawn, that were missed
-        vertices_left = 0;            // drawn, that it passes by
+    std::uint64_t segments = 0,  // drawn, that were missed
+        vertices_left = 0;       // drawn, that it passes by
     double farthest_mm = 0,      // of the contour from what is drawn, and of that from it
         difference_mm2 = 0;      // area of the symmetric difference of both regions
 };
@@ -135,7 +135,8 @@ struct WorkReport {
     std::uint64_t meshings = 0;        // whole runs of the method, the one that made the model included
     std::uint64_t delaunay_cells = 0;  // made by the Delaunay kernel, those that went again included
     std::uint64_t edited_cells = 0;    // put in the place of others by improvement, those taken back included
-    std::uint64_t field_values = 0;    // places at which the field was asked; counted on one thread alone, else 0
+    std::uint64_t field_values =
+        0;  // places at which the field was asked; counted on one thread alone, else 0
 
     void add(const WorkReport& other) {
         meshings += other.meshings;
@@ -159,15 +160,17 @@ struct ContourReport {
 // Two slices whose planes cross, on their common line; lengths in mm.
 struct CrossingPairReport {
     std::string slice_a, slice_b;
-    std::uint64_t ends = 0, unmatched = 0;  // region ends that correspond; intervals and gaps of one slice only
-    double median_mm = 0, p95_mm = 0, max_mm = 0;             // distances of corresponding ends, as drawn
-    double difference_mm = 0, difference_after_mm = 0;        // length of the symmetric difference: as drawn, as kept
+    std::uint64_t ends = 0,
+                  unmatched = 0;  // region ends that correspond; intervals and gaps of one slice only
+    double median_mm = 0, p95_mm = 0, max_mm = 0;  // distances of corresponding ends, as drawn
+    double difference_mm = 0,
+           difference_after_mm = 0;  // length of the symmetric difference: as drawn, as kept
 };
 
 struct SliceMovementReport {
     std::string slice;
-    double mean_mm = 0, max_mm = 0;   // of its drawn vertices, by reconciling
-    std::array<double, 3> shift{};    // rigid, by --align
+    double mean_mm = 0, max_mm = 0;  // of its drawn vertices, by reconciling
+    std::array<double, 3> shift{};   // rigid, by --align
 };
 
 // How far crossing slices agreed, and what was moved. Without pairs: no planes cross.

@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
 namespace anatomesh {
 namespace {

@@ -4,13 +4,13 @@
 #include <cassert>
 #include <cmath>
 
-#include "anatomesh/slices/coverage/slices_tell.h"
-#include "anatomesh/slices/coverage/unsaid.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/measure/even_odd_area.h"
 #include "anatomesh/mesh/check/box_tree.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
+#include "anatomesh/slices/coverage/slices_tell.h"
+#include "anatomesh/slices/coverage/unsaid.h"
 
 namespace anatomesh {
 

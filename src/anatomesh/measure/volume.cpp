@@ -6,8 +6,8 @@
 #include <map>
 #include <utility>
 
-#include "anatomesh/slices/coverage/slices_tell.h"
 #include "anatomesh/mesh/shape/quality.h"
+#include "anatomesh/slices/coverage/slices_tell.h"
 
 namespace anatomesh {
 

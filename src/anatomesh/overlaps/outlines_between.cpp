@@ -9,17 +9,18 @@
 #include <string>
 #include <utility>
 
-#include "anatomesh/contour/overlay/boundary_loops.h"
 #include "anatomesh/contour/model/choose_structures.h"
 #include "anatomesh/contour/model/chosen_slices.h"
+#include "anatomesh/contour/overlay/boundary_loops.h"
 #include "anatomesh/contour/simplify/simplify.h"
-#include "anatomesh/slices/coverage/telling_slices.h"
-#include "anatomesh/field/stack/levels.h"
-#include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/planes/plane_trace.h"
-#include "anatomesh/slices/coverage/slices_tell.h"
+#include "anatomesh/field/stack/levels.h"
 #include "anatomesh/geom/polygon.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
+#include "anatomesh/slices/coverage/slices_tell.h"
+#include "anatomesh/slices/coverage/telling_slices.h"
 
 namespace anatomesh {
 

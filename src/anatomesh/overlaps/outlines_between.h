@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "anatomesh/overlaps/priority.h"
 #include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/overlaps/priority.h"
 
 namespace anatomesh {
 

@@ -10,6 +10,7 @@
 
 #include "anatomesh/contour/same_contours_for_test.h"
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/volume.h"
 
 namespace anatomesh {

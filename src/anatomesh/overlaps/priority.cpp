@@ -6,14 +6,14 @@
 #include <optional>
 
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/contour/overlay/arrangement.h"
-#include "anatomesh/contour/overlay/boundary_loops.h"
+#include "anatomesh/contour/clean/clean.h"
 #include "anatomesh/contour/model/choose_structures.h"
 #include "anatomesh/contour/model/chosen_slices.h"
-#include "anatomesh/contour/clean/clean.h"
 #include "anatomesh/contour/model/message_text.h"
-#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/contour/overlay/arrangement.h"
+#include "anatomesh/contour/overlay/boundary_loops.h"
 #include "anatomesh/geom/polygon.h"
+#include "anatomesh/slices/coverage/telling_slices.h"
 
 namespace anatomesh {
 
@@ -25,8 +25,8 @@ constexpr std::size_t most_edges = 20'000'000;
 constexpr double least_given_mm2 = 1e-6;  // on a slice
 constexpr double nested_share = 0.5;      // of the smaller of two: so much of it in the other
 constexpr double parallel_tolerance_mm = 0.01;
-constexpr double most_across = 0.02;      // of a structure's area: to one of another level beside it
-constexpr double most_shared = 0.1;       // of its outline, of what lies in another one: along the other's
+constexpr double most_across = 0.02;  // of a structure's area: to one of another level beside it
+constexpr double most_shared = 0.1;   // of its outline, of what lies in another one: along the other's
 
 // What any two structures have to do with each other, over all slices that draw both.
 struct Relation {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <set>
 
-#include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/contour/clean/clean.h"
 #include "anatomesh/contour/contour_laws_test.h"
+#include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {

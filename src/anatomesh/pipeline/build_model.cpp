@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "anatomesh/contour/model/message_text.h"
-#include "anatomesh/field/stack/parallel_field.h"
-#include "anatomesh/slices/arrangement/sweep.h"
 #include "anatomesh/measure/certificate.h"
-#include "anatomesh/pipeline/retry/attempts.h"
 #include "anatomesh/pipeline/build_once.h"
-#include "anatomesh/pipeline/retry/even_out.h"
 #include "anatomesh/pipeline/model_warnings.h"
+#include "anatomesh/pipeline/retry/attempts.h"
+#include "anatomesh/pipeline/retry/even_out.h"
 #include "anatomesh/pipeline/retry/thin_walls.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
+#include "anatomesh/slices/arrangement/sweep.h"
 
 namespace anatomesh {
 
@@ -318,9 +318,9 @@ class Tries {
     std::optional<KeptModel> kept_;
     Made taken_;  // of the model to be returned
     std::size_t count_ = 0;
-    WorkReport work_;  // of all tries
+    WorkReport work_;            // of all tries
     std::vector<double> sizes_;  // of all tries
-    double first_size_mm_ = 0;  // of tries that conform, before slightly finer ones
+    double first_size_mm_ = 0;   // of tries that conform, before slightly finer ones
     bool shown_is_another_ = false;
 };
 

@@ -10,6 +10,7 @@
 
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
 namespace anatomesh {
@@ -528,7 +529,8 @@ TEST(BuildModel, C35_thin_fin_on_a_block) {
         SCOPED_TRACE(thickness);
         Drawing drawing;
         for (int z = 0; z < 8; ++z) {
-            const Polygon outline{{0, 0}, {20, 0}, {20, 20}, {10 + thickness, 20}, {10 + thickness, 35}, {10, 35}, {10, 20}, {0, 20}};
+            const Polygon outline{{0, 0},   {20, 0},  {20, 20}, {10 + thickness, 20}, {10 + thickness, 35},
+                                  {10, 35}, {10, 20}, {0, 20}};
             drawing.add(0, 2 * z, divided(outline, 2));
         }
         expect_structure(certified_model(drawing), 0, {1, 0, (400 + 15 * thickness) * 16, 0.02});
@@ -540,7 +542,8 @@ TEST(BuildModel, C35_thin_gap_in_a_block) {
         SCOPED_TRACE(width);
         Drawing drawing;
         for (int z = 0; z < 8; ++z) {
-            const Polygon outline{{0, 0}, {20, 0}, {20, 20}, {10 + width, 20}, {10 + width, 5}, {10, 5}, {10, 20}, {0, 20}};
+            const Polygon outline{{0, 0},          {20, 0}, {20, 20}, {10 + width, 20},
+                                  {10 + width, 5}, {10, 5}, {10, 20}, {0, 20}};
             drawing.add(0, 2 * z, divided(outline, 2));
         }
         expect_structure(certified_model(drawing), 0, {1, 0, (400 - 15 * width) * 16, 0.02});

@@ -14,34 +14,37 @@
 #include "anatomesh/cut/crumbs.h"
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/counted_field.h"
-#include "anatomesh/field/stack/parallel_field.h"
 #include "anatomesh/field/model/volume.h"
+#include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/improve/operations/segment_edges.h"
+#include "anatomesh/improve/reroute/follow_edges.h"
+#include "anatomesh/improve/reroute/followed_contours.h"
 #include "anatomesh/improve/smooth/balance_volumes.h"
 #include "anatomesh/improve/smooth/improve.h"
-#include "anatomesh/improve/improve_dihedrals.h"
 #include "anatomesh/improve/smooth/smooth_vertices.h"
 #include "anatomesh/improve/surgery/untold_handles.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
-#include "anatomesh/mesh/edit/drop_outside.h"
+#include "anatomesh/measure/topology/tear_warnings.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/drop_outside.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/pipeline/contour_field.h"
-#include "anatomesh/refine/contour_pieces.h"
 #include "anatomesh/pipeline/contradicted_places.h"
-#include "anatomesh/improve/reroute/follow_edges.h"
-#include "anatomesh/improve/reroute/followed_contours.h"
 #include "anatomesh/pipeline/how_planes_lie.h"
 #include "anatomesh/pipeline/ill_shaped_cells.h"
 #include "anatomesh/pipeline/improve_figures.h"
-#include "anatomesh/refine/labelled_mesh.h"
 #include "anatomesh/pipeline/model_warnings.h"
 #include "anatomesh/recover/recovered_pieces.h"
+#include "anatomesh/refine/contour_pieces.h"
+#include "anatomesh/refine/labelled_mesh.h"
+#include "anatomesh/refine/missing_segments.h"
 #include "anatomesh/refine/refinement_rounds.h"
 #include "anatomesh/refine/segment_vertices.h"
-#include "anatomesh/measure/topology/tear_warnings.h"
-#include "anatomesh/refine/missing_segments.h"
 #include "anatomesh/sample/sample_points.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
 
 namespace anatomesh {
 
@@ -50,8 +53,8 @@ namespace {
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
 // Of the contour pieces, beside their surface: more are not brought there about an axis where shapes are spared.
 constexpr double most_beside = 0.003;
-constexpr double near_share = 0.03;           // where planes cross: as RelabelOptions::near_mm, in sizes
-constexpr double crossing_tolerance = 0.2;    // where planes cross also in shares of the shortest edge there
+constexpr double near_share = 0.03;         // where planes cross: as RelabelOptions::near_mm, in sizes
+constexpr double crossing_tolerance = 0.2;  // where planes cross also in shares of the shortest edge there
 // For the volume's sake no vertex moves further than the first of these, in sizes, and, where a larger share
 // of a volume is still amiss then, the second further: where few vertices are free, that makes bumps of them.
 constexpr double balance_reach = 0.1, further_reach = 0.15;
@@ -117,7 +120,8 @@ class Builder {
     double size_mm() const { return sample_ ? sample_->stats.size_mm : 0; }
 
     WorkReport work() const {
-        return {1, mesh_ ? mesh_->cells_made() : 0, edited_cells_, counted_field_ ? counted_field_->values() : 0};
+        return {1, mesh_ ? mesh_->cells_made() : 0, edited_cells_,
+                counted_field_ ? counted_field_->values() : 0};
     }
 
     TryOutcome outcome(const Result<Model>& model) const {
@@ -222,7 +226,8 @@ class Builder {
     Status tetrahedralize() {
         ANATOMESH_TRY(Tetrahedralization delaunay,
                       Tetrahedralization::create(sample_->points, context_.threads));
-        mesh_.emplace(std::move(delaunay), *field_, structures_, sample_->stats.size_mm, tolerance_at_vertices());
+        mesh_.emplace(std::move(delaunay), *field_, structures_, sample_->stats.size_mm,
+                      tolerance_at_vertices());
         // The mesh's vertex of every contour point, and the structures it must have on its surface.
         std::vector<std::array<std::uint32_t, 2>> owners;
         for (const Contour& contour : contours_.contours) {
@@ -260,9 +265,15 @@ class Builder {
     Status refine_cells() {
         const double size_mm = sample_->stats.size_mm;
         const double deviation = conforming_ && planes_.dense ? dense_deviation : surface_deviation;
-        RefinementOptions options{
-            size_mm,     options_.max_radius_edge, 0,         deviation * size_mm, spared_,
-            conforming_, sample_->graded,          even_mean_, {}};
+        RefinementOptions options{size_mm,
+                                  options_.max_radius_edge,
+                                  0,
+                                  deviation * size_mm,
+                                  spared_,
+                                  conforming_,
+                                  sample_->graded,
+                                  even_mean_,
+                                  {}};
         if (planes_.meet_cuts) options.slices = {crossing_planes(), slices_.weights, contradicted_};
         if (spared_) {
             const double share = crowded_share * planes_.density;
@@ -284,12 +295,11 @@ class Builder {
 
     // Contours of planes that cross come so near to each other that a share of the size is far there.
     SurfaceTolerance tolerance_at_vertices() const {
-        return {interface_tolerance * sample_->stats.size_mm, is_parallel(contours_) ? 0 : crossing_tolerance};
+        return {interface_tolerance * sample_->stats.size_mm,
+                is_parallel(contours_) ? 0 : crossing_tolerance};
     }
 
-    double near_mm() const {
-        return is_parallel(contours_) ? 0 : near_share * sample_->stats.size_mm;
-    }
+    double near_mm() const { return is_parallel(contours_) ? 0 : near_share * sample_->stats.size_mm; }
 
     ContourOwners contour_owners(const std::vector<SegmentPiece>& all, std::size_t point_count) const {
         std::vector<std::array<std::uint32_t, 3>> pieces;
@@ -530,9 +540,7 @@ class Builder {
     }
 
     // Where planes cross.
-    CrossingPlanes crossing_planes() const {
-        return {slices_.planes, slices_.extents, slices_.on_plane_mm};
-    }
+    CrossingPlanes crossing_planes() const { return {slices_.planes, slices_.extents, slices_.on_plane_mm}; }
 
     // No vertex of an interface passes through `slices`.
     SmoothStats smooth_all(const VertexStars& stars, const std::vector<std::uint8_t>& fixed,
@@ -582,8 +590,7 @@ class Builder {
         if (!spared_ || !beside.empty()) crowded = crowded_by_contours(pieces);
         // About an axis those that are wrong by more than they may be, at last.
         const bool worst_alone = sample_->has_pole && !spared_ && !is_parallel(contours_);
-        const SlicesThatTell slices =
-            worst_alone ? slices_ : slices_to_keep(false);
+        const SlicesThatTell slices = worst_alone ? slices_ : slices_to_keep(false);
         const std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
         std::vector<Plane> planes;
         for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);
@@ -755,19 +762,19 @@ class Builder {
 
     std::shared_ptr<const StructureField> known_field_, field_;  // the one, and as the stages ask it
     std::shared_ptr<const CountedField> counted_field_;          // the latter, on one thread
-    std::vector<StructureVolume> volumes_;  // of the field, by structure
-    std::vector<double> volumes_mm3_;       // by field
-    std::size_t warnings_of_field_ = 0;     // and before
+    std::vector<StructureVolume> volumes_;                       // of the field, by structure
+    std::vector<double> volumes_mm3_;                            // by field
+    std::size_t warnings_of_field_ = 0;                          // and before
     std::optional<PointSample> sample_;
     std::optional<LabelledMesh> mesh_;
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
     std::optional<ContourPieces> pieces_;         // of contour segments, in mesh_
     std::optional<RefinementRounds> refinement_;  // of mesh_
     HowPlanesLie planes_;
-    bool conforming_ = false;                      // where planes cross: see SampleOptions
-    bool spared_ = false;  // planes are crammed, and it is the first try with a default size
-    std::vector<SegmentPiece> piece_list_;         // those of pieces_, and where the cut split them further
-    std::vector<SegmentPiece> cut_pieces_;         // of those that the last step of the cut split
+    bool conforming_ = false;               // where planes cross: see SampleOptions
+    bool spared_ = false;                   // planes are crammed, and it is the first try with a default size
+    std::vector<SegmentPiece> piece_list_;  // those of pieces_, and where the cut split them further
+    std::vector<SegmentPiece> cut_pieces_;  // of those that the last step of the cut split
     std::vector<FollowedContour> followed_;        // by contour
     std::uint64_t segments_missed_ = 0;            // before that
     bool has_segments_beside_ = false;             // over edges beside them

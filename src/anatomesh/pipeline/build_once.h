@@ -9,8 +9,8 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/field/model/volume.h"
-#include "anatomesh/pipeline/retry/attempts.h"
 #include "anatomesh/pipeline/build_model.h"
+#include "anatomesh/pipeline/retry/attempts.h"
 #include "anatomesh/refine/refinement_rounds.h"
 
 namespace anatomesh {

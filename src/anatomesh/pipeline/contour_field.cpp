@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/volume.h"
 
 namespace anatomesh {

@@ -4,8 +4,8 @@
 #include <cassert>
 
 #include "anatomesh/measure/contradicted_segments.h"
-#include "anatomesh/slices/lines/line_ends.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
+#include "anatomesh/slices/lines/line_ends.h"
 
 namespace anatomesh {
 

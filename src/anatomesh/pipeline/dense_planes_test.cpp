@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/pipeline/dense_planes_for_test.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 

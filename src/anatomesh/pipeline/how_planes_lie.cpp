@@ -1,10 +1,10 @@
 #include "anatomesh/pipeline/how_planes_lie.h"
 
-#include "anatomesh/field/planes/crossed_field.h"
-#include "anatomesh/field/stack/parallel_field.h"
-#include "anatomesh/slices/arrangement/rotational_sweep.h"
-#include "anatomesh/slices/arrangement/sweep.h"
 #include "anatomesh/sample/sample_points.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
+#include "anatomesh/slices/arrangement/rotational_sweep.h"
+#include "anatomesh/slices/arrangement/stack_and_crossing.h"
+#include "anatomesh/slices/arrangement/sweep.h"
 
 namespace anatomesh {
 

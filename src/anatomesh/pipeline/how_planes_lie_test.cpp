@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/sample/drawing_for_test.h"
 
 namespace anatomesh {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "anatomesh/cut/crumbs.h"
+#include "anatomesh/improve/core/dihedral_options.h"
 #include "anatomesh/improve/smooth/balance_volumes.h"
 #include "anatomesh/improve/smooth/improve.h"
-#include "anatomesh/improve/improve_dihedrals.h"
 #include "anatomesh/improve/smooth/smooth_vertices.h"
 
 namespace anatomesh {

@@ -307,12 +307,13 @@ void warn_of_crowded_cells(const ModelReport& report, const std::string& file, R
     place.value = brief(100 * quality.radius_edge_share_over_2) +
                   " % of the tetrahedra above radius-edge ratio 2, " +
                   std::to_string(quality.dihedral_below_10) + " with an angle below 10 degrees";
-    context.warn({"W-PIP-005",
-                  "the planes lie closer than the vertices along their contours; cells between vertices "
-                  "that crowd each other were left as they come, and the surface may have pits or spikes there",
-                  place,
-                  "kept; give a --size for all that can be done for their shapes, which takes several "
-                  "times as long"});
+    context.warn(
+        {"W-PIP-005",
+         "the planes lie closer than the vertices along their contours; cells between vertices "
+         "that crowd each other were left as they come, and the surface may have pits or spikes there",
+         place,
+         "kept; give a --size for all that can be done for their shapes, which takes several "
+         "times as long"});
 }
 
 void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const Structure> structures,

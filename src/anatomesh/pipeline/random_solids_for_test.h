@@ -316,7 +316,13 @@ inline Case random_case(std::uint32_t case_number) {
     made.radius = random.between(20, 40);
     // Planes that all cross each other make the most work.
     const bool crossing = made.planes == Planes::rotational || made.planes == Planes::crossing_stacks;
-    made.spacing = 2 * made.radius / random.between(fine ? 13 : crossing ? 7 : 9, fine ? 20 : crossing ? 10 : 13);
+    made.spacing = 2 * made.radius /
+                   random.between(fine       ? 13
+                                  : crossing ? 7
+                                             : 9,
+                                  fine       ? 20
+                                  : crossing ? 10
+                                             : 13);
     made.sampling.grid = made.spacing * random.between(0.5, 1);
     made.sampling.sparse = random.unit() < 0.5;
     if (made.sampling.sparse) made.sampling.grid *= 0.5;

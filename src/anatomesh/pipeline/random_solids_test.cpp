@@ -16,9 +16,9 @@
 #include <tuple>
 
 #include "anatomesh/contour/clean/clean.h"
+#include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/contour/walls/close_gaps.h"
 #include "anatomesh/contour/walls/share_lines.h"
-#include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/contour/walls/slivers.h"
 #include "anatomesh/pipeline/build_model.h"
 #include "anatomesh/pipeline/independent_check_for_test.h"

@@ -11,31 +11,32 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/model/message_text.h"
-#include "anatomesh/contour/walls/share_lines.h"
 #include "anatomesh/contour/overlay/slice_soundness.h"
+#include "anatomesh/contour/walls/share_lines.h"
 #include "anatomesh/contour/walls/slivers.h"
+#include "anatomesh/reconcile/compare/contradictions.h"
+#include "anatomesh/reconcile/compare/disagreement.h"
+#include "anatomesh/reconcile/compare/reconcile_warnings.h"
+#include "anatomesh/reconcile/compare/stray_slices.h"
 #include "anatomesh/reconcile/move/align_slices.h"
 #include "anatomesh/reconcile/move/common_lines.h"
 #include "anatomesh/reconcile/move/contour_graph.h"
-#include "anatomesh/reconcile/compare/contradictions.h"
-#include "anatomesh/reconcile/compare/disagreement.h"
 #include "anatomesh/reconcile/move/drawn_places.h"
-#include "anatomesh/reconcile/resolve/facing_stretch.h"
+#include "anatomesh/reconcile/move/lay_out_points.h"
+#include "anatomesh/reconcile/move/movement.h"
+#include "anatomesh/reconcile/move/shared_points.h"
+#include "anatomesh/reconcile/move/split_at_ends.h"
+#include "anatomesh/reconcile/move/true_planes.h"
 #include "anatomesh/reconcile/regularize/flatten_folds.h"
 #include "anatomesh/reconcile/regularize/keep_apart.h"
-#include "anatomesh/reconcile/move/lay_out_points.h"
-#include "anatomesh/slices/lines/line_ends.h"
-#include "anatomesh/reconcile/resolve/line_votes.h"
-#include "anatomesh/reconcile/move/movement.h"
-#include "anatomesh/reconcile/compare/reconcile_warnings.h"
 #include "anatomesh/reconcile/regularize/settle_flanks.h"
-#include "anatomesh/reconcile/resolve/settle_pieces.h"
 #include "anatomesh/reconcile/regularize/settle_poles.h"
-#include "anatomesh/reconcile/move/shared_points.h"
+#include "anatomesh/reconcile/resolve/facing_stretch.h"
+#include "anatomesh/reconcile/resolve/line_votes.h"
+#include "anatomesh/reconcile/resolve/settle_pieces.h"
 #include "anatomesh/slices/coverage/silences.h"
-#include "anatomesh/reconcile/move/split_at_ends.h"
-#include "anatomesh/reconcile/compare/stray_slices.h"
-#include "anatomesh/reconcile/move/true_planes.h"
+#include "anatomesh/slices/lines/arc.h"
+#include "anatomesh/slices/lines/line_ends.h"
 
 namespace anatomesh {
 
@@ -59,7 +60,7 @@ constexpr double least_moved_share = 0.05;  // of the radius about poles: else t
 constexpr double pole_radius_share = 0.3;   // of the mean distance between vertices
 constexpr double sharp_pole_degrees = 70;
 constexpr double apart_share = 0.5;  // of the clearance, from one another
-constexpr double parted_share = 2;  // of the mean distance between vertices: contours are parted or joined
+constexpr double parted_share = 2;   // of the mean distance between vertices: contours are parted or joined
 
 class Reconciler {
   public:

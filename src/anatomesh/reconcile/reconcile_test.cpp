@@ -8,8 +8,8 @@
 #include <random>
 
 #include "anatomesh/contour/overlay/slice_soundness.h"
-#include "anatomesh/slices/lines/line_ends.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
+#include "anatomesh/slices/lines/line_ends.h"
 
 namespace anatomesh {
 namespace {

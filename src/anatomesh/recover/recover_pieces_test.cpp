@@ -8,8 +8,9 @@
 
 #include "anatomesh/delaunay/tetrahedralize.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh/recover/cavity.h"
 #include "anatomesh/recover/insert_beside.h"
 

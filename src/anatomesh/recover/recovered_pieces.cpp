@@ -11,9 +11,9 @@
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
-#include "anatomesh/refine/segment_vertices.h"
 #include "anatomesh/recover/insert_beside.h"
 #include "anatomesh/refine/missing_segments.h"
+#include "anatomesh/refine/segment_vertices.h"
 
 namespace anatomesh {
 
@@ -212,8 +212,8 @@ bool RecoveredPieces::open_sides(std::vector<std::uint32_t>& look, RunContext& c
 // Gives new cells their regions; their vertices are appended to `look`.
 void RecoveredPieces::decide(const std::vector<std::uint32_t>& undecided, std::vector<std::uint32_t>& look,
                              RunContext& context) {
-    find_sides(mesh_.points, mesh_.cells, undecided, field_, structures_, options_.tolerance, sides_, registry_,
-               context);
+    find_sides(mesh_.points, mesh_.cells, undecided, field_, structures_, options_.tolerance, sides_,
+               registry_, context);
     cull(mesh_.points, mesh_.cells, undecided, sides_, field_, structures_, mesh_.regions, registry_,
          context);
     for (const std::uint32_t c : undecided)
@@ -232,10 +232,10 @@ void RecoveredPieces::relabel_at(std::vector<std::uint32_t>& look, std::vector<s
     const VertexStars stars(mesh_.cells, mesh_.points.size(), context.threads);
     const PlanesOfStack planes =
         planes_of_stack(drawn_.contours, drawn_.vertex_of, drawn_.pieces, mesh_.points.size());
-    relabelled.add(relabel(mesh_.points, mesh_.cells, neighbors, stars,
-                           {drawn_.owners, mesh_.points.size(), pieces}, sides_,
-                           {spike_share * options_.size_mm, options_.near_mm, options_.losses_wait}, mesh_.regions, registry_,
-                           unsound, look, context.threads, {planes.slice_of, planes.planes, &field_, structures_}));
+    relabelled.add(relabel(
+        mesh_.points, mesh_.cells, neighbors, stars, {drawn_.owners, mesh_.points.size(), pieces}, sides_,
+        {spike_share * options_.size_mm, options_.near_mm, options_.losses_wait}, mesh_.regions, registry_,
+        unsound, look, context.threads, {planes.slice_of, planes.planes, &field_, structures_}));
 }
 
 }  // namespace anatomesh

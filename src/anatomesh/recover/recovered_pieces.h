@@ -12,8 +12,8 @@
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
-#include "anatomesh/refine/labelled_mesh.h"
 #include "anatomesh/recover/recover_pieces.h"
+#include "anatomesh/refine/labelled_mesh.h"
 #include "anatomesh/sample/contour_segments.h"
 
 namespace anatomesh {

@@ -18,11 +18,11 @@ namespace anatomesh {
 
 struct ContourPieceOptions {
     double size_mm = 0;  // the edge length aimed at: pieces are split to 0.3 of it, the last few further. > 0
-    bool spared = false;   // the last few are left, and those with other contours' vertices in their balls
-    bool dense = false;    // the planes lie closer than the contours' vertices
+    bool spared = false;      // the last few are left, and those with other contours' vertices in their balls
+    bool dense = false;       // the planes lie closer than the contours' vertices
     bool conforming = false;  // they were split beforehand as far as other contours ask: some are short
     bool graded = false;      // beforehand too, but in their slices alone
-    bool to_short = true;  // finish() splits to short ones however many are missing, where it may help
+    bool to_short = true;     // finish() splits to short ones however many are missing, where it may help
     std::size_t last_few = 300;  // shorter ones are split where fewer than one in so many is missing. >= 1
 };
 

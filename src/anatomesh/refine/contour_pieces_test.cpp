@@ -121,7 +121,8 @@ TEST(ContourPieces, that_cross_at_small_angles_all_become_edges) {
             }
             const fixtures::AnalyticField field({fixtures::ball({}, 3), fixtures::ball({1, 0, 0}, 3)}, 30);
             RunContext context;
-            LabelledMesh mesh(Tetrahedralization::create(drawn.points).value(), field, 2, size, {0.02 * size});
+            LabelledMesh mesh(Tetrahedralization::create(drawn.points).value(), field, 2, size,
+                              {0.02 * size});
             mesh.update(context);
             ContourPieceOptions options;
             options.size_mm = size;

@@ -38,7 +38,7 @@ struct CutPointOptions {
 };
 
 struct CutPointStats {
-    std::uint64_t wrong = 0;  // sections, in cuts that do not stay
+    std::uint64_t wrong = 0;    // sections, in cuts that do not stay
     std::uint64_t refused = 0;  // of these: a vertex is too near, or it is in the ball of a contour segment
 };
 

@@ -25,8 +25,8 @@ struct CellSearch {
 class LabelledMesh {
   public:
     // Requires: the field outlives the mesh.
-    LabelledMesh(Tetrahedralization delaunay, const StructureField& field, std::uint32_t structures, double size_mm,
-                 const SurfaceTolerance& tolerance);
+    LabelledMesh(Tetrahedralization delaunay, const StructureField& field, std::uint32_t structures,
+                 double size_mm, const SurfaceTolerance& tolerance);
 
     // Takes the cells as they are now and decides the regions of the new ones.
     CullStats update(RunContext& context);

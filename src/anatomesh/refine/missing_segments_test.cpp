@@ -26,7 +26,9 @@ TEST(MissingPieces, only_what_changed_is_looked_at_with_the_same_result) {
         std::uint32_t nearest = a + 1;
         for (std::uint32_t b = 0; b < 3000; ++b) {
             const double far = length(delaunay.points()[b] - delaunay.points()[a]);
-            if (b != a && (n % 3 != 0 || far > 3) && far < length(delaunay.points()[nearest] - delaunay.points()[a])) nearest = b;
+            if (b != a && (n % 3 != 0 || far > 3) &&
+                far < length(delaunay.points()[nearest] - delaunay.points()[a]))
+                nearest = b;
         }
         pieces.push_back({a, nearest, n % 2, n});
     }
@@ -84,7 +86,8 @@ TEST(PieceSides, say_on_which_sides_of_its_structure_a_piece_has_cells) {
     // Two cells share the facet (1, 2, 3); the first is in structure 0, the second in none.
     const std::vector<Cell> cells{{0, 1, 2, 3}, {1, 2, 3, 4}};
     const RegionTable table{{{}, {0}}};
-    const std::vector<SegmentPiece> pieces{{1, 2, 0, 0}, {0, 1, 0, 1}, {3, 4, 0, 2}, {0, 4, 0, 3}, {2, 1, 1, 4}};
+    const std::vector<SegmentPiece> pieces{
+        {1, 2, 0, 0}, {0, 1, 0, 1}, {3, 4, 0, 2}, {0, 4, 0, 3}, {2, 1, 1, 4}};
     const std::vector<PieceSides> sides = piece_sides(cells, {1, 0}, table, 5, pieces);
     const std::vector<std::array<int, 2>> expected{{1, 1}, {1, 0}, {0, 1}, {0, 0}, {0, 1}};
     for (std::size_t n = 0; n < pieces.size(); ++n) {

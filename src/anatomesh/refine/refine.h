@@ -20,23 +20,29 @@
 namespace anatomesh {
 
 struct RefineOptions {
-    double max_radius_edge = 2.0;    // cells above it are split. [1.2, 10]
-    double flatness = 0.004;         // cells with six volumes below this many cubes of their longest edge are split. [0, 0.1]
-    double min_spacing = 0.75;       // of a new point from others, in shortest edges of its cell. (0, 1]
-    double max_reach_mm = 10;        // points of one round keep at most this far from each other. > 0
-    double protected_share = 0.5;    // of the diametral balls of contour segments, kept free of points, by radius. [0, 1]
-    std::span<const std::uint8_t> given;  // by point, not 0 for contour vertices; points beyond its end are none
-    double crowded_mm = 0;  // an edge between two of these counts as at least so long: their cells may be worse
-    double surface_pull = 0.35;      // a circumcentre this near an interface is moved onto it, in circumradii. [0, 0.5]
+    double max_radius_edge = 2.0;  // cells above it are split. [1.2, 10]
+    double flatness =
+        0.004;  // cells with six volumes below this many cubes of their longest edge are split. [0, 0.1]
+    double min_spacing = 0.75;  // of a new point from others, in shortest edges of its cell. (0, 1]
+    double max_reach_mm = 10;   // points of one round keep at most this far from each other. > 0
+    double protected_share =
+        0.5;  // of the diametral balls of contour segments, kept free of points, by radius. [0, 1]
+    std::span<const std::uint8_t>
+        given;  // by point, not 0 for contour vertices; points beyond its end are none
+    double crowded_mm =
+        0;  // an edge between two of these counts as at least so long: their cells may be worse
+    double surface_pull =
+        0.35;  // a circumcentre this near an interface is moved onto it, in circumradii. [0, 0.5]
 };
 
 struct RefineStats {
-    std::uint64_t above_bound = 0;       // of the cells looked at: inside, with a ratio above the bound
-    std::uint64_t flat = 0;              // of these: inside or at an interface, and nearly flat
+    std::uint64_t above_bound = 0;  // of the cells looked at: inside, with a ratio above the bound
+    std::uint64_t flat = 0;         // of these: inside or at an interface, and nearly flat
     std::uint64_t circumcenters = 0, surface_points = 0;  // points to insert
-    std::uint64_t refused = 0;           // bad cells for which no allowed point was found
-    std::vector<std::uint32_t> balls;    // of the guard: pieces of contour segments to split instead; rising, distinct
-    double radius_edge_mean = 0;         // of those looked at that are inside
+    std::uint64_t refused = 0;                            // bad cells for which no allowed point was found
+    std::vector<std::uint32_t>
+        balls;  // of the guard: pieces of contour segments to split instead; rising, distinct
+    double radius_edge_mean = 0;  // of those looked at that are inside
 };
 
 // Points that improve the cells inside: the circumcentre of each bad cell; where an interface lies between the cell
@@ -64,7 +70,8 @@ struct CrossingOptions {
 };
 
 struct CrossingStats {
-    std::uint64_t crossing_edges = 0;  // of the cells looked at: from one region to another with no vertex between
+    std::uint64_t crossing_edges =
+        0;  // of the cells looked at: from one region to another with no vertex between
     std::uint64_t refused =
         0;  // of these: a vertex is already too near to the crossing, or a contour segment
     std::vector<std::uint32_t>
@@ -93,8 +100,10 @@ struct DeviationOptions {
 };
 
 struct DeviationStats {
-    std::uint64_t deviating = 0;  // interface facets of the cells looked at with their middle off the field's interface
-    std::uint64_t refused = 0;    // of these: no interface found near, a vertex too close to it, or a contour segment
+    std::uint64_t deviating =
+        0;  // interface facets of the cells looked at with their middle off the field's interface
+    std::uint64_t refused =
+        0;  // of these: no interface found near, a vertex too close to it, or a contour segment
 };
 
 // Points on the field's interface at the middle of those facets of the mesh's interfaces that are too far

@@ -104,8 +104,8 @@ TEST(Refine, a_second_look_goes_to_what_is_bad_or_has_changed) {
     const auto search = [&](int kind, std::vector<std::uint32_t>& look) {
         std::vector<Vec3> found;
         if (kind == 0) {
-            find_refinement_points(mesh.points(), mesh.cells, mesh.regions, mesh.sides, field, 1, mesh.grid, no_segments,
-                                   {}, look, found, context);
+            find_refinement_points(mesh.points(), mesh.cells, mesh.regions, mesh.sides, field, 1, mesh.grid,
+                                   no_segments, {}, look, found, context);
         } else if (kind == 1) {
             find_crossing_points(mesh.points(), mesh.cells, mesh.sides, mesh.registry.table(), field, 1,
                                  mesh.grid, no_segments, {}, look, found, context);
@@ -130,7 +130,8 @@ TEST(Refine, a_second_look_goes_to_what_is_bad_or_has_changed) {
             again[kind] = look;
             all.insert(all.end(), found.begin(), found.end());
         }
-        mesh.delaunay.insert(std::vector<Vec3>(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2)));
+        mesh.delaunay.insert(
+            std::vector<Vec3>(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2)));
         mesh.update(field, 1, {0.02});
         for (auto& look : again) {
             look.insert(look.end(), mesh.cells.changed.begin(), mesh.cells.changed.end());

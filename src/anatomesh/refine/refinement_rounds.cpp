@@ -20,9 +20,9 @@ constexpr int small_mesh_rounds = 60;       // tiny segments need a round for ea
 constexpr std::size_t small_mesh = 20000;   // in meshes of fewer points than this
 constexpr double bound_step = 0.05;         // of the bound for the sake of the mean, and so many of them
 constexpr int bound_steps = 5, bound_steps_below_1 = 8;  // for a mean below 1
-constexpr int even_rounds = 4;              // with each of these bounds
-constexpr int last_rounds = 1;              // after the last segments
-constexpr int changed_rounds = 4;           // of what changes later on
+constexpr int even_rounds = 4;                           // with each of these bounds
+constexpr int last_rounds = 1;                           // after the last segments
+constexpr int changed_rounds = 4;                        // of what changes later on
 // Where freehand planes lie closer than the vertices along them, contours tell the surface without more
 // points.
 constexpr double crowded_crossing_spacing =

@@ -9,8 +9,8 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/refine/contour_pieces.h"
-#include "anatomesh/refine/labelled_mesh.h"
 #include "anatomesh/refine/cut_points.h"
+#include "anatomesh/refine/labelled_mesh.h"
 #include "anatomesh/refine/refine.h"
 #include "anatomesh/sample/segment_guard.h"
 

@@ -4,13 +4,13 @@
 #include <cassert>
 #include <numeric>
 
-#include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/geom/polygon.h"
+#include "anatomesh/improve/core/drawn_slices.h"
+#include "anatomesh/measure/slice_cuts.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/slices/coverage/slices_tell.h"
 #include "anatomesh/slices/coverage/unsaid.h"
-#include "anatomesh/geom/polygon.h"
-#include "anatomesh/improve/improve_dihedrals.h"
-#include "anatomesh/measure/slice_cuts.h"
-#include "anatomesh/slices/arrangement/plane_patches.h"
 
 namespace anatomesh {
 

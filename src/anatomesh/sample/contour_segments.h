@@ -26,12 +26,13 @@ struct ContourSegment {
 };
 
 // `vertices` gives the point of every point of the contour set. Sorted by (a, b).
-std::vector<ContourSegment> distinct_segments(const ContourSet& contours, const std::vector<std::uint32_t>& vertices);
+std::vector<ContourSegment> distinct_segments(const ContourSet& contours,
+                                              const std::vector<std::uint32_t>& vertices);
 
 // A point within a segment: where contours of different structures cross or touch.
 struct SegmentCut {
     std::uint32_t segment = 0;
-    double share = 0;          // of the way from a to b, in (0, 1)
+    double share = 0;  // of the way from a to b, in (0, 1)
     std::uint32_t point = 0;
     friend auto operator<=>(const SegmentCut&, const SegmentCut&) = default;
 };
@@ -40,8 +41,9 @@ struct SegmentCut {
 // of an end: points so close would force tiny cells. Where a segment's end lies on another one (within 1e-6
 // of its length), that one is cut there, however near to its own ends: the point is there in any case.
 // Sorted; at most one cut of a segment at a point. Complexity: O(n log n + contacts).
-std::vector<SegmentCut> cuts_at_contacts(const ContourSet& contours, const std::vector<ContourSegment>& segments,
-                                         double clearance_mm, std::vector<Vec3>& points);
+std::vector<SegmentCut> cuts_at_contacts(const ContourSet& contours,
+                                         const std::vector<ContourSegment>& segments, double clearance_mm,
+                                         std::vector<Vec3>& points);
 
 // A part of segments between cuts, a < b; where contours run along each other several have it, and their
 // structures are its.

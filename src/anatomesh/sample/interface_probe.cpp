@@ -123,7 +123,8 @@ std::optional<Vec3> InterfaceProbe::project_one(Vec3 p, double max_move, double 
     const double here = fix_side(p);
     // Where the distance falls fastest, by differences over a step that stays on this side where it can.
     const double delta = std::max(tolerance, 0.25 * here);
-    const Vec3 gradient{side_distance(p + Vec3{delta, 0, 0}) - here, side_distance(p + Vec3{0, delta, 0}) - here,
+    const Vec3 gradient{side_distance(p + Vec3{delta, 0, 0}) - here,
+                        side_distance(p + Vec3{0, delta, 0}) - here,
                         side_distance(p + Vec3{0, 0, delta}) - here};
     const double steepness = length(gradient);
     if (!(steepness > 0)) return std::nullopt;

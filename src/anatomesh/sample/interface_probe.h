@@ -63,7 +63,7 @@ class InterfaceProbe {
 
     const StructureField& field_;
     bool single_;
-    double sign_ = 1;                // one surface alone: the sign of the value on this side
+    double sign_ = 1;                   // one surface alone: the sign of the value on this side
     std::vector<std::uint32_t> focus_;  // structures, if not all
     std::uint32_t surface_ = 0;         // that of the structure looked at
     Vec3 looked_at_{NAN, NAN, NAN};     // single structure: where the exact value was last found, and that

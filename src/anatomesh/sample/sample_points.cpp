@@ -10,22 +10,22 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/model/message_text.h"
-#include "anatomesh/field/stack/parallel_field.h"
 #include "anatomesh/geom/point_grid.h"
-#include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/sample/conform_pieces.h"
 #include "anatomesh/sample/interface_probe.h"
 #include "anatomesh/sample/thin_walls.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr double surface_spacing = 0.6;     // smallest distance of two surface points, in sizes
-constexpr double protected_spacing = 0.5;   // of a free point from a contour point, in sizes
-constexpr double surface_band = 0.45;       // lattice points this near an interface are moved onto it, in sizes
-constexpr double lattice_shift = 0.04;      // of a lattice point from its place, at most, in half steps
-constexpr double size_per_spacing = 1.05;   // of the default size: thin walls get finer points of their own
+constexpr double surface_spacing = 0.6;    // smallest distance of two surface points, in sizes
+constexpr double protected_spacing = 0.5;  // of a free point from a contour point, in sizes
+constexpr double surface_band = 0.45;   // lattice points this near an interface are moved onto it, in sizes
+constexpr double lattice_shift = 0.04;  // of a lattice point from its place, at most, in half steps
+constexpr double size_per_spacing = 1.05;  // of the default size: thin walls get finer points of their own
 constexpr double size_per_thickness =
     0.49;  // walls two edges thick in the mean have cells with vertices inside
 constexpr double contact_clearance =
@@ -43,18 +43,18 @@ constexpr double growth_beside_others = 3, shortest_graded = 0.015;
 // Points for each that there was, that this may add: outlines that run a tenth of a millimetre beside each
 // other all round ask for ten; and where planes cross, which crowd cells besides.
 constexpr double most_graded = 20, most_graded_where_planes_cross = 0.5;
-constexpr double longest_segment = 1.2;     // contour segments are split to this, in sizes
+constexpr double longest_segment = 1.2;  // contour segments are split to this, in sizes
 // Of the guard: 22 degrees at half the ball. On planes that cross there are short pieces in each other's
 // balls: points refused for them left bad cells.
 constexpr double lens_slope = 0.8;
-constexpr double position_tolerance = 2e-3; // surface points lie on the interface to within this, in sizes
+constexpr double position_tolerance = 2e-3;  // surface points lie on the interface to within this, in sizes
 
 // The body-centred cubic lattice in half steps: the points whose three indices are all even or all odd.
 // A point belongs to the lattice 2^L times coarser when its indices are all multiples of 2^(L+1), or all odd
 // multiples of 2^L; so coarser lattices are subsets of finer ones.
 struct Lattice {
     Vec3 low;
-    double step = 1;  // half the cubic spacing
+    double step = 1;                             // half the cubic spacing
     std::array<std::uint32_t, 3> size{0, 0, 0};  // points along each axis, in half steps; odd
 
     // Off its place by a little that depends on the indices alone: an exact lattice has many points on one sphere, or
@@ -75,7 +75,8 @@ struct Lattice {
 };
 
 int coarsest_level(std::uint32_t i, std::uint32_t j, std::uint32_t k) {
-    const int a = i ? std::countr_zero(i) : 31, b = j ? std::countr_zero(j) : 31, c = k ? std::countr_zero(k) : 31;
+    const int a = i ? std::countr_zero(i) : 31, b = j ? std::countr_zero(j) : 31,
+              c = k ? std::countr_zero(k) : 31;
     const int least = std::min({a, b, c});
     return a == b && b == c ? least : least - 1;
 }
@@ -92,11 +93,13 @@ struct Sites {
     std::vector<Site> at;                  // lattice points, layer by layer
 };
 
-Sites classify(const Lattice& lattice, const StructureField& field, std::uint32_t structures, double band, int threads) {
+Sites classify(const Lattice& lattice, const StructureField& field, std::uint32_t structures, double band,
+               int threads) {
     Sites sites;
     sites.layer_start.resize(lattice.size[2] + 1, 0);
     for (std::uint32_t k = 0; k < lattice.size[2]; ++k) {
-        sites.layer_start[k + 1] = sites.layer_start[k] + std::size_t{lattice.row_size(k & 1)} * lattice.rows(k & 1);
+        sites.layer_start[k + 1] =
+            sites.layer_start[k] + std::size_t{lattice.row_size(k & 1)} * lattice.rows(k & 1);
     }
     sites.at.resize(sites.layer_start.back());
     parallel_for(lattice.size[2], 1, threads, [&](std::size_t first, std::size_t last) {
@@ -108,7 +111,7 @@ Sites classify(const Lattice& lattice, const StructureField& field, std::uint32_
                 for (std::uint32_t i = parity; i < lattice.size[0]; i += 2) {
                     const Vec3 p = lattice.position(i, j, static_cast<std::uint32_t>(k));
                     const InterfaceProbe::Look there = probe.look(p, band);
-                    sites.at[slot++] = there.distance < band    ? Site::near
+                    sites.at[slot++] = there.distance < band   ? Site::near
                                        : there.members.empty() ? Site::outside
                                                                : Site::inside;
                 }
@@ -123,11 +126,13 @@ class SiteReader {
   public:
     SiteReader(const Lattice& lattice, const Sites& sites) : lattice_(lattice), sites_(sites) {}
     Site at(std::int64_t i, std::int64_t j, std::int64_t k) const {
-        if (i < 0 || j < 0 || k < 0 || i >= lattice_.size[0] || j >= lattice_.size[1] || k >= lattice_.size[2]) {
+        if (i < 0 || j < 0 || k < 0 || i >= lattice_.size[0] || j >= lattice_.size[1] ||
+            k >= lattice_.size[2]) {
             return Site::outside;
         }
         const std::uint32_t parity = k & 1;
-        return sites_.at[sites_.layer_start[k] + std::size_t(j / 2) * lattice_.row_size(parity) + std::size_t(i / 2)];
+        return sites_
+            .at[sites_.layer_start[k] + std::size_t(j / 2) * lattice_.row_size(parity) + std::size_t(i / 2)];
     }
     // Whether one of the 8 nearest lattice points is inside or near an interface.
     bool borders(std::int64_t i, std::int64_t j, std::int64_t k) const {
@@ -164,21 +169,26 @@ class DepthMap {
         sweep(-1);
     }
     // In cubic steps; of the corner nearest below the half-step indices.
-    int at(std::uint32_t i, std::uint32_t j, std::uint32_t k) const { return depth_[index(i / 2, j / 2, k / 2)]; }
+    int at(std::uint32_t i, std::uint32_t j, std::uint32_t k) const {
+        return depth_[index(i / 2, j / 2, k / 2)];
+    }
 
   private:
     std::size_t index(std::int64_t i, std::int64_t j, std::int64_t k) const {
         return static_cast<std::size_t>((k * size_[1] + j) * size_[0] + i);
     }
     int value(std::int64_t i, std::int64_t j, std::int64_t k) const {
-        return i < 0 || j < 0 || k < 0 || i >= size_[0] || j >= size_[1] || k >= size_[2] ? 0 : depth_[index(i, j, k)];
+        return i < 0 || j < 0 || k < 0 || i >= size_[0] || j >= size_[1] || k >= size_[2]
+                   ? 0
+                   : depth_[index(i, j, k)];
     }
     void sweep(int sign) {
         const std::int64_t nx = size_[0], ny = size_[1], nz = size_[2];
         for (std::int64_t a = 0; a < nz; ++a) {
             for (std::int64_t b = 0; b < ny; ++b) {
                 for (std::int64_t c = 0; c < nx; ++c) {
-                    const std::int64_t k = sign > 0 ? a : nz - 1 - a, j = sign > 0 ? b : ny - 1 - b, i = sign > 0 ? c : nx - 1 - c;
+                    const std::int64_t k = sign > 0 ? a : nz - 1 - a, j = sign > 0 ? b : ny - 1 - b,
+                                       i = sign > 0 ? c : nx - 1 - c;
                     std::uint8_t& depth = depth_[index(i, j, k)];
                     if (depth == 0) continue;
                     // The 13 neighbours that the sweep has passed.
@@ -200,7 +210,8 @@ class DepthMap {
 double contour_length(const ContourSet& contours, const Contour& contour) {
     const auto points = contours.points_of(contour);
     double total = 0;
-    for (std::size_t n = 0; n < points.size(); ++n) total += length(points[(n + 1) % points.size()] - points[n]);
+    for (std::size_t n = 0; n < points.size(); ++n)
+        total += length(points[(n + 1) % points.size()] - points[n]);
     return total;
 }
 
@@ -239,7 +250,9 @@ std::vector<int> segment_levels(const std::vector<ContourSegment>& segments, con
             const Vec3 middle = 0.5 * (points[segments[n].a] + points[segments[n].b]);
             for (const std::uint32_t structure : segments[n].structures) {
                 const auto normal = gauge.normal(structure, middle);
-                if (normal) levels[n] = std::max(levels[n], level_of(gauge.thickness(structure, middle, *normal), size));
+                if (normal)
+                    levels[n] =
+                        std::max(levels[n], level_of(gauge.thickness(structure, middle, *normal), size));
             }
         }
     });
@@ -256,7 +269,8 @@ class SegmentSplitter {
     SegmentGuard split(const ContourSet& contours, const StructureField& field, int threads,
                        std::vector<ThinSpot>& thin, bool conforming, bool apart) {
         const std::vector<ContourSegment> segments = distinct_segments(contours, sample_.contour_vertices);
-        const std::vector<SegmentCut> cuts = cuts_at_contacts(contours, segments, contact_clearance * size_, sample_.points);
+        const std::vector<SegmentCut> cuts =
+            cuts_at_contacts(contours, segments, contact_clearance * size_, sample_.points);
         const std::vector<int> levels = segment_levels(segments, sample_.points, field, size_, threads);
         for (const Vec3& p : sample_.points) guard_.add_point(p);
         for (const SegmentPart& part : parts_between(segments, cuts)) {
@@ -322,7 +336,8 @@ class SegmentSplitter {
     void add_pieces(const ContourSegment& segment, int level, std::vector<ThinSpot>& thin) {
         const std::uint32_t a = segment.a, b = segment.b;
         const Vec3 p = sample_.points[a], q = sample_.points[b];
-        const int pieces = std::max(1, static_cast<int>(std::ceil(length(q - p) * (1 << level) / (longest_segment * size_))));
+        const int pieces = std::max(
+            1, static_cast<int>(std::ceil(length(q - p) * (1 << level) / (longest_segment * size_))));
         const auto at = [&](int piece) { return p + (static_cast<double>(piece) / pieces) * (q - p); };
         for (int piece = 0; level > 0 && piece <= pieces; ++piece) thin.push_back({at(piece), level});
         std::uint32_t from = a;
@@ -343,7 +358,8 @@ class SegmentSplitter {
     void add_piece(const ContourSegment& segment, std::uint32_t from, std::uint32_t to) {
         if (from == to) return;
         const std::uint32_t ball = guard_.add_segment(sample_.points[from], sample_.points[to]);
-        for (const std::uint32_t structure : segment.structures) sample_.pieces.push_back({from, to, structure, ball});
+        for (const std::uint32_t structure : segment.structures)
+            sample_.pieces.push_back({from, to, structure, ball});
     }
 
     double size_;
@@ -357,9 +373,10 @@ struct LatticePoint {
 };
 
 // Lattice points moved onto interfaces, each kept if it is far enough from those before it.
-void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>& near, const StructureField& field,
-                        std::uint32_t structures, double size, const SegmentGuard& guard, PointGrid& surface,
-                        PointSample& sample, std::vector<ThinSpot>& thin, int threads) {
+void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>& near,
+                        const StructureField& field, std::uint32_t structures, double size,
+                        const SegmentGuard& guard, PointGrid& surface, PointSample& sample,
+                        std::vector<ThinSpot>& thin, int threads) {
     std::vector<std::optional<Vec3>> moved(near.size());
     std::vector<int> levels(near.size(), 0);
     std::vector<std::uint8_t> allowed(near.size(), 0);
@@ -386,8 +403,9 @@ void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>&
 }
 
 // Points on the interfaces about the places where a wall is thin, the finer the thinner it is.
-void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const StructureField& field, std::uint32_t structures,
-                          double size, const SegmentGuard& guard, PointGrid& surface, PointSample& sample, int threads) {
+void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const StructureField& field,
+                          std::uint32_t structures, double size, const SegmentGuard& guard,
+                          PointGrid& surface, PointSample& sample, int threads) {
     std::vector<std::vector<Vec3>> sites_of_level(max_thin_level);
     parallel_for(sites_of_level.size(), 1, threads, [&](std::size_t first, std::size_t last) {
         for (std::size_t n = first; n < last; ++n)
@@ -395,7 +413,8 @@ void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const Str
     });
     for (int level = max_thin_level; level > 0; --level) {
         const double local = size / (1 << level);
-        const std::vector<Vec3> sites = std::move(sites_of_level[static_cast<std::size_t>(max_thin_level - level)]);
+        const std::vector<Vec3> sites =
+            std::move(sites_of_level[static_cast<std::size_t>(max_thin_level - level)]);
         std::vector<std::optional<Vec3>> moved(sites.size());
         parallel_for(sites.size(), 256, threads, [&](std::size_t first, std::size_t last) {
             InterfaceProbe probe(field, structures);
@@ -411,7 +430,8 @@ void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const Str
                     continue;
                 }
                 // A spot's neighbourhood may be thicker than the spot.
-                const auto thickness = thickness_beside(sites[n], *moved[n], gauge, probe, structures, changed);
+                const auto thickness =
+                    thickness_beside(sites[n], *moved[n], gauge, probe, structures, changed);
                 if (thickness && level_of(0.8 * *thickness, size) < level) moved[n].reset();
             }
         });
@@ -423,8 +443,9 @@ void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const Str
     }
 }
 
-void add_lattice_points(const Lattice& lattice, const Sites& sites, double size, double growth, const SegmentGuard& guard,
-                        const PointGrid& surface, PointSample& sample, int threads) {
+void add_lattice_points(const Lattice& lattice, const Sites& sites, double size, double growth,
+                        const SegmentGuard& guard, const PointGrid& surface, PointSample& sample,
+                        int threads) {
     const SiteReader reader(lattice, sites);
     const DepthMap depths(lattice, reader);
     std::vector<std::vector<Vec3>> layers(lattice.size[2]);
@@ -442,7 +463,9 @@ void add_lattice_points(const Lattice& lattice, const Sites& sites, double size,
                     if ((1 << (coarsest_level(i, j, k) + 1)) <= wanted) continue;
                 }
                 const Vec3 p = lattice.position(i, j, k);
-                if (surface.any_within(p, protected_spacing * size) || !guard.allows(p, protected_spacing * size)) continue;
+                if (surface.any_within(p, protected_spacing * size) ||
+                    !guard.allows(p, protected_spacing * size))
+                    continue;
                 layers[k].push_back(p);
             }
         }
@@ -451,14 +474,16 @@ void add_lattice_points(const Lattice& lattice, const Sites& sites, double size,
         for (std::size_t k = first; k < last; ++k) add_layer(static_cast<std::uint32_t>(k));
     });
     const std::size_t before = sample.points.size();
-    for (const std::vector<Vec3>& layer : layers) sample.points.insert(sample.points.end(), layer.begin(), layer.end());
+    for (const std::vector<Vec3>& layer : layers)
+        sample.points.insert(sample.points.end(), layer.begin(), layer.end());
     sample.stats.lattice_points = sample.points.size() - before;
 }
 
 void add_frame(const Box3& box, PointSample& sample) {
     const Box3 frame = box.grown(box.diagonal());
     for (int corner = 0; corner < 8; ++corner) {
-        sample.points.push_back({corner & 1 ? frame.high.x : frame.low.x, corner & 2 ? frame.high.y : frame.low.y,
+        sample.points.push_back({corner & 1 ? frame.high.x : frame.low.x,
+                                 corner & 2 ? frame.high.y : frame.low.y,
                                  corner & 4 ? frame.high.z : frame.low.z});
     }
     sample.stats.frame_points = 8;
@@ -492,7 +517,8 @@ double plane_density(const ContourSet& contours, const StructureField& field) {
 
 double default_size(const ContourSet& contours, const StructureField& field) {
     std::vector<double> perimeter(contours.structures.size(), 0);
-    for (const Contour& contour : contours.contours) perimeter[contour.structure] += contour_length(contours, contour);
+    for (const Contour& contour : contours.contours)
+        perimeter[contour.structure] += contour_length(contours, contour);
     const std::vector<double> thickness = mean_thickness(contours);
     double total = 0, thick = 0;
     for (std::size_t s = 0; s < perimeter.size(); ++s) {
@@ -505,14 +531,15 @@ double default_size(const ContourSet& contours, const StructureField& field) {
         const double denser = vertex_spacing / (dense_spacing * spacing);
         spacing *= std::min(denser * denser, dense_spacing * dense_spacing * denser);
     }
-    const double size = std::clamp(size_per_spacing * std::sqrt(vertex_spacing * spacing), 0.5 * spacing, 2 * spacing);
+    const double size =
+        std::clamp(size_per_spacing * std::sqrt(vertex_spacing * spacing), 0.5 * spacing, 2 * spacing);
     if (!(thick > 0)) return size;
     const double mean = thick / total;
     return std::min({size, mean, std::max(spacing, size_per_thickness * mean)});
 }
 
-Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field, const SampleOptions& options,
-                                  RunContext& context) {
+Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field,
+                                  const SampleOptions& options, RunContext& context) {
     const double size = options.size_mm > 0 ? options.size_mm : default_size(contours, field);
     PointSample sample{{}, {}, {}, SegmentGuard(size, 0), false, false, {}};
     sample.stats.size_mm = size;
@@ -520,20 +547,24 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
     // The lattice, two steps larger than the box of the field on every side.
     const Box3 box = field.box().grown(2 * size);
     Lattice lattice{box.low, 0.5 * size, {}};
-    const std::array<double, 3> extent{box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
+    const std::array<double, 3> extent{box.high.x - box.low.x, box.high.y - box.low.y,
+                                       box.high.z - box.low.z};
     double needed = 0.25;
     for (const double e : extent) needed *= e / lattice.step;
     for (const Contour& contour : contours.contours) needed += contour_length(contours, contour) / size;
     if (!(needed <= static_cast<double>(options.max_points))) {
-        return Error{ErrorKind::limit, "E-SMP-001",
+        return Error{ErrorKind::limit,
+                     "E-SMP-001",
                      "a size of " + brief(size) + " mm would need about " + brief(needed) +
                          " points, more than " + std::to_string(options.max_points),
-                     {}, "give a larger --size"};
+                     {},
+                     "give a larger --size"};
     }
     collect_contour_vertices(contours, sample);
     std::vector<ThinSpot> thin;
     sample.guard = SegmentSplitter(size, is_parallel(contours), sample)
-                       .split(contours, field, context.threads, thin, options.conforming, options.apart || is_parallel(contours));
+                       .split(contours, field, context.threads, thin, options.conforming,
+                              options.apart || is_parallel(contours));
     const SegmentGuard& guard = sample.guard;
     for (int a = 0; a < 3; ++a) lattice.size[a] = 2 * static_cast<std::uint32_t>(extent[a] / size) + 1;
 

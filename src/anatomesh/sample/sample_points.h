@@ -13,8 +13,8 @@
 namespace anatomesh {
 
 struct SampleOptions {
-    double size_mm = 0;          // edge length aimed at near the surface. 0: default_size(). [0.01, 1000]
-    double growth = 0.5;         // how fast the edge length may grow with the depth inside, mm per mm. [0, 2]
+    double size_mm = 0;   // edge length aimed at near the surface. 0: default_size(). [0.01, 1000]
+    double growth = 0.5;  // how fast the edge length may grow with the depth inside, mm per mm. [0, 2]
     // Contour segments are split as finely as others beside them ask (conform_pieces.h), where planes cross;
     // those of several structures first as others of their slice ask, but about an axis.
     bool conforming = false;
@@ -25,13 +25,13 @@ struct SampleOptions {
 };
 
 struct SampleStats {
-    double size_mm = 0;                     // the edge length used
-    std::uint64_t contour_points = 0;       // distinct contour vertices
-    std::uint64_t segment_points = 0;       // on contour segments: on long ones, and where two cross
-    std::uint64_t surface_points = 0;       // on interfaces between the slices
-    std::uint64_t thin_spots = 0;           // places where a wall or gap is thinner than half the size
-    std::uint64_t lattice_points = 0;       // inside and, near the surface, outside
-    std::uint64_t frame_points = 0;         // corners of a box far outside, so that no contour lies on the hull
+    double size_mm = 0;                // the edge length used
+    std::uint64_t contour_points = 0;  // distinct contour vertices
+    std::uint64_t segment_points = 0;  // on contour segments: on long ones, and where two cross
+    std::uint64_t surface_points = 0;  // on interfaces between the slices
+    std::uint64_t thin_spots = 0;      // places where a wall or gap is thinner than half the size
+    std::uint64_t lattice_points = 0;  // inside and, near the surface, outside
+    std::uint64_t frame_points = 0;    // corners of a box far outside, so that no contour lies on the hull
 };
 
 // points[0, contour_points) are the distinct contour vertices at their exact coordinates, in order of first
@@ -42,7 +42,7 @@ struct PointSample {
     std::vector<std::uint32_t> contour_vertices;  // of every point of the contour set: its index into points
     std::vector<SegmentPiece> pieces;             // what the contour segments were split into
     SegmentGuard guard;                           // of the contour points and the split segments
-    bool graded = false;  // pieces were split as finely as others beside them in their slices ask
+    bool graded = false;    // pieces were split as finely as others beside them in their slices ask
     bool has_pole = false;  // a vertex where four planes or more through a line draw contours
     SampleStats stats;
 };

@@ -4,10 +4,11 @@
 
 #include <set>
 
-#include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 #include "anatomesh/sample/drawing_for_test.h"
 #include "anatomesh/sample/interface_probe.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
 
 namespace anatomesh {
 namespace {
@@ -117,7 +118,8 @@ TEST(SamplePoints, free_points_keep_their_distances) {
             for (std::size_t c = 0; c < first_surface; ++c)
                 ASSERT_GE(length(sample.points[c] - p), 0.5 * local);
             for (std::size_t s = first_surface; s < std::min(n, first_lattice); ++s) {
-                ASSERT_GE(length(sample.points[s] - p), (n < first_lattice ? 0.6 : 0.5) * local * (1 - 1e-12));
+                ASSERT_GE(length(sample.points[s] - p),
+                          (n < first_lattice ? 0.6 : 0.5) * local * (1 - 1e-12));
             }
         }
     }
@@ -178,7 +180,8 @@ TEST(SamplePoints, depth_makes_the_lattice_coarser) {
 TEST(SamplePoints, the_default_size_is_about_the_side_of_a_square_a_contour_vertex) {
     const auto with_corners = [](double corner_spacing) {
         Drawing drawing;
-        for (int z = 0; z < 4; ++z) drawing.add(0, 2 * z, divided(rectangle({0, 0}, {20, 20}), corner_spacing));
+        for (int z = 0; z < 4; ++z)
+            drawing.add(0, 2 * z, divided(rectangle({0, 0}, {20, 20}), corner_spacing));
         return case_of(kept(drawing.raw));
     };
     const Case given = with_corners(4);
@@ -212,7 +215,8 @@ TEST(SamplePoints, planes_that_cross_close_to_each_other_do_not_make_the_size_sm
             const Vec3 u{1, 0, turn}, v{0, 1, -turn}, origin{0, 0, at};
             RawContour contour;
             contour.first_point = static_cast<std::uint32_t>(drawing.raw.points.size());
-            for (const Vec2 p : divided(rectangle({-10, -10}, {10, 10}), 2)) drawing.raw.points.push_back(origin + p.x * u + p.y * v);
+            for (const Vec2 p : divided(rectangle({-10, -10}, {10, 10}), 2))
+                drawing.raw.points.push_back(origin + p.x * u + p.y * v);
             contour.point_count = static_cast<std::uint32_t>(drawing.raw.points.size()) - contour.first_point;
             drawing.raw.contours.push_back(contour);
         }

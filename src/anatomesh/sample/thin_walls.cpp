@@ -9,15 +9,17 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double spot_reach = 0.7;       // about a thin spot, in sizes: as far as its neighbours among the ordinary points
-constexpr double edge_share = 0.6;      // thickness / edge length that keeps a wall whole
-constexpr double just_off = 0.02;        // beyond a surface, to see what is there; in sizes
+constexpr double spot_reach =
+    0.7;  // about a thin spot, in sizes: as far as its neighbours among the ordinary points
+constexpr double edge_share = 0.6;  // thickness / edge length that keeps a wall whole
+constexpr double just_off = 0.02;   // beyond a surface, to see what is there; in sizes
 
 }  // namespace
 
 int level_of(double thickness, double size) {
     if (!(thickness < thin_wall * size)) return 0;
-    return std::clamp(static_cast<int>(std::ceil(std::log2(edge_share * size / thickness))), 1, max_thin_level);
+    return std::clamp(static_cast<int>(std::ceil(std::log2(edge_share * size / thickness))), 1,
+                      max_thin_level);
 }
 
 std::optional<double> thickness_beside(Vec3 p, Vec3 surface, const WallGauge& gauge, InterfaceProbe& probe,
@@ -29,7 +31,8 @@ std::optional<double> thickness_beside(Vec3 p, Vec3 surface, const WallGauge& ga
     if (structures == 1) return gauge.thickness(0, surface, before.empty() ? -1.0 * away : away);
     const std::vector<std::uint32_t>& after = probe.members(surface + off * away);
     changed.clear();
-    std::set_symmetric_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(changed));
+    std::set_symmetric_difference(before.begin(), before.end(), after.begin(), after.end(),
+                                  std::back_inserter(changed));
     double least = gauge.reach();
     for (const std::uint32_t structure : changed) {
         const bool leaving = std::binary_search(before.begin(), before.end(), structure);
@@ -46,7 +49,9 @@ std::vector<Vec3> fine_sites(Vec3 low, const std::vector<ThinSpot>& spots, int l
     if (box.empty()) return {};
     const auto first = [&](double at) { return static_cast<std::int64_t>(std::floor(at - r)); };
     const std::int64_t i0 = first(box.low.x), j0 = first(box.low.y), k0 = first(box.low.z);
-    const auto count = [&](double high, std::int64_t from) { return static_cast<std::int64_t>(std::floor(high + r)) + 1 - from; };
+    const auto count = [&](double high, std::int64_t from) {
+        return static_cast<std::int64_t>(std::floor(high + r)) + 1 - from;
+    };
     const std::int64_t nx = count(box.high.x, i0), ny = count(box.high.y, j0);
     // A stretch of a row by its first and its last site; every second number between them is a site, too.
     struct Stretch {
@@ -74,7 +79,8 @@ std::vector<Vec3> fine_sites(Vec3 low, const std::vector<ThinSpot>& spots, int l
         for (auto k = static_cast<std::int64_t>(std::ceil(p.z - r)); k <= p.z + r; ++k) {
             const double in_layer = r * r - (static_cast<double>(k) - p.z) * (static_cast<double>(k) - p.z);
             for (auto j = static_cast<std::int64_t>(std::ceil(p.y - r)); j <= p.y + r; ++j) {
-                const double in_row = in_layer - (static_cast<double>(j) - p.y) * (static_cast<double>(j) - p.y);
+                const double in_row =
+                    in_layer - (static_cast<double>(j) - p.y) * (static_cast<double>(j) - p.y);
                 if (((j - k) & 1) || in_row < 0) continue;
                 const double half = std::sqrt(in_row);
                 auto from = static_cast<std::int64_t>(std::ceil(p.x - half)),

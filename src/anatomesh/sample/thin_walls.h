@@ -10,8 +10,8 @@
 
 namespace anatomesh {
 
-inline constexpr double thin_wall = 0.5;   // walls and gaps thinner than this need finer points, in sizes
-inline constexpr int max_thin_level = 3;    // the finest edge length is the size / 2^3
+inline constexpr double thin_wall = 0.5;  // walls and gaps thinner than this need finer points, in sizes
+inline constexpr int max_thin_level = 3;  // the finest edge length is the size / 2^3
 
 // A place on a surface where the edge length should be the size / 2^level.
 struct ThinSpot {
@@ -24,8 +24,8 @@ int level_of(double thickness, double size);
 
 // The thickness at `surface`, where a lattice point p was moved to, of every structure whose surface lies there: the
 // smallest. Nothing when p moved too little to tell the direction. `changed` is scratch space.
-std::optional<double> thickness_beside(Vec3 p, Vec3 surface, const WallGauge& gauge, InterfaceProbe& probe, std::uint32_t structures,
-                        std::vector<std::uint32_t>& changed);
+std::optional<double> thickness_beside(Vec3 p, Vec3 surface, const WallGauge& gauge, InterfaceProbe& probe,
+                                       std::uint32_t structures, std::vector<std::uint32_t>& changed);
 
 // The points of the body-centred cubic lattice of edge length size / 2^level within 0.7 sizes of the spots of this level
 // or a finer one, each once, in a fixed order. Complexity: O(n log n) in the sites.

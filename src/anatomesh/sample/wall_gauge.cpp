@@ -6,7 +6,9 @@ namespace anatomesh {
 
 std::optional<Vec3> WallGauge::normal(std::uint32_t structure, Vec3 p) const {
     const double delta = reach_ / 16;
-    const auto difference = [&](Vec3 step) { return field_.value(structure, p + step) - field_.value(structure, p - step); };
+    const auto difference = [&](Vec3 step) {
+        return field_.value(structure, p + step) - field_.value(structure, p - step);
+    };
     const Vec3 gradient{difference({delta, 0, 0}), difference({0, delta, 0}), difference({0, 0, delta})};
     const double steepness = length(gradient);
     if (!(steepness > 0)) return std::nullopt;

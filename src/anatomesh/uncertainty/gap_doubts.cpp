@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "anatomesh/slices/coverage/telling_slices.h"
 #include "anatomesh/field/stack/levels.h"
-#include "anatomesh/field/stack/parallel_field.h"
 #include "anatomesh/geom/polygon.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
+#include "anatomesh/slices/coverage/telling_slices.h"
 
 namespace anatomesh {
 

@@ -8,8 +8,8 @@
 
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/field/model/structure_field.h"
-#include "anatomesh/slices/arrangement/sweep.h"
 #include "anatomesh/geom/plane.h"
+#include "anatomesh/slices/arrangement/sweep.h"
 
 namespace anatomesh {
 

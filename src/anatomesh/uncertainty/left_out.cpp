@@ -8,6 +8,7 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/model/chosen_slices.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/uncertainty/evidence.h"
 

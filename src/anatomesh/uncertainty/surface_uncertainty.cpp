@@ -8,6 +8,7 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/uncertainty/evidence.h"
 
 namespace anatomesh {

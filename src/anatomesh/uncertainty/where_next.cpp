@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/uncertainty/gap_doubts.h"
 

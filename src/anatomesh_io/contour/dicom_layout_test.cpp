@@ -124,7 +124,9 @@ TEST(DicomLayout, D05_length_of_the_meta_header) {
         RunContext context;
         warn_of_guess(layout.value(), "input", context);
         ASSERT_EQ(context.warnings.size(), is_right ? 0u : 1u);
-        if (!is_right) { EXPECT_EQ(context.warnings[0].code, "W-DCL-002"); }
+        if (!is_right) {
+            EXPECT_EQ(context.warnings[0].code, "W-DCL-002");
+        }
     }
     // What cannot be known is refused.
     EXPECT_EQ(code_of(check(std::string(128, '\0') + "DICM" + stated(0xFFFFFFFF) + name)), "E-DCL-002");

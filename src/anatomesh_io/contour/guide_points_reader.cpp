@@ -312,7 +312,7 @@ class GuidePointsReader {
     RawBuilder& builder_;
     std::map<Key, Collected> curves_;
     std::map<std::uint64_t, std::uint64_t> times_;  // and how many points
-    std::map<std::string, Points> valves_;  // by slice
+    std::map<std::string, Points> valves_;          // by slice
     std::uint64_t left_out_ = 0, unused_ = 0;
 };
 

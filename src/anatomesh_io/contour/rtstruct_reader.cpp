@@ -326,10 +326,10 @@ class RtStructReader {
 
     RawBuilder& builder_;
     DcmDataset data_set_;
-    std::map<std::uint32_t, std::uint64_t> contours_of_;  // contours read so far, by structure
+    std::map<std::uint32_t, std::uint64_t> contours_of_;        // contours read so far, by structure
     std::map<std::string, std::uint32_t, std::less<>> spaces_;  // frames of reference, from 1
     std::map<std::int32_t, std::uint32_t> space_of_;            // of the ROIs that name one, by number
-    std::array<std::vector<double>, 3> heights_;          // of the contours normal to each axis
+    std::array<std::vector<double>, 3> heights_;                // of the contours normal to each axis
     Box3 box_;
 };
 

@@ -105,8 +105,7 @@ Result<PixelData> find_pixel_data(const DataSet& set, const PixelFormat& format,
     if (has_fragments || syntax.starts_with("1.2.840.10008.1.2.4.") || syntax == "1.2.840.10008.1.2.5") {
         if (!can_decode(syntax) || format.bits_allocated == 1)
             return pixel_error("E-DCM-020", set, "pixels compressed in a way that is not read",
-                               syntax.substr(0, 64),
-                               "decompress the series, for example with gdcmconv");
+                               syntax.substr(0, 64), "decompress the series, for example with gdcmconv");
         data.is_compressed = true;
         ANATOMESH_TRY(data.fragments, frames_of(set, root.fragments(tags::pixel_data), format.frames));
         return data;

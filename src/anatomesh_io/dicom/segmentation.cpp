@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh_io/contour/dicom_text.h"
 #include "anatomesh_io/dicom/child.h"
 #include "anatomesh_io/dicom/data_set.h"

@@ -12,8 +12,8 @@
 #include <set>
 #include <sstream>
 
-#include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh_io/mesh/formats.h"
 #include "anatomesh_io/mesh/mutate_for_test.h"
 #include "anatomesh_io/mesh/vtk_xml.h"

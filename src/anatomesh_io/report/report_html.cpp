@@ -300,9 +300,8 @@ std::string listed_cells(const ModelReport& report) {
     for (std::size_t i = 0; i < shown; ++i) {
         const ListedCell& listed = report.listed_cells[i];
         rows += row(number_cell(std::to_string(listed.cell)) + number_cell(grouped(listed.value, 2)) +
-                    number_cell(grouped(listed.min_dihedral_deg, 2)) +
-                    number_cell(grouped(listed.at[0], 2)) + number_cell(grouped(listed.at[1], 2)) +
-                    number_cell(grouped(listed.at[2], 2)) +
+                    number_cell(grouped(listed.min_dihedral_deg, 2)) + number_cell(grouped(listed.at[0], 2)) +
+                    number_cell(grouped(listed.at[1], 2)) + number_cell(grouped(listed.at[2], 2)) +
                     text_cell(listed.forced_by.empty() ? "&ndash;" : outside_html(listed.forced_by)));
     }
     return folded("Tetrahedra with a radius-edge ratio above 2 or an angle below 10 degrees",

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh_io/report/html_text.h"
 
 namespace anatomesh {

@@ -146,9 +146,10 @@ TEST(ReportHtml, WB21_nothing_is_loaded_from_elsewhere) {
 TEST(ReportHtml, same_bytes_and_every_part_is_there) {
     const std::string page = Sample().page();
     EXPECT_EQ(page, Sample().page());
-    for (const char* part : {"Certificate", "Radius-edge ratio", "Dihedral angles", "Structures", "Stages",
-                             "Warnings", "How the contours were read", "as published", "22&#8239;900",
-                             "172&#8239;500", "distance map of a slice", "id=\"cells\"", "id=\"contours\"", "Contours</label>"}) {
+    for (const char* part :
+         {"Certificate", "Radius-edge ratio", "Dihedral angles", "Structures", "Stages", "Warnings",
+          "How the contours were read", "as published", "22&#8239;900", "172&#8239;500",
+          "distance map of a slice", "id=\"cells\"", "id=\"contours\"", "Contours</label>"}) {
         EXPECT_NE(page.find(part), std::string::npos) << part;
     }
 }

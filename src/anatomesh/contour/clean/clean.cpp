@@ -11,15 +11,15 @@
 #include <utility>
 
 #include "anatomesh/base/text.h"
-#include "anatomesh/contour/model/chosen_slices.h"
 #include "anatomesh/contour/clean/close_at_valve.h"
 #include "anatomesh/contour/clean/crowded_points.h"
-#include "anatomesh/contour/planes/empty_slices.h"
-#include "anatomesh/contour/model/message_text.h"
-#include "anatomesh/contour/planes/plane_grouping.h"
 #include "anatomesh/contour/clean/resolve.h"
+#include "anatomesh/contour/model/chosen_slices.h"
+#include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/contour/model/ring.h"
 #include "anatomesh/contour/overlay/segment_index.h"
+#include "anatomesh/contour/planes/empty_slices.h"
+#include "anatomesh/contour/planes/plane_grouping.h"
 #include "anatomesh/contour/walls/weld.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/geom/polygon.h"
@@ -33,7 +33,7 @@ constexpr double least_span_mm = 1;   // of all contours: below it the unit is m
 constexpr double no_width_mm = 1e-6;  // a contour nowhere wider than this has no area
 constexpr double crowded_span =
     1e-4;  // of all contours: points that crowd lie no farther apart, whatever the unit
-constexpr double crowded_off = 0.1;   // of how near crowded points lie: so far off the line may one be
+constexpr double crowded_off = 0.1;  // of how near crowded points lie: so far off the line may one be
 constexpr double speck_share =
     1e-4;  // of the area of a slip of the pen: that crosses itself in a box no larger
 
@@ -752,11 +752,11 @@ class Cleaner {
     std::vector<std::uint32_t> by_number_, rank_;  // structures in the order of their numbers, and back
     std::vector<Candidate> candidates_;
     PlaneGroups groups_;
-    std::vector<std::vector<std::uint32_t>> members_;    // per slice, of candidates_
-    std::vector<std::string> names_;                     // per slice
-    std::vector<std::vector<std::string>> given_names_;  // per slice: of the planes in the file, sorted
-    std::vector<EmptyPlane> empty_planes_;               // by their names for messages
-    std::vector<char> repaired_;                         // per raw contour
+    std::vector<std::vector<std::uint32_t>> members_;     // per slice, of candidates_
+    std::vector<std::string> names_;                      // per slice
+    std::vector<std::vector<std::string>> given_names_;   // per slice: of the planes in the file, sorted
+    std::vector<EmptyPlane> empty_planes_;                // by their names for messages
+    std::vector<char> repaired_;                          // per raw contour
     std::map<std::uint32_t, std::vector<Vec3>> closing_;  // by raw contour: what comes after its points
     std::vector<RingNote> notes_;
     std::vector<std::uint32_t> source_of_;  // per kept contour

@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
-#include "anatomesh/contour/overlay/combine.h"
 #include "anatomesh/contour/model/ring.h"
+#include "anatomesh/contour/overlay/combine.h"
 
 namespace anatomesh {
 

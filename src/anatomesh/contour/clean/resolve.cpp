@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "anatomesh/contour/clean/close_loops.h"
-#include "anatomesh/contour/overlay/combine.h"
 #include "anatomesh/contour/clean/doubled_rings.h"
 #include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/contour/overlay/combine.h"
 #include "anatomesh/contour/overlay/nesting.h"
 #include "anatomesh/contour/overlay/separate.h"
 #include "anatomesh/geom/polygon.h"
@@ -423,7 +423,7 @@ class Resolver {
     const bool exclusive_or_;
     const CleanOptions& options_;
     const PlaceOfSource& place_of_;
-    std::map<std::uint32_t, RingReading> readings_;  // by source
+    std::map<std::uint32_t, RingReading> readings_;     // by source
     std::map<std::uint32_t, std::uint32_t> crossings_;  // vertices that closing loops gave a source
     std::vector<RingNote> notes_;
 };

@@ -58,10 +58,10 @@ struct ContourSet {
     std::vector<Vec3> points;
 
     Frame frame = Frame::lps;
-    bool exclusive = false;    // true: regions of different structures never overlap (traced from a label map)
-    bool drawn = true;         // true: somebody drew them (keep every vertex); false: traced from voxels
-    double pixel_mm = 0;       // in-plane pixel size of the source image; 0 when unknown
-    std::string source;        // the file, as the user named it
+    bool exclusive = false;  // true: regions of different structures never overlap (traced from a label map)
+    bool drawn = true;       // true: somebody drew them (keep every vertex); false: traced from voxels
+    double pixel_mm = 0;     // in-plane pixel size of the source image; 0 when unknown
+    std::string source;      // the file, as the user named it
     std::vector<LeftOutSlice> left_out = {};  // of each structure that they drew
     // Where structures lie in others and overlaps were given to the first (overlaps/priority.h): what was
     // drawn, which tells what lies between the slices. Else null.
@@ -85,7 +85,7 @@ struct ContourSet {
 struct OverlappingContours {
     std::vector<ContourSet> levels;                  // each of structures that exclude each other
     std::vector<std::vector<std::uint32_t>> slices;  // by level: which of the whole's its own are; rising
-    std::vector<std::int32_t> order;  // the numbers of all structures, the first first
+    std::vector<std::int32_t> order;                 // the numbers of all structures, the first first
 };
 
 // Whether the structure's outlines on the slice were not drawn.

@@ -24,8 +24,8 @@ struct RawContour {
     std::uint32_t structure = 0;  // index into structures
     ContourKind kind = ContourKind::closed_planar;
     std::uint32_t first_point = 0, point_count = 0;
-    std::int32_t plane = -1;      // index into planes when the file gives planes; -1: to be fitted
-    std::string name;             // where in the file: "ROI 3, contour 17", "planes[2].polygons[0]"; for messages
+    std::int32_t plane = -1;  // index into planes when the file gives planes; -1: to be fitted
+    std::string name;         // where in the file: "ROI 3, contour 17", "planes[2].polygons[0]"; for messages
     // Contours of different spaces can't be put together without a registration: a number for each frame of
     // reference that the file names, 0 where it names none.
     std::uint32_t space = 0;
@@ -40,8 +40,8 @@ struct RawContours {
     std::vector<Plane> planes;             // as the file gives them; may be empty
     std::vector<std::string> plane_names;  // parallel to planes
     Frame frame = Frame::lps;
-    double pixel_mm = 0;                   // in-plane pixel size, 0 when unknown
-    std::string source;                    // the file, as the user named it
+    double pixel_mm = 0;  // in-plane pixel size, 0 when unknown
+    std::string source;   // the file, as the user named it
 };
 
 }  // namespace anatomesh

@@ -271,7 +271,7 @@ class Reader {
     std::vector<std::uint32_t> group_;                // union-find
     std::vector<std::vector<std::uint32_t>> inside_;  // per ring: the rings it lies in
     std::vector<Boundary> boundary_;
-    std::set<std::uint32_t> on_result_;                // vertices
+    std::set<std::uint32_t> on_result_;  // vertices
 };
 
 }  // namespace

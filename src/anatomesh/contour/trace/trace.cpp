@@ -10,8 +10,8 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/model/area_change.h"
-#include "anatomesh/contour/simplify/chains.h"
 #include "anatomesh/contour/model/message_text.h"
+#include "anatomesh/contour/simplify/chains.h"
 #include "anatomesh/contour/simplify/small_pieces.h"
 #include "anatomesh/contour/trace/trace_slice.h"
 #include "anatomesh/image/components.h"

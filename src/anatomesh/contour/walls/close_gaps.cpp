@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/walls/led_contours.h"
 #include "anatomesh/contour/overlay/segment_index.h"
+#include "anatomesh/contour/walls/led_contours.h"
 #include "anatomesh/geom/polygon.h"
 
 namespace anatomesh {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/contour/walls/led_stats.h"
 #include "anatomesh/contour/overlay/segment_index.h"
+#include "anatomesh/contour/walls/led_stats.h"
 
 namespace anatomesh {
 

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/walls/led_contours.h"
 #include "anatomesh/contour/overlay/segment_index.h"
+#include "anatomesh/contour/walls/led_contours.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/geom/polygon.h"
 

@@ -8,7 +8,7 @@
 namespace anatomesh {
 
 struct WeldStats {
-    std::uint64_t moved = 0;           // points that took an earlier point's coordinates
+    std::uint64_t moved = 0;  // points that took an earlier point's coordinates
     double max_displacement_mm = 0;
 };
 

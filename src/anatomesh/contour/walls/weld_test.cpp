@@ -9,7 +9,8 @@ ContourSet two_squares(double gap) {
     ContourSet set;
     set.structures = {{1, "left", {}}, {2, "right", {}}};
     set.slices = {{make_plane({}, {0, 0, 1}), 0, 2, "z = 0"}};
-    set.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1 + gap, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1 + gap, 1, 0}};
+    set.points = {{0, 0, 0},       {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                  {1 + gap, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1 + gap, 1, 0}};
     set.contours = {{0, 0, 0, 4}, {1, 0, 4, 4}};
     return set;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/make_structure_field.h"
 
 namespace anatomesh {
 namespace {

@@ -15,8 +15,8 @@ namespace anatomesh {
 struct VolumeOptions;
 
 enum class EndCaps : std::uint8_t {
-    half,  // half a slice beyond the last contour: the volume a label map means
-    flat,  // the structure ends at its last contour; a single-slice island still gets half
+    half,    // half a slice beyond the last contour: the volume a label map means
+    flat,    // the structure ends at its last contour; a single-slice island still gets half
     rounded  // as half, its rim rounded by a quarter circle of half a slice
 };
 
@@ -115,15 +115,5 @@ class StructureField {
                                                          RunContext& context) const;
     virtual ~StructureField() = default;
 };
-
-// Requires: a kept contour set (see ContourSet). The set must outlive nothing: the field copies what it
-// needs. Errors: geometry E-FLD-001 no contours, E-FLD-002 none encloses an area, E-FLD-003 a single slice
-// without thickness. Parallel slices: exact signed distances to the polygons, clamped and blended along
-// the boundary's motion (slice_motion.h); a sweep (sweep.h): the same in straight coordinates; slices about
-// an axis: rotational_field.h; a few planes across stacks and sweeps: crossed_field.h; structures that lie in
-// others and take their place: nested_field.h. Planes in any position: see docs/method.md.
-Result<std::shared_ptr<const StructureField>> make_structure_field(const ContourSet& set,
-                                                                   const FieldOptions& options,
-                                                                   RunContext& context);
 
 }  // namespace anatomesh

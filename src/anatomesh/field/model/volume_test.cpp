@@ -7,6 +7,7 @@
 #include <random>
 
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/make_structure_field.h"
 
 namespace anatomesh {
 namespace {

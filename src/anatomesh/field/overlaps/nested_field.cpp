@@ -8,14 +8,16 @@
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/field/stack/parallel_field.h"
 #include "anatomesh/field/model/volume.h"
+#include "anatomesh/field/planes/field_of_slices.h"
+#include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr double lattice_share = 5;  // of the points that a volume by itself takes
+constexpr double lattice_share = 5;   // of the points that a volume by itself takes
 constexpr double hardly_any = 0.002;  // of a structure: so little of it outside another one, or in it
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
@@ -291,7 +293,7 @@ Result<std::shared_ptr<const StructureField>> make_nested_field(const ContourSet
             continue;
         }
         ANATOMESH_TRY(std::shared_ptr<const StructureField> field,
-                      make_structure_field(level, options, context));
+                      make_field_of_slices(level, options, context));
         levels.push_back(std::move(field));
     }
     std::shared_ptr<const StructureField> of_slices;

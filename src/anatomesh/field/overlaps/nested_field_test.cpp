@@ -8,10 +8,11 @@
 
 #include "anatomesh/contour/model/choose_structures.h"
 #include "anatomesh/contour/model/chosen_slices.h"
-#include "anatomesh/overlaps/priority.h"
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/volume.h"
 #include "anatomesh/field/voxel_topology_for_test.h"
+#include "anatomesh/overlaps/priority.h"
 
 namespace anatomesh {
 namespace {

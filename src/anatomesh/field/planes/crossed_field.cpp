@@ -7,123 +7,29 @@
 #include <utility>
 
 #include "anatomesh/contour/model/chosen_slices.h"
-#include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/model/field_queries.h"
-#include "anatomesh/field/stack/parallel_field.h"
 #include "anatomesh/field/planes/plane_trace.h"
+#include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/slice/slice_regions.h"
+#include "anatomesh/field/stack/stack_field.h"
 #include "anatomesh/field/warnings/sparse_planes.h"
-#include "anatomesh/slices/arrangement/sweep.h"
-#include "anatomesh/field/stack/swept_field.h"
 #include "anatomesh/field/warnings/thin_structures.h"
-#include "anatomesh/slices/coverage/unsaid.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
+#include "anatomesh/slices/arrangement/stack_and_crossing.h"
+#include "anatomesh/slices/coverage/unsaid.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr double least_gap = 0.2;             // of two slices that do not nearly cross, of their mean one
-constexpr std::size_t least_stack = 4;        // slices
-constexpr std::size_t stack_to_crossing = 3;  // as many slices at least
-constexpr double leaning_degrees = 30;        // a slice that leans no more against the stack lies in it
-constexpr double reach_spacings = 2;          // of a plane to either side
-constexpr double nearest_share = 1e-9;        // of the reach, from which a plane counts where it fades
-constexpr double most_steep = 10;             // of a value in the plane over the distance to what is drawn
-constexpr double least_steep = 0.3;           // the same, below which it gives way to the distance
-constexpr double agreeing_spacings = 0.25;    // surfaces further apart in the plane do not agree
-constexpr double trace_steps = 8;    // a spacing, where the stack's surface is traced in a plane
-constexpr double most_traced = 1e6;  // lattice points of all traces together
-
-std::array<Vec3, 4> corners_of(const PlanePatch& patch) {
-    const Box2& box = patch.box;
-    return {patch.plane.to_space(box.low), patch.plane.to_space({box.high.x, box.low.y}),
-            patch.plane.to_space(box.high), patch.plane.to_space({box.low.x, box.high.y})};
-}
-
-// Whether the boxes of two slices' contours cross, or come much nearer at one place than at others.
-bool nearly_cross(const PlanePatch& one, const PlanePatch& other) {
-    if (one.box.empty() || other.box.empty()) return false;
-    for (const auto& [plane, corners] :
-         {std::pair{one.plane, corners_of(other)}, std::pair{other.plane, corners_of(one)}}) {
-        double sum = 0, least = HUGE_VAL, most = -HUGE_VAL;
-        for (const Vec3 p : corners) {
-            const double height = plane.signed_distance(p);
-            sum += height / 4;
-            least = std::min(least, height);
-            most = std::max(most, height);
-        }
-        if (std::min(std::abs(least), std::abs(most)) < least_gap * std::abs(sum) ||
-            (least < 0) != (most < 0))
-            return true;
-    }
-    return false;
-}
-
-bool is_stack(const ContourSet& set) {
-    return is_parallel(set) || Sweep::of(set);
-}
-
-// Whether every structure of the set is drawn in two slices of the part.
-bool draws_all(const ContourSet& part, const ContourSet& set) {
-    std::vector<std::uint32_t> drawn(set.structures.size(), 0);
-    std::vector<std::uint32_t> last(set.structures.size(), static_cast<std::uint32_t>(-1));
-    for (const Contour& contour : part.contours) {
-        drawn[contour.structure] += last[contour.structure] != contour.slice;
-        last[contour.structure] = contour.slice;
-    }
-    return std::all_of(set.contours.begin(), set.contours.end(),
-                       [&](const Contour& contour) { return drawn[contour.structure] > 1; });
-}
-
-}  // namespace
-
-std::optional<StackAndCrossing> stack_and_crossing(const ContourSet& set) {
-    if (set.exclusive && set.structures.size() > 1) return std::nullopt;
-    const std::vector<PlanePatch> patches = plane_patches(set);
-    const std::size_t count = patches.size();
-    std::vector<std::vector<std::uint32_t>> crossed(count);
-    for (std::uint32_t i = 0; i < count; ++i) {
-        for (std::uint32_t j = 0; j < i; ++j) {
-            if (!nearly_cross(patches[i], patches[j])) continue;
-            crossed[i].push_back(j);
-            crossed[j].push_back(i);
-        }
-    }
-    // Of two that cross each other alone the one that leans more against all others.
-    std::vector<double> lean(count, 0);
-    for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t j = 0; j < count; ++j)
-            lean[i] += 1 - std::abs(dot(patches[i].plane.normal, patches[j].plane.normal));
-    }
-    std::vector<std::uint8_t> is_crossing(count, 0);
-    StackAndCrossing made;
-    while (stack_to_crossing * made.crossing.size() <= count) {
-        std::uint32_t worst = 0;
-        for (std::uint32_t i = 1; i < count; ++i) {
-            if (std::pair(crossed[i].size(), lean[i]) > std::pair(crossed[worst].size(), lean[worst]))
-                worst = i;
-        }
-        if (crossed[worst].empty()) break;
-        for (const std::uint32_t j : std::exchange(crossed[worst], {})) std::erase(crossed[j], worst);
-        is_crossing[worst] = 1;
-        made.crossing.push_back(worst);
-    }
-    for (std::uint32_t i = 0; i < count; ++i) {
-        if (!is_crossing[i]) made.stack.push_back(i);
-    }
-    if (made.crossing.empty() || made.stack.size() < least_stack ||
-        made.stack.size() < stack_to_crossing * made.crossing.size())
-        return std::nullopt;
-    std::sort(made.crossing.begin(), made.crossing.end());
-    // Planes closer than the vertices along them have no need of it.
-    if (mean_vertex_spacing(set) > dense_spacing * plane_spacings(set, patches).median) return std::nullopt;
-    const ContourSet stack = chosen_slices(set, made.stack);
-    if (!draws_all(stack, set) || !is_stack(stack)) return std::nullopt;
-    return made;
-}
-
-namespace {
+constexpr double leaning_degrees = 30;      // a slice that leans no more against the stack lies in it
+constexpr double reach_spacings = 2;        // of a plane to either side
+constexpr double nearest_share = 1e-9;      // of the reach, from which a plane counts where it fades
+constexpr double most_steep = 10;           // of a value in the plane over the distance to what is drawn
+constexpr double least_steep = 0.3;         // the same, below which it gives way to the distance
+constexpr double agreeing_spacings = 0.25;  // surfaces further apart in the plane do not agree
+constexpr double trace_steps = 8;           // a spacing, where the stack's surface is traced in a plane
+constexpr double most_traced = 1e6;         // lattice points of all traces together
 
 class CrossedField final : public FieldQueries<CrossedField> {
   public:
@@ -361,7 +267,7 @@ Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSe
     of_stack.max_gap_spacings *= 1 + static_cast<double>(gap);
     const auto before = static_cast<std::ptrdiff_t>(context.warnings.size());
     ANATOMESH_TRY(std::shared_ptr<const StructureField> stack,
-                  make_structure_field(chosen_slices(set, slices.stack), of_stack, context));
+                  make_stack_field(chosen_slices(set, slices.stack), of_stack, context));
     if (gap > 0) {
         const auto bridged = std::remove_if(context.warnings.begin() + before, context.warnings.end(),
                                             [](const Warning& w) { return w.code == "W-FLD-002"; });

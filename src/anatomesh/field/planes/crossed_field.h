@@ -7,22 +7,9 @@
 #include <vector>
 
 #include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/slices/arrangement/stack_and_crossing.h"
 
 namespace anatomesh {
-
-// Slices by their index.
-struct StackAndCrossing {
-    std::vector<std::uint32_t> stack;     // parallel, or a sweep
-    std::vector<std::uint32_t> crossing;  // the others
-};
-
-// The slices as a stack and a few others that run across it or lean too much: the long axis beside the short
-// axes of a heart, a plane of a sweep that crosses the one before. As long as the boxes of two slices'
-// contours cross, or nearly so, the slice that does so with most others is taken out. Nothing where what is
-// left is no stack or sweep, has fewer than four slices or fewer than three times as many as were taken out,
-// or misses a structure; and nothing for an exclusive set of several structures. Complexity: O(points +
-// slices^2).
-std::optional<StackAndCrossing> stack_and_crossing(const ContourSet& set);
 
 // Between its slices the stack's own field F. Near one of the others, F in that plane is set against what is
 // drawn there: where they differ in sign, or F is the smaller and its surface runs elsewhere in the plane

@@ -8,8 +8,10 @@
 #include <random>
 
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/planes/general_field.h"
 #include "anatomesh/field/voxel_topology_for_test.h"
+#include "anatomesh/slices/arrangement/stack_and_crossing.h"
 
 namespace anatomesh {
 namespace {

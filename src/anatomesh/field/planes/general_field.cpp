@@ -9,15 +9,15 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/model/chosen_slices.h"
-#include "anatomesh/field/stack/caps.h"
-#include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/model/field_queries.h"
 #include "anatomesh/field/planes/slants.h"
+#include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/slice/slice_regions.h"
+#include "anatomesh/field/stack/caps.h"
 #include "anatomesh/field/warnings/sparse_planes.h"
 #include "anatomesh/field/warnings/thin_structures.h"
-#include "anatomesh/slices/coverage/unsaid.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
+#include "anatomesh/slices/coverage/unsaid.h"
 
 namespace anatomesh {
 

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/reconcile/reconcile.h"
 
 namespace anatomesh {

@@ -10,11 +10,11 @@
 
 #include "anatomesh/field/model/field_queries.h"
 #include "anatomesh/field/planes/general_field.h"
-#include "anatomesh/field/warnings/missing_slices.h"
 #include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/field/warnings/missing_slices.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/slices/arrangement/rotation_axis.h"
 #include "anatomesh/slices/coverage/unsaid.h"
-#include "anatomesh/slices/arrangement/plane_patches.h"
 
 namespace anatomesh {
 

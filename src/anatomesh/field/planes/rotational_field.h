@@ -1,8 +1,8 @@
 // The structure field of slices about an axis. Reached through make_structure_field().
 #pragma once
 
-#include "anatomesh/slices/arrangement/rotational_sweep.h"
 #include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/slices/arrangement/rotational_sweep.h"
 
 namespace anatomesh {
 

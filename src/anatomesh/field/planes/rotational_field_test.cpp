@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/planes/general_field.h"
 #include "anatomesh/field/rotational_fixtures_for_test.h"
 #include "anatomesh/field/voxel_topology_for_test.h"

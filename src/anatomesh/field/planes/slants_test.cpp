@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/structure_field.h"
 
 namespace anatomesh {

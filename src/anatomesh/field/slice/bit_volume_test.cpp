@@ -4,8 +4,8 @@
 
 #include <random>
 
-#include "anatomesh/field/slice/distance_map.h"
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/slice/distance_map.h"
 
 namespace anatomesh {
 namespace {

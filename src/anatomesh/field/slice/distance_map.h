@@ -96,7 +96,7 @@ class DistanceMap {
     // feature.
     enum class Corner : std::uint8_t { convex, reflex, straight, shared };
 
-    struct Line {  // an edge made ready for distances
+    struct Line {                         // an edge made ready for distances
         Vec2 start, along;                // from there to the end
         double squared = 0, inverse = 0;  // of the length
     };

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <random>
 
-#include "anatomesh/field/slice/bit_volume.h"
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/slice/bit_volume.h"
 
 namespace anatomesh {
 namespace {

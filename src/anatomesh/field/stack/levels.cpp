@@ -8,15 +8,12 @@
 #include <tuple>
 
 #include "anatomesh/contour/model/repeated_planes.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/coverage/telling_slices.h"
 
 namespace anatomesh {
 
 namespace {
-
-double middle(const SliceInterval& interval) {
-    return 0.5 * (interval.low + interval.high);
-}
 
 double lower_median(std::vector<double> values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
@@ -30,7 +27,7 @@ constexpr double same_spacing = 0.05;  // gaps that differ by less than this sha
 // are a little more than twice one.
 constexpr double joined_more = 1.02;
 constexpr double hardly_wider = 1.5;  // spacings: more is a gap to tell of
-constexpr double most_uneven = 2;  // times the median of uneven gaps, what is usual among them
+constexpr double most_uneven = 2;     // times the median of uneven gaps, what is usual among them
 
 // The spacing that most of a few neighbouring gaps share, from an end inwards, one slice left out where that
 // makes more of them alike; of several as good that of the gap nearest to the end, or nothing. So neither one
@@ -157,34 +154,6 @@ class Gaps {
 };
 
 }  // namespace
-
-std::vector<SliceInterval> parallel_intervals(const ContourSet& set, const Plane& frame) {
-    std::vector<SliceInterval> intervals;
-    for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        const double position = frame.signed_distance(set.slices[s].plane.origin);
-        SliceInterval interval{s, position, position};
-        bool first = true;
-        for (const Contour& contour : set.contours_of(set.slices[s])) {
-            for (const Vec3& point : set.points_of(contour)) {
-                const double z = frame.signed_distance(point);
-                interval.low = first ? z : std::min(interval.low, z);
-                interval.high = first ? z : std::max(interval.high, z);
-                first = false;
-            }
-        }
-        intervals.push_back(interval);
-    }
-    std::sort(intervals.begin(), intervals.end(), [](const SliceInterval& a, const SliceInterval& b) {
-        return a.low != b.low ? a.low < b.low : a.slice < b.slice;
-    });
-    for (std::size_t i = 0; i + 1 < intervals.size(); ++i) {
-        const double gap = middle(intervals[i + 1]) - middle(intervals[i]);
-        const double thickest =
-            std::max(intervals[i].high - intervals[i].low, intervals[i + 1].high - intervals[i + 1].low);
-        if (!(gap > 0) || thickest > 0.1 * gap) return {};
-    }
-    return intervals;
-}
 
 namespace {
 

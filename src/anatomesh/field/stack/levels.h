@@ -10,19 +10,9 @@
 
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
 
 namespace anatomesh {
-
-// A slice as an interval along the common normal: contour points may lie off their plane by the reader's
-// tolerance, and on all of them the slice's own region must hold.
-struct SliceInterval {
-    std::uint32_t slice = 0;
-    double low = 0, high = 0;
-};
-
-// The slices of a set in rising order along `frame`'s normal, or nothing when they are not parallel: when one
-// is thicker than a tenth of its distance to the next, or two overlap.
-std::vector<SliceInterval> parallel_intervals(const ContourSet& set, const Plane& frame);
 
 // A position at which a structure is known: the region drawn on `slice`, or nothing (no_slice or not drawn
 // there).

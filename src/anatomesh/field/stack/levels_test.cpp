@@ -8,7 +8,9 @@
 #include <random>
 
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/volume.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
 
 namespace anatomesh {
 namespace {

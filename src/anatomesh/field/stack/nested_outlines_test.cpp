@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/structure_field.h"
 
 namespace anatomesh {

@@ -10,17 +10,18 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/contour/model/repeated_planes.h"
-#include "anatomesh/slices/coverage/telling_slices.h"
-#include "anatomesh/field/stack/caps.h"
-#include "anatomesh/field/slice/distance_map.h"
-#include "anatomesh/field/stack/domes.h"
 #include "anatomesh/field/model/field_queries.h"
+#include "anatomesh/field/model/volume.h"
+#include "anatomesh/field/slice/distance_map.h"
+#include "anatomesh/field/slice/slice_regions.h"
+#include "anatomesh/field/stack/caps.h"
+#include "anatomesh/field/stack/domes.h"
 #include "anatomesh/field/stack/levels.h"
 #include "anatomesh/field/stack/lone_parts.h"
 #include "anatomesh/field/stack/slice_motion.h"
-#include "anatomesh/field/slice/slice_regions.h"
 #include "anatomesh/field/stack/track.h"
-#include "anatomesh/field/model/volume.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
+#include "anatomesh/slices/coverage/telling_slices.h"
 
 namespace anatomesh {
 
@@ -244,7 +245,8 @@ void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceI
         StructureLevels levels = levels_of(s, parts);
         const bool is_union = s == set.structures.size();
         if (!is_union) warn_about_levels(set, s, levels, context);
-        (is_union ? union_ : tracks_[s]) = Track(std::move(levels), map_of_[s], options.caps == EndCaps::rounded);
+        (is_union ? union_ : tracks_[s]) =
+            Track(std::move(levels), map_of_[s], options.caps == EndCaps::rounded);
     }
 }
 
@@ -348,7 +350,8 @@ void ParallelField::warn_about_ambiguities(const ContourSet& set, RunContext& co
                       "which becomes which is ambiguous",
                       {set.source, name(worst_pair.below) + " and " + name(worst_pair.above),
                        structure_text(set.structures[s]), "", value},
-                      "joined as their overlaps suggest, not every two that overlap; look at the pieces, or draw a slice "
+                      "joined as their overlaps suggest, not every two that overlap; look at the pieces, or "
+                      "draw a slice "
                       "between the two"});
     }
 }
@@ -598,10 +601,6 @@ double median_gap(const std::vector<SliceInterval>& intervals) {
 }
 
 }  // namespace
-
-bool is_parallel(const ContourSet& set) {
-    return set.slices.empty() || !parallel_intervals(set, set.slices.front().plane).empty();
-}
 
 Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourSet& set,
                                                                   const FieldOptions& options,

@@ -5,9 +5,6 @@
 
 namespace anatomesh {
 
-// Whether the slices are parallel and apart, so that make_parallel_field() can take the set.
-bool is_parallel(const ContourSet& set);
-
 // Requires: is_parallel(set), at least one contour. See make_structure_field() and docs/method.md.
 Result<std::shared_ptr<const StructureField>> make_parallel_field(const ContourSet& set,
                                                                   const FieldOptions& options,

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "anatomesh/field/field_fixtures.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/volume.h"
 #include "anatomesh/field/voxel_topology_for_test.h"
 

@@ -10,8 +10,8 @@
 #include <optional>
 #include <vector>
 
-#include "anatomesh/field/stack/caps.h"
 #include "anatomesh/field/slice/distance_map.h"
+#include "anatomesh/field/stack/caps.h"
 #include "anatomesh/field/stack/domes.h"
 #include "anatomesh/field/stack/levels.h"
 #include "anatomesh/field/stack/lone_parts.h"

@@ -16,8 +16,8 @@ namespace anatomesh {
 namespace {
 
 constexpr std::size_t fewest_slices = 5;
-constexpr double most_beside = 0.05;    // how far planes run beside the axis of a turn, of the diagonal
-constexpr double widest = 2.5;          // times the gap that three in four do not exceed
+constexpr double most_beside = 0.05;  // how far planes run beside the axis of a turn, of the diagonal
+constexpr double widest = 2.5;        // times the gap that three in four do not exceed
 
 // The widest of some gaps, and where it is, if it is far wider than the others.
 struct Widest {

@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "anatomesh/field/rotational_fixtures_for_test.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/field/rotational_fixtures_for_test.h"
 
 namespace anatomesh {
 namespace {

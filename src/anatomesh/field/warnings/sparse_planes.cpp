@@ -15,9 +15,9 @@ namespace anatomesh {
 namespace {
 
 constexpr int lattice = 16;
-constexpr double far_share = 0.25;    // of the thickness
-constexpr double most_far_off = 0.1;  // of the volume
-constexpr std::size_t few_planes = 6;    // of more, gaps between them are told (missing_slices.h)
+constexpr double far_share = 0.25;     // of the thickness
+constexpr double most_far_off = 0.1;   // of the volume
+constexpr std::size_t few_planes = 6;  // of more, gaps between them are told (missing_slices.h)
 constexpr double cos_45 = 0.7071067811865476;
 constexpr double least_thickness = 0.4;  // of the volume of a body as thick across its planes as in them
 

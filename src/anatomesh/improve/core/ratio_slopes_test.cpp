@@ -3,8 +3,9 @@
 #include <array>
 #include <cmath>
 
-#include "anatomesh/mesh/stars/star.h"
 #include "anatomesh/improve/labelled_meshes_for_test.h"
+#include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/stars/star.h"
 
 namespace anatomesh {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "anatomesh/mesh/stars/star.h"
-#include "anatomesh/improve/labelled_meshes_for_test.h"
 #include "anatomesh/improve/core/vertex_mover.h"
+#include "anatomesh/improve/labelled_meshes_for_test.h"
+#include "anatomesh/mesh/stars/star.h"
 
 namespace anatomesh {
 namespace {

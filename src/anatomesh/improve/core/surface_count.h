@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/mesh/stars/star.h"
 #include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/mesh/stars/star.h"
 
 namespace anatomesh {
 
@@ -53,7 +53,7 @@ class SurfaceCount {
 
     Workbench& bench_;
     std::vector<std::uint32_t> cells_;
-    std::vector<Body> bodies_;       // regions, then structures
+    std::vector<Body> bodies_;  // regions, then structures
     std::vector<std::uint32_t> structures_;
     std::size_t region_bodies_ = 0;  // of these
     std::vector<std::uint32_t> vertices_;

@@ -6,8 +6,9 @@
 #include <array>
 #include <vector>
 
-#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
 namespace anatomesh {
 namespace {

@@ -5,8 +5,8 @@
 #include <functional>
 #include <span>
 
-#include "anatomesh/mesh/stars/star.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
+#include "anatomesh/mesh/stars/star.h"
 
 namespace anatomesh {
 

@@ -53,7 +53,8 @@ void Workbench::release_edge(std::uint32_t a, std::uint32_t b) {
 }
 
 bool Workbench::keeps_edge(std::uint32_t a, std::uint32_t b) const {
-    return std::binary_search(kept_edges_.begin(), kept_edges_.end(), VertexPair{std::min(a, b), std::max(a, b)});
+    return std::binary_search(kept_edges_.begin(), kept_edges_.end(),
+                              VertexPair{std::min(a, b), std::max(a, b)});
 }
 
 bool Workbench::loses_kept_edge(std::span<const std::uint32_t> removed, std::span<const Cell> added) const {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/improve/core/dihedral_options.h"
 #include "anatomesh/improve/core/local_star.h"
 #include "anatomesh/mesh/edit/edit_mesh.h"
 #include "anatomesh/sample/interface_probe.h"

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "anatomesh/geom/point_triangle.h"
-#include "anatomesh/improve/operations/operations.h"
 #include "anatomesh/improve/core/surface_count.h"
+#include "anatomesh/improve/operations/operations.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
 
 namespace anatomesh {

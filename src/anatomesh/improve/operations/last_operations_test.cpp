@@ -2,6 +2,8 @@
 // interfaces.
 #include "anatomesh/improve/labelled_meshes_for_test.h"
 #include "anatomesh/improve/operations/operations.h"
+#include "anatomesh/improve/operations/segment_edges.h"
+#include "anatomesh/mesh/edit/facets.h"
 
 namespace anatomesh {
 namespace {

@@ -1,6 +1,8 @@
+#include "anatomesh/improve/operations/segment_edges.h"
+
 #include <algorithm>
 
-#include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/improve/core/drawn_slices.h"
 #include "anatomesh/mesh/check/topology.h"
 
 namespace anatomesh {
@@ -68,8 +70,7 @@ bool follow(const TetMesh& mesh, const InterfaceEdges& edges, std::uint32_t a, s
 }  // namespace
 
 std::vector<VertexPair> edges_along(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                                    std::span<const VertexPair> segments,
-                                    std::vector<VertexPair>* missed) {
+                                    std::span<const VertexPair> segments, std::vector<VertexPair>* missed) {
     const InterfaceEdges edges(mesh, neighbors);
     std::vector<VertexPair> found;
     for (const auto& [a, b] : segments) {

@@ -470,8 +470,8 @@ class SliceLeader {
     const Slice& slice_;
     std::span<Ring> rings_;
     const double most_mm_;
-    std::vector<std::uint32_t> own_;                    // rings of the structure
-    std::unordered_set<std::uint32_t> taken_;           // vertices that ways must not go over
+    std::vector<std::uint32_t> own_;           // rings of the structure
+    std::unordered_set<std::uint32_t> taken_;  // vertices that ways must not go over
     // Of the other structures: vertices, rings, and by their ends, the smaller first, those that have a
     // segment, and ways.
     struct Twin {

@@ -14,11 +14,12 @@
 
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/geom/polygon.h"
-#include "anatomesh/measure/even_odd_area.h"
-#include "anatomesh/mesh/model/brick_mesh_for_test.h"
-#include "anatomesh/mesh/check/topology.h"
-#include "anatomesh/pipeline/dense_planes_for_test.h"
 #include "anatomesh/improve/reroute/followed_contours.h"
+#include "anatomesh/measure/even_odd_area.h"
+#include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
+#include "anatomesh/pipeline/dense_planes_for_test.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
 namespace anatomesh {

@@ -9,8 +9,8 @@
 
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/overlay/slice_soundness.h"
-#include "anatomesh/improve/reroute/contour_loop.h"
 #include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/reroute/contour_loop.h"
 #include "anatomesh/improve/reroute/surface_section.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "anatomesh/improve/surgery/bring_segments.h"
 #include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/surgery/bring_segments.h"
 
 namespace anatomesh {
 

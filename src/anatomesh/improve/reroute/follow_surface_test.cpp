@@ -11,6 +11,7 @@
 
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/labelled_meshes_for_test.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
 namespace anatomesh {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/improve/core/drawn_slices.h"
 #include "anatomesh/measure/report.h"
 
 namespace anatomesh {

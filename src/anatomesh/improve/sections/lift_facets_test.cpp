@@ -7,10 +7,11 @@
 
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/improve/labelled_meshes_for_test.h"
+#include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
 #include "anatomesh/mesh/shape/quality.h"
-#include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
 namespace anatomesh {

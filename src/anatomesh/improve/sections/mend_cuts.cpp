@@ -11,9 +11,9 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/core/hole.h"
+#include "anatomesh/improve/core/vain_tries.h"
 #include "anatomesh/improve/operations/operations.h"
 #include "anatomesh/improve/sections/section_areas.h"
-#include "anatomesh/improve/core/vain_tries.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
 
 namespace anatomesh {

@@ -11,9 +11,10 @@
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/improve/operations/operations.h"
 #include "anatomesh/improve/sections/section_areas.h"
+#include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
-#include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
 namespace anatomesh {

@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "anatomesh/improve/core/vertex_mover.h"
-#include "anatomesh/mesh/shape/quality.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/shape/quality.h"
 
 namespace anatomesh {
 

@@ -7,7 +7,7 @@ namespace anatomesh {
 
 struct FlipOptions {
     double least_gain_degrees =
-        3;           // of a flip: by how much the five angles at the two facets fall together. > 0
+        3;            // of a flip: by how much the five angles at the two facets fall together. > 0
     int rounds = 40;  // over what the flips of the round before have changed or left. [0, 1000]
     double good_sine =
         0;  // least sine that cells inside may fall to; below it they may not get worse. [0, 1]

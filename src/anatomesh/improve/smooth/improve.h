@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/mesh/stars/star.h"
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
+#include "anatomesh/mesh/stars/star.h"
 
 namespace anatomesh {
 

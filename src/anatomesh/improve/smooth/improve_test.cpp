@@ -6,9 +6,10 @@
 
 #include "anatomesh/cull/culled_mesh_for_test.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/improve/smooth/balance_volumes.h"
 #include "anatomesh/improve/core/vertex_mover.h"
+#include "anatomesh/improve/smooth/balance_volumes.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
 
 namespace anatomesh {
 namespace {

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/mesh/stars/star.h"
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/geom/plane_sides.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
+#include "anatomesh/mesh/stars/star.h"
 
 namespace anatomesh {
 

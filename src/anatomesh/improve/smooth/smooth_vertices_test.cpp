@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "anatomesh/improve/labelled_meshes_for_test.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/sample/interface_probe.h"
 
 namespace anatomesh {

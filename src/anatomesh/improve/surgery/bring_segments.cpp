@@ -8,8 +8,8 @@
 
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/core/cell_judge.h"
-#include "anatomesh/improve/sections/section_areas.h"
 #include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/sections/section_areas.h"
 #include "anatomesh/improve/surgery/surface_sheets.h"
 #include "anatomesh/improve/surgery/thicken_sheet.h"
 

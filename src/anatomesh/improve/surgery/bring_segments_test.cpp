@@ -10,6 +10,7 @@
 
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/labelled_meshes_for_test.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 

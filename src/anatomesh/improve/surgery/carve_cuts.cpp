@@ -8,25 +8,25 @@
 
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/core/cell_judge.h"
-#include "anatomesh/improve/sections/section_areas.h"
-#include "anatomesh/improve/surgery/section_patches.h"
 #include "anatomesh/improve/core/sides_at.h"
 #include "anatomesh/improve/core/surface_count.h"
+#include "anatomesh/improve/sections/section_areas.h"
+#include "anatomesh/improve/surgery/section_patches.h"
 #include "anatomesh/improve/surgery/thicken_sheet.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr double worth_a_patch = 5e-5;             // share of what is drawn that is wrong
-constexpr double enough_less = 0.5;                // of a patch
-constexpr std::size_t most_cuts = 60;              // where more are wrong, slices contradict each other
-constexpr std::size_t most_improved = 100;         // ways to carve whose cells are worked on in vain
+constexpr double worth_a_patch = 5e-5;      // share of what is drawn that is wrong
+constexpr double enough_less = 0.5;         // of a patch
+constexpr std::size_t most_cuts = 60;       // where more are wrong, slices contradict each other
+constexpr std::size_t most_improved = 100;  // ways to carve whose cells are worked on in vain
 // Cells worked on where planes cross, of one cut and of all: much more would be in vain.
 constexpr std::size_t most_cells_of_cut = 5'000, most_cells_across = 20'000;
-constexpr std::size_t most_tried = 1000;           // ways, sound or not
-constexpr std::size_t most_of_crumb = 64;          // cells, as in crumbs.h
-constexpr std::array nearness{0.25, 0.0};          // of a vertex that is taken for one of the patch, in edges
+constexpr std::size_t most_tried = 1000;   // ways, sound or not
+constexpr std::size_t most_of_crumb = 64;  // cells, as in crumbs.h
+constexpr std::array nearness{0.25, 0.0};  // of a vertex that is taken for one of the patch, in edges
 // Of a sheet, as shares of the edges that lead off it; the last one not where planes cross, for there all
 // cuts together have only so many tries.
 constexpr std::array thicknesses{0.5, 0.3, 0.15, 0.7};

@@ -301,7 +301,7 @@ class Closer {
     std::optional<SectionAreas> areas_;
     std::uint32_t structures_ = 0, structure_ = 0;
     std::map<std::uint32_t, Parts> parts_before_;  // by structure, before a handle is closed
-    std::size_t improved_ = 0;                // in vain
+    std::size_t improved_ = 0;                     // in vain
     CloseStats stats_;
 };
 

@@ -6,8 +6,8 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/improve/core/cell_judge.h"
-#include "anatomesh/improve/surgery/untold_handles.h"
 #include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/surgery/untold_handles.h"
 
 namespace anatomesh {
 

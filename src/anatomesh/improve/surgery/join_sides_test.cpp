@@ -11,8 +11,9 @@
 
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/sample/analytic_field_for_test.h"
 
 namespace anatomesh {

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "anatomesh/improve/labelled_meshes_for_test.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
 namespace anatomesh {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "anatomesh/improve/core/workbench.h"
 #include "anatomesh/improve/sections/section_areas.h"
 #include "anatomesh/improve/surgery/surface_sheets.h"
-#include "anatomesh/improve/core/workbench.h"
 
 namespace anatomesh {
 

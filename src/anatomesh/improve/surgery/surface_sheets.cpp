@@ -13,8 +13,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_pieces = 50;                         // of a chain
-constexpr std::size_t most_facets = 8;                          // of a sheet, beside one for each piece
+constexpr std::size_t most_pieces = 50;  // of a chain
+constexpr std::size_t most_facets = 8;   // of a sheet, beside one for each piece
 constexpr std::size_t most_looked_at = 4000, most_sheets = 16, most_across = 6;
 constexpr double edge_price = 0.43;  // of its square: the facets that an edge off the surface still needs
 constexpr double wrong_side = 5;     // price of a facet where the field has the side of the chain

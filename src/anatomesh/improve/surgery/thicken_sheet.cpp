@@ -9,10 +9,10 @@
 
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/core/cell_before.h"
-#include "anatomesh/improve/surgery/join_sides.h"
 #include "anatomesh/improve/core/parts_at.h"
 #include "anatomesh/improve/core/sides_at.h"
 #include "anatomesh/improve/core/surface_count.h"
+#include "anatomesh/improve/surgery/join_sides.h"
 
 namespace anatomesh {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "anatomesh/improve/core/workbench.h"
 #include "anatomesh/improve/sections/section_areas.h"
 #include "anatomesh/improve/surgery/surface_sheets.h"
-#include "anatomesh/improve/core/workbench.h"
 
 namespace anatomesh {
 

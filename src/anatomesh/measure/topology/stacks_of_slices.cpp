@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "anatomesh/contour/model/chosen_slices.h"
-#include "anatomesh/field/planes/crossed_field.h"
+#include "anatomesh/slices/arrangement/stack_and_crossing.h"
 
 namespace anatomesh {
 

@@ -11,10 +11,10 @@
 
 #include "anatomesh/base/disjoint_sets.h"
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/mesh/model/buckets.h"
-#include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/measure/topology/drawn_parts.h"
 #include "anatomesh/measure/topology/stacks_of_slices.h"
+#include "anatomesh/mesh/model/buckets.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

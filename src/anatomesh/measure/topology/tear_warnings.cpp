@@ -10,12 +10,13 @@
 #include <utility>
 
 #include "anatomesh/contour/model/message_text.h"
-#include "anatomesh/field/stack/parallel_field.h"
-#include "anatomesh/slices/arrangement/sweep.h"
-#include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/improve/core/drawn_slices.h"
+#include "anatomesh/improve/operations/segment_edges.h"
 #include "anatomesh/improve/surgery/untold_handles.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/sample/sample_points.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
+#include "anatomesh/slices/arrangement/sweep.h"
 
 namespace anatomesh {
 

@@ -8,9 +8,9 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/measure/report.h"
-#include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/measure/topology/surface_tears.h"
 #include "anatomesh/measure/topology/untold_joints.h"
+#include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
 

@@ -5,8 +5,8 @@
 
 #include "anatomesh/base/disjoint_sets.h"
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/mesh/model/buckets.h"
 #include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/model/buckets.h"
 
 namespace anatomesh {
 
@@ -71,16 +71,6 @@ void count_vertices(const std::vector<std::uint32_t>& corner_vertex, std::size_t
 }
 
 }  // namespace
-
-std::vector<std::uint32_t> cell_neighbors(std::span<const Cell> cells, std::size_t point_count, int threads) {
-    std::vector<std::uint32_t> neighbors = match_facets(cells, point_count, threads).other;
-    parallel_for(neighbors.size(), 4 * grain, threads, [&](std::size_t first, std::size_t last) {
-        for (std::size_t n = first; n < last; ++n) {
-            if (neighbors[n] != no_cell) neighbors[n] /= 4;
-        }
-    });
-    return neighbors;
-}
 
 std::vector<RegionFacet> region_facets(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
                                        int threads) {

@@ -10,12 +10,6 @@
 
 namespace anatomesh {
 
-// neighbors[4 c + i] is the cell across facet i of cell c, no_cell on the boundary of the mesh.
-// Requires: no facet in more than two cells (check_mesh() counts them; here the first two are joined),
-// indices below point_count. Complexity: O(cells), see match_facets().
-std::vector<std::uint32_t> cell_neighbors(std::span<const Cell> cells, std::size_t point_count,
-                                          int threads = 1);
-
 // A facet between cells of two regions, as one of the cell in the region with the larger number.
 struct RegionFacet {
     std::uint32_t cell, index;  // the facet of the cell, opposite its vertex `index`

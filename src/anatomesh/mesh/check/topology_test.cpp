@@ -10,6 +10,7 @@
 #include <random>
 #include <set>
 
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/shape/quality.h"
 
@@ -182,8 +183,11 @@ TEST(RegionFacets, are_those_between_cells_of_two_regions) {
         }
     }
     // Six cells round the diagonal of every cube.
-    const auto at = [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) { return (k * (n + 1) + j) * (n + 1) + i; };
-    const std::array<std::array<std::uint32_t, 3>, 6> ways{{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
+    const auto at = [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) {
+        return (k * (n + 1) + j) * (n + 1) + i;
+    };
+    const std::array<std::array<std::uint32_t, 3>, 6> ways{
+        {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
     for (std::uint32_t k = 0; k < n; ++k) {
         for (std::uint32_t j = 0; j < n; ++j) {
             for (std::uint32_t i = 0; i < n; ++i) {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <random>
 
-#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/check/triangles_meet.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
 namespace anatomesh {
 namespace {

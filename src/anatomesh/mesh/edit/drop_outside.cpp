@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
-#include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
 
 namespace anatomesh {
 

@@ -8,8 +8,9 @@
 #include <set>
 
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
+#include "anatomesh/mesh/model/brick_mesh_for_test.h"
 
 namespace anatomesh {
 namespace {

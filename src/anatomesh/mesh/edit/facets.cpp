@@ -110,4 +110,14 @@ FacetPairs match_facets(std::span<const Cell> cells, std::size_t point_count, in
     return pairs;
 }
 
+std::vector<std::uint32_t> cell_neighbors(std::span<const Cell> cells, std::size_t point_count, int threads) {
+    std::vector<std::uint32_t> neighbors = match_facets(cells, point_count, threads).other;
+    parallel_for(neighbors.size(), 4 * grain, threads, [&](std::size_t first, std::size_t last) {
+        for (std::size_t n = first; n < last; ++n) {
+            if (neighbors[n] != no_cell) neighbors[n] /= 4;
+        }
+    });
+    return neighbors;
+}
+
 }  // namespace anatomesh

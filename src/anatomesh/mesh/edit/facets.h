@@ -25,4 +25,10 @@ struct FacetPairs {
 // facets at a vertex.
 FacetPairs match_facets(std::span<const Cell> cells, std::size_t point_count, int threads = 1);
 
+// neighbors[4 c + i] is the cell across facet i of cell c, no_cell on the boundary of the mesh.
+// Requires: no facet in more than two cells (check_mesh() counts them; here the first two are joined),
+// indices below point_count. Complexity: O(cells), see match_facets().
+std::vector<std::uint32_t> cell_neighbors(std::span<const Cell> cells, std::size_t point_count,
+                                          int threads = 1);
+
 }  // namespace anatomesh

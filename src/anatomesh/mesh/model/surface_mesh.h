@@ -17,7 +17,8 @@ using Triangle = std::array<std::uint32_t, 3>;
 struct SurfaceMesh {
     std::vector<Vec3> points;
     std::vector<Triangle> triangles;
-    std::vector<std::array<Region, 2>> sides;  // per triangle {inner, outer}; empty for a surface without regions
+    std::vector<std::array<Region, 2>>
+        sides;  // per triangle {inner, outer}; empty for a surface without regions
 };
 
 }  // namespace anatomesh

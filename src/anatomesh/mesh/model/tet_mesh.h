@@ -16,10 +16,12 @@ inline constexpr std::uint32_t no_cell = 0xFFFFFFFFu;
 
 // Facet i of a cell is the one opposite vertex i; seen from outside a positive cell its vertices
 // facet_vertices[i] run counter-clockwise. Facet id = 4 * cell + i.
-inline constexpr std::array<std::array<int, 3>, 4> facet_vertices{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+inline constexpr std::array<std::array<int, 3>, 4> facet_vertices{
+    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 // The six edges of a cell as pairs of its vertices.
-inline constexpr std::array<std::array<int, 2>, 6> cell_edges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+inline constexpr std::array<std::array<int, 2>, 6> cell_edges{
+    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
 // Invariant: every cell is positively oriented (orient3d of its vertices > 0, that is
 // dot(cross(p1 - p0, p2 - p0), p3 - p0) > 0); regions.size() == cells.size().

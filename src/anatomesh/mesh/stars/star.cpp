@@ -39,7 +39,8 @@ void file_by_vertex(std::size_t point_count, const Visit& visit, std::vector<std
 }  // namespace
 
 // Every thread has a run of the cells: what it counts tells where its own cells go in each star.
-VertexStars::VertexStars(std::span<const Cell> cells, std::size_t point_count, int threads) : start_(point_count + 1, 0) {
+VertexStars::VertexStars(std::span<const Cell> cells, std::size_t point_count, int threads)
+    : start_(point_count + 1, 0) {
     const std::size_t runs = static_cast<std::size_t>(std::clamp(threads, 1, most_runs)),
                       grain = std::max<std::size_t>(1, (cells.size() + runs - 1) / runs);
     std::vector<std::vector<std::uint32_t>> next(runs, std::vector<std::uint32_t>(point_count, 0));
@@ -88,9 +89,14 @@ bool ContourOwners::has(std::uint32_t vertex, std::uint32_t structure) const {
 }
 
 StarAnalyzer::StarAnalyzer(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
-                           const VertexStars& stars, const std::vector<Region>& regions, const RegionTable& table,
-                           const ContourOwners& owners)
-    : cells_(cells), neighbors_(neighbors), stars_(stars), regions_(regions), table_(table), owners_(owners),
+                           const VertexStars& stars, const std::vector<Region>& regions,
+                           const RegionTable& table, const ContourOwners& owners)
+    : cells_(cells),
+      neighbors_(neighbors),
+      stars_(stars),
+      regions_(regions),
+      table_(table),
+      owners_(owners),
       local_(cells.size(), 0) {}
 
 void StarAnalyzer::load(std::uint32_t vertex) {
@@ -184,7 +190,9 @@ bool StarAnalyzer::piece_lost(std::uint32_t vertex, ContourOwners::Piece piece) 
     bool in = false, out = false;
     for (const std::uint32_t c : stars_.at(vertex)) {
         const Cell& cell = cells_[c];
-        if (cell[0] != piece.other && cell[1] != piece.other && cell[2] != piece.other && cell[3] != piece.other) continue;
+        if (cell[0] != piece.other && cell[1] != piece.other && cell[2] != piece.other &&
+            cell[3] != piece.other)
+            continue;
         (table_.contains(regions_[c], piece.structure) ? in : out) = true;
     }
     return in != out;
@@ -221,7 +229,8 @@ void StarAnalyzer::excess_pieces(std::uint32_t vertex, std::vector<StarPiece>& p
             for (std::size_t n = 0; n < found.size(); ++n) {
                 if (found[n].inside != inside) continue;
                 ++on_side;
-                if (largest == found.size() || found[n].cells.size() > found[largest].cells.size()) largest = n;
+                if (largest == found.size() || found[n].cells.size() > found[largest].cells.size())
+                    largest = n;
             }
             if (on_side < 2) continue;
             found[largest].largest = true;

@@ -70,9 +70,9 @@ struct Body {
 
 // One piece of a star: facet-connected cells on one side of one body (or of several that cut the star alike).
 struct StarPiece {
-    Body body;                         // one body that makes this cut
-    bool inside = false;               // whether the piece lies in it
-    bool largest = false;              // of its side
+    Body body;             // one body that makes this cut
+    bool inside = false;   // whether the piece lies in it
+    bool largest = false;  // of its side
     std::vector<std::uint32_t> cells;
 };
 
@@ -83,8 +83,9 @@ struct StarPiece {
 // defects too, but do not make a vertex unsound.
 class StarAnalyzer {
   public:
-    StarAnalyzer(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-                 const std::vector<Region>& regions, const RegionTable& table, const ContourOwners& owners);
+    StarAnalyzer(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
+                 const VertexStars& stars, const std::vector<Region>& regions, const RegionTable& table,
+                 const ContourOwners& owners);
 
     // 0 for a sound vertex, else the number of pieces too many, plus `lost_weight` for each structure with a
     // contour vertex here that is not on its surface.
@@ -118,13 +119,14 @@ class StarAnalyzer {
     const ContourOwners& owners_;
 
     std::span<const std::uint32_t> star_;
-    std::vector<std::uint32_t> local_;                     // by cell: position in the star
-    std::vector<std::array<std::uint32_t, 3>> adjacent_;   // by position: positions across facets at the vertex
-    std::vector<Region> kinds_;                            // distinct regions of the star
-    std::vector<std::uint8_t> kind_;                       // by position
-    std::vector<std::uint64_t> cuts_;                      // distinct partitions: bit n = kinds_[n] is inside
-    std::vector<Body> cut_body_;                           // one body that makes each
-    std::vector<std::uint32_t> piece_, stack_;             // by position; scratch
+    std::vector<std::uint32_t> local_;  // by cell: position in the star
+    std::vector<std::array<std::uint32_t, 3>>
+        adjacent_;                              // by position: positions across facets at the vertex
+    std::vector<Region> kinds_;                 // distinct regions of the star
+    std::vector<std::uint8_t> kind_;            // by position
+    std::vector<std::uint64_t> cuts_;           // distinct partitions: bit n = kinds_[n] is inside
+    std::vector<Body> cut_body_;                // one body that makes each
+    std::vector<std::uint32_t> piece_, stack_;  // by position; scratch
 };
 
 }  // namespace anatomesh

@@ -2,8 +2,9 @@
 
 #include <chrono>
 
-#include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/improve/operations/segment_edges.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
 
 namespace anatomesh {
 

@@ -3,7 +3,7 @@
 
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/element/quadratic.h"
-#include "anatomesh/pipeline/build_model.h"
+#include "anatomesh/pipeline/model/model.h"
 
 namespace anatomesh {
 

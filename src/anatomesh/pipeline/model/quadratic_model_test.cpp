@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "anatomesh/improve/improve_dihedrals.h"
+#include "anatomesh/improve/core/drawn_slices.h"
+#include "anatomesh/improve/operations/segment_edges.h"
 #include "anatomesh/mesh/check/topology.h"
+#include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/pipeline/solid_fixtures_for_test.h"
 
 namespace anatomesh {

@@ -19,8 +19,8 @@ constexpr double unwarned_distance = 0.5;  // in edge lengths: warned of is what
 constexpr double as_far = 1.25;            // times the other one's distance
 // In edge lengths: of one that meets all clauses, in place of one that does not.
 constexpr double bearable_distance = 0.75;
-constexpr double twice_as_far = 2;         // the same, of one that meets more clauses
-constexpr double few_missed = 5e-3;        // of the segments
+constexpr double twice_as_far = 2;           // the same, of one that meets more clauses
+constexpr double few_missed = 5e-3;          // of the segments
 constexpr std::size_t small_below = 100000;  // cells
 constexpr std::size_t most_tries = 6;        // before it is no luck any more
 

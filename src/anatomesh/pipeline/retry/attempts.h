@@ -30,7 +30,7 @@ enum class NextTry { none, same_size, finer, slightly_finer };
 class Attempts {
   public:
     static constexpr std::size_t most_finer = 3, most_same = 4, most_conforming = 4;
-    static constexpr std::size_t again_below = 800000;  // cells of a model that keeps the contract
+    static constexpr std::size_t again_below = 800000;       // cells of a model that keeps the contract
     static constexpr std::size_t conforming_below = 100000;  // of one that conformed badly
     // Of cells: so few for which clause 4 is not kept are less than the contour segments that would be lost.
     static constexpr double few_bad = 1e-4;

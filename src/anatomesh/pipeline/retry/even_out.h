@@ -10,7 +10,7 @@
 
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/pipeline/build_model.h"
+#include "anatomesh/pipeline/model/model.h"
 
 namespace anatomesh {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "anatomesh/base/result.h"
-#include "anatomesh/pipeline/build_model.h"
+#include "anatomesh/pipeline/model/model.h"
 
 namespace anatomesh {
 

@@ -5,9 +5,9 @@
 
 #include "anatomesh/base/result.h"
 #include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/reconcile/compare/reconcile_stats.h"
 #include "anatomesh/reconcile/move/drawn_places.h"
 #include "anatomesh/slices/lines/line_ends.h"
-#include "anatomesh/reconcile/reconcile.h"
 
 namespace anatomesh {
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "anatomesh/reconcile/move/contour_graph.h"
+#include "anatomesh/slices/lines/arc.h"
 
 namespace anatomesh {
 
@@ -48,26 +49,6 @@ double distance_to_region_boundary(const ContourSet& set, std::uint32_t slice, s
         }
     }
     return std::sqrt(least);
-}
-
-// Points from `start` on until `stop`, if all lie on one side of the plane.
-Arc arc_from(const ContourSet& set, const Contour& contour, std::uint32_t start, std::uint32_t stop,
-             const Plane& own, const Plane& other) {
-    const Vec2 across{dot(other.normal, own.u), dot(other.normal, own.v)};
-    const double sine = length(across);
-    Arc arc;
-    double side = 0;
-    for (std::uint32_t k = start; k != stop; k = point_after(contour, k)) {
-        const double height = other.signed_distance(set.points[k]) / sine;
-        if (side == 0 && std::abs(height) > on_plane_mm) side = height > 0 ? 1 : -1;
-        if (side * height < -on_plane_mm || arc.points.size() == contour.point_count) return {};
-        arc.points.push_back(k);
-        arc.heights_mm.push_back(std::abs(height));
-        arc.height_mm = std::max(arc.height_mm, std::abs(height));
-    }
-    if (side == 0) return {};
-    arc.back = (-side / sine) * across;
-    return arc;
 }
 
 std::uint32_t most_of(const std::vector<std::uint64_t>& counts) {
@@ -176,21 +157,6 @@ void summarize(std::span<const LineComparison> comparisons, ReconcileStats& stat
     stats.median_mm = figures.median;
     stats.p95_mm = figures.p95;
     stats.max_mm = figures.max;
-}
-
-Arc arc_between(const ContourSet& set, const LineEnd& p, const LineEnd& q, const Plane& own,
-                const Plane& other) {
-    if (p.contour != q.contour) return {};
-    const Contour& contour = set.contours[p.contour];
-    const auto start_after = [&](const LineEnd& end) {
-        return end.from == end.to ? point_after(contour, end.to) : end.to;
-    };
-    const auto stop_at = [](const LineEnd& end) { return end.to; };
-    Arc one = arc_from(set, contour, start_after(p), stop_at(q), own, other);
-    Arc two = arc_from(set, contour, start_after(q), stop_at(p), own, other);
-    if (one.points.empty()) return two;
-    if (two.points.empty()) return one;
-    return two.height_mm < one.height_mm ? two : one;
 }
 
 std::optional<WorstPlace> worst_pair(const ContourSet& set, std::span<const LineComparison> comparisons,

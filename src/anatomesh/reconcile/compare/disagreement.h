@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "anatomesh/reconcile/compare/reconcile_stats.h"
 #include "anatomesh/slices/lines/line_ends.h"
-#include "anatomesh/reconcile/reconcile.h"
 
 namespace anatomesh {
 
@@ -16,19 +16,6 @@ std::vector<PairDisagreement> disagreements(std::span<const LineComparison> comp
 
 // Fills the figures over all ends of all comparisons.
 void summarize(std::span<const LineComparison> comparisons, ReconcileStats& stats);
-
-// The part of a contour between two ends, on one side of the other slice's plane.
-struct Arc {
-    std::vector<std::uint32_t> points;  // of the set, in order; empty: there is no such part
-    std::vector<double> heights_mm;     // their distances from the common line
-    double height_mm = 0;               // the largest
-    Vec2 back;  // unit vector across the line, away from the arc, in the slice's frame
-};
-
-// The lower of the two parts of the contour between p and q that keep to one side of `other`; none when the
-// ends lie on different contours, or both parts pass the plane again. O(points of the contour).
-Arc arc_between(const ContourSet& set, const LineEnd& p, const LineEnd& q, const Plane& own,
-                const Plane& other);
 
 struct WorstPlace {
     std::uint32_t a = 0, b = 0, structure = 0;

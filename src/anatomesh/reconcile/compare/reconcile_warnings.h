@@ -7,9 +7,9 @@
 
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
-#include "anatomesh/reconcile/reconcile.h"
-#include "anatomesh/slices/coverage/silences.h"
+#include "anatomesh/reconcile/compare/reconcile_stats.h"
 #include "anatomesh/reconcile/compare/stray_slices.h"
+#include "anatomesh/slices/coverage/silences.h"
 
 namespace anatomesh {
 

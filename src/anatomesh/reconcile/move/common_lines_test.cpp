@@ -6,8 +6,8 @@
 
 #include "anatomesh/field/field_fixtures.h"
 #include "anatomesh/pipeline/build_model.h"
-#include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/reconcile/reconcile.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
 
 namespace anatomesh {
 namespace {

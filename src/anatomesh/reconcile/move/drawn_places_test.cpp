@@ -7,9 +7,9 @@
 #include <random>
 
 #include "anatomesh/contour/overlay/slice_soundness.h"
-#include "anatomesh/slices/arrangement/plane_patches.h"
-#include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
 #include "anatomesh/reconcile/move/split_at_ends.h"
+#include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
+#include "anatomesh/slices/arrangement/plane_patches.h"
 
 namespace anatomesh {
 namespace {

@@ -21,7 +21,7 @@ struct FoldOptions {
 
 struct FoldStats {
     std::uint64_t folds = 0, spikes = 0, vertices = 0;  // taken out
-    double highest_mm = 0;                  // of a vertex taken out above the segment in its place
+    double highest_mm = 0;  // of a vertex taken out above the segment in its place
 };
 
 // Where a movement brings the sides of a notch together, the contour goes out and comes back beside itself

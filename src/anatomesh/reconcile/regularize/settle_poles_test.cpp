@@ -133,7 +133,8 @@ Slope zigzag(double tilt, double azimuth, double height) {
 // A contour that branches next to the pole keeps its leg; the others are turned as far out as without it.
 TEST(SettlePoles, one_leg_without_room_does_not_take_that_of_the_others) {
     for (const double branch : {0.03 * radius, 0.3 * radius}) {
-        Fan fan = fan_of(10, zigzag(0, 0, 0.5), [](int) { return false; }, branch);
+        Fan fan = fan_of(
+            10, zigzag(0, 0, 0.5), [](int) { return false; }, branch);
         const auto points = fan.set.points_of(fan.set.contours[0]);
         const auto found = std::find_if(points.begin(), points.end(),
                                         [&](Vec3 p) { return std::abs(length(p) - branch) < 1e-9; });

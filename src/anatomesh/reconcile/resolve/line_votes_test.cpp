@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "anatomesh/reconcile/move/shared_points.h"
 #include "anatomesh/reconcile/reconcile.h"
 #include "anatomesh/reconcile/reconcile_fixtures_for_test.h"
-#include "anatomesh/reconcile/move/shared_points.h"
 
 namespace anatomesh {
 namespace {

@@ -12,9 +12,9 @@ namespace {
 constexpr double cos_30 = 0.866;
 constexpr double cos_of_series = 0.9999985;  // 0.1 degrees: of images of one series
 constexpr double covered_share = 0.75;       // of a slice's box by that of another one with its frame
-constexpr std::size_t crowd = 4;           // neighbours that share the room on both sides of a place
-constexpr std::size_t least_crowded = 12;  // planes
-constexpr double least_sine = 1e-4;        // planes at a smaller angle have no common line worth the name
+constexpr std::size_t crowd = 4;             // neighbours that share the room on both sides of a place
+constexpr std::size_t least_crowded = 12;    // planes
+constexpr double least_sine = 1e-4;          // planes at a smaller angle have no common line worth the name
 
 std::array<Vec3, 4> corners(const PlanePatch& patch, double margin) {
     const Box2 box = patch.box.grown(margin);

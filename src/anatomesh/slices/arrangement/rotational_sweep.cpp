@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "anatomesh/contour/planes/point_scatter.h"
-#include "anatomesh/slices/arrangement/rotation_axis.h"
 #include "anatomesh/geom/box.h"
+#include "anatomesh/slices/arrangement/rotation_axis.h"
 
 namespace anatomesh {
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <tuple>
 
-#include "anatomesh/reconcile/compare/disagreement.h"
+#include "anatomesh/slices/lines/arc.h"
 
 namespace anatomesh {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "anatomesh/slices/coverage/telling_slices.h"
-#include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/sweep.h"
+#include "anatomesh/slices/coverage/telling_slices.h"
 
 namespace anatomesh {
 

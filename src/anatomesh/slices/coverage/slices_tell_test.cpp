@@ -3,11 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "anatomesh/contour/model/chosen_slices.h"
-#include "anatomesh/slices/coverage/telling_slices.h"
 #include "anatomesh/field/field_fixtures.h"
-#include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/structure_field.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/sweep.h"
+#include "anatomesh/slices/coverage/telling_slices.h"
 
 namespace anatomesh {
 namespace {

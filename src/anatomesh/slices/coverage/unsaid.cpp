@@ -4,11 +4,11 @@
 #include <cmath>
 #include <utility>
 
-#include "anatomesh/slices/coverage/telling_slices.h"
-#include "anatomesh/field/planes/crossed_field.h"
-#include "anatomesh/field/stack/parallel_field.h"
+#include "anatomesh/slices/arrangement/parallel_slices.h"
+#include "anatomesh/slices/arrangement/stack_and_crossing.h"
 #include "anatomesh/slices/arrangement/sweep.h"
 #include "anatomesh/slices/coverage/silences.h"
+#include "anatomesh/slices/coverage/telling_slices.h"
 
 namespace anatomesh {
 

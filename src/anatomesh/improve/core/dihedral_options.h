@@ -1,0 +1,56 @@
+// What is asked of improve_dihedrals(), and what it did.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/improve/core/drawn_slices.h"
+
+namespace anatomesh {
+
+struct DihedralOptions {
+    double target_degrees =
+        15;  // cells inside with an angle below it (or above 180 less it) are worked on. [0, 40]
+    double max_radius_edge =
+        2.0;  // no operation makes a ratio above it that is also above what it was. [1.2, 10]
+    double tolerance_mm =
+        0.05;  // vertices of an interface stay within this of the field's, or as near as they were. > 0
+    double max_deviation_mm =
+        0.1;  // of the middle of a changed interface facet from the field's, or as near as before. > 0
+    double last_deviation =
+        2;  // the bound grows by this factor for the cells that are still bad after all passes. [1, 10]
+    // Instead of max_radius_edge, at last, where that leaves an angle below 10 degrees; if larger, cells
+    // above it are worked on too. >= 1.2
+    double last_radius_edge = 3.9;
+    double flip_gain_degrees = 2;  // edges of surfaces are flipped where that makes the angles at their
+                                   // facets fall by more. (0, 900]
+    double apex_mm = 1;    // a vertex of a surface further from the field's is lowered (lower_apexes.h). > 0
+    int passes = 4;        // over the cells that are still bad. [0, 100]
+    int ratio_passes = 4;  // over the cells above max_radius_edge, after those. [0, 100]
+    // Handles of surfaces within so little along them are closed, where no contour of `drawn.following` tells
+    // of them (close_handles.h); 0: none. >= 0
+    double handle_mm = 0;
+    // Whether cells between the bound and last_radius_edge may go to another side for their ratio, as those
+    // above may: to the outside, it may leave pits.
+    bool gives_for_ratio = false;
+};
+
+struct DihedralStats {
+    std::uint64_t bad_before = 0, bad_after = 0;                 // cells inside below the target
+    double worst_before_degrees = 90, worst_after_degrees = 90;  // by the least sine
+    // Operations that were applied.
+    std::uint64_t vertices_moved = 0, surface_vertices_moved = 0, edges_removed = 0, facets_removed = 0,
+                  surface_edges_flipped = 0, surface_edges_smoothed = 0, cells_given = 0, ears_dropped = 0,
+                  edges_collapsed = 0, vertices_inserted = 0, facets_lifted = 0, apexes_lowered = 0,
+                  tries = 0;
+    std::uint64_t cuts_found = 0, cuts_mended = 0;        // visits and changes (mend_cuts.h, carve_cuts.h)
+    std::uint64_t crumbs_given = 0;                       // that came off where cuts were carved
+    std::uint64_t handles_found = 0, handles_closed = 0;  // that no contour tells of
+    std::uint64_t pieces_found = 0, pieces_brought = 0;   // of contour segments (bring_segments.h)
+    std::uint64_t segments_missed = 0;                    // of drawn.following, before follow_surface()
+    std::vector<FollowedContour> followed;
+    std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (lift_facets.h)
+    std::uint64_t cells_made = 0;   // by all operations, those taken back included
+};
+
+}  // namespace anatomesh

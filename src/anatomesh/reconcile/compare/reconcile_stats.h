@@ -1,0 +1,81 @@
+// What is asked of reconcile_contours(), and what it did.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/contour/walls/share_lines.h"
+#include "anatomesh/contour/walls/slivers.h"
+#include "anatomesh/reconcile/regularize/flatten_folds.h"
+#include "anatomesh/reconcile/regularize/keep_apart.h"
+#include "anatomesh/reconcile/regularize/settle_flanks.h"
+#include "anatomesh/reconcile/regularize/settle_poles.h"
+#include "anatomesh/reconcile/resolve/settle_pieces.h"
+
+namespace anatomesh {
+
+struct ReconcileOptions {
+    // Move contours so that crossing slices agree. false: keep every drawn vertex, only measure.
+    bool reconcile = true;
+    // First shift every slice rigidly in its plane (breathing, a probe that slips) so that they agree best.
+    bool align = false;
+    // Slices that are further apart than this where their planes cross are refused: by the median of a pair,
+    // or where a contour would have to move further; and so are larger shifts. mm, (0, 1000]
+    double max_disagreement_mm = 10;
+    // Over what length along a contour a movement fades. mm, [0.1, 1000]
+    double smoothing_mm = 10;
+    // How far beyond its own contours a slice still says "outside". mm, [0, 1000]; 0: the spacing of the
+    // planes
+    double margin_mm = 0;
+    // Contours of different structures that come to lie nearer to each other than this share their vertices
+    // (share_lines.h). mm, [0, 0.1]
+    double same_line_mm = ShareLinesOptions{}.width_mm;
+    // What lies between them and is narrower than this where they meet and soon meet again is closed
+    // (slivers.h). mm, [0, 10]
+    double close_slivers_mm = CloseSliversOptions{}.width_mm;
+};
+
+// Two slices on their common line, all structures together: distances along the line.
+struct PairDisagreement {
+    std::uint32_t slice_a = 0, slice_b = 0;        // a < b
+    std::uint32_t ends = 0;                        // ends of regions that correspond to each other
+    std::uint32_t unmatched = 0;                   // intervals and gaps that one of the two does not have
+    double median_mm = 0, p95_mm = 0, max_mm = 0;  // of corresponding ends
+    double difference_mm = 0;                      // length of the regions' symmetric difference
+    double difference_after_mm = 0;                // the same for the contours that are kept
+};
+
+struct SliceMovement {
+    // Of its drawn vertices, without the shift; where no pole is settled before they come to a common point
+    // (within 0.05 mm).
+    double mean_mm = 0, max_mm = 0;
+    Vec3 shift;  // by align, in the slice's plane
+};
+
+// A structure of a slice that lacked on a line what most of the slices through it have (or had what they
+// lack), and whose contour was taken over the line.
+struct TakenOver {
+    std::uint32_t slice = 0, structure = 0;
+    double farthest_mm = 0;  // of the contour from the line
+};
+
+struct ReconcileStats {
+    std::vector<PairDisagreement> pairs;   // of crossing slices that draw something there, in order
+    std::vector<SliceMovement> movements;  // per slice of the set
+    std::uint64_t ends = 0, unmatched = 0;
+    double median_mm = 0, p95_mm = 0, max_mm = 0;  // over all ends, as drawn (after align)
+    double difference_mm = 0, difference_after_mm = 0;
+    double mean_movement_mm = 0, max_movement_mm = 0;
+    std::uint64_t shared_points = 0;    // points on common lines that contours of both slices now have
+    FoldStats folds;                    // that the movement made, cut off
+    PoleStats poles;                    // where contours rose and fell from plane to plane
+    std::vector<TakenOver> taken_over;  // by slice and structure
+    std::vector<SettledPiece> settled;  // pieces of common lines, in order
+    FlankStats flanks;                  // the same beside lines, along them
+    KeptApart kept_apart;               // contours that all but touched
+    LedStats slivers;                   // between structures, closed where the movement left them
+    LedStats shared_lines;              // of structures that came to lie on each other
+    std::uint32_t rounds = 0;
+};
+
+}  // namespace anatomesh

@@ -1,0 +1,24 @@
+// arc_between: the part of a contour that another slice's plane cuts off.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomesh/slices/lines/line_ends.h"
+
+namespace anatomesh {
+
+// The part of a contour between two ends, on one side of the other slice's plane.
+struct Arc {
+    std::vector<std::uint32_t> points;  // of the set, in order; empty: there is no such part
+    std::vector<double> heights_mm;     // their distances from the common line
+    double height_mm = 0;               // the largest
+    Vec2 back;  // unit vector across the line, away from the arc, in the slice's frame
+};
+
+// The lower of the two parts of the contour between p and q that keep to one side of `other`; none when the
+// ends lie on different contours, or both parts pass the plane again. O(points of the contour).
+Arc arc_between(const ContourSet& set, const LineEnd& p, const LineEnd& q, const Plane& own,
+                const Plane& other);
+
+}  // namespace anatomesh
