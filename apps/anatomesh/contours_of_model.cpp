@@ -27,8 +27,6 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double parallel_tolerance_mm = 0.01;
-
 std::string named(const Structure& structure) {
     return structure.name.empty() ? fmt::format("{}", structure.number)
                                   : fmt::format("{} ({})", structure.name, structure.number);

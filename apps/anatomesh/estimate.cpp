@@ -41,7 +41,6 @@ double area_of(std::span<const Vec3> ring, const Plane& plane) {
 }  // namespace
 
 double estimated_tetrahedra(const ContourSet& contours, double size_mm) {
-    constexpr double parallel_tolerance_mm = 0.01;
     const double spacing = all_parallel(contours, parallel_tolerance_mm) ? median_spacing(contours) : 0;
     if (!(spacing > 0)) return 0;
     double wall = 0, volume = 0, before = 0;

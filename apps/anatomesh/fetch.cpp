@@ -27,11 +27,6 @@ struct FetchVerbOptions {
     bool address_given = false;
 };
 
-Error usage_error(const char* code, std::string message, std::string value, std::string next_step) {
-    return {
-        ErrorKind::usage, code, std::move(message), {"", "", "", "", std::move(value)}, std::move(next_step)};
-}
-
 Status check_uids(const FetchOptions& fetch) {
     for (const auto& [option, uid] : {std::pair{"--study", fetch.study}, std::pair{"--series", fetch.series},
                                       std::pair{"--instance", fetch.instance}}) {

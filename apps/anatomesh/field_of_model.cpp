@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/volume.h"
 #include "field_options.h"
@@ -14,7 +15,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double near_enough = certificate_volume_tolerance / 10;  // no other way is looked for
+constexpr double near_enough = contract::volume_tolerance / 10;  // no other way is looked for
 
 // Overlaps of fewer cells than this do not tell that structures were meant to overlap.
 constexpr double hardly_any = 0.01;

@@ -24,8 +24,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double parallel_tolerance_mm = 0.01;
-
 Json vector_json(Vec3 v) {
     return Json::array({v.x, v.y, v.z});
 }

@@ -64,6 +64,11 @@ void add_network_options(CLI::App& verb, const std::string& name, NetworkOptions
     add_text(verb, "--password-file", options.password_file, "FILE", "File whose first line is the password");
 }
 
+Error usage_error(const char* code, std::string message, std::string value, std::string next_step) {
+    return {
+        ErrorKind::usage, code, std::move(message), {"", "", "", "", std::move(value)}, std::move(next_step)};
+}
+
 Result<ConnectOptions> connect_options(const NetworkOptions& options) {
     ConnectOptions connecting;
     ANATOMESH_TRY(connecting.peer, parse_peer(options.peer));

@@ -25,6 +25,9 @@ void add_title_option(CLI::App& verb, std::string& title);
 void add_timeout_option(CLI::App& verb, double& seconds);
 void add_tls_files(CLI::App& verb, TlsFiles& files);
 
+// A wrong use of the command line; `value`: what was given.
+Error usage_error(const char* code, std::string message, std::string value, std::string next_step);
+
 // Reads the password. Errors: E-NET-005 the peer; E-CMD-008 an option that does not apply to it; E-INP-* the
 // password file.
 Result<ConnectOptions> connect_options(const NetworkOptions& options);

@@ -28,11 +28,6 @@ struct QueryVerbOptions {
     bool keep_patient_ids = false;
 };
 
-Error usage_error(const char* code, std::string message, std::string value, std::string next_step) {
-    return {
-        ErrorKind::usage, code, std::move(message), {"", "", "", "", std::move(value)}, std::move(next_step)};
-}
-
 Status add_match(const std::string& text, QueryOptions& query) {
     const std::size_t equals = text.find('=');
     const std::string keyword = text.substr(0, equals);

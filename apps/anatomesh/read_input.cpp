@@ -29,15 +29,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double parallel_tolerance_mm = 0.01;
-
-Error usage_error(const char* code, std::string message, const std::string& file, std::string next_step) {
+Error input_usage_error(const char* code, std::string message, const std::string& file,
+                        std::string next_step) {
     return {ErrorKind::usage, code, std::move(message), {file, "", "", "", ""}, std::move(next_step)};
 }
 
 Error does_not_apply(const std::string& option, const std::string& file, const std::string& why) {
-    return usage_error("E-CMD-008", fmt::format("{} does not apply: {}", option, why), file,
-                       fmt::format("leave out {}", option));
+    return input_usage_error("E-CMD-008", fmt::format("{} does not apply: {}", option, why), file,
+                             fmt::format("leave out {}", option));
 }
 
 std::string number_text(double value) {
@@ -219,9 +218,9 @@ Result<LabelMap> labels_of(const LoadedImage& image, const InputOptions& options
         return threshold_image(image.image, {options.threshold->low, options.threshold->high}, context);
     }
     if (!looks_like_label_map(image.facts)) {
-        return usage_error("E-CMD-007", "this is a grey image, which needs a threshold", options.input,
-                           fmt::format("give --threshold LO[:HI]; the values run from {} to {}",
-                                       number_text(image.facts.low), number_text(image.facts.high)));
+        return input_usage_error("E-CMD-007", "this is a grey image, which needs a threshold", options.input,
+                                 fmt::format("give --threshold LO[:HI]; the values run from {} to {}",
+                                             number_text(image.facts.low), number_text(image.facts.high)));
     }
     return to_label_map(image, context);
 }
@@ -408,8 +407,8 @@ Result<InputContours> contours_of_file(OpenedInput input, const InputOptions& op
         }
         result.kept = every_nth_slice(result.kept, *options.every, options.offset);
         if (result.kept.contours.empty()) {
-            return usage_error("E-CMD-008", "no slice is left after --every and --offset", options.input,
-                               "choose a smaller --every or --offset");
+            return input_usage_error("E-CMD-008", "no slice is left after --every and --offset",
+                                     options.input, "choose a smaller --every or --offset");
         }
     }
     if (options.epsilon_mm.value_or(0) > 0) {
@@ -526,8 +525,8 @@ Result<OpenedInput> open_input(const InputOptions& options, RunContext& context)
 
 Result<InputContours> contours_of(OpenedInput input, const InputOptions& options, RunContext& context) {
     if (options.offset >= options.every.value_or(1) && options.offset > 0) {
-        return usage_error("E-CMD-008", "--offset must be less than --every", options.input,
-                           options.every ? "give a smaller --offset" : "give --every too");
+        return input_usage_error("E-CMD-008", "--offset must be less than --every", options.input,
+                                 options.every ? "give a smaller --offset" : "give --every too");
     }
     auto source = std::move(input.dicom_source);
     const auto read = input.image          ? contours_of_image
@@ -565,7 +564,7 @@ Result<std::vector<std::uint32_t>> find_structures(const std::vector<Structure>&
             names.push_back(each.name.empty() ? fmt::format("{}", each.number)
                                               : fmt::format("{} ({})", each.name, each.number));
         }
-        Error error = usage_error(
+        Error error = input_usage_error(
             "E-CMD-005", "there is no such structure", file,
             fmt::format("there are: {}{}", fmt::join(names, ", "), all.size() > most_listed ? ", ..." : ""));
         error.place.structure = text;

@@ -33,11 +33,6 @@ struct ReceiveVerbOptions {
     bool settle_given = false;
 };
 
-Error usage_error(const char* code, std::string message, std::string value, std::string next_step) {
-    return {
-        ErrorKind::usage, code, std::move(message), {"", "", "", "", std::move(value)}, std::move(next_step)};
-}
-
 // "AE" from this machine, "AE@HOST", "@HOST"; HOST may be "*".
 Result<AllowedPeer> allowed_peer(const std::string& text) {
     const std::size_t at = text.find('@');

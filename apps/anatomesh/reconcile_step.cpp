@@ -29,7 +29,7 @@ void add_reconcile_options(CLI::App& verb, ReconcileStepOptions& options) {
 
 Result<CrossingReport> reconcile_step(ContourSet& kept, const WallOptions& walls,
                                       const ReconcileStepOptions& options, RunContext& context) {
-    if (!options.given.empty() && all_parallel(kept, 0.01)) {
+    if (!options.given.empty() && all_parallel(kept, parallel_tolerance_mm)) {
         const std::string& option = options.given.front();
         return Error{ErrorKind::usage,
                      "E-CMD-008",

@@ -292,14 +292,14 @@ Result<TaskResult> run_task(const SegmentTask& task, const LoadedImage& image, R
 
 namespace {
 
-using Json = nlohmann::json;
+using RecipeJson = nlohmann::json;
 
 class RecipeReader {
   public:
     explicit RecipeReader(const std::string& path) : path_(path) {}
 
     Result<std::vector<SegmentTask>> read(std::string_view text) {
-        const Json recipe = Json::parse(text, nullptr, false);
+        const RecipeJson recipe = RecipeJson::parse(text, nullptr, false);
         if (!recipe.is_object() || !recipe.contains("format") || recipe["format"] != "anatomesh-recipe")
             return failure("it is no JSON object with \"format\": \"anatomesh-recipe\"", "");
         if (recipe.contains("version") && recipe["version"] != 1)
@@ -308,7 +308,7 @@ class RecipeReader {
             recipe["structures"].empty())
             return failure("\"structures\" is missing or empty", "");
         std::vector<SegmentTask> tasks;
-        for (const Json& each : recipe["structures"]) {
+        for (const RecipeJson& each : recipe["structures"]) {
             ANATOMESH_TRY(SegmentTask task, task_of(each, static_cast<std::uint32_t>(tasks.size()) + 1));
             for (const SegmentTask& other : tasks)
                 if (other.number == task.number || other.name == task.name)
@@ -327,7 +327,7 @@ class RecipeReader {
                 "see the recipe in docs/formats.md"};
     }
 
-    Result<SegmentTask> task_of(const Json& json, std::uint32_t place) const {
+    Result<SegmentTask> task_of(const RecipeJson& json, std::uint32_t place) const {
         SegmentTask task;
         task.number = place;
         task.name = fmt::format("structure {}", place);
@@ -341,37 +341,38 @@ class RecipeReader {
         return task;
     }
 
-    static bool number_in(const Json& value, double low, double high) {
+    static bool number_in(const RecipeJson& value, double low, double high) {
         return value.is_number() && value.get<double>() >= low && value.get<double>() <= high;
     }
-    static bool count_in(const Json& value, std::uint32_t low, std::uint32_t high) {
+    static bool count_in(const RecipeJson& value, std::uint32_t low, std::uint32_t high) {
         return value.is_number_unsigned() && value.get<std::uint64_t>() >= low &&
                value.get<std::uint64_t>() <= high;
     }
-    static bool take_number(const Json& value, double low, double high, double& target) {
+    static bool take_number(const RecipeJson& value, double low, double high, double& target) {
         if (!number_in(value, low, high)) return false;
         target = value.get<double>();
         return true;
     }
-    static bool take_optional(const Json& value, double low, double high, std::optional<double>& target) {
+    static bool take_optional(const RecipeJson& value, double low, double high,
+                              std::optional<double>& target) {
         return take_number(value, low, high, target.emplace());
     }
-    static bool take_flag(const Json& value, bool& target) {
+    static bool take_flag(const RecipeJson& value, bool& target) {
         if (!value.is_boolean()) return false;
         target = value.get<bool>();
         return true;
     }
-    static bool take_points(const Json& value, bool whole, std::vector<Vec3>& target) {
+    static bool take_points(const RecipeJson& value, bool whole, std::vector<Vec3>& target) {
         if (!value.is_array()) return false;
-        for (const Json& point : value) {
+        for (const RecipeJson& point : value) {
             if (!point.is_array() || point.size() != 3) return false;
-            for (const Json& x : point)
+            for (const RecipeJson& x : point)
                 if (whole ? !count_in(x, 0, 1'000'000) : !number_in(x, -1e7, 1e7)) return false;
             target.push_back({point[0].get<double>(), point[1].get<double>(), point[2].get<double>()});
         }
         return true;
     }
-    static bool take_threshold(const Json& value, std::optional<Threshold>& target) {
+    static bool take_threshold(const RecipeJson& value, std::optional<Threshold>& target) {
         target.emplace();
         if (value.is_number()) return take_number(value, -1e15, 1e15, target->low);
         if (!value.is_array() || value.size() != 2 || !take_number(value[0], -1e15, 1e15, target->low))
@@ -379,7 +380,7 @@ class RecipeReader {
         return value[1].is_null() || take_number(value[1], target->low, 1e15, target->high);
     }
 
-    static bool take(const std::string& key, const Json& value, SegmentTask& task) {
+    static bool take(const std::string& key, const RecipeJson& value, SegmentTask& task) {
         if (key == "name") return value.is_string() && !task.name.empty();
         if (key == "number") {
             if (!count_in(value, 1, 65535)) return false;

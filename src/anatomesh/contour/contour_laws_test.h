@@ -89,7 +89,7 @@ inline void expect_no_crossing(const ContourSet& set, const Slice& slice) {
             segments.push_back({polygon[i], polygon[(i + 1) % polygon.size()]});
         }
         std::vector<Vec3> points(set.points_of(contour).begin(), set.points_of(contour).end());
-        std::sort(points.begin(), points.end(), lexicographic_less);
+        std::sort(points.begin(), points.end(), LexicographicLess{});
         EXPECT_EQ(std::adjacent_find(points.begin(), points.end()), points.end())
             << "a contour of slice " << slice.name << " passes a point twice";
     }
@@ -135,7 +135,7 @@ inline void expect_order(const ContourSet& set) {
             EXPECT_EQ(contour.first_point, next_point);
             next_point += contour.point_count;
             ASSERT_GE(points.size(), 3u);
-            EXPECT_EQ(std::min_element(points.begin(), points.end(), lexicographic_less), points.begin());
+            EXPECT_EQ(std::min_element(points.begin(), points.end(), LexicographicLess{}), points.begin());
             if (before) {
                 EXPECT_TRUE(before->structure < contour.structure ||
                             (before->structure == contour.structure &&

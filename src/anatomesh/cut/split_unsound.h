@@ -28,16 +28,13 @@ struct SplitStats {
 };
 
 // Makes every vertex in `unsound` sound, by three moves, in this order:
-// 1. *Join*: a contour vertex whose cells all lie on one side of its structure is joined to the other side by
-// the
+// 1. *Join*: a contour vertex whose cells all lie on one side of its structure is joined to the other side by the
 //    shortest path of cells; with none near, one cell at it starts a piece of that side.
-// 2. *Spindle*: at an edge round which a structure lies in two or more arcs, a spindle of cells along the
-// edge is cut
-//    out of its ring, and one arc of the spindle is given to the region beside it. Each spindle makes one
+// 2. *Spindle*: at an edge round which a structure lies in two or more arcs, a spindle of cells along the edge is
+//    cut out of its ring, and one arc of the spindle is given to the region beside it. Each spindle makes one
 //    edge manifold and no other edge non-manifold.
-// 3. *Corner*: at a vertex whose edges are manifold but whose star a structure cuts into several discs, the
-// corners of
-//    the star's cells are cut off, and the corners are given to one side or the other so that one disc stays:
+// 3. *Corner*: at a vertex whose edges are manifold but whose star a structure cuts into several discs, the corners
+//    of the star's cells are cut off, and the corners are given to one side or the other so that one disc stays:
 //    the surface keeps passing through the vertex. Of all such discs, and of all paths of corners that join
 //    two pieces of one side instead, the one is taken that leaves most contour vertices and pieces of contour
 //    segments on their surface, then a disc before a path, and the one that changes least.

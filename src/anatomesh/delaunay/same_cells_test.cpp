@@ -61,7 +61,7 @@ std::vector<Cell> cells_of(const std::vector<Vec3>& points) {
 }
 
 std::vector<Vec3> without_equal(std::vector<Vec3> points, std::uint32_t seed) {
-    std::sort(points.begin(), points.end(), lexicographic_less);
+    std::sort(points.begin(), points.end(), LexicographicLess{});
     points.erase(std::unique(points.begin(), points.end()), points.end());
     std::shuffle(points.begin(), points.end(), std::mt19937(seed));
     return points;

@@ -25,7 +25,7 @@ bool finite(Vec3 p) {
 
 std::size_t count_distinct(std::span<const Vec3> points) {
     std::vector<Vec3> sorted(points.begin(), points.end());
-    std::sort(sorted.begin(), sorted.end(), lexicographic_less);
+    std::sort(sorted.begin(), sorted.end(), LexicographicLess{});
     return static_cast<std::size_t>(std::unique(sorted.begin(), sorted.end()) - sorted.begin());
 }
 

@@ -12,7 +12,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t grain = 512;
+constexpr std::size_t cells_at_once = 512;
 
 // The image with the map from space to its voxels.
 class Sampler {
@@ -122,7 +122,7 @@ Result<GreyResult> grey_values(const TetMesh& mesh, const GreyImage& image, cons
         for (std::size_t v = 0; v < 4; ++v) corners[v] = mesh.points[mesh.cells[c][v]];
         return corners;
     };
-    parallel_for(cells.size(), grain, context.threads, [&](std::size_t begin, std::size_t end) {
+    parallel_for(cells.size(), cells_at_once, context.threads, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end && !context.cancelled(); ++c) {
             cells[c] = cell_grey(sampler, corners_of(c), options);
         }

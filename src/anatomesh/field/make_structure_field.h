@@ -14,7 +14,7 @@ namespace anatomesh {
 // without thickness. Parallel slices: exact signed distances to the polygons, clamped and blended along
 // the boundary's motion (slice_motion.h); a sweep (sweep.h): the same in straight coordinates; slices about
 // an axis: rotational_field.h; a few planes across stacks and sweeps: crossed_field.h; structures that lie in
-// others and take their place: nested_field.h. Planes in any position: see docs/method.md.
+// others and take their place: nested_field.h. Planes in any position: see docs/stages/05b-field-of-other-arrangements.md.
 Result<std::shared_ptr<const StructureField>> make_structure_field(const ContourSet& set,
                                                                    const FieldOptions& options,
                                                                    RunContext& context);

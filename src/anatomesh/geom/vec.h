@@ -64,4 +64,9 @@ inline bool lexicographic_less(Vec3 a, Vec3 b) {
     return a.z < b.z;
 }
 
+// The same as a function object, for algorithms.
+struct LexicographicLess {
+    bool operator()(Vec3 a, Vec3 b) const { return lexicographic_less(a, b); }
+};
+
 }  // namespace anatomesh

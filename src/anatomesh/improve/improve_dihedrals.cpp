@@ -8,6 +8,7 @@
 #include <queue>
 #include <utility>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/core/cell_judge.h"
@@ -31,7 +32,8 @@ namespace {
 constexpr double radians_per_degree = std::numbers::pi / 180;
 constexpr double margin_degrees = 3;  // how far above the target operations aim
 
-constexpr double listed_degrees = 10;      // an angle below it is a blemish: worth ratios above the bound
+constexpr double listed_degrees =
+    contract::bad_dihedral_degrees;        // an angle below it is a blemish: worth ratios above the bound
 constexpr int radius_edge_steps = 3;       // from the bound to the last one
 constexpr double most_for_segment = 1e-5;  // a share of the cells inside, to be above the bound for its sake
 constexpr std::size_t few_high = 2000;     // one cell in so many may be above it to be worked on

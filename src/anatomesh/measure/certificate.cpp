@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/field_difference.h"
@@ -23,8 +24,6 @@
 namespace anatomesh {
 
 namespace {
-
-constexpr double parallel_tolerance_mm = 0.01;  // planes that move no contour by more have one spacing
 
 using Surfaces = std::vector<std::vector<Triangle>>;           // by structure
 using ShellNumbers = std::vector<std::vector<std::uint32_t>>;  // of their triangles
@@ -138,7 +137,7 @@ void list_cuts(const ContourSet& contours, const std::vector<SliceCut>& cuts, co
         const bool is_drawn = cut.drawn > 0;
         report.cuts_not_drawn += !is_drawn;
         const double mean = slices[cut.structure] > 0 ? drawn[cut.structure] / slices[cut.structure] : 0;
-        if (!is_drawn && cut.difference <= certificate_cut_tolerance * mean) continue;
+        if (!is_drawn && cut.difference <= contract::section_tolerance * mean) continue;
         const Structure& structure = contours.structures[cut.structure];
         const Slice& slice = contours.slices[cut.slice];
         SliceCutReport entry{structure.name.empty() ? std::to_string(structure.number) : structure.name,
@@ -227,7 +226,7 @@ ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes
     if (shapes.over_bound.empty()) return found;
     const ContourSet none;
     ForcedCells forced(input.mesh, input.contours ? *input.contours : none, findings.vertex_of);
-    forced.find_crowded(shapes.over_bound, certificate_crowded_share * report.quality.edge_mean_mm);
+    forced.find_crowded(shapes.over_bound, contract::forcing_share * report.quality.edge_mean_mm);
     for (const std::uint32_t c : shapes.over_bound) {
         ListedCell listed{c, shapes.radius_edge[c], shapes.min_dihedral_deg[c], {}, forced.reason(c)};
         Vec3 sum;
@@ -235,12 +234,12 @@ ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes
         listed.at = {sum.x / 4, sum.y / 4, sum.z / 4};
         const bool is_forced = !listed.forced_by.empty();
         report.listed_cells_forced += is_forced;
-        found.forced += is_forced && listed.value > certificate_max_radius_edge;
+        found.forced += is_forced && listed.value > contract::max_radius_edge;
         // Negated, so that a ratio that is no number is bad.
-        const bool bad = !(listed.value <= certificate_bad_radius_edge) ||
-                         listed.min_dihedral_deg < certificate_bad_dihedral_deg;
-        const bool gross = !(listed.value <= certificate_gross_radius_edge) ||
-                           listed.min_dihedral_deg < certificate_gross_dihedral_deg;
+        const bool bad = !(listed.value <= contract::bad_radius_edge) ||
+                         listed.min_dihedral_deg < contract::bad_dihedral_degrees;
+        const bool gross = !(listed.value <= contract::gross_radius_edge) ||
+                           listed.min_dihedral_deg < contract::gross_dihedral_degrees;
         found.bad += bad && !is_forced;
         report.listed_cells_bad += bad && !is_forced;
         found.gross += gross && !is_forced;
@@ -335,7 +334,7 @@ std::string cuts_text(const ModelReport& report, std::size_t& above) {
     const auto is_drawn = [](const SliceCutReport& cut) { return cut.drawn_mm2 > 0; };
     const auto share = [](const SliceCutReport& cut) { return cut.difference_mm2 / cut.drawn_mm2; };
     const auto too_far = [&](const SliceCutReport& cut) {
-        return is_drawn(cut) && cut.difference_mm2 > certificate_cut_tolerance * cut.drawn_mm2;
+        return is_drawn(cut) && cut.difference_mm2 > contract::section_tolerance * cut.drawn_mm2;
     };
     double drawn = 0, difference = 0, worst = 0;
     std::size_t total = 0, far = 0, strange = 0;
@@ -356,7 +355,8 @@ std::string cuts_text(const ModelReport& report, std::size_t& above) {
         "and the "
         "drawn regions " +
         percent_text(difference, drawn, 4) + " of the area in all, at most " + percent_text(worst, 1, 3) +
-        ", above " + percent_text(certificate_cut_tolerance, 1, 1) + " in " + count_of(far, total) + " cuts";
+        ", above " + percent_text(contract::section_tolerance, 1, 1) + " in " + count_of(far, total) +
+        " cuts";
     if (far > 0) {
         text += " (" +
                 worst_places(report, too_far, share,
@@ -417,14 +417,14 @@ std::string gross_cuts_text(const ModelReport& report) {
         areas[cut.structure][1] += cut.difference_mm2;
     }
     std::string text;
-    double worst = certificate_gross_cut_share;
+    double worst = contract::gross_section_share;
     for (const auto& [name, area] : areas) {
         if (area[1] <= worst * area[0]) continue;
         if (area[0] > 0) worst = area[1] / area[0];
         const auto of_it = [&, n = &name](const SliceCutReport& cut) { return cut.structure == *n; };
         text =
             "of all slices together " + percent_text(area[1], area[0], 1) + " of the drawn area of " + name +
-            " are amiss, more than " + percent_text(certificate_gross_cut_share, 1, 0) + " (most on " +
+            " are amiss, more than " + percent_text(contract::gross_section_share, 1, 0) + " (most on " +
             worst_places(
                 report, of_it, [](const SliceCutReport& cut) { return cut.difference_mm2; },
                 [](const SliceCutReport& cut) {
@@ -510,8 +510,8 @@ Clause clause_shape(const CertificateInput& input, const ShapeFindings& found, c
         ""};
     // Negated, so that a mean that is no number breaks the clause.
     const bool tolerable =
-        static_cast<double>(free) <= certificate_share_over_bound * static_cast<double>(report.tetrahedra) &&
-        found.mean_free <= certificate_mean_radius_edge;
+        static_cast<double>(free) <= contract::share_over_bound * static_cast<double>(report.tetrahedra) &&
+        found.mean_free <= contract::mean_radius_edge;
     if (found.bad + found.forced_gross > 0) clause.state = ClauseState::not_promised_yet;
     if ((free > 0 && !tolerable) || found.gross > 0) clause.state = ClauseState::broken;
     clause.evidence = "radius-edge: " + count_of(found.above, report.tetrahedra) + " (" +
@@ -576,7 +576,7 @@ Clause clause_volume(const CertificateInput& input, const ModelReport& report) {
         clause.evidence += "; " + volume;
         return clause;
     }
-    clause.state = worst <= certificate_volume_tolerance ? ClauseState::kept : ClauseState::broken;
+    clause.state = worst <= contract::volume_tolerance ? ClauseState::kept : ClauseState::broken;
     clause.evidence = "largest difference of a structure " + fixed_text(100 * worst, 3) + " %" +
                       (worst_name.empty() ? "" : " (" + worst_name + ")") + note + "; " + volume;
     return clause;

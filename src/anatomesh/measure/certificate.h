@@ -2,12 +2,12 @@
 //
 //   clause                                                    promised now
 //   1 contour vertices on the surface, bit for bit            yes
-//   2 contour segments are chains of surface edges, cuts by
-//     the slices' planes the drawn regions                    kept where all are; else counted and stated
+//   2 contour segments are chains of surface edges, cross-
+//     sections by the slices' planes the drawn regions        kept where all are; else counted and stated
 //   3 closed oriented 2-manifolds, positive cells, no overlap yes
-//   4 radius-edge ratio at most 2; dihedral angles            kept where both are met; else counted and
-//   stated 5 same input, same bytes                                  yes, by construction of the stages 6
-//   volume by mesh equals the field's within 0.2 %          yes, where the field is at hand
+//   4 radius-edge ratio at most 2; dihedral angles            kept where both are met; else counted and stated
+//   5 same input, same bytes                                  yes, by construction of the stages
+//   6 volume by mesh equals the field's within 0.2 %          yes, where the field is at hand
 //
 // A clause that cannot be checked because its input is not there (contours, field) is `not_promised_yet` and
 // its evidence says "not checked". So are clauses 2 and 4 where they were measured and are not met, within
@@ -45,26 +45,6 @@ struct CertificateInput {
 // model.size() when there is none.
 std::size_t matching_structure(std::span<const Structure> contours, std::size_t structure,
                                std::span<const Structure> model);
-
-// Bounds of the clauses.
-inline constexpr double certificate_max_radius_edge = 2.0;
-// Cells above the bound that nothing forces may be this share of all cells, while the mean ratio of the cells
-// that nothing forces is at most this. Without contours nothing is known to force any.
-inline constexpr double certificate_share_over_bound = 0.005;
-// One cell that nothing forces and that is beyond these: the clause is not kept.
-inline constexpr double certificate_bad_radius_edge = 4, certificate_bad_dihedral_deg = 10;
-// One such cell beyond these breaks it, whatever the shares; one that the contours force is too flat for any
-// use, so that the clause is not kept.
-inline constexpr double certificate_gross_radius_edge = 100, certificate_gross_dihedral_deg = 0.05;
-// A contour vertex nearer to another one, or to a segment, than this share of the mean edge forces its cells.
-inline constexpr double certificate_crowded_share = 0.1;
-// Share of a drawn region's area by which the cut of the model may differ from it.
-inline constexpr double certificate_cut_tolerance = 0.001;
-// Of a structure's drawn areas together, what is amiss on all slices together: above this the clause is
-// broken.
-inline constexpr double certificate_gross_cut_share = 0.1;
-inline constexpr double certificate_mean_radius_edge = 1.2;
-inline constexpr double certificate_volume_tolerance = 0.002;  // relative
 
 // Fills, and only these: vertices, tetrahedra, surface_triangles, structures, regions, quality, certificate,
 // listed_cells, listed_cells_total, listed_cells_forced; with contours also slices, contours,

@@ -42,7 +42,7 @@ struct Passage {
     }
 
     static int side(double distance) {
-        return distance > agreement_mm ? 1 : distance < -agreement_mm ? -1 : 0;
+        return distance > contradiction_mm ? 1 : distance < -contradiction_mm ? -1 : 0;
     }
 };
 
@@ -77,7 +77,8 @@ class Opponents {
             draws = true;
             const std::span<const Vec3> points = contours_.points_of(contour);
             for (std::size_t n = 0; n < points.size(); ++n) {
-                if (passes_within(points[n], points[(n + 1) % points.size()], p, agreement_mm)) return false;
+                if (passes_within(points[n], points[(n + 1) % points.size()], p, contradiction_mm))
+                    return false;
             }
         }
         return draws;

@@ -64,7 +64,7 @@ ContourSet turned(ContourSet set, double angle) {
 
 TEST(ContradictedSegments, none_where_slices_agree) {
     EXPECT_TRUE(contradicted(crossed(square(10), square(10))).empty());
-    EXPECT_TRUE(contradicted(crossed(square(10), square(10 + 0.5 * agreement_mm))).empty());
+    EXPECT_TRUE(contradicted(crossed(square(10), square(10 + 0.5 * contradiction_mm))).empty());
 }
 
 TEST(ContradictedSegments, those_that_pass_where_the_other_slice_has_no_contour) {

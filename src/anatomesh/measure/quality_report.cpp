@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/mesh/shape/quality.h"
 
@@ -11,7 +12,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double radius_edge_bound = 2.0, listed_angle_deg = 10.0;
+constexpr double radius_edge_bound = contract::max_radius_edge,
+                 listed_angle_deg = contract::bad_dihedral_degrees;
 
 struct Edges {
     double shortest, longest, sum;

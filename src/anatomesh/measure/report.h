@@ -15,7 +15,7 @@ namespace anatomesh {
 
 enum class ClauseState : std::uint8_t { kept, not_promised_yet, broken };
 
-// One clause of the contract (docs/method.md, "The contract of a model"): 1 to 6.
+// One clause of the contract (docs/stages/11-certificate.md): 1 to 6.
 struct Clause {
     int number = 0;
     ClauseState state = ClauseState::not_promised_yet;

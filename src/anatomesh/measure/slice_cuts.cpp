@@ -18,7 +18,7 @@ namespace {
 
 constexpr double on_plane_share =
     1e-9;  // a vertex this near to a plane lies on it, in lengths of the contours' box
-constexpr double parallel_mm = 1e-6;
+constexpr double same_plane_mm = 1e-6;
 
 // The triangles of a surface that may meet a plane, found without the others.
 class TrianglesAtPlanes {
@@ -155,7 +155,7 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
     std::vector<SliceCut> cuts;
     if (contours.slices.empty()) return cuts;
     const double tolerance = on_plane_mm(contours);
-    const bool parallel = all_parallel(contours, parallel_mm);
+    const bool parallel = all_parallel(contours, same_plane_mm);
     RunContext context;
     const Unsaid unsaid = Unsaid::of(contours, context);
     const std::vector<Box2> frames = parallel ? std::vector<Box2>() : frames_of_slices(contours);

@@ -62,7 +62,7 @@ std::vector<double> mesh_volumes(const TetMesh& mesh, const RegionTable& regions
 }
 
 std::vector<double> slice_volumes(const ContourSet& set) {
-    if (set.slices.size() < 2 || !all_parallel(set, 0.01)) return {};
+    if (set.slices.size() < 2 || !all_parallel(set, parallel_tolerance_mm)) return {};
     // By structure: most have all slices in common.
     std::map<std::vector<bool>, std::vector<double>> thickness_of;
     std::vector<const std::vector<double>*> thickness;

@@ -59,7 +59,7 @@ ContourSet drawn(const std::vector<Solid>& solids, int corners = 40) {
 ContourSet kept(ContourSet set) {
     for (const Contour& contour : set.contours) {
         const auto first = set.points.begin() + contour.first_point, last = first + contour.point_count;
-        std::rotate(first, std::min_element(first, last, lexicographic_less), last);
+        std::rotate(first, std::min_element(first, last, LexicographicLess{}), last);
     }
     return set;
 }

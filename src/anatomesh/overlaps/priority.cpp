@@ -24,9 +24,8 @@ constexpr double sliver_width_mm = 1e-3;
 constexpr std::size_t most_edges = 20'000'000;
 constexpr double least_given_mm2 = 1e-6;  // on a slice
 constexpr double nested_share = 0.5;      // of the smaller of two: so much of it in the other
-constexpr double parallel_tolerance_mm = 0.01;
-constexpr double most_across = 0.02;  // of a structure's area: to one of another level beside it
-constexpr double most_shared = 0.1;   // of its outline, of what lies in another one: along the other's
+constexpr double most_across = 0.02;      // of a structure's area: to one of another level beside it
+constexpr double most_shared = 0.1;       // of its outline, of what lies in another one: along the other's
 
 // What any two structures have to do with each other, over all slices that draw both.
 struct Relation {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/pipeline/build_once.h"
@@ -53,7 +54,7 @@ bool is_in_vain(const KeptModel& kept, const BuiltOnce& other, const Attempts& a
     if (attempts.finer_for_shape() && other.outcome.over_bound >= kept.made.outcome.over_bound) return true;
     return kept.made.outcome.conformed_badly && !kept.made.outcome.astray && !kept.made.outcome.tore_walls &&
            other.outcome.bad > 0 &&
-           kept.made.outcome.unforced <= std::max(other.outcome.unforced, certificate_share_over_bound);
+           kept.made.outcome.unforced <= std::max(other.outcome.unforced, contract::share_over_bound);
 }
 
 // Tries until a model is as good as it can be.
@@ -181,7 +182,7 @@ class Tries {
         const bool conformed = built.outcome.conformed;
         const double size_mm = next_size(next, slightly_finer_tries, built);
         const bool ill_shaped =
-            !built.outcome.kept_contract || built.outcome.over_bound > certificate_share_over_bound;
+            !built.outcome.kept_contract || built.outcome.over_bound > contract::share_over_bound;
         const std::string error = built.model.ok() ? "" : built.model.error().message;
         const Warning again = built_again(next, built.outcome, error, size_mm);
         if (built.model.ok() &&

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/model/message_text.h"
@@ -602,7 +603,7 @@ class Builder {
             edges_along(model_.mesh, neighbors_, segment_ends(contours_, vertices_of_contours())), *field_,
             structures_,
             {&model_.regions, slice_of, &owners, slices.planes, slices.extents, slices.weights,
-             slices.on_plane_mm, worst_alone ? certificate_cut_tolerance : 0.0, beside, crowded, following},
+             slices.on_plane_mm, worst_alone ? contract::section_tolerance : 0.0, beside, crowded, following},
             options, context_);
     }
 
@@ -612,7 +613,7 @@ class Builder {
         for (const SegmentPiece& piece : pieces) vertices.insert(vertices.end(), {piece.a, piece.b});
         sort_distinct(vertices, model_.mesh.points.size());
         return crowded_vertices(model_.mesh, contours_, vertices_of_contours(), vertices,
-                                certificate_crowded_share);
+                                contract::forcing_share);
     }
 
     void drop_outside_cells() {

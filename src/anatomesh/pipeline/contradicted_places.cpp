@@ -37,7 +37,7 @@ std::vector<ContradictedPlace> contradicted_places(const ContourSet& contours,
         const std::vector<double> ends = ends_of_difference(comparison);
         for (std::size_t n = 0; n + 1 < ends.size(); n += 2) {
             const double from = std::max(ends[n], low), to = std::min(ends[n + 1], high);
-            if (to - from > agreement_mm)
+            if (to - from > contradiction_mm)
                 places.push_back({comparison.structure, comparison.line.at(from), comparison.line.at(to)});
         }
     }

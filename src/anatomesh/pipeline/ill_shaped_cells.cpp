@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
@@ -10,8 +11,8 @@
 namespace anatomesh {
 
 std::vector<std::uint32_t> ill_shaped_cells(const TetMesh& mesh, std::size_t threads) {
-    const double squared_ratio = certificate_bad_radius_edge * certificate_bad_radius_edge;
-    const double sine = std::sin(certificate_bad_dihedral_deg * std::numbers::pi / 180);
+    const double squared_ratio = contract::bad_radius_edge * contract::bad_radius_edge;
+    const double sine = std::sin(contract::bad_dihedral_degrees * std::numbers::pi / 180);
     return parallel_collect<std::uint32_t>(
         mesh.cells.size(), 16384, threads,
         [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/number_text.h"
@@ -198,8 +199,8 @@ void warn_of_flat_cells(const ModelReport& report, const std::string& file, RunC
     std::size_t count = 0;
     const ListedCell* worst = nullptr;
     for (const ListedCell& cell : report.listed_cells) {
-        const bool flat = !(cell.value <= certificate_gross_radius_edge) ||
-                          cell.min_dihedral_deg < certificate_gross_dihedral_deg;
+        const bool flat = !(cell.value <= contract::gross_radius_edge) ||
+                          cell.min_dihedral_deg < contract::gross_dihedral_degrees;
         if (!flat || cell.forced_by.empty()) continue;
         ++count;
         if (!worst || cell.min_dihedral_deg < worst->min_dihedral_deg) worst = &cell;
@@ -207,8 +208,8 @@ void warn_of_flat_cells(const ModelReport& report, const std::string& file, RunC
     if (!worst) return;
     context.warn({"W-PIP-014",
                   std::to_string(count) + (count == 1 ? " tetrahedron has" : " tetrahedra have") +
-                      " a radius-edge ratio above " + brief(certificate_gross_radius_edge) +
-                      " or an angle below " + brief(certificate_gross_dihedral_deg) +
+                      " a radius-edge ratio above " + brief(contract::gross_radius_edge) +
+                      " or an angle below " + brief(contract::gross_dihedral_degrees) +
                       " degrees, for contours leave them no room; the flattest is named",
                   {file, "", "", worst->forced_by,
                    brief(worst->min_dihedral_deg) + " degrees at " + brief(worst->at[0]) + " " +

@@ -225,7 +225,7 @@ class Reconciler {
 
     // What movement could not bring together.
     void settle_what_is_left() {
-        if (left_mm() <= on_plane_mm) return;
+        if (left_mm() <= line_in_plane_mm) return;
         const auto compare_set = [&](const ContourSet& set) {
             std::vector<LineComparison> comparisons =
                 compare_planes(set, plane_patches(set), pairs_, margin_, context_);
@@ -245,7 +245,7 @@ class Reconciler {
     // and the others are taken again.
     Status repeat(bool over) {
         takes_over_ = over;
-        for (int n = 0; n < most_repetitions && left_mm() > on_plane_mm; ++n) {
+        for (int n = 0; n < most_repetitions && left_mm() > line_in_plane_mm; ++n) {
             const State before = state();
             const double left = left_mm();
             taken_.clear();
@@ -416,7 +416,7 @@ class Reconciler {
     bool place_movements() {
         const EndPlaces ends = place_ends(set_, graph_, comparisons_);
         const EndGroups groups = group_ends(set_, ends, comparisons_, normal_reach_mm);
-        bool any = groups.worst_mm > agreement_mm;
+        bool any = groups.worst_mm > joinable_mm;
         worst_mm_ = groups.worst_mm;
         const std::size_t own = graph_.point_of_node.size();
         nodes_.assign(own + ends.places.size() - ends.on_nodes, {});
@@ -592,7 +592,7 @@ class Reconciler {
         edges_.clear();
         std::size_t next = ends.on_nodes;
         const auto link = [&](std::uint32_t a, std::uint32_t b, double length) {
-            edges_.push_back({a, b, std::max(length, 10 * on_plane_mm)});
+            edges_.push_back({a, b, std::max(length, 10 * line_in_plane_mm)});
         };
         for (std::uint32_t s = 0; s < graph_.segments.size(); ++s) {
             const auto [low, high] = graph_.segments[s];

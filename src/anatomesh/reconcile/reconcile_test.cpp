@@ -129,9 +129,9 @@ TEST(Reconcile, C25_moved_vertices_leave_room_for_common_points) {
     const ContourSet set = drawn_ball(30, three_stacks(24, 6, 0.05), {1.0, 0.7, 400}, random);
     const ContourSet kept = reconciled(set).kept;
     std::vector<Vec3> sorted = kept.points;
-    std::sort(sorted.begin(), sorted.end(), lexicographic_less);
+    std::sort(sorted.begin(), sorted.end(), LexicographicLess{});
     const auto is_common = [&](Vec3 p) {
-        const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), p, lexicographic_less);
+        const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), p, LexicographicLess{});
         return last - first > 1;
     };
     std::size_t common = 0, crowded = 0;

@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/geom/point_grid.h"
@@ -176,14 +177,14 @@ RecoveredPieces::BadCells RecoveredPieces::find_bad(int threads) const {
     }
     if (bad.empty()) return found;
     ForcedCells forced(mesh_, drawn_.contours, drawn_.vertex_of);
-    forced.find_crowded(bad, certificate_crowded_share * edges / static_cast<double>(found.inside));
+    forced.find_crowded(bad, contract::forcing_share * edges / static_cast<double>(found.inside));
     for (const std::uint32_t c : bad) {
         if (!forced.reason(c).empty()) {
             found.forced.push_back(c);
             continue;
         }
         found.unforced.push_back(c);
-        if (!(squared_ratio(c) <= certificate_bad_radius_edge * certificate_bad_radius_edge))
+        if (!(squared_ratio(c) <= contract::bad_radius_edge * contract::bad_radius_edge))
             found.far.push_back(c);
     }
     return found;

@@ -49,7 +49,7 @@ struct CutPointStats {
 // that is on one side of the surface, so that its cells are what is drawn. Points of larger sections come
 // first; those of one round keep twice their spacing from each other, and out of the diametral balls of
 // contour segments. `look`: as in refine.h. Complexity: O(look x planes). Same result at any thread count.
-// Follows: the criterion of the cut (design.md, contract of a model, clause 2), met as Boissonnat and Oudot,
+// Follows: the criterion of the cut (docs/stages/11-certificate.md, clause 2), met as Boissonnat and Oudot,
 // Graph. Models 67, 2005, meet theirs.
 CutPointStats find_cut_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                               const std::vector<Region>& regions, const RegionTable& table,

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
 #include "anatomesh/field/model/structure_field.h"
@@ -20,7 +21,7 @@
 namespace anatomesh {
 
 struct RefineOptions {
-    double max_radius_edge = 2.0;  // cells above it are split. [1.2, 10]
+    double max_radius_edge = contract::max_radius_edge;  // cells above it are split. [1.2, 10]
     double flatness =
         0.004;  // cells with six volumes below this many cubes of their longest edge are split. [0, 0.1]
     double min_spacing = 0.75;  // of a new point from others, in shortest edges of its cell. (0, 1]

@@ -64,9 +64,10 @@ PieceApexes::PieceApexes(std::span<const Vec3> points, const std::vector<Segment
         const auto [first, last] = ends_at(apex);
         const bool is_pole = last - first >= ways_at_pole;
         const auto [next, end] = ends_at(to);
-        const auto ahead = std::find_if(next, end, [&, back = from, at = to](const auto& piece) {
-            return piece[1] != back && leads_on(points[apex], points[at], points[piece[1]], is_pole);
-        });
+        const auto ahead =
+            std::find_if(next, end, [&, back = from, at = to, begin = apex](const auto& piece) {
+                return piece[1] != back && leads_on(points[begin], points[at], points[piece[1]], is_pole);
+            });
         if (ahead != end) ways.push({length(points[to] - points[apex]), apex, to, (*ahead)[1], (*ahead)[2]});
     }
 }

@@ -19,7 +19,7 @@ struct ThinSpot {
     int level = 0;  // 1 .. max_thin_level
 };
 
-// The level that a wall of this thickness needs: an edge length of at most 4/3 of the thickness; 0 when it is not thin.
+// The level that a wall of this thickness needs: an edge length of at most 5/3 of the thickness; 0 when it is not thin.
 int level_of(double thickness, double size);
 
 // The thickness at `surface`, where a lattice point p was moved to, of every structure whose surface lies there: the

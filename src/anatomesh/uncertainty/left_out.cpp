@@ -116,7 +116,7 @@ Result<LeftOut> leave_slices_out(const ContourSet& set, const LeftOutOptions& op
                      {set.source, "", "", "", std::to_string(drawn) + " slices with contours"},
                      ""};
     }
-    const bool is_stack = all_parallel(set, 0.01);
+    const bool is_stack = all_parallel(set, parallel_tolerance_mm);
     const double spacing = is_stack ? median_spacing(set) : plane_spacings(set, patches).median;
     FieldOptions field_options = options.field;
     if (field_options.clamp_mm <= 0) field_options.clamp_mm = 1.5 * spacing;

@@ -64,7 +64,7 @@ void thin(std::vector<Sample>& samples) {
 
 std::vector<PlaneBetween> candidates_of(const ContourSet& set) {
     const std::vector<PlanePatch> patches = plane_patches(set);
-    const double spacing = all_parallel(set, 0.01) && set.slices.size() > 1
+    const double spacing = all_parallel(set, parallel_tolerance_mm) && set.slices.size() > 1
                                ? median_spacing(set)
                                : plane_spacings(set, patches).median;
     std::vector<Vec3> centers;

@@ -38,7 +38,7 @@ constexpr DicomTag item{0xFFFE, 0xE000}, item_end{0xFFFE, 0xE00D}, sequence_end{
 // elements, or compressed pixels, whose content is fragments.
 enum class Holds : std::uint8_t { items, elements, fragments };
 
-struct Level {
+struct ItemLevel {
     std::uint64_t end;
     Holds holds;
     bool is_implicit;
@@ -230,7 +230,7 @@ class Walk {
     const std::function<bool(std::uint16_t, std::uint16_t)>& is_sequence_;
     const DicomLimits& limits_;
     DicomEvents* events_;
-    std::vector<Level> levels_;
+    std::vector<ItemLevel> levels_;
 };
 
 Result<std::string> inflate_data_set(std::string_view deflated, const std::string& file_name,

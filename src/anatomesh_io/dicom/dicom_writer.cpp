@@ -13,7 +13,7 @@ namespace anatomesh {
 namespace {
 
 constexpr std::uint32_t undefined_length = 0xFFFFFFFFu;
-constexpr DicomTag item_tag{0xFFFE, 0xE000}, item_end{0xFFFE, 0xE00D}, sequence_end{0xFFFE, 0xE0DD};
+constexpr DicomTag sequence_item_tag{0xFFFE, 0xE000}, item_end{0xFFFE, 0xE00D}, sequence_end{0xFFFE, 0xE0DD};
 constexpr const char* implementation_uid = "2.25.231180546138466129170253893712506374981";
 
 bool is_long(std::string_view vr) {
@@ -102,7 +102,7 @@ void DicomWriter::end_sequence() {
     header(sequence_end, "", 0);
 }
 void DicomWriter::begin_item() {
-    header(item_tag, "", undefined_length);
+    header(sequence_item_tag, "", undefined_length);
     last_.push_back({0, 0});
 }
 void DicomWriter::end_item() {

@@ -23,7 +23,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double same_direction = 1e-3;
+constexpr double same_frame_direction = 1e-3;
 constexpr double grid_tolerance = 0.01;  // of the spacing
 constexpr std::uint64_t free_slices = 1000, largest_sparseness = 100;
 
@@ -146,8 +146,8 @@ class SegmentationReader {
         std::vector<std::uint32_t> order(frames_.size());
         for (std::uint32_t f = 0; f < frames_.size(); ++f) {
             order[f] = f;
-            const bool is_parallel = length(frames_[f].row - frames_[0].row) < same_direction &&
-                                     length(frames_[f].column - frames_[0].column) < same_direction &&
+            const bool is_parallel = length(frames_[f].row - frames_[0].row) < same_frame_direction &&
+                                     length(frames_[f].column - frames_[0].column) < same_frame_direction &&
                                      frames_[f].spacing == frames_[0].spacing;
             if (!is_parallel)
                 return error("E-SEG-003", "the frames do not lie in parallel planes of one kind", {}, {},

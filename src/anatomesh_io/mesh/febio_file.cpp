@@ -70,7 +70,7 @@ void append_materials(std::string& text, const std::string& path, const ModelFil
     text += "  </Material>\n";
 }
 
-void append_nodes(std::string& text, const ModelFile& model) {
+void append_feb_nodes(std::string& text, const ModelFile& model) {
     text += "    <Nodes name=\"ALL\">\n";
     for (std::size_t n = 0; n < node_count(model); ++n) {
         const Vec3& point = node_at(model, n);
@@ -187,7 +187,7 @@ Result<std::string> format_febio(const std::string& path, const ModelFile& model
     text += "  <Module type=\"solid\"/>\n";
     append_materials(text, path, model, blocks, context);
     text += "  <Mesh>\n";
-    append_nodes(text, model);
+    append_feb_nodes(text, model);
     append_parts(text, model, blocks);
     append_sets(text, model);
     if (!model.grey.empty()) {

@@ -21,7 +21,7 @@ namespace {
 constexpr int gmsh_tetrahedron = 4, gmsh_quadratic_tetrahedron = 11;
 
 template <class T>
-void put(std::string& bytes, T value) {
+void append_value(std::string& bytes, T value) {
     static_assert(std::endian::native == std::endian::little);
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
@@ -82,18 +82,18 @@ void append_entities(std::string& bytes, const TetMesh& mesh, const std::vector<
     }
     bytes += "$Entities\n";
     for (const std::size_t count : {std::size_t{0}, std::size_t{0}, std::size_t{0}, used.size()}) {
-        put(bytes, static_cast<std::uint64_t>(count));
+        append_value(bytes, static_cast<std::uint64_t>(count));
     }
     for (const std::size_t region : used) {
-        put(bytes, volume_of(region, numbers.size()));
+        append_value(bytes, volume_of(region, numbers.size()));
         for (const Vec3& corner : {boxes[region].low, boxes[region].high}) {
-            put(bytes, corner.x);
-            put(bytes, corner.y);
-            put(bytes, corner.z);
+            append_value(bytes, corner.x);
+            append_value(bytes, corner.y);
+            append_value(bytes, corner.z);
         }
-        put(bytes, std::uint64_t{1});  // physical groups
-        put(bytes, numbers[region]);
-        put(bytes, std::uint64_t{0});  // bounding surfaces
+        append_value(bytes, std::uint64_t{1});  // physical groups
+        append_value(bytes, numbers[region]);
+        append_value(bytes, std::uint64_t{0});  // bounding surfaces
     }
     bytes += "\n$EndEntities\n";
 }
@@ -102,15 +102,15 @@ void append_points(std::string& bytes, const std::vector<Vec3>& points) {
     bytes.append(reinterpret_cast<const char*>(points.data()), points.size() * sizeof(Vec3));
 }
 
-void append_nodes(std::string& bytes, const ModelFile& model, std::int32_t volume) {
+void append_gmsh_nodes(std::string& bytes, const ModelFile& model, std::int32_t volume) {
     const auto n = static_cast<std::uint64_t>(node_count(model));
     bytes += "$Nodes\n";
-    for (const std::uint64_t value : {std::uint64_t{1}, n, std::uint64_t{1}, n}) put(bytes, value);
-    put(bytes, std::int32_t{3});  // all in one block, on the first volume
-    put(bytes, volume);
-    put(bytes, std::int32_t{0});
-    put(bytes, n);
-    for (std::uint64_t i = 1; i <= n; ++i) put(bytes, i);
+    for (const std::uint64_t value : {std::uint64_t{1}, n, std::uint64_t{1}, n}) append_value(bytes, value);
+    append_value(bytes, std::int32_t{3});  // all in one block, on the first volume
+    append_value(bytes, volume);
+    append_value(bytes, std::int32_t{0});
+    append_value(bytes, n);
+    for (std::uint64_t i = 1; i <= n; ++i) append_value(bytes, i);
     append_points(bytes, model.mesh.points);
     append_points(bytes, model.mid_nodes.points);
     bytes += "\n$EndNodes\n";
@@ -129,16 +129,17 @@ void append_elements(std::string& bytes, const ModelFile& model, const std::vect
     const auto n = static_cast<std::uint64_t>(model.mesh.cells.size());
     bytes += "$Elements\n";
     for (const std::uint64_t value : {static_cast<std::uint64_t>(used.size()), n, std::uint64_t{1}, n}) {
-        put(bytes, value);
+        append_value(bytes, value);
     }
     for (const std::size_t region : used) {
-        put(bytes, std::int32_t{3});
-        put(bytes, volume_of(region, regions));
-        put(bytes, std::int32_t{model.mid_nodes.empty() ? gmsh_tetrahedron : gmsh_quadratic_tetrahedron});
-        put(bytes, static_cast<std::uint64_t>(cells_of[region].size()));
+        append_value(bytes, std::int32_t{3});
+        append_value(bytes, volume_of(region, regions));
+        append_value(bytes,
+                     std::int32_t{model.mid_nodes.empty() ? gmsh_tetrahedron : gmsh_quadratic_tetrahedron});
+        append_value(bytes, static_cast<std::uint64_t>(cells_of[region].size()));
         for (const std::uint32_t c : cells_of[region]) {
-            put(bytes, std::uint64_t{c} + 1);
-            each_node(model, c, gmsh_edge_order, [&](std::uint64_t node) { put(bytes, node + 1); });
+            append_value(bytes, std::uint64_t{c} + 1);
+            each_node(model, c, gmsh_edge_order, [&](std::uint64_t node) { append_value(bytes, node + 1); });
         }
     }
     bytes += "\n$EndElements\n";
@@ -153,8 +154,8 @@ void append_element_data(std::string& bytes, const char* name, const ModelFile& 
     const auto cells_of = cells_by_region(model.mesh, used.back() + 1);
     for (const std::size_t region : used) {
         for (const std::uint32_t c : cells_of[region]) {
-            put(bytes, static_cast<std::int32_t>(c + 1));
-            put(bytes, static_cast<double>(value(c)));
+            append_value(bytes, static_cast<std::int32_t>(c + 1));
+            append_value(bytes, static_cast<double>(value(c)));
         }
     }
     bytes += "\n$EndElementData\n";
@@ -176,7 +177,7 @@ Result<std::string> format_gmsh(const std::string& path, const ModelFile& model,
 
     std::string bytes = "$MeshFormat\n4.1 1 8\n";
     bytes.reserve(mesh.points.size() * 32 + mesh.cells.size() * 40 + 10'000);
-    put(bytes, std::int32_t{1});
+    append_value(bytes, std::int32_t{1});
     bytes += "\n$EndMeshFormat\n$Comments\n";
     for (const std::string& line : description_lines(model.description)) bytes += line + "\n";
     bytes += "$EndComments\n$PhysicalNames\n" + std::to_string(used.size()) + "\n";
@@ -186,7 +187,7 @@ Result<std::string> format_gmsh(const std::string& path, const ModelFile& model,
     }
     bytes += "$EndPhysicalNames\n";
     append_entities(bytes, mesh, used, numbers);
-    append_nodes(bytes, model, volume_of(used.front(), numbers.size()));
+    append_gmsh_nodes(bytes, model, volume_of(used.front(), numbers.size()));
     append_elements(bytes, model, used, numbers.size());
     if (!model.grey.empty()) {
         append_element_data(bytes, "grey", model, used, [&](std::uint32_t c) { return model.grey[c]; });

@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t max_bytes = std::uint64_t{1} << 20;
-constexpr int max_depth = 8;
+constexpr int max_material_depth = 8;
 constexpr double most = 1e12;
 
 // Members of one object; the first thing wrong is kept, and every later question answered with a default.
@@ -149,7 +149,7 @@ Result<MaterialFile> read_material_file(const std::string& path, const InputLimi
     ANATOMESH_TRY(const InputFile content, read_input_file(path, small));
     bool too_deep = false;
     const auto watch = [&](int depth, json::parse_event_t, json&) {
-        return !(too_deep = too_deep || depth > max_depth);
+        return !(too_deep = too_deep || depth > max_material_depth);
     };
     const json document = json::parse(as_text(content.bytes()), watch, false);
     Reader root(path, document, "file");

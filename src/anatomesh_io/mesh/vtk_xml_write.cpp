@@ -60,7 +60,7 @@ std::string comment_text(std::string_view text) {
 }
 
 // The XML head of a file, and the arrays that follow it, in order.
-class Document {
+class DocumentWriter {
   public:
     void text(std::string_view line) { head_ += line; }
 
@@ -145,7 +145,7 @@ std::string compressed(const Block& block, int level) {
     return result;
 }
 
-std::string Document::bytes(const VtkWriteOptions& options) const {
+std::string DocumentWriter::bytes(const VtkWriteOptions& options) const {
     // Blocks of all arrays in one list, compressed in any order, put together in theirs.
     std::vector<Block> blocks;
     std::vector<std::size_t> first_block{0};
@@ -198,7 +198,7 @@ VtkArray index_array(const char* name, const std::vector<std::int64_t>& values, 
     return VtkArray::of<std::int32_t>(name, narrow);
 }
 
-void put_cells(Document& document, const char* name, const VtkCells& cells, std::size_t points,
+void put_cells(DocumentWriter& document, const char* name, const VtkCells& cells, std::size_t points,
                const std::vector<std::uint8_t>* types) {
     constexpr auto narrow = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
     const bool wide = points > narrow || cells.connectivity.size() > narrow;
@@ -218,7 +218,7 @@ std::string count_attribute(const char* name, std::size_t count) {
 std::string format_vtk_xml(const VtkFile& file, std::string_view comment, const VtkWriteOptions& options) {
     const bool grid = file.kind == VtkDataSet::unstructured_grid;
     const std::string kind = grid ? "UnstructuredGrid" : "PolyData";
-    Document document;
+    DocumentWriter document;
     document.text("<?xml version=\"1.0\"?>\n");
     if (!comment.empty()) document.text("<!-- " + comment_text(comment) + " -->\n");
     document.text("<VTKFile type=\"" + kind +

@@ -9,8 +9,6 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::string_view application_context_name = "1.2.840.10008.3.1.1.1";
-
 constexpr std::array readable_syntaxes{
     std::string_view("1.2.840.10008.1.2"),       // implicit VR little endian
     std::string_view("1.2.840.10008.1.2.1"),     // explicit VR little endian

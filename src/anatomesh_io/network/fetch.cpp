@@ -18,7 +18,6 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_contexts = 128;  // of an association
 constexpr std::uint32_t most_series = 100;  // whose class is asked for
 constexpr std::size_t most_reasons = 10;
 
@@ -104,7 +103,7 @@ std::vector<std::string> classes_there(const FetchOptions& options, const Connec
 void add_storage_contexts(const std::vector<std::string>& there, std::vector<PresentationContext>& contexts,
                           std::vector<RoleSelection>& roles) {
     const auto add = [&](const std::string& sop_class, std::vector<std::string> syntaxes) {
-        if (contexts.size() < most_contexts)
+        if (contexts.size() < most_presentation_contexts)
             contexts.push_back({0, sop_class, std::move(syntaxes), context_accepted});
     };
     const auto add_plain = [&](const std::string& sop_class) {
@@ -115,7 +114,7 @@ void add_storage_contexts(const std::vector<std::string>& there, std::vector<Pre
     for (const std::string& sop_class : there) add_plain(sop_class);
     for (const std::string& sop_class : there)
         for (const std::string& syntax : compressed_syntaxes()) add(sop_class, {syntax});
-    for (const std::string& usual : usual_storage_classes(most_contexts))
+    for (const std::string& usual : usual_storage_classes(most_presentation_contexts))
         if (std::find(there.begin(), there.end(), usual) == there.end()) add_plain(usual);
     for (const PresentationContext& each : contexts) {
         const auto has_role = [&](const RoleSelection& role) {

@@ -28,7 +28,6 @@ namespace {
 
 constexpr std::string_view temporary_prefix = ".anatomesh-incoming-";
 constexpr std::string_view storage_class_prefix = "1.2.840.10008.5.1.4.1.1.";
-constexpr const char* implementation_class = "2.25.231180546138466129170253893712506374981";
 constexpr std::size_t most_references = 1'000'000;
 
 // Keeps who an object is and which images it refers to.
@@ -137,7 +136,7 @@ std::string meta_header(const ObjectLabel& label) {
     meta.element(tags::media_sop_class, "UI", label.sop_class);
     meta.element(tags::media_sop_instance, "UI", label.sop_instance);
     meta.element(tags::transfer_syntax, "UI", label.transfer_syntax);
-    meta.element(tags::implementation_class, "UI", implementation_class);
+    meta.element(tags::implementation_class, "UI", implementation_class_uid);
     meta.element(tags::implementation_version, "SH", "ANATOMESH");
     length.unsigned_long({0x0002, 0x0000}, {static_cast<std::uint32_t>(meta.bytes().size())});
     return std::string(128, '\0') + "DICM" + length.bytes() + meta.bytes();

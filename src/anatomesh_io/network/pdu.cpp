@@ -10,10 +10,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::string_view application_context_name = "1.2.840.10008.3.1.1.1";
-constexpr std::string_view implementation_class = "2.25.231180546138466129170253893712506374981";
 constexpr std::string_view implementation_version = "ANATOMESH";
-constexpr std::size_t most_contexts = 128;
 constexpr std::size_t fixed_associate_bytes = 68;
 
 enum Item : std::uint8_t {
@@ -101,7 +98,8 @@ bool parse_context(std::string_view content, bool is_request, std::bitset<256>& 
     PresentationContext context;
     context.id = byte_at(content, 0);
     context.result = is_request ? context_accepted : byte_at(content, 2);
-    if (context.id % 2 == 0 || seen[context.id] || out.contexts.size() == most_contexts) return false;
+    if (context.id % 2 == 0 || seen[context.id] || out.contexts.size() == most_presentation_contexts)
+        return false;
     seen[context.id] = true;
     ItemReader items(content.substr(4));
     while (items.next()) {
@@ -136,7 +134,7 @@ bool parse_user_items(std::string_view content, Association& out) {
         if (items.type() == longest_item) {
             if (items.content().size() != 4) return false;
             out.longest_pdu = long_at(items.content(), 0);
-        } else if (items.type() == role_item && out.roles.size() < most_contexts) {
+        } else if (items.type() == role_item && out.roles.size() < most_presentation_contexts) {
             if (!parse_role(items.content(), out)) return false;
         }
     }
@@ -182,7 +180,7 @@ std::string format_associate(PduType type, const Association& association) {
     std::string user, number;
     append_long(number, association.longest_pdu);
     append_item(user, longest_item, number);
-    append_item(user, class_item, implementation_class);
+    append_item(user, class_item, implementation_class_uid);
     for (const RoleSelection& role : association.roles) {
         std::string content;
         append_short(content, role.sop_class.size());

@@ -27,6 +27,10 @@ inline constexpr std::size_t pdu_header_bytes = 6;
 inline constexpr std::uint32_t longest_pdu_body = 131072;
 inline constexpr std::size_t longest_uid = 64;
 inline constexpr std::size_t longest_ae_title = 16;
+inline constexpr std::size_t most_presentation_contexts = 128;  // of an association: their ids are odd bytes
+inline constexpr std::string_view application_context_name = "1.2.840.10008.3.1.1.1";  // PS3.7, annex A
+// Of this program, in what it sends and stores; a UID made from a UUID (PS3.5, annex B.2).
+inline constexpr std::string_view implementation_class_uid = "2.25.231180546138466129170253893712506374981";
 
 // What a peer offers to talk about: an abstract syntax (SOP class) and how its data sets would be encoded.
 struct PresentationContext {

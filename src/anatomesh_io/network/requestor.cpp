@@ -12,7 +12,6 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_contexts = 128;
 constexpr std::size_t longest_answer = std::size_t{1} << 20;
 constexpr double release_seconds = 5;
 
@@ -143,7 +142,7 @@ Status Requestor::receive_pdu(PduType& type, std::string& body) {
 Result<Requestor> Requestor::associate(const RequestorOptions& options,
                                        std::vector<PresentationContext> contexts,
                                        std::vector<RoleSelection> roles, const RunContext& context) {
-    assert(!contexts.empty() && contexts.size() <= most_contexts && options.timeout_seconds > 0);
+    assert(!contexts.empty() && contexts.size() <= most_presentation_contexts && options.timeout_seconds > 0);
     std::uint8_t id = 1;
     for (PresentationContext& each : contexts) each.id = std::exchange(id, static_cast<std::uint8_t>(id + 2));
     const auto deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(

@@ -89,7 +89,7 @@ class Picture {
             "<svg viewBox=\"0 0 {:.2f} {:.2f}\" width=\"380\" role=\"img\" style=\"max-width:100%\">",
             (box_.high.x - box_.low.x) / step_, (box_.high.y - box_.low.y) / step_);
     }
-    std::string path(const char* color, double width) const {
+    std::string path(const char* color, double line_width) const {
         std::string data;
         for (const auto& ring : rings_) {
             for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -101,7 +101,7 @@ class Picture {
         return fmt::format(
             "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
             "vector-effect=\"non-scaling-stroke\"/>",
-            data, color, width);
+            data, color, line_width);
     }
     static int level_of(double d, double deepest, double farthest) {
         if (d < 0) return -1 - static_cast<int>(std::min((steps - 1.0), steps * -d / deepest));

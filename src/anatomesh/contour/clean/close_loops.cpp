@@ -14,12 +14,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_crossings = 100'000;  // more are no slips of the pen
-constexpr double no_share = 1e-9;                // of an area: rounding of the area itself
-
-bool lies_before(Vec3 a, Vec3 b) {
-    return lexicographic_less(a, b);
-}
+constexpr std::size_t most_pen_slips = 100'000;  // more are no slips of the pen
+constexpr double area_rounding_share = 1e-9;     // of an area: rounding of the area itself
 
 bool crosses_itself(const Ring& ring) {
     const std::span<const Ring> alone(&ring, 1);
@@ -31,7 +27,7 @@ bool draws_in(const Box2& box, const Ring& other) {
 }
 
 std::vector<Vec3> sorted_points(std::vector<Vec3> points) {
-    std::sort(points.begin(), points.end(), lies_before);
+    std::sort(points.begin(), points.end(), LexicographicLess{});
     return points;
 }
 
@@ -41,9 +37,10 @@ std::optional<ClosedLoops> close_loops(const Ring& ring, std::span<const Ring> o
                                        CombineRule rule, double share, const CloseLoopsOptions& options) {
     if (options.most_mm2 == 0 || !crosses_itself(ring)) return std::nullopt;
     std::optional<Combined> combined =
-        combine_rings(std::span<const Ring>(&ring, 1), plane, rule, share, most_crossings);
+        combine_rings(std::span<const Ring>(&ring, 1), plane, rule, share, most_pen_slips);
     if (!combined || combined->rings.size() < 2 ||
-        !(combined->fates.front().ambiguous_area_mm2 > no_share * combined->fates.front().area_mm2))
+        !(combined->fates.front().ambiguous_area_mm2 >
+          area_rounding_share * combined->fates.front().area_mm2))
         return std::nullopt;
     std::vector<Ring>& rings = combined->rings;
     const auto area = [](const Ring& each) { return std::abs(signed_area(each.at)); };
@@ -69,7 +66,7 @@ std::optional<ClosedLoops> close_loops(const Ring& ring, std::span<const Ring> o
     const std::vector<Vec3> drawn = sorted_points(ring.points);
     closed.crossings = static_cast<std::uint32_t>(std::count_if(
         closed.ring.points.begin(), closed.ring.points.end(),
-        [&](Vec3 p) { return !std::binary_search(drawn.begin(), drawn.end(), p, lies_before); }));
+        [&](Vec3 p) { return !std::binary_search(drawn.begin(), drawn.end(), p, LexicographicLess{}); }));
     closed.points_dropped = static_cast<std::uint32_t>(ring.size() - (closed.ring.size() - closed.crossings));
     return closed;
 }

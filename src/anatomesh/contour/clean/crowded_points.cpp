@@ -12,12 +12,8 @@ namespace anatomesh {
 
 namespace {
 
-bool lies_before(Vec3 a, Vec3 b) {
-    return lexicographic_less(a, b);
-}
-
 std::vector<Vec3> sorted(std::vector<Vec3> points) {
-    std::sort(points.begin(), points.end(), lies_before);
+    std::sort(points.begin(), points.end(), LexicographicLess{});
     return points;
 }
 
@@ -45,7 +41,7 @@ Result<CrowdedPoints> leave_out_crowded(ContourSet set, const CrowdedOptions& op
     CrowdedPoints result{std::move(thin.kept), {}, thin.stats.max_distance_mm};
     const std::vector<Vec3> before = sorted(std::move(set.points)), after = sorted(result.kept.points);
     std::set_difference(before.begin(), before.end(), after.begin(), after.end(),
-                        std::back_inserter(result.left_out), lies_before);
+                        std::back_inserter(result.left_out), LexicographicLess{});
     return result;
 }
 

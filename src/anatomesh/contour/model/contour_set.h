@@ -92,9 +92,19 @@ struct OverlappingContours {
 bool is_interpolated(const ContourSet& set, std::uint32_t slice, std::uint32_t structure);
 bool has_interpolated(const ContourSet& set);
 
+// Neighbours of a point along its contour.
+inline std::uint32_t point_after(const Contour& contour, std::uint32_t point) {
+    return point + 1 == contour.first_point + contour.point_count ? contour.first_point : point + 1;
+}
+inline std::uint32_t point_before(const Contour& contour, std::uint32_t point) {
+    return point == contour.first_point ? contour.first_point + contour.point_count - 1 : point - 1;
+}
+
 // Whether all planes have the same normal up to sign, within the angle that moves the outermost point of the
 // set by less than `tolerance_mm` (and 0.57 degrees: a small set is moved by less).
 bool all_parallel(const ContourSet& set, double tolerance_mm);
+// The tolerance by which planes count as parallel wherever nothing finer is asked: what files round away, mm.
+inline constexpr double parallel_tolerance_mm = 0.01;
 
 // Distance between neighbouring slices of a parallel set: the median of the gaps; 0 with fewer than two slices.
 double median_spacing(const ContourSet& set);

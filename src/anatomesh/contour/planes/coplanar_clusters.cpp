@@ -1,4 +1,4 @@
-#include "anatomesh/contour/planes/plane_sheets.h"
+#include "anatomesh/contour/planes/coplanar_clusters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace anatomesh {
 
-double Sheet::leverage(Vec3 p) const {
+double CoplanarCluster::leverage(Vec3 p) const {
     const Vec3 way = p - mean, inside = way - dot(way, normal) * normal;
     const double spread = dot(inside, scatter.times(inside)) / count, square = squared_length(inside);
     return spread > 0 ? square / std::sqrt(spread) : square > 0 ? std::numeric_limits<double>::infinity() : 0;
@@ -17,8 +17,8 @@ double Sheet::leverage(Vec3 p) const {
 namespace {
 
 constexpr double least_noise = 1e-5;  // of the contours' extent
-Sheet joined(const Sheet& large, const Sheet& small) {
-    Sheet both = large;
+CoplanarCluster joined(const CoplanarCluster& large, const CoplanarCluster& small) {
+    CoplanarCluster both = large;
     both.contours.insert(both.contours.end(), small.contours.begin(), small.contours.end());
     both.area += small.area;
     both.noise = std::max(large.noise, small.noise);
@@ -42,15 +42,15 @@ class SheetFinder {
         floor_ = least_noise * box.diagonal();
     }
 
-    std::vector<Sheet> run() const {
-        std::vector<Sheet> singles;
+    std::vector<CoplanarCluster> run() const {
+        std::vector<CoplanarCluster> singles;
         for (std::uint32_t c = 0; c < contours_.size(); ++c) {
             if (contours_[c].plane < 0) singles.push_back(single(c));
         }
         std::stable_sort(singles.begin(), singles.end(),
-                         [](const Sheet& p, const Sheet& q) { return p.area > q.area; });
-        std::vector<Sheet> sheets;
-        for (Sheet& one : singles) {
+                         [](const CoplanarCluster& p, const CoplanarCluster& q) { return p.area > q.area; });
+        std::vector<CoplanarCluster> sheets;
+        for (CoplanarCluster& one : singles) {
             const std::size_t host = one.noise <= tolerance_ ? host_of(one, sheets) : sheets.size();
             if (host < sheets.size()) {
                 sheets[host] = joined(sheets[host], one);
@@ -62,9 +62,9 @@ class SheetFinder {
     }
 
   private:
-    Sheet single(std::uint32_t c) const {
+    CoplanarCluster single(std::uint32_t c) const {
         const std::span<const Vec3> points = contours_[c].points;
-        Sheet one;
+        CoplanarCluster one;
         one.contours = {c};
         one.area = vector_area(points);
         one.count = static_cast<double>(points.size());
@@ -75,7 +75,7 @@ class SheetFinder {
         return one;
     }
 
-    double deviation(const Sheet& sheet) const {
+    double deviation(const CoplanarCluster& sheet) const {
         double largest = 0;
         for (const std::uint32_t c : sheet.contours) {
             for (const Vec3& p : contours_[c].points)
@@ -85,12 +85,12 @@ class SheetFinder {
     }
 
     // The sheet whose plane fits best; their number if none does.
-    std::size_t host_of(const Sheet& one, const std::vector<Sheet>& sheets) const {
+    std::size_t host_of(const CoplanarCluster& one, const std::vector<CoplanarCluster>& sheets) const {
         constexpr double furthest = 10;  // radii of a sheet beside it
         std::size_t best = sheets.size();
         double least = 1;
         for (std::size_t s = 0; s < sheets.size(); ++s) {
-            const Sheet& sheet = sheets[s];
+            const CoplanarCluster& sheet = sheets[s];
             if (sheet.noise > tolerance_) continue;
             const double allowed = fitted_share * std::max({one.noise, sheet.noise, rounding_}) + floor_;
             const double reach = 1 + std::min(sheet.leverage(one.mean), furthest);
@@ -108,7 +108,8 @@ class SheetFinder {
 
 }  // namespace
 
-std::vector<Sheet> find_sheets(std::span<const ContourToPlace> contours, double tolerance, double rounding) {
+std::vector<CoplanarCluster> find_coplanar_clusters(std::span<const ContourToPlace> contours,
+                                                    double tolerance, double rounding) {
     return SheetFinder(contours, tolerance, rounding).run();
 }
 

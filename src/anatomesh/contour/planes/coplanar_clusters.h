@@ -14,7 +14,7 @@ namespace anatomesh {
 inline constexpr double fitted_share = 1.25;
 
 // Contours that lie on one plane as well as each of them lies on its own.
-struct Sheet {
+struct CoplanarCluster {
     std::vector<std::uint32_t> contours;
     double area = 0;   // of all of them
     double noise = 0;  // how far points of one of them lie off that one's own plane
@@ -31,6 +31,7 @@ struct Sheet {
 // of its plane; each goes to the sheet whose plane fits it best, if one does. Points of a contour that lie
 // further than `tolerance` off its plane do not show what plane it is. `rounding`: of the points, mm.
 // Complexity: O(contours x sheets x points of a sheet) at most.
-std::vector<Sheet> find_sheets(std::span<const ContourToPlace> contours, double tolerance, double rounding);
+std::vector<CoplanarCluster> find_coplanar_clusters(std::span<const ContourToPlace> contours,
+                                                    double tolerance, double rounding);
 
 }  // namespace anatomesh

@@ -90,10 +90,10 @@ std::string slice_text(const Plane& plane, const std::string& given, std::size_t
 }
 
 std::vector<std::string> keep_empty_slices(ContourSet& set, std::span<const EmptyPlane> planes,
-                                           double parallel_tolerance_mm) {
+                                           double tolerance_mm) {
     std::vector<std::string> not_placed;
     if (planes.empty() || set.slices.empty()) return not_placed;
-    const bool parallel = all_parallel(set, parallel_tolerance_mm);
+    const bool parallel = all_parallel(set, tolerance_mm);
     const Box3 box = set.box();
     const Vec3 middle = 0.5 * (box.low + box.high), normal = set.slices.front().plane.normal;
     std::vector<const EmptyPlane*> in_order;
@@ -110,13 +110,13 @@ std::vector<std::string> keep_empty_slices(ContourSet& set, std::span<const Empt
             is_given_again(one->plane, more, middle, place.least_distance()))
             continue;
         const Vec3 foot = middle - one->plane.signed_distance(middle) * one->plane.normal;
-        const bool is_one_of_them = parallel && length(cross(normal, one->plane.normal)) * box.diagonal() <=
-                                                    2 * parallel_tolerance_mm;
+        const bool is_one_of_them =
+            parallel && length(cross(normal, one->plane.normal)) * box.diagonal() <= 2 * tolerance_mm;
         more.push_back({is_one_of_them ? plane_at(set.slices.front().plane, dot(normal, foot)) : one->plane,
                         static_cast<std::uint32_t>(set.contours.size()), 0, one->name});
     }
     set.slices.insert(set.slices.end(), more.begin(), more.end());
-    if (all_parallel(set, parallel_tolerance_mm)) sort_by_position(set);
+    if (all_parallel(set, tolerance_mm)) sort_by_position(set);
     return not_placed;
 }
 

@@ -29,6 +29,6 @@ struct EmptyPlane {
 // kept set stays one, parallel slices in order of position, the added ones last where they are not parallel;
 // what is in it does not depend on the planes' order. Complexity: O(planes * (points + planes)).
 std::vector<std::string> keep_empty_slices(ContourSet& set, std::span<const EmptyPlane> planes,
-                                           double parallel_tolerance_mm);
+                                           double tolerance_mm);
 
 }  // namespace anatomesh

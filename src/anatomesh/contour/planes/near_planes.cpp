@@ -11,7 +11,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double share_of_gap = 0.4, noise_reach = 2, clear_share = 0.5, repeat_share = 0.1;
+constexpr double near_share_of_gap = 0.4, noise_reach = 2, clear_share = 0.5, repeat_share = 0.1;
 constexpr int scan_lines = 128;
 
 using Contours = std::vector<std::uint32_t>;
@@ -39,8 +39,8 @@ class StackReader {
             for (std::size_t next = first + 1; next < stack_.size(); ++next) {
                 if (stack_[next].is_declared || stack_[first].is_declared) break;
                 const double spread = span_of(first, next + 1);
-                if (spread > std::min(most_mm, share_of_gap * gap_before(first))) break;
-                if (spread <= share_of_gap * gap_before(next + 1)) last = next + 1;
+                if (spread > std::min(most_mm, near_share_of_gap * gap_before(first))) break;
+                if (spread <= near_share_of_gap * gap_before(next + 1)) last = next + 1;
             }
             if (last > first + 1) runs.push_back({first, last});
             first = last - 1;

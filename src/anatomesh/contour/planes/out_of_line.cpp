@@ -71,11 +71,11 @@ std::vector<Region> regions_of(const ContourSet& set, std::uint32_t structure, c
 }
 
 // What one is off the line between two others: its middle, and the corners of its box.
-struct Off {
+struct LineOffset {
     Vec2 middle, low, high;
 };
 
-Off off_line(const Region& below, const Region& one, const Region& above) {
+LineOffset off_line(const Region& below, const Region& one, const Region& above) {
     const double gap = above.height - below.height;
     const double t = gap > 0 ? (one.height - below.height) / gap : 0.5;
     const auto off = [&](Vec2 p, Vec2 q, Vec2 r) { return q - ((1 - t) * p + t * r); };
@@ -88,7 +88,7 @@ double distance_off(const Region& below, const Region& one, const Region& above)
 }
 
 // Whether all of it has moved as its middle did: what grows or ends on one side moves that side alone.
-bool has_moved(const Off& off) {
+bool has_moved(const LineOffset& off) {
     const double most = as_a_whole * length(off.middle);
     return length(off.low - off.middle) <= most && length(off.high - off.middle) <= most;
 }
@@ -109,7 +109,7 @@ std::optional<double> out_of_line(const std::vector<Region>& regions, std::size_
             usual.push_back(distance_off(regions[j - 1], regions[j], regions[j + 1]));
     }
     if (usual.size() < fewest_around) return std::nullopt;
-    const Off moved = off_line(regions[k - 1], regions[k], regions[k + 1]);
+    const LineOffset moved = off_line(regions[k - 1], regions[k], regions[k + 1]);
     const double off = length(moved.middle);
     const auto middle = usual.begin() + static_cast<std::ptrdiff_t>(usual.size() / 2);
     std::nth_element(usual.begin(), middle, usual.end());

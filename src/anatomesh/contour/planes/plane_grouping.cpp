@@ -9,8 +9,8 @@
 #include <numeric>
 #include <optional>
 
+#include "anatomesh/contour/planes/coplanar_clusters.h"
 #include "anatomesh/contour/planes/near_planes.h"
-#include "anatomesh/contour/planes/plane_sheets.h"
 #include "anatomesh/contour/planes/point_scatter.h"
 
 namespace anatomesh {
@@ -174,11 +174,11 @@ class OrientationFinder {
     // along the normal found than to planes along an axis, the axis it is.
     void turn_noisy_to_axes(std::vector<Orientation>& orientations,
                             const std::vector<std::int32_t>& orientation_of) {
-        struct Off {
+        struct OffPlanes {
             double own = 0;
             std::array<double, 3> along{};
         };
-        std::vector<Off> off(orientations.size());
+        std::vector<OffPlanes> off(orientations.size());
         for (std::size_t c = 0; c < contours_.size(); ++c) {
             const auto o = static_cast<std::size_t>(orientation_of[c]);
             if (orientations[o].fixed) continue;
@@ -587,7 +587,7 @@ PlaneGroups group_planes(std::span<const ContourToPlace> contours, std::span<con
     }
     if (!are_known) {
         const double tolerance = std::max(options.plane_tolerance_mm, fitted_share * noise);
-        for (Sheet& sheet : find_sheets(contours, tolerance, noise)) {
+        for (CoplanarCluster& sheet : find_coplanar_clusters(contours, tolerance, noise)) {
             std::sort(sheet.contours.begin(), sheet.contours.end());
             sheets.push_back(std::move(sheet.contours));
         }

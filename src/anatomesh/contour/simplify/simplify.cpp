@@ -149,7 +149,7 @@ ThinSlice simplify_slice(const ContourSet& set, const Slice& slice, const Simpli
                                              std::span(result.points).subspan(kept.first_point),
                                              slice.plane.normal));
         const auto begin = result.points.begin() + kept.first_point;
-        std::rotate(begin, std::min_element(begin, result.points.end(), lexicographic_less),
+        std::rotate(begin, std::min_element(begin, result.points.end(), LexicographicLess{}),
                     result.points.end());
         result.contours.push_back(kept);
     }

@@ -120,7 +120,7 @@ std::vector<std::uint16_t> labels_at_border(const LabelGrid& grid, bool whole_sl
 void put_in_order(SliceContours& slice) {
     for (const auto& outline : slice.outlines) {
         const auto begin = slice.points.begin() + outline.first, end = begin + outline.count;
-        std::rotate(begin, std::min_element(begin, end, lexicographic_less), end);
+        std::rotate(begin, std::min_element(begin, end, LexicographicLess{}), end);
     }
     std::sort(slice.outlines.begin(), slice.outlines.end(), [&](const auto& a, const auto& b) {
         if (a.structure != b.structure) return a.structure < b.structure;
@@ -163,7 +163,7 @@ SliceContours trace_slice(const LabelMap& labels, const GreyImage* grey, const S
     const bool mirrored = dot(cross(axes.step[0], axes.step[1]), axes.normal) < 0;
     std::vector<std::uint32_t> ring_points;
     std::vector<Vec3> whole_ring;
-    for (const Ring& ring : traced.rings) {
+    for (const TracedRing& ring : traced.rings) {
         ring_points.clear();
         append_ring_points(traced, ring, ring_points);
         if (mirrored) std::reverse(ring_points.begin(), ring_points.end());

@@ -312,7 +312,7 @@ class Tracer {
         std::vector<std::uint8_t> used(2 * sides_.size(), 0);
         for (std::uint32_t start = 0; start < used.size(); ++start) {
             if (used[start] || label_of(start) == 0) continue;
-            Ring ring{label_of(start), static_cast<std::uint32_t>(traced_.links.size()), 0};
+            TracedRing ring{label_of(start), static_cast<std::uint32_t>(traced_.links.size()), 0};
             std::uint32_t link = start;
             do {
                 assert(!used[link] && label_of(link) == ring.label);
@@ -344,7 +344,8 @@ TracedGrid trace_label_grid(const LabelGrid& grid, const GreySlice& grey) {
     return Tracer(grid, grey).run();
 }
 
-void append_ring_points(const TracedGrid& traced, const Ring& ring, std::vector<std::uint32_t>& points) {
+void append_ring_points(const TracedGrid& traced, const TracedRing& ring,
+                        std::vector<std::uint32_t>& points) {
     for (std::uint32_t i = ring.first; i < ring.first + ring.count; ++i) {
         const std::span<const std::uint32_t> chain = traced.network.chain(traced.links[i] / 2);
         // The last point of a chain is the first of the next one.

@@ -19,14 +19,14 @@ struct GreySlice {
 
 // One boundary of a label: the directed chains links[first, first + count), 2 * chain + (1 if backwards),
 // with the label on the left in pixel axes (i to the right, j up).
-struct Ring {
+struct TracedRing {
     std::uint16_t label = 0;
     std::uint32_t first = 0, count = 0;
 };
 
 struct TracedGrid {
     ChainNetwork network;  // points in pixel coordinates: the centre of pixel (i, j) is (i, j)
-    std::vector<Ring> rings;
+    std::vector<TracedRing> rings;
     std::vector<std::uint32_t> links;
 };
 
@@ -41,6 +41,6 @@ struct TracedGrid {
 TracedGrid trace_label_grid(const LabelGrid& grid, const GreySlice& grey);
 
 // The points of a ring in order, as indices into network.points.
-void append_ring_points(const TracedGrid& traced, const Ring& ring, std::vector<std::uint32_t>& points);
+void append_ring_points(const TracedGrid& traced, const TracedRing& ring, std::vector<std::uint32_t>& points);
 
 }  // namespace anatomesh

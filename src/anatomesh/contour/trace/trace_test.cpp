@@ -509,9 +509,9 @@ TEST(Trace, every_traced_vertex_is_within_epsilon_of_the_kept_polygon) {
     EXPECT_LE(thin.stats.max_distance_mm, 0.25);
     // Kept vertices are traced ones.
     std::vector<Vec3> points = all.kept.points;
-    std::sort(points.begin(), points.end(), lexicographic_less);
+    std::sort(points.begin(), points.end(), LexicographicLess{});
     for (const Vec3& p : thin.kept.points) {
-        EXPECT_TRUE(std::binary_search(points.begin(), points.end(), p, lexicographic_less));
+        EXPECT_TRUE(std::binary_search(points.begin(), points.end(), p, LexicographicLess{}));
     }
 }
 

@@ -18,10 +18,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_vertices = 3;  // of either contour in a sliver: more are no chords of one line
-constexpr double on_plane_mm = 0.01;      // of another slice
-constexpr double least_area = 0.1;        // of slivers: so much may change beyond each of their two ends
-constexpr double beside_a_vertex = 0.1;   // of a segment: a crossing so near to its end gets no vertex
+constexpr std::size_t most_vertices = 3;    // of either contour in a sliver: more are no chords of one line
+constexpr double on_other_slice_mm = 0.01;  // of another slice
+constexpr double least_area = 0.1;          // of slivers: so much may change beyond each of their two ends
+constexpr double beside_a_vertex = 0.1;     // of a segment: a crossing so near to its end gets no vertex
 
 // Where two loops meet: how far along either, the n-th vertex at n.
 struct Meeting {
@@ -357,11 +357,11 @@ class SliceSlivers : public LedContours {
                 const bool is_end = std::any_of(ends.begin(), ends.end(), [&](std::uint32_t v) {
                     return v != no_vertex && ring[k] == at_[v];
                 });
-                if (is_end && std::abs(height) <= on_plane_mm) continue;
+                if (is_end && std::abs(height) <= on_other_slice_mm) continue;
                 low = std::min(low, height);
                 high = std::max(high, height);
             }
-            if (low <= on_plane_mm && high >= -on_plane_mm) return true;
+            if (low <= on_other_slice_mm && high >= -on_other_slice_mm) return true;
         }
         return false;
     }

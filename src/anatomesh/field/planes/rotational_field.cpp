@@ -21,7 +21,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double near_vertices = 1;  // slices nearer to each other than so many mean distances of vertices
-constexpr double most_gap = 1e6;     // spacings: the sweep has none that is not to be joined
+constexpr double any_gap = 1e6;      // spacings: the sweep has none that is not to be joined
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
 using Field = std::shared_ptr<const StructureField>;
@@ -203,7 +203,7 @@ Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSw
     const ContourSet straightened = parts.sweep.straight(set);
     FieldOptions straight = options;
     straight.clamp_mm = parts.near->clamp();
-    straight.max_gap_spacings = most_gap;
+    straight.max_gap_spacings = any_gap;
     straight.every_slice_tells = true;
     ANATOMESH_TRY(parts.away, make_parallel_field(straightened, straight, apart));
     parts.near_spacing = near_vertices * mean_vertex_spacing(set);

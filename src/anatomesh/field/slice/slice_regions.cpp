@@ -10,7 +10,7 @@ namespace {
 auto key(const Edge2& edge) {
     return std::tuple(edge.a.x, edge.a.y, edge.b.x, edge.b.y);
 }
-bool before(const Edge2& e, const Edge2& f) {
+bool edge_before(const Edge2& e, const Edge2& f) {
     return key(e) < key(f);
 }
 Edge2 reversed(const Edge2& edge) {
@@ -56,9 +56,9 @@ std::vector<Edge2> union_boundary(const std::vector<SliceRegion>& regions) {
     std::vector<Edge2> all;
     for (const SliceRegion& region : regions) all.insert(all.end(), region.edges.begin(), region.edges.end());
     std::vector<Edge2> sorted = all;
-    std::sort(sorted.begin(), sorted.end(), before);
+    std::sort(sorted.begin(), sorted.end(), edge_before);
     std::erase_if(all, [&](const Edge2& edge) {
-        return std::binary_search(sorted.begin(), sorted.end(), reversed(edge), before);
+        return std::binary_search(sorted.begin(), sorted.end(), reversed(edge), edge_before);
     });
     return all;
 }

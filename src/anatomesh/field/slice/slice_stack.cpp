@@ -14,7 +14,6 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double parallel_tolerance_mm = 0.01;
 constexpr double even_share = 0.02;  // of the spacing, by which a slice may be off its place
 
 Error stack_error(ErrorKind kind, const char* code, std::string message, const ContourSet& set,

@@ -9,7 +9,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t points_asked = 128;  // of an outline, which ones of the other slice they lie in
+constexpr std::uint32_t outline_points_asked =
+    128;  // of an outline, which ones of the other slice they lie in
 
 std::uint32_t count_solid(const Outlines& outlines) {
     std::uint32_t solid = 0;
@@ -23,7 +24,7 @@ void join_overlapping(const Outlines& outlines, const Outlines& others, const Di
     for (std::uint32_t n = 0; n < outlines.size(); ++n) {
         const Outline& outline = outlines[n];
         if (!(outline.area > 0)) continue;
-        const std::uint32_t stride = outline.count / points_asked + 1;
+        const std::uint32_t stride = outline.count / outline_points_asked + 1;
         outlines.each_piece(outline, [&](std::uint32_t k, const BoundaryPiece& piece) {
             if (k % stride != 0 || !(others_map.value(piece.a) < 0)) return;
             // Of those round the point, the innermost bounds what is drawn there.

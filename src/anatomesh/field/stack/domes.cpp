@@ -6,10 +6,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double bluntest = 8;     // gaps to where the area would be nothing; beyond, a part ends flat
-constexpr double highest = 0.85;   // gaps; a dome stays off the next slice, which shows nothing of the part
-constexpr double widest = 2.5;     // greatest depths: how much wider the part before is looked for
-constexpr int depth_lattice = 32;  // points a side over a section, to find where it is deepest
+constexpr double bluntest = 8;    // gaps to where the area would be nothing; beyond, a part ends flat
+constexpr double highest = 0.85;  // gaps; a dome stays off the next slice, which shows nothing of the part
+constexpr double widest_reach = 2.5;  // greatest depths: how much wider the part before is looked for
+constexpr int depth_lattice = 32;     // points a side over a section, to find where it is deepest
 
 double greatest_depth(const DistanceMap& section) {
     const Box2& box = section.region_box();
@@ -44,7 +44,7 @@ std::optional<Dome> dome_of(const DistanceMap& section, bool is_void, const Dist
         return lost > 0 ? section.area() * gap_before / (lost * gap) : bluntest;
     };
     double gaps = gaps_to_nothing(before);
-    const double depth = greatest_depth(section), reach = widest * depth;
+    const double depth = greatest_depth(section), reach = widest_reach * depth;
     if (!(gaps < bluntest && depth > 0)) return std::nullopt;
     if (reach > before.limit())
         gaps = gaps_to_nothing(DistanceMap({before.edges().begin(), before.edges().end()}, reach));

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/improve/core/drawn_slices.h"
 
 namespace anatomesh {
@@ -11,8 +12,8 @@ namespace anatomesh {
 struct DihedralOptions {
     double target_degrees =
         15;  // cells inside with an angle below it (or above 180 less it) are worked on. [0, 40]
-    double max_radius_edge =
-        2.0;  // no operation makes a ratio above it that is also above what it was. [1.2, 10]
+    double max_radius_edge = contract::
+        max_radius_edge;  // no operation makes a ratio above it that is also above what it was. [1.2, 10]
     double tolerance_mm =
         0.05;  // vertices of an interface stay within this of the field's, or as near as they were. > 0
     double max_deviation_mm =
@@ -21,7 +22,7 @@ struct DihedralOptions {
         2;  // the bound grows by this factor for the cells that are still bad after all passes. [1, 10]
     // Instead of max_radius_edge, at last, where that leaves an angle below 10 degrees; if larger, cells
     // above it are worked on too. >= 1.2
-    double last_radius_edge = 3.9;
+    double last_radius_edge = contract::nearly_bad_radius_edge;
     double flip_gain_degrees = 2;  // edges of surfaces are flipped where that makes the angles at their
                                    // facets fall by more. (0, 900]
     double apex_mm = 1;    // a vertex of a surface further from the field's is lowered (lower_apexes.h). > 0

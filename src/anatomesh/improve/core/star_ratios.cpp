@@ -13,7 +13,7 @@ namespace {
 
 constexpr float far_away = 1e12f;  // of facets that fill up the lanes: their ratios do not count
 constexpr float surely = 1.01f;    // by so much better than needed
-constexpr float nearly_flat = 1e-3f;
+constexpr float nearly_flat_shape = 1e-3f;
 
 }  // namespace
 
@@ -236,7 +236,7 @@ ANATOMESH_CLONES StarRatios::Worst StarRatios::worst(Vec3 move) const {
 
 StarRatios::Verdict StarRatios::judge(Vec3 move, double max_ratio, double min_sine) const {
     const Worst now = worst(move);
-    if (!(now.flattest >= 2 * nearly_flat)) return Verdict::unsure;
+    if (!(now.flattest >= 2 * nearly_flat_shape)) return Verdict::unsure;
     auto squared_ratio = static_cast<float>(max_ratio * max_ratio),
          squared_sine = static_cast<float>(min_sine * min_sine);
     const auto good = [&] {

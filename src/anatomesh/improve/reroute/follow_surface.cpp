@@ -21,7 +21,7 @@ namespace {
 constexpr double on_segment = 1e-6;  // a vertex within it lies on a segment, in its lengths, or in its plane
 constexpr std::size_t most_missed = 1000;   // segments: where more are, the cells do not fit the contours
 constexpr std::size_t most_attempts = 400;  // to lead one
-constexpr int rounds = 3;                   // over the contours: one may need that beside it
+constexpr int contour_rounds = 3;           // over the contours: one may need that beside it
 constexpr std::size_t last_missed = 10;     // segments: no more than these may ask for worse shapes
 constexpr std::size_t most_beside = 6;      // segments on either side of a missed one that a way may replace
 constexpr double reach = 2;                 // and how far along them it may end, in most_mm
@@ -61,7 +61,7 @@ struct Shore {
 };
 
 // Over the section of the surface, and the places between which it replaces what is drawn.
-struct Way {
+struct SectionPath {
     std::vector<SectionPoint> points;
     double from = 0, to = 0;
     double farthest_mm = 0;
@@ -129,7 +129,7 @@ class Follower {
 
   private:
     void lead_all() {
-        for (int round = 0; round < rounds; ++round) {
+        for (int round = 0; round < contour_rounds; ++round) {
             bool any = false;
             for (Led& led : contours_) any |= lead(led);
             if (!any) break;
@@ -259,7 +259,7 @@ class Follower {
         shore.ends.push_back({v, shore.length});
     }
 
-    std::optional<Way> find_way(const Led& led, const Shore& here, const Shore& there) {
+    std::optional<SectionPath> find_way(const Led& led, const Shore& here, const Shore& there) {
         const Contour& contour = led.contour;
         const std::vector<Vec3> drawn =
             led.loop.drawn_between(here.corners.back().at, there.corners.back().at);
@@ -281,7 +281,7 @@ class Follower {
                 return length(point.place - nearest_on_row(drawn, point.place)) <= following_.most_mm;
             });
         if (!points) return std::nullopt;
-        Way way{std::move(*points)};
+        SectionPath way{std::move(*points)};
         way.from = here.at(way.points.front().node.p);
         way.to = there.at(way.points.back().node.p);
         way.farthest_mm = distance_of_rows(way.places(), led.loop.drawn_between(way.from, way.to));
@@ -289,7 +289,7 @@ class Follower {
     }
 
     bool attempt(Led& led, const Shore& here, const Shore& there, double near) {
-        std::optional<Way> way = find_way(led, here, there);
+        std::optional<SectionPath> way = find_way(led, here, there);
         if (!way) return false;
         const DihedralStats stats = bench_.stats;
         bench_.mesh.begin_attempt();
@@ -313,7 +313,7 @@ class Follower {
 
     // Draws the way, now edges, near to what is drawn, and improves the shapes. False if the cells are bad
     // then, or if it went too far.
-    bool settle(const Led& led, Way& way, const std::vector<std::uint32_t>& vertices, Attempt& done) {
+    bool settle(const Led& led, SectionPath& way, const std::vector<std::uint32_t>& vertices, Attempt& done) {
         const std::vector<Vec3> drawn = led.loop.drawn_between(way.from, way.to);
         release(led, way, vertices, done);
         for (int turn = 0; turn < turns; ++turn) {
@@ -331,7 +331,7 @@ class Follower {
     }
 
     // Puts the way into the loop; false if the slice's contours are none of a kept set then.
-    bool replace(const Led& led, const Way& way, const std::vector<std::uint32_t>& vertices,
+    bool replace(const Led& led, const SectionPath& way, const std::vector<std::uint32_t>& vertices,
                  ContourLoop& loop) const {
         return loop.replace({way.from, way.to, vertices, way.places()}) && is_sound(led, loop);
     }
@@ -344,7 +344,7 @@ class Follower {
     }
 
     // Free ends of edges that the way crosses near them, onto it; says whether there were any.
-    bool move_near(const Way& way, double near, Attempt& done) {
+    bool move_near(const SectionPath& way, double near, Attempt& done) {
         const std::size_t before = done.moved.size();
         for (const auto& [node, place] : way.points) {
             if (node.is_vertex()) continue;
@@ -362,7 +362,7 @@ class Follower {
     }
 
     // Puts vertices on the edges that the way crosses; false if it is not edges of the surface then.
-    bool make_edges(const Way& way, std::uint32_t structure, std::vector<std::uint32_t>& vertices,
+    bool make_edges(const SectionPath& way, std::uint32_t structure, std::vector<std::uint32_t>& vertices,
                     Attempt& done) {
         for (const auto& [node, place] : way.points) {
             if (node.is_vertex()) {
@@ -431,7 +431,8 @@ class Follower {
 
     // Pieces of segments that the way takes the place of: their edges need not be there any more, vertices of
     // theirs alone may move, and do not crowd others.
-    void release(const Led& led, const Way& way, const std::vector<std::uint32_t>& vertices, Attempt& done) {
+    void release(const Led& led, const SectionPath& way, const std::vector<std::uint32_t>& vertices,
+                 Attempt& done) {
         std::vector<std::uint32_t> row;
         std::vector<VertexPair> edges;
         for (auto n = static_cast<std::int64_t>(std::floor(way.from)); static_cast<double>(n) < way.to; ++n) {

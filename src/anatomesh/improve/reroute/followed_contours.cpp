@@ -17,7 +17,7 @@ namespace anatomesh {
 
 namespace {
 
-struct Ring {
+struct DrawnRing {
     std::uint32_t structure = 0;
     std::vector<Vec3> points;
     std::vector<std::uint32_t> vertices;
@@ -45,11 +45,11 @@ ContoursOfMesh follow_contours(const ContourSet& set, std::span<const std::uint3
     result.contours.contours.clear();
     auto next = followed.begin();
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
-        std::vector<Ring> rings;
+        std::vector<DrawnRing> rings;
         const Slice& slice = set.slices[s];
         for (std::uint32_t c = slice.first_contour; c < slice.first_contour + slice.contour_count; ++c) {
             const Contour& contour = set.contours[c];
-            Ring& ring = rings.emplace_back();
+            DrawnRing& ring = rings.emplace_back();
             ring.structure = contour.structure;
             if (next != followed.end() && next->contour == c) {
                 ring.vertices = next->vertices;
@@ -63,11 +63,11 @@ ContoursOfMesh follow_contours(const ContourSet& set, std::span<const std::uint3
             const auto first = vertex_of.begin() + contour.first_point;
             ring.vertices.assign(first, first + contour.point_count);
         }
-        std::stable_sort(rings.begin(), rings.end(), [](const Ring& a, const Ring& b) {
+        std::stable_sort(rings.begin(), rings.end(), [](const DrawnRing& a, const DrawnRing& b) {
             if (a.structure != b.structure) return a.structure < b.structure;
             return lexicographic_less(a.points.front(), b.points.front());
         });
-        for (const Ring& ring : rings) {
+        for (const DrawnRing& ring : rings) {
             const auto first = static_cast<std::uint32_t>(result.contours.points.size());
             result.contours.contours.push_back(
                 {ring.structure, s, first, static_cast<std::uint32_t>(ring.points.size())});

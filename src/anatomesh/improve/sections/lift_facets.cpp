@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/improve/core/hole.h"
 
@@ -15,10 +16,11 @@ namespace {
 
 constexpr double first_height = 0.2,
                  height_factor = 1.5;  // of the new vertex, as a share of the cell's height
-constexpr int heights = 4;
+constexpr int heights_tried = 4;
 constexpr double flat_end = 1e-3;  // of a facet's longest edge: nearer to an interface its middle lies on it
 constexpr std::size_t most_round_edge = 12;  // cells between two facets that are lifted together
-constexpr double last_radius_edge = 3.9;     // of cells for the sake of what is drawn
+constexpr double last_radius_edge =
+    contract::nearly_bad_radius_edge;  // of cells for the sake of what is drawn
 
 class Lifter {
   public:
@@ -162,7 +164,7 @@ class Lifter {
         const auto anywhere = [](Vec3&) { return true; };
         for (const double most : {bench_.options.max_radius_edge, last_radius_edge}) {
             double height = first_height;
-            for (int n = 0; n < heights; ++n, height *= height_factor) {
+            for (int n = 0; n < heights_tried; ++n, height *= height_factor) {
                 if (Hole(bench_, cells, facets)
                         .fill(foot + height * (top - foot), {}, most, enough, anywhere))
                     return true;

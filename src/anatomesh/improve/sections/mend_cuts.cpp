@@ -23,8 +23,8 @@ namespace {
 constexpr double enough_less = 0.5;               // of the wrong share
 constexpr std::uint64_t most_vain = 10'000;       // places: so many are of slices that contradict each other
 constexpr double least_wrong_of_crossing = 1e-6;  // share of what is drawn: less is not mended there
-constexpr std::array heights{0.05, -0.05, 0.1,  -0.1,
-                             0.2,  -0.2,  0.35, -0.35};  // of a moved vertex over the plane, in edges at it
+constexpr std::array height_shares{0.05, -0.05, 0.1,  -0.1, 0.2,
+                                   -0.2, 0.35,  -0.35};  // of a moved vertex over the plane, in edges at it
 constexpr std::array lifts{0.1, 0.2, 0.3, 0.45, 0.06, 0.03};  // of a new vertex, in heights of the cell
 constexpr double radians_per_degree = std::numbers::pi / 180;
 constexpr double before_moving = 0.5;  // of the least sine that an edge may be collapsed for
@@ -213,7 +213,7 @@ class Mender {
         return areas_.any_plane_at(round, [&](std::uint32_t k) {
             if (!(areas_.wrong_round(v, star, k) > least_wrong_)) return false;
             const Plane& plane = areas_.plane(k);
-            for (const double share : heights) {
+            for (const double share : height_shares) {
                 Vec3 p = from + (share * edge - plane.signed_distance(from)) * plane.normal;
                 if (!near(p)) continue;
                 if (bench_.local.ascend(p, bench_.local.worst(p, -2), bench_.goal, plane.normal, near) <

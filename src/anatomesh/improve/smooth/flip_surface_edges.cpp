@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint32_t no_facet = 0xFFFFFFFFu;
 
 // Between two regions; counter-clockwise seen from the one with the smaller number.
-struct Facet {
+struct SurfaceFacet {
     std::array<std::uint32_t, 3> corners{};
     std::array<std::uint32_t, 3> across{};  // the facet beyond the edge opposite a corner; none at a junction
     std::uint32_t cell = 0;                 // one behind it, unless a flip has taken that away
@@ -95,12 +95,12 @@ class Flipper {
 
     void collect() {
         const EditMesh& mesh = bench_.mesh;
-        const auto add_facets_of = [&](std::uint32_t c, std::vector<Facet>& facets) {
+        const auto add_facets_of = [&](std::uint32_t c, std::vector<SurfaceFacet>& facets) {
             if (!mesh.alive(c) || mesh.region(c) == 0) return;
             for (int i = 0; i < 4; ++i) {
                 const std::uint32_t other = mesh.neighbor(c, i);
                 if (other == no_cell || mesh.region(other) >= mesh.region(c)) continue;
-                Facet facet;
+                SurfaceFacet facet;
                 for (int n = 0; n < 3; ++n) facet.corners[n] = mesh.cell(c)[facet_vertices[i][n]];
                 facet.cell = c;
                 facet.behind = mesh.region(c);
@@ -109,12 +109,12 @@ class Flipper {
                 facets.push_back(facet);
             }
         };
-        facets_ =
-            parallel_collect<Facet>(mesh.cell_count(), 16384, threads_,
-                                    [&](std::size_t first, std::size_t last, std::vector<Facet>& facets) {
-                                        for (std::size_t c = first; c < last; ++c)
-                                            add_facets_of(static_cast<std::uint32_t>(c), facets);
-                                    });
+        facets_ = parallel_collect<SurfaceFacet>(
+            mesh.cell_count(), 16384, threads_,
+            [&](std::size_t first, std::size_t last, std::vector<SurfaceFacet>& facets) {
+                for (std::size_t c = first; c < last; ++c)
+                    add_facets_of(static_cast<std::uint32_t>(c), facets);
+            });
     }
 
     // Of the edges of the facets those whose flip gains and that the cells let flip, with most to gain first.
@@ -152,10 +152,10 @@ class Flipper {
     // Joins the facets of each edge that has just two.
     void link() {
         std::vector<std::uint32_t> start(bench_.mesh.point_count() + 1, 0);
-        const auto least_end = [&](const Facet& facet, int k) {
+        const auto least_end = [&](const SurfaceFacet& facet, int k) {
             return std::min(facet.corners[(k + 1) % 3], facet.corners[(k + 2) % 3]);
         };
-        for (const Facet& facet : facets_) {
+        for (const SurfaceFacet& facet : facets_) {
             for (int k = 0; k < 3; ++k) ++start[least_end(facet, k) + 1];
         }
         for (std::size_t v = 0; v + 1 < start.size(); ++v) start[v + 1] += start[v];
@@ -221,7 +221,7 @@ class Flipper {
 
     // By how much the angles at the two facets fall, in radians; n and m are the new ones' normals.
     double gain(const Quad& q, Vec3 n, Vec3 m) const {
-        const Facet &f = facets_[q.f], &g = facets_[q.g];
+        const SurfaceFacet &f = facets_[q.f], &g = facets_[q.g];
         double sum = angle_between(f.normal, g.normal) - angle_between(n, m);
         const auto add = [&](std::uint32_t beyond, Vec3 now, Vec3 then) {
             if (beyond == no_facet) return;
@@ -241,14 +241,14 @@ class Flipper {
         return edge && flip_edge(scout, edge->first, edge->second, options_.good_sine);
     }
 
-    static bool has_facet(const Cell& cell, const Facet& facet) {
+    static bool has_facet(const Cell& cell, const SurfaceFacet& facet) {
         return std::all_of(facet.corners.begin(), facet.corners.end(), [&](std::uint32_t v) {
             return std::find(cell.begin(), cell.end(), v) != cell.end();
         });
     }
 
     // A cell behind the facet and its edge ab.
-    static std::optional<std::pair<std::uint32_t, int>> cell_edge(Workbench& scout, Facet& facet,
+    static std::optional<std::pair<std::uint32_t, int>> cell_edge(Workbench& scout, SurfaceFacet& facet,
                                                                   std::uint32_t a, std::uint32_t b) {
         const auto is_behind = [&](std::uint32_t c) {
             return scout.mesh.alive(c) && scout.mesh.region(c) == facet.behind &&
@@ -271,7 +271,7 @@ class Flipper {
     // The facets f and g become (a, d, c) and (d, b, c).
     void replace(const Flip& flip, const CellExchange& cells) {
         const Quad& q = flip.quad;
-        Facet &f = facets_[q.f], &g = facets_[q.g];
+        SurfaceFacet &f = facets_[q.f], &g = facets_[q.g];
         const std::uint32_t beyond_bc = f.across[(q.k + 1) % 3], beyond_ca = f.across[(q.k + 2) % 3],
                             beyond_ad = g.across[(q.j + 1) % 3], beyond_db = g.across[(q.j + 2) % 3];
         f.corners = {q.a, q.d, q.c};
@@ -281,7 +281,7 @@ class Flipper {
         g.across = {beyond_bc, q.f, beyond_db};
         g.normal = flip.m;
         for (std::size_t n = 0; n < cells.added.size(); ++n) {
-            for (Facet* facet : {&f, &g}) {
+            for (SurfaceFacet* facet : {&f, &g}) {
                 if (cells.regions[n] == facet->behind && has_facet(cells.added[n], *facet))
                     facet->cell = cells.slots[n];
             }
@@ -295,7 +295,7 @@ class Flipper {
     Workbench& bench_;
     FlipOptions options_;
     int threads_;
-    std::vector<Facet> facets_;
+    std::vector<SurfaceFacet> facets_;
     std::vector<std::uint8_t> waits_;  // by facet: it is in the work
 };
 

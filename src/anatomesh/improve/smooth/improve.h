@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
@@ -12,9 +13,9 @@
 namespace anatomesh {
 
 struct ImproveOptions {
-    double max_radius_edge = 2.0;  // cells inside above it are worked on. [1.2, 10]
-    double tolerance_mm = 0.05;    // vertices of an interface within this of the field's are left there. > 0
-    int rounds = 4;                // over the vertices of bad cells. [0, 100]
+    double max_radius_edge = contract::max_radius_edge;  // cells inside above it are worked on. [1.2, 10]
+    double tolerance_mm = 0.05;  // vertices of an interface within this of the field's are left there. > 0
+    int rounds = 4;              // over the vertices of bad cells. [0, 100]
 };
 
 struct ImproveStats {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/geom/plane_sides.h"
@@ -15,7 +16,8 @@
 namespace anatomesh {
 
 struct SmoothOptions {
-    double max_radius_edge = 2.0;  // no ratio rises above both this and the worst at the vertex. [1.2, 10]
+    double max_radius_edge =
+        contract::max_radius_edge;  // no ratio rises above both this and the worst at the vertex. [1.2, 10]
     double min_dihedral_degrees =
         16;  // nor does an angle (or 180 less it) fall below this and the least there. [0, 40]
     double tolerance_mm =

@@ -22,9 +22,7 @@ constexpr std::size_t most_chains =
 constexpr std::size_t most_improved = 12;          // sheets and thicknesses whose cells are worked on
 constexpr std::size_t most_improved_at_last = 36;  // where some of these may be above the first bound
 constexpr std::size_t most_improved_in_all = 100;
-constexpr std::size_t most_tried_in_all = 1000;    // sheets and thicknesses, sound or not
-constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
-constexpr double most_of_cuts = 3e-4;  // share of what is drawn by which cuts may get worse for a chain
+constexpr std::size_t most_tried_in_all = 1000;  // sheets and thicknesses, sound or not
 constexpr std::size_t no_limit = static_cast<std::size_t>(-1);
 constexpr int rounds = 4;  // over the chains: one may need that beside it
 
@@ -117,7 +115,7 @@ class Bringer {
                           most_here = most_more_ > 0 ? most_improved_at_last : most_improved;
         for (const Sheet& sheet : sheets) {
             for (const SheetReach reach : {SheetReach::wide, SheetReach::joined}) {
-                for (const double thickness : thicknesses) {
+                for (const double thickness : membrane_thicknesses) {
                     const Outcome outcome = attempt(chain, sheet, own, reach, thickness, most_more);
                     ++tried_;
                     if (outcome == Outcome::done) return true;
@@ -136,7 +134,7 @@ class Bringer {
         bench_.mesh.begin_attempt();
         std::optional<ThickenedSheet> made =
             thicken_sheet(bench_, owners_, chain, sheet, own, reach, thickness, areas_ ? &*areas_ : nullptr);
-        if (!made || made->wrong_of_cuts > most_of_cuts) {
+        if (!made || made->wrong_of_cuts > most_worse_sections) {
             bench_.mesh.end_attempt(false);
             return made ? Outcome::bad_cut : Outcome::unsound;
         }

@@ -18,10 +18,10 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double worth_a_patch = 5e-5;      // share of what is drawn that is wrong
-constexpr double enough_less = 0.5;         // of a patch
-constexpr std::size_t most_cuts = 60;       // where more are wrong, slices contradict each other
-constexpr std::size_t most_improved = 100;  // ways to carve whose cells are worked on in vain
+constexpr double worth_a_patch = 5e-5;            // share of what is drawn that is wrong
+constexpr double enough_less = 0.5;               // of a patch
+constexpr std::size_t most_cuts = 60;             // where more are wrong, slices contradict each other
+constexpr std::size_t most_carved_in_vain = 100;  // ways to carve whose cells are worked on in vain
 // Cells worked on where planes cross, of one cut and of all: much more would be in vain.
 constexpr std::size_t most_cells_of_cut = 5'000, most_cells_across = 20'000;
 constexpr std::size_t most_tried = 1000;   // ways, sound or not
@@ -29,9 +29,10 @@ constexpr std::size_t most_of_crumb = 64;  // cells, as in crumbs.h
 constexpr std::array nearness{0.25, 0.0};  // of a vertex that is taken for one of the patch, in edges
 // Of a sheet, as shares of the edges that lead off it; the last one not where planes cross, for there all
 // cuts together have only so many tries.
-constexpr std::array thicknesses{0.5, 0.3, 0.15, 0.7};
+constexpr std::array carved_thicknesses{0.5, 0.3, 0.15, 0.7};
 
-constexpr std::array reaches{SheetReach::wide, SheetReach::joined, SheetReach::near, SheetReach::others};
+constexpr std::array carved_reaches{SheetReach::wide, SheetReach::joined, SheetReach::near,
+                                    SheetReach::others};
 
 class Carver {
   public:
@@ -201,17 +202,17 @@ class Carver {
     }
 
     bool is_enough() const {
-        return context_.cancelled() || improved_ >= most_improved || tried_ >= most_tried ||
+        return context_.cancelled() || improved_ >= most_carved_in_vain || tried_ >= most_tried ||
                (!drawn_.extents.empty() &&
                 (worked_on_ >= most_cells_across || worked_on_ - before_cut_ >= most_cells_of_cut));
     }
 
     bool carve(const SectionPatch& patch, std::size_t cut, bool may_part) {
-        const std::size_t count = thicknesses.size() - (drawn_.extents.empty() ? 0 : 1);
+        const std::size_t count = carved_thicknesses.size() - (drawn_.extents.empty() ? 0 : 1);
         farthest_mm_ = farthest_round(patch);
         for (const double near : nearness) {
-            for (const SheetReach reach : reaches) {
-                for (const double thickness : std::span(thicknesses).first(count)) {
+            for (const SheetReach reach : carved_reaches) {
+                for (const double thickness : std::span(carved_thicknesses).first(count)) {
                     const Outcome outcome = attempt(patch, cut, {near, reach, thickness}, may_part);
                     ++tried_;
                     if (outcome == Outcome::done) return true;

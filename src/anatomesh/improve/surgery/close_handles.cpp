@@ -20,11 +20,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_improved = 60;          // sheets and thicknesses whose cells are worked on in vain
-constexpr std::size_t most_handles = 200;          // where more are found, cells do not fit the contours
-constexpr std::array thicknesses{0.5, 0.3, 0.15};  // of a sheet, as a share of the edges that lead off it
-constexpr double most_of_cuts = 3e-4;  // share of what is drawn by which cuts may get worse for a handle
-constexpr std::array reaches{SheetReach::near, SheetReach::joined, SheetReach::wide};
+constexpr std::size_t most_closed_in_vain = 60;  // sheets and thicknesses whose cells are worked on in vain
+constexpr std::size_t most_handles = 200;        // where more are found, cells do not fit the contours
+constexpr std::array handle_reaches{SheetReach::near, SheetReach::joined, SheetReach::wide};
 
 // What lies on the two sides of loops of edges on a closed oriented surface.
 class SurfaceSides {
@@ -122,7 +120,7 @@ class Closer {
     bool has(std::uint32_t c, std::uint32_t structure) const {
         return bench_.table->contains(bench_.mesh.region(c), structure);
     }
-    bool is_enough() const { return context_.cancelled() || improved_ >= most_improved; }
+    bool is_enough() const { return context_.cancelled() || improved_ >= most_closed_in_vain; }
 
     // Of the structure: those that cannot be closed are not tried again.
     void close_all() {
@@ -233,8 +231,8 @@ class Closer {
     bool thicken(const Sheet& sheet, Region own) {
         note_parts_at(sheet);
         for (const SheetSides side : {SheetSides::first, SheetSides::second}) {
-            for (const SheetReach reach : reaches) {
-                for (const double thickness : thicknesses) {
+            for (const SheetReach reach : handle_reaches) {
+                for (const double thickness : membrane_thicknesses) {
                     if (is_enough()) return false;
                     const Outcome outcome = attempt(sheet, own, {side, reach, thickness});
                     if (outcome == Outcome::done) return true;
@@ -272,7 +270,7 @@ class Closer {
         if (!made || std::find(made->parted.begin(), made->parted.end(), structure_) == made->parted.end() ||
             !std::all_of(made->parted.begin(), made->parted.end(), is_whole))
             return Outcome::unsound;
-        if (made->wrong_of_cuts > most_of_cuts) return Outcome::bad;
+        if (made->wrong_of_cuts > most_worse_sections) return Outcome::bad;
         ++improved_;
         std::vector<std::uint32_t> changed = std::move(made->changed);
         const std::vector<std::uint32_t> improved = improve_(changed);

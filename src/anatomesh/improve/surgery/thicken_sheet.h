@@ -2,6 +2,7 @@
 // lie on the surface.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -11,6 +12,11 @@
 #include "anatomesh/improve/surgery/surface_sheets.h"
 
 namespace anatomesh {
+
+// Thicknesses that are tried, as shares of the edges that lead off a sheet.
+inline constexpr std::array membrane_thicknesses{0.5, 0.3, 0.15};
+// Share of what is drawn by which cuts may get worse for the sake of a chain or of a handle.
+inline constexpr double most_worse_sections = 3e-4;
 
 struct ThickenedSheet {
     std::vector<std::uint32_t> changed;  // cells that were made or changed their region; rising

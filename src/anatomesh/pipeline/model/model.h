@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/improve/core/drawn_slices.h"
@@ -16,10 +17,10 @@ namespace anatomesh {
 struct ModelOptions {
     double size_mm = 0;  // target edge length. 0: from the slice spacing and the contours. [0.01, 1000]
     EndCaps caps = EndCaps::half;
-    double max_gap_spacings = 2;                   // as in FieldOptions. [1, 1e6]
-    double single_slice_mm = 0;                    // as in FieldOptions. [0, 1000]
-    double max_radius_edge = 2.0;                  // aimed at for every cell. [1.2, 10]
-    std::uint64_t max_tetrahedra = 1'000'000'000;  // refused above, before the work
+    double max_gap_spacings = 2;                         // as in FieldOptions. [1, 1e6]
+    double single_slice_mm = 0;                          // as in FieldOptions. [0, 1000]
+    double max_radius_edge = contract::max_radius_edge;  // aimed at for every cell. [1.2, 10]
+    std::uint64_t max_tetrahedra = 1'000'000'000;        // refused above, before the work
     // Where planes cross, segments of contours that no edges of the surface run along follow it, if they need
     // not leave their place by more than this, mm, half an edge length (follow_surface.h) or, over
     // edges beside them, 0.6 of it (follow_edges.h). [0, 1000]; 0:

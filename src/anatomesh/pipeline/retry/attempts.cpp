@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/measure/certificate.h"
 
 namespace anatomesh {
@@ -9,7 +10,7 @@ namespace anatomesh {
 namespace {
 
 // Of cells: such a model is no matter of luck.
-constexpr double most_unforced = 2 * certificate_share_over_bound;
+constexpr double most_unforced = 2 * contract::share_over_bound;
 // A model that lacks no more than this share of the segments that another one lacks has more contours.
 constexpr double fewer_missed = 0.75;
 constexpr double least_gain = 0.005;       // of the segments
@@ -41,7 +42,7 @@ NextTry Attempts::next(const TryOutcome& last, const TryOutcome* kept) {
     const bool small = last.kept_contract && last.cells < again_below;
     const bool torn = small && last.tore_walls;
     const bool ill_shaped = small && !size_given_ && !last.spared_work && !finer_for_shape_ &&
-                            last.over_bound > certificate_share_over_bound;
+                            last.over_bound > contract::share_over_bound;
     // What a finer size only made worse stays as it was.
     const bool conformed_badly = small && last.spared_work && last.conformed_badly;
     // One that met a limit, or else, with shorter edges: the length before had none.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <string>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/measure/certificate.h"
 
 namespace anatomesh {
@@ -43,7 +44,7 @@ struct WrongCuts {
 WrongCuts wrong_cuts(const ModelReport& report) {
     WrongCuts wrong;
     for (const SliceCutReport& cut : report.cuts) {
-        if (!(cut.difference_mm2 > certificate_cut_tolerance * cut.drawn_mm2)) continue;
+        if (!(cut.difference_mm2 > contract::section_tolerance * cut.drawn_mm2)) continue;
         ++wrong.count;
         if (cut.drawn_mm2 > 0) wrong.worst = std::max(wrong.worst, cut.difference_mm2 / cut.drawn_mm2);
     }
@@ -76,7 +77,7 @@ bool keeps_shapes(const ModelReport& report, const ModelReport& other, const Com
                std::max(before.radius_edge_share_over_2, options.over_bound) &&
            quality.radius_edge_max <= std::max(before.radius_edge_max, options.largest_ratio) &&
            quality.dihedral_below_10 <= before.dihedral_below_10 &&
-           quality.dihedral_min_deg >= std::min(before.dihedral_min_deg, certificate_bad_dihedral_deg) &&
+           quality.dihedral_min_deg >= std::min(before.dihedral_min_deg, contract::bad_dihedral_degrees) &&
            unforced(report) <= std::max(unforced(other), few);
 }
 

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "anatomesh/base/contract.h"
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/measure/report.h"
 
@@ -19,8 +20,8 @@ struct CompareOptions {
     double near_mm = 0;          // from the field. [0, any], a share of the edge length
     double farther = 1.05;       // than the other model, in its distance from the field. [1, any]
     double over_bound = 0.0005;  // share of the cells above the radius-edge bound. [0, 1]
-    double largest_ratio = 3.9;  // [2, any]
-    double most_cells = 2;       // times those of the other model. [1, any]
+    double largest_ratio = contract::nearly_bad_radius_edge;  // [2, any]
+    double most_cells = 2;                                    // times those of the other model. [1, any]
 };
 
 // True if `model` has no figure that a user looks at worse than `other` has: clauses of the certificate;

@@ -12,8 +12,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double most_mean = 0.95;    // of the radius-edge ratio
-constexpr double least_gain = 0.005;  // of a model that does not get there
+constexpr double most_mean = 0.95;         // of the radius-edge ratio
+constexpr double least_mean_gain = 0.005;  // of a model that does not get there
 constexpr std::array<double, 3> even_means{0.99, 0.98, 0.965};
 constexpr std::size_t small_model = 30000;  // cells
 constexpr double near_enough = 0.5;         // to the field, in sizes: farther off it is warned of
@@ -33,7 +33,7 @@ bool is_better(const Model& model, const Model& other) {
     const double mean = model.report.quality.radius_edge_mean;
     const double before = other.report.quality.radius_edge_mean;
     if (before <= most_mean) return mean <= most_mean && unforced(model) < unforced(other);
-    return mean <= most_mean || mean <= before - least_gain;
+    return mean <= most_mean || mean <= before - least_mean_gain;
 }
 
 }  // namespace

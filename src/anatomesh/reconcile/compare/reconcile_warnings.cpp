@@ -243,7 +243,7 @@ class Warner {
     }
 
     void warn_of_disagreement() {
-        if (stats_.max_mm <= agreement_mm && stats_.unmatched == 0) return;
+        if (stats_.max_mm <= joinable_mm && stats_.unmatched == 0) return;
         std::string done = "kept as drawn";
         if (options_.reconcile) {
             done = "contours moved in their planes by " + brief(stats_.mean_movement_mm) +
@@ -280,7 +280,7 @@ class Warner {
     void warn_of_rest() {
         if (!options_.reconcile) return;
         const auto figure = [](const PairDisagreement& pair) { return pair.difference_after_mm; };
-        const auto left = largest(figure, on_plane_mm);
+        const auto left = largest(figure, line_in_plane_mm);
         if (left.empty()) return;
         std::string worst;
         for (std::size_t n = 0; n < std::min<std::size_t>(left.size(), 3); ++n) {

@@ -13,7 +13,7 @@
 
 namespace anatomesh {
 
-inline constexpr double agreement_mm = 0.01;        // across contours: then common points can be put in
+inline constexpr double joinable_mm = 0.01;         // across contours: then common points can be put in
 inline constexpr double align_precision_mm = 1e-3;  // of shifts
 
 // Warnings W-RCN-001..011, of the stats of reconcile_contours() for `set` as kept. None where no slices

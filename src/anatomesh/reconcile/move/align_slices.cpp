@@ -13,7 +13,8 @@ namespace {
 constexpr double normal_reach_mm = 2;
 constexpr double least_bound_mm = 1;    // gaps below this are drawing noise
 constexpr double pull_to_place = 0.02;  // of a whole shift, beside some 0.5 for every end
-constexpr double least_sine = 0.2;      // contours that run nearly along the line say nothing about shifts
+constexpr double least_crossing_sine =
+    0.2;  // contours that run nearly along the line say nothing about shifts
 
 // weight * (gap + to_a . shift of a - to_b . shift of b)^2
 struct Equation {
@@ -33,7 +34,7 @@ std::vector<Equation> equations_of(const ContourSet& set, std::span<const LineCo
             const Vec2 normal_a = contour_normal(set, comparison.ends_a[i], normal_reach_mm),
                        normal_b = contour_normal(set, comparison.ends_b[j], normal_reach_mm);
             const double sine_a = dot(normal_a, along_a), sine_b = dot(normal_b, along_b);
-            if (std::abs(sine_a) < least_sine || std::abs(sine_b) < least_sine) continue;
+            if (std::abs(sine_a) < least_crossing_sine || std::abs(sine_b) < least_crossing_sine) continue;
             equations.push_back({comparison.a, comparison.b, (1 / sine_a) * normal_a, (1 / sine_b) * normal_b,
                                  comparison.ends_a[i].t - comparison.ends_b[j].t,
                                  1 / (1 / (sine_a * sine_a) + 1 / (sine_b * sine_b))});

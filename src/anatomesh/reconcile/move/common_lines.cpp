@@ -41,7 +41,7 @@ class Leader {
         set_.points.clear();
         for (std::uint32_t c = 0; c < rings_.size(); ++c) {
             Ring& ring = rings_[c];
-            std::rotate(ring.begin(), std::min_element(ring.begin(), ring.end(), lexicographic_less),
+            std::rotate(ring.begin(), std::min_element(ring.begin(), ring.end(), LexicographicLess{}),
                         ring.end());
             set_.contours[c].first_point = static_cast<std::uint32_t>(set_.points.size());
             set_.contours[c].point_count = static_cast<std::uint32_t>(ring.size());

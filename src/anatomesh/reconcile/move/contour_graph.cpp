@@ -100,7 +100,7 @@ EndPlaces place_ends(const ContourSet& set, const ContourGraph& graph,
     for (const Found& f : found) {
         const bool same = !result.places.empty() && result.places.back().node == f.place.node &&
                           result.places.back().segment == f.place.segment &&
-                          f.place.distance - result.places.back().distance <= 2 * on_plane_mm;
+                          f.place.distance - result.places.back().distance <= 2 * line_in_plane_mm;
         if (!same) result.places.push_back(f.place);
         if (f.place.node != no_node) result.on_nodes = result.places.size();
         (f.of_a ? result.of_a : result.of_b)[f.comparison][f.end] =

@@ -55,12 +55,4 @@ EndPlaces place_ends(const ContourSet& set, const ContourGraph& graph,
 // reaches at least `reach` mm, or one segment, to both sides.
 Vec2 contour_normal(const ContourSet& set, const LineEnd& end, double reach);
 
-// Neighbours of a point along its contour.
-inline std::uint32_t point_after(const Contour& contour, std::uint32_t point) {
-    return point + 1 == contour.first_point + contour.point_count ? contour.first_point : point + 1;
-}
-inline std::uint32_t point_before(const Contour& contour, std::uint32_t point) {
-    return point == contour.first_point ? contour.first_point + contour.point_count - 1 : point - 1;
-}
-
 }  // namespace anatomesh

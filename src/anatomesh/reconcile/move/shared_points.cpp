@@ -153,7 +153,7 @@ class Grouper {
         for (const Membership& member : members) {
             const Vec3 at = ends_.places[member.place].at;
             const bool drawn = ends_.places[member.place].node != no_node && spread <= same_point_mm;
-            if (drawn && length(at - line.at(line.along(at))) <= on_plane_mm) return at;
+            if (drawn && length(at - line.at(line.along(at))) <= line_in_plane_mm) return at;
         }
         return line.at(position);
     }

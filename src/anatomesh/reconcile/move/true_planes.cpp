@@ -126,7 +126,7 @@ std::uint32_t turn_about_axis(ContourSet& set) {
         Plane& plane = set.slices[s].plane;
         const double off = std::max(std::abs(plane.signed_distance(axis.ends[0])),
                                     std::abs(plane.signed_distance(axis.ends[1])));
-        if (off <= on_plane_mm) continue;
+        if (off <= line_in_plane_mm) continue;
         const Plane truly = through(plane, axis);
         if (!keeps_points(set, set.slices[s], truly)) continue;
         plane = truly;
@@ -144,7 +144,7 @@ TruePlanesStats make_planes_true(ContourSet& set) {
         const Plane& plane = set.slices[contour.slice].plane;
         for (std::uint32_t k = contour.first_point; k < contour.first_point + contour.point_count; ++k) {
             const double off = plane.signed_distance(set.points[k]);
-            if (std::abs(off) <= on_plane_mm) continue;
+            if (std::abs(off) <= line_in_plane_mm) continue;
             set.points[k] = set.points[k] - off * plane.normal;
             ++stats.points;
             stats.farthest_mm = std::max(stats.farthest_mm, std::abs(off));

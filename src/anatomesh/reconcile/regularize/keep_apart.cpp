@@ -20,7 +20,7 @@ namespace {
 
 constexpr int most_passes = 4;
 constexpr double nearly_touching = 0.5;  // of the distance kept
-constexpr double in_plane_mm = 10 * on_plane_mm;
+constexpr double in_plane_mm = 10 * line_in_plane_mm;
 
 // A point of a contour as it is worked on.
 struct Point {

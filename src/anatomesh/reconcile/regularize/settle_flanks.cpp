@@ -17,12 +17,12 @@ namespace anatomesh {
 namespace {
 
 constexpr std::size_t planes_at_line = 4;
-constexpr double same_line_sine = 1e-6;  // of a common line's directions
-constexpr double same_line_mm = 10 * on_plane_mm;
-constexpr double steepest = 1.732;          // of a flank, height over length: 60 degrees
-constexpr double widest_gap_degrees = 150;  // between the half planes beside one
-constexpr double reach = 4;                 // radii: what is further from the line counts as so far
-constexpr double least_share = 0.1;         // of its distance from the line: less is no movement
+constexpr double same_axis_sine = 1e-6;  // of a common line's directions
+constexpr double same_line_mm = 10 * line_in_plane_mm;
+constexpr double steepest = 1.732;                // of a flank, height over length: 60 degrees
+constexpr double widest_flank_gap_degrees = 150;  // between the half planes beside one
+constexpr double reach = 4;                       // radii: what is further from the line counts as so far
+constexpr double least_share = 0.1;               // of its distance from the line: less is no movement
 constexpr int most_steps = 50;
 
 double radians(double degrees) {
@@ -48,12 +48,12 @@ std::vector<Axis> find_axes(const ContourSet& set) {
     for (std::uint32_t a = 0; a < count; ++a) {
         for (std::uint32_t b = a + 1; b < count; ++b) {
             const Plane &p = set.slices[a].plane, &q = set.slices[b].plane;
-            if (length(cross(p.normal, q.normal)) <= same_line_sine || is_known(a, b)) continue;
+            if (length(cross(p.normal, q.normal)) <= same_axis_sine || is_known(a, b)) continue;
             const Line line = common_line(p, q, near);
             std::vector<std::uint32_t> through;
             for (std::uint32_t c = 0; c < count; ++c) {
                 const Plane& plane = set.slices[c].plane;
-                if (std::abs(dot(plane.normal, line.direction)) <= same_line_sine &&
+                if (std::abs(dot(plane.normal, line.direction)) <= same_axis_sine &&
                     std::abs(plane.signed_distance(line.origin)) <= same_line_mm)
                     through.push_back(c);
             }
@@ -220,7 +220,7 @@ class AxisSettler {
             return way < 0 ? way + 2 * std::numbers::pi : way;
         };
         const double back = gap(before, half), on = gap(half, after);
-        if (back + on > radians(widest_gap_degrees)) return;
+        if (back + on > radians(widest_flank_gap_degrees)) return;
         const double radius = options_.radius_mm, far = reach * radius;
         for (const FlankSegment& segment : half.segments) {
             const Vec2 way{half.points[segment.b].along - half.points[segment.a].along,
@@ -261,9 +261,9 @@ class AxisSettler {
     std::vector<HalfPlane> halves_;
 };
 
-class Settler {
+class FlankSettler {
   public:
-    Settler(ContourSet& set, DrawnPlaces& drawn, const FlankBounds& most_mm, const FlankOptions& options)
+    FlankSettler(ContourSet& set, DrawnPlaces& drawn, const FlankBounds& most_mm, const FlankOptions& options)
         : set_(set), drawn_(drawn), most_mm_(most_mm), options_(options), graph_(make_contour_graph(set)) {}
 
     FlankStats run() {
@@ -413,7 +413,7 @@ FlankStats settle_flanks(ContourSet& set, DrawnPlaces& drawn, const FlankBounds&
     assert(options.radius_mm > 0 && options.least_degrees > 0 && options.least_degrees < 180);
     assert(drawn.at.size() == set.points.size());
     assert(most_mm.size() == set.slices.size());
-    return Settler(set, drawn, most_mm, options).run();
+    return FlankSettler(set, drawn, most_mm, options).run();
 }
 
 }  // namespace anatomesh

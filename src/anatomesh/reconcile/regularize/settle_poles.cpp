@@ -57,9 +57,9 @@ struct Leg {
     bool held = false;
 };
 
-class Settler {
+class PoleSettler {
   public:
-    Settler(ContourSet& set, DrawnPlaces& drawn, const PoleOptions& options)
+    PoleSettler(ContourSet& set, DrawnPlaces& drawn, const PoleOptions& options)
         : set_(set), drawn_(drawn), options_(options), graph_(make_contour_graph(set)) {}
 
     PoleStats run() {
@@ -408,7 +408,7 @@ PoleStats settle_poles(ContourSet& set, DrawnPlaces& drawn, const PoleOptions& o
     assert(options.radius_mm > 0 && options.least_degrees > 0 && options.least_degrees < 180);
     assert(options.steepest_degrees > 0 && options.steepest_degrees <= 90);
     assert(drawn.at.size() == set.points.size());
-    return Settler(set, drawn, options).run();
+    return PoleSettler(set, drawn, options).run();
 }
 
 }  // namespace anatomesh

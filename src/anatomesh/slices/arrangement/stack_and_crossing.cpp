@@ -14,7 +14,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double least_gap = 0.2;             // of two slices that do not nearly cross, of their mean one
+constexpr double least_gap_share = 0.2;       // of two slices that do not nearly cross, of their mean one
 constexpr std::size_t least_stack = 4;        // slices
 constexpr std::size_t stack_to_crossing = 3;  // as many slices at least
 
@@ -36,7 +36,7 @@ bool nearly_cross(const PlanePatch& one, const PlanePatch& other) {
             least = std::min(least, height);
             most = std::max(most, height);
         }
-        if (std::min(std::abs(least), std::abs(most)) < least_gap * std::abs(sum) ||
+        if (std::min(std::abs(least), std::abs(most)) < least_gap_share * std::abs(sum) ||
             (least < 0) != (most < 0))
             return true;
     }

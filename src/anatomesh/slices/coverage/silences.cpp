@@ -33,8 +33,8 @@ int side_of_structure(const ContourSet& set, const std::vector<std::vector<bool>
             if (contour.structure != structure) continue;
             for (const Vec3& p : set.points_of(contour)) {
                 const double height = plane.signed_distance(p);
-                above |= height > on_plane_mm;
-                below |= height < -on_plane_mm;
+                above |= height > line_in_plane_mm;
+                below |= height < -line_in_plane_mm;
             }
         }
     }
@@ -86,7 +86,7 @@ bool lies_beyond(const ContourSet& set, std::uint32_t far, std::uint32_t near, i
             ++count;
         }
     }
-    return count > 0 && side * plane.signed_distance((1 / count) * middle) < -on_plane_mm;
+    return count > 0 && side * plane.signed_distance((1 / count) * middle) < -line_in_plane_mm;
 }
 
 }  // namespace

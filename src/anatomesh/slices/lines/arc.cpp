@@ -16,8 +16,8 @@ Arc arc_from(const ContourSet& set, const Contour& contour, std::uint32_t start,
     double side = 0;
     for (std::uint32_t k = start; k != stop; k = point_after(contour, k)) {
         const double height = other.signed_distance(set.points[k]) / sine;
-        if (side == 0 && std::abs(height) > on_plane_mm) side = height > 0 ? 1 : -1;
-        if (side * height < -on_plane_mm || arc.points.size() == contour.point_count) return {};
+        if (side == 0 && std::abs(height) > line_in_plane_mm) side = height > 0 ? 1 : -1;
+        if (side * height < -line_in_plane_mm || arc.points.size() == contour.point_count) return {};
         arc.points.push_back(k);
         arc.heights_mm.push_back(std::abs(height));
         arc.height_mm = std::max(arc.height_mm, std::abs(height));

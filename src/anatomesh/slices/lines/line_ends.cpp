@@ -39,7 +39,7 @@ std::vector<std::vector<Block>> blocks_of(const ContourSet& set) {
             for (std::uint32_t k = first; k < first + count; ++k) box.extend(set.points[k]);
             box.extend(set.points[next_point(contour, first + count - 1)]);
             blocks[contour.slice].push_back(
-                {c, first, count, 0.5 * (box.low + box.high), 0.5 * box.diagonal() + 2 * on_plane_mm});
+                {c, first, count, 0.5 * (box.low + box.high), 0.5 * box.diagonal() + 2 * line_in_plane_mm});
         }
     }
     return blocks;
@@ -123,7 +123,7 @@ class Comparer {
     }
 
     static int side(double distance, int of_zero) {
-        return distance > on_plane_mm ? 1 : distance < -on_plane_mm ? -1 : of_zero;
+        return distance > line_in_plane_mm ? 1 : distance < -line_in_plane_mm ? -1 : of_zero;
     }
 
     void find(const Block& block, const Plane& plane, const Line& line, int of_zero,
@@ -133,7 +133,7 @@ class Comparer {
         for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
             const std::uint32_t next = next_point(contour, k);
             const double there = plane.signed_distance(set_.points[next]);
-            if (std::abs(here) <= on_plane_mm) {
+            if (std::abs(here) <= line_in_plane_mm) {
                 const double before = plane.signed_distance(set_.points[previous_point(contour, k)]);
                 unsure |= side(before, 0) * side(there, 0) >= 0;
             }
@@ -146,10 +146,10 @@ class Comparer {
     LineEnd end_on(std::uint32_t contour, std::uint32_t k, std::uint32_t next, double here, double there,
                    const Line& line) const {
         LineEnd end{contour, k, next, {}, 0};
-        if (std::abs(here) <= on_plane_mm) {
+        if (std::abs(here) <= line_in_plane_mm) {
             end.to = k;
             end.at = set_.points[k];
-        } else if (std::abs(there) <= on_plane_mm) {
+        } else if (std::abs(there) <= line_in_plane_mm) {
             end.from = next;
             end.at = set_.points[next];
         } else {
@@ -169,7 +169,7 @@ class Comparer {
         std::vector<LineEnd> ends;
         for (const LineEnd& end : all) {
             if (structure_of(end) != structure) continue;
-            if (!ends.empty() && end.t - ends.back().t <= 2 * on_plane_mm) {
+            if (!ends.empty() && end.t - ends.back().t <= 2 * line_in_plane_mm) {
                 ends.pop_back();
             } else {
                 ends.push_back(end);

@@ -14,7 +14,7 @@
 namespace anatomesh {
 
 // Distances from a plane below this are rounding: the point lies on the plane, mm.
-inline constexpr double on_plane_mm = 1e-7;
+inline constexpr double line_in_plane_mm = 1e-7;
 
 struct Line {
     Vec3 origin, direction;  // unit direction
