@@ -2,6 +2,7 @@
 # make demo       models a real CT skull into demo/ (installs what is missing)
 # make test       builds and runs all tests (installs what is missing)
 # make test-random  models and judges all 2000 random solids (an hour or so)
+# make check      unit tests with clang and with the sanitizers (an hour or so)
 # make fuzz SECONDS=600   fuzzes the readers of outside files, each so long
 # make install PREFIX=/usr/local
 # make bench | format | tidy | clean | dependencies
@@ -10,7 +11,7 @@ JOBS ?= $(shell nproc)
 BUILD := build/release
 PROGRAM := $(BUILD)/anatomesh
 
-.PHONY: all program demo test test-random install fuzz bench format tidy clean dependencies
+.PHONY: all program demo test test-random check install fuzz bench format tidy clean dependencies
 
 all: program
 
@@ -40,6 +41,10 @@ test-random:
 
 install: program
 	cmake --install $(BUILD) --prefix $(PREFIX)
+
+check:
+	@scripts/install-dependencies.sh build test check
+	@scripts/check.sh $(JOBS)
 
 # Every target for SECONDS, from its seeds and what was found before.
 SECONDS ?= 600

@@ -1,6 +1,6 @@
 #!/bin/sh
 # install-dependencies.sh [--check] GROUP...
-# Installs the Debian packages that a group needs and that are missing. Groups: build, test, demo, bench, fuzz.
+# Installs the Debian packages that a group needs and that are missing. Groups: build, test, demo, bench, check, fuzz.
 # Does nothing, at once, when all are there. With --check it only says what is missing (exit 1).
 set -eu
 
@@ -11,7 +11,7 @@ libcpp-httplib-dev"
 # What the tests need besides: the unit tests' framework, and libraries that judge our readers and writers.
 test="libgtest-dev libcgal-dev libgmp-dev libmpfr-dev python3 python3-numpy python3-scipy python3-vtk9
 python3-meshio python3-nibabel
-python3-pydicom python3-jsonschema gmsh calculix-ccx locales dcmtk dicom3tools openssl
+python3-pydicom python3-jsonschema clang-format gmsh calculix-ccx locales dcmtk dicom3tools openssl
 orthanc orthanc-dicomweb"
 # The CT skull of the demonstration.
 demo="invesalius-examples"
@@ -19,8 +19,9 @@ demo="invesalius-examples"
 bench="libcgal-dev libgmp-dev libmpfr-dev tetgen gmsh python3-netgen libbenchmark-dev python3 python3-numpy python3-scipy
 python3-vtk9 python3-nibabel"
 
-# libFuzzer.
-fuzz="clang libclang-rt-14-dev"
+# The second compiler and its sanitizers; libFuzzer.
+check="clang libclang-rt-14-dev"
+fuzz="$check"
 
 check=no
 wanted=
@@ -31,8 +32,9 @@ for argument in "$@"; do
         test) wanted="$wanted $test" ;;
         demo) wanted="$wanted $demo" ;;
         bench) wanted="$wanted $bench" ;;
+        check) wanted="$wanted $check" ;;
         fuzz) wanted="$wanted $fuzz" ;;
-        *) echo "install-dependencies.sh: unknown group '$argument'; known: build, test, demo, bench, fuzz" >&2; exit 2 ;;
+        *) echo "install-dependencies.sh: unknown group '$argument'; known: build, test, demo, bench, check, fuzz" >&2; exit 2 ;;
     esac
 done
 

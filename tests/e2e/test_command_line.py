@@ -423,7 +423,8 @@ class Options(harness.TestCase):
                 for literal in quoted.findall(text):
                     for option in re.findall(r"(?<![-\w(])--[a-z][a-z-]*", literal):
                         self.assertIn(option, known, f"{source}: {literal}")
-        documents = [*sorted((harness.SOURCE / "docs").glob("*.md")), harness.SOURCE / "README.md"]
+        docs = harness.SOURCE / "docs"
+        documents = [*sorted(docs.glob("*.md")), *sorted((docs / "stages").glob("*.md")), harness.SOURCE / "README.md"]
         for document in documents:
             for line in document.read_text().splitlines():
                 if "bench/" in line or "ctest" in line or "cmake" in line or "bench" in document.name:
