@@ -23,6 +23,7 @@
 #include "anatomesh/field/slice/slice_regions.h"
 #include "anatomesh/input_options.h"
 #include "anatomesh/read_input.h"
+#include "anatomesh/reconcile_options.h"
 #include "any_planes.h"
 
 namespace anatomesh {
@@ -249,7 +250,7 @@ void compare(const KeptSlices& kept, const StructureField& field, std::uint32_t 
 
 Status run(const InputOptions& options, double pixel, RunContext& context) {
     InputOptions whole = options;
-    whole.every.reset();
+    whole.prepare.every.reset();
     ANATOMESH_TRY(const ContourSet all, read(whole, context));
     ANATOMESH_TRY(const ContourSet kept_set, read(options, context));
     ANATOMESH_TRY(const auto field, make_structure_field(kept_set, {}, context));
@@ -267,7 +268,7 @@ Status run(const InputOptions& options, double pixel, RunContext& context) {
         }
     }
     fmt::print("| {} | {} | {:.2f} | {} | {} | {} | {} |\n",
-               std::filesystem::path(options.input).filename().string(), options.every.value_or(1),
+               std::filesystem::path(options.input).filename().string(), options.prepare.every.value_or(1),
                field->slice_spacing(), scores.ours.sections(), scores.nearest.text(),
                scores.shape_based.text(), scores.ours.text());
     return Nothing{};
@@ -300,14 +301,14 @@ int main(int argc, char** argv) {
            "--leave-out", leave_out,
            "Leave out every N-th plane, of planes in any position, and compare with what is drawn on it")
         ->check(CLI::Range(2u, 1000u));
-    ReconcileStepOptions reconcile;
-    add_reconcile_options(app, reconcile);
+    options.prepare.until = PrepareUntil::walls;
+    add_reconcile_options(app, options);
     add_reading_options(app, options);
     add_selection_options(app, options);
     CLI11_PARSE(app, argc, argv);
     if (!cut.kind.empty()) return report(cut_planes(options, cut, header));
-    if (leave_out > 0) return report(leave_out_planes(options, reconcile, leave_out, header));
-    if (options.every.value_or(1) < 2) {
+    if (leave_out > 0) return report(leave_out_planes(options, leave_out, header));
+    if (options.prepare.every.value_or(1) < 2) {
         fmt::print(stderr, "--every must be 2 or more\n");
         return 2;
     }

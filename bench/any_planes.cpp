@@ -26,6 +26,7 @@
 #include "anatomesh/pipeline/random_solids_for_test.h"
 #include "anatomesh/read_input.h"
 #include "anatomesh/reconcile/reconcile.h"
+#include "anatomesh/reconcile_options.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 
 namespace anatomesh {
@@ -289,8 +290,7 @@ Status cut_planes(const InputOptions& options, const CutOptions& cut, bool heade
     return Nothing{};
 }
 
-Status leave_out_planes(const InputOptions& options, const ReconcileStepOptions& reconcile,
-                        std::uint32_t every, bool header) {
+Status leave_out_planes(const InputOptions& options, std::uint32_t every, bool header) {
     RunContext context;
     context.threads = 2;
     ANATOMESH_TRY(OpenedInput opened, open_input(options, context));
@@ -300,8 +300,11 @@ Status leave_out_planes(const InputOptions& options, const ReconcileStepOptions&
         for (const Contour& contour : all.kept.contours_of(all.kept.slices[s]))
             add_places(all.kept, contour, places);
     }
-    ContourSet kept = leave_out(every, all.kept);
-    ANATOMESH_CHECK_STATUS(reconcile_step(kept, options.walls, reconcile, context));
+    ContourSet part = leave_out(every, all.kept);
+    ANATOMESH_CHECK_STATUS(check_reconcile_options(part, options));
+    const ReconcileOptions reconcile = reconcile_options(options.prepare);
+    ANATOMESH_TRY(const ReconcileResult reconciled, reconcile_contours(std::move(part), reconcile, context));
+    const ContourSet& kept = reconciled.kept;
     ANATOMESH_TRY(const auto field, make_structure_field(kept, {}, context));
     if (header) {
         fmt::print(
@@ -309,9 +312,9 @@ Status leave_out_planes(const InputOptions& options, const ReconcileStepOptions&
             "shape-based: mean | 95 % | ours: mean | 95 % "
             "|\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|\n");
     }
-    const std::string_view state = reconcile.reconcile == "0" ? "as drawn"
-                                   : reconcile.stage.align    ? "shifted, reconciled"
-                                                              : "reconciled";
+    const std::string_view state = !reconcile.reconcile ? "as drawn"
+                                   : reconcile.align    ? "shifted, reconciled"
+                                                        : "reconciled";
     fmt::print("| {} | {} | {} | {} | {} |\n", name_of(options), state, kept.slices.size(), places.size(),
                errors_of_all(places, kept, *field));
     return Nothing{};

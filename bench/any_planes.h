@@ -8,7 +8,6 @@
 
 #include "anatomesh/base/result.h"
 #include "anatomesh/input_options.h"
-#include "anatomesh/reconcile_step.h"
 
 namespace anatomesh {
 
@@ -25,7 +24,6 @@ Status cut_planes(const InputOptions& options, const CutOptions& cut, bool heade
 
 // Every n-th plane of the input left out, the rest reconciled as the options say, and how far from the
 // vertices drawn on the left-out planes the region ends, across the contour in its plane. Prints a row.
-Status leave_out_planes(const InputOptions& options, const ReconcileStepOptions& reconcile,
-                        std::uint32_t every, bool header);
+Status leave_out_planes(const InputOptions& options, std::uint32_t every, bool header);
 
 }  // namespace anatomesh

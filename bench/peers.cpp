@@ -13,7 +13,6 @@
 #include "anatomesh/input_options.h"
 #include "anatomesh/option_values.h"
 #include "anatomesh/read_input.h"
-#include "anatomesh/reconcile_step.h"
 #include "anatomesh_io/mesh/mesh_file.h"
 #include "mesh3.h"
 
@@ -59,9 +58,7 @@ Result<Json> run_cgal(const PeerOptions& options, RunContext& context) {
     Stopwatch watch;
     ANATOMESH_TRY(OpenedInput opened, open_input(options.input, context));
     const double read = watch.lap();
-    ANATOMESH_TRY(InputContours contours, contours_of(std::move(opened), options.input, context));
-    ANATOMESH_TRY([[maybe_unused]] const CrossingReport crossing,
-                  reconcile_step(contours.kept, options.input.walls, {}, context));
+    ANATOMESH_TRY(const InputContours contours, contours_of(std::move(opened), options.input, context));
     const double traced = watch.lap();
     ANATOMESH_TRY(const auto field, make_structure_field(contours.kept, {}, context));
     const double made_field = watch.lap();

@@ -2,8 +2,36 @@
 include(CMakePackageConfigHelpers)
 
 install(TARGETS anatomesh EXPORT anatomesh_core ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/anatomesh ${PROJECT_SOURCE_DIR}/src/anatomesh_io
-        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+# What a user of the library includes; these and what they include are installed, the rest is the house's own.
+set(public_headers
+  anatomesh/base/run_context.h             # threads, cancelling, progress, warnings; Result and Error
+  anatomesh/contour/model/raw_contours.h         # contours as a file gives them, or a program makes them
+  anatomesh/contour/model/contour_set.h          # contours that are cleaned
+  anatomesh/image/image.h                  # grey images and label maps
+  anatomesh/pipeline/make_model.h          # one call from contours to a model
+  anatomesh/pipeline/prepare_contours.h    # its first half, also from label maps
+  anatomesh/pipeline/build_model.h         # its second half
+  anatomesh/pipeline/contours_in_planes.h  # the model's contours, for a file
+  anatomesh/pipeline/model/quadratic_model.h     # elements of ten nodes
+  anatomesh/mesh/check/topology.h                # surfaces of structures
+  anatomesh/measure/report.h               # what is said of a model
+  anatomesh/uncertainty/surface_uncertainty.h
+  anatomesh/uncertainty/where_next.h)
+set(public_io_headers
+  anatomesh_io/contour/read_contours.h
+  anatomesh_io/contour/write_contours.h
+  anatomesh_io/image/read_image.h
+  anatomesh_io/mesh/mesh_file.h
+  anatomesh_io/provenance/model_description.h  # a model as a file to write
+  anatomesh_io/report/report_json.h
+  anatomesh_io/report/report_html.h)
+if(TARGET anatomesh_io)
+  list(APPEND public_headers ${public_io_headers})
+endif()
+install(CODE "set(SOURCE \"${PROJECT_SOURCE_DIR}/src\")
+  set(DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}\")
+  set(HEADERS \"${public_headers}\")
+  include(\"${PROJECT_SOURCE_DIR}/cmake/install_headers.cmake\")")
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/schemas DESTINATION ${CMAKE_INSTALL_DATADIR}/anatomesh
         FILES_MATCHING PATTERN "*.json")
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

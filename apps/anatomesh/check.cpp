@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "anatomesh/base/plural.h"
 #include "anatomesh/element/quadratic.h"
 #include "anatomesh/geom/box.h"
 #include "anatomesh/measure/certificate.h"
@@ -15,14 +16,14 @@
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/pipeline/model_warnings.h"
+#include "anatomesh_io/provenance/contours_of_model.h"
+#include "anatomesh_io/provenance/field_of_model.h"
+#include "anatomesh_io/provenance/model_description.h"
 #include "anatomesh_io/report/report_json.h"
 #include "answer.h"
 #include "command_words.h"
-#include "contours_of_model.h"
-#include "field_of_model.h"
 #include "mesh_input.h"
 #include "option_values.h"
-#include "plural.h"
 #include "read_input.h"
 #include "report_names.h"
 #include "summary.h"
@@ -159,7 +160,7 @@ void look_for_tears(const ModelFile& model, const ContourSet& contours, const Mo
 
 // Walls as the model's file says that they were shared, but where the user says else.
 WallOptions walls_of(const ModelFile& model, const InputOptions& options) {
-    WallOptions walls = options.walls;
+    WallOptions walls = options.prepare.walls;
     const auto take = [&](const char* option, const char* note, double& width) {
         const std::vector<std::string>& given = options.cleaning_given;
         const std::optional<double> told = number_of(model.description, note);
@@ -178,12 +179,12 @@ WallOptions walls_of(const ModelFile& model, const InputOptions& options) {
 Result<InputContours> contours_as_taken(OpenedInput opened, const InputOptions& given, const ModelFile& model,
                                         RunContext& context) {
     InputOptions told = given;
-    if (opened.contours && told.structures.empty()) {
-        told.structures = options_of(model.description, "structure");
-        if (told.structures == std::vector<std::string>{"all"}) told.structures.clear();
+    if (opened.contours && told.prepare.structures.empty()) {
+        told.prepare.structures = options_of(model.description, "structure");
+        if (told.prepare.structures == std::vector<std::string>{"all"}) told.prepare.structures.clear();
     }
-    if (told.without.empty()) told.without = options_of(model.description, "without");
-    if (told.structures == given.structures && told.without == given.without)
+    if (told.prepare.without.empty()) told.prepare.without = options_of(model.description, "without");
+    if (told.prepare.structures == given.prepare.structures && told.prepare.without == given.prepare.without)
         return contours_of(std::move(opened), given, context);
     RunContext apart;
     apart.threads = context.threads;
@@ -217,7 +218,7 @@ Result<InputContours> contours_to_check(OpenedInput opened, const InputOptions& 
                                     [](const Warning& warning) { return warning.code == "W-CON-032"; });
     if (taken.ok() && crowds) {
         InputOptions all = given;
-        all.epsilon_mm = 0;
+        all.prepare.epsilon_mm = 0;
         Result<InputContours> whole = contours_as_taken(std::move(opened), all, model, exact);
         if (whole.ok() && has_all(model, whole.value().kept)) {
             for (Warning& warning : exact.warnings) context.warn(std::move(warning));
@@ -231,12 +232,13 @@ Result<InputContours> contours_to_check(OpenedInput opened, const InputOptions& 
 Status run_check(CheckOptions options, Session& session) {
     options.contours.limits = session.limits;
     if (options.contours.input.empty() &&
-        (!options.contours.frame.empty() || options.contours.volume || !options.contours.structures.empty() ||
-         !options.contours.without.empty() || !options.contours.cleaning_given.empty())) {
-        const std::string option = !options.contours.frame.empty()        ? "--frame"
-                                   : options.contours.volume              ? "--volume"
-                                   : !options.contours.structures.empty() ? "--structure"
-                                   : !options.contours.without.empty()
+        (!options.contours.frame.empty() || options.contours.volume ||
+         !options.contours.prepare.structures.empty() || !options.contours.prepare.without.empty() ||
+         !options.contours.cleaning_given.empty())) {
+        const std::string option = !options.contours.frame.empty()                ? "--frame"
+                                   : options.contours.volume                      ? "--volume"
+                                   : !options.contours.prepare.structures.empty() ? "--structure"
+                                   : !options.contours.prepare.without.empty()
                                        ? "--without"
                                        : options.contours.cleaning_given.front();
         return Error{ErrorKind::usage,
@@ -250,7 +252,7 @@ Status run_check(CheckOptions options, Session& session) {
     std::optional<ContourSet> on_surface;
     ModelReport report;
     if (!options.contours.input.empty()) {
-        options.contours.as_drawn = true;
+        options.contours.prepare.until = PrepareUntil::chosen;
         ANATOMESH_TRY(OpenedInput opened, open_input(options.contours, session.context));
         // Traced contours share their walls already.
         const WallOptions walls = opened.contours ? walls_of(model, options.contours) : WallOptions{0, 0, 0};
@@ -321,7 +323,7 @@ Work declare_check(CLI::App& verb) {
         verb, "--volume", options->contours.volume, 0,
         "Which volume of an image that holds several, from 0, or which time frame of guide points");
     add_texts(
-        verb, "--structure", options->contours.structures, "NAME",
+        verb, "--structure", options->contours.prepare.structures, "NAME",
         "Structure of the contours to compare with, by name or number; may be repeated (default: all that "
         "the model has)");
     add_without_option(verb, options->contours);

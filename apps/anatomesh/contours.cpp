@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "anatomesh/base/plural.h"
 #include "anatomesh_io/contour/write_contours.h"
 #include "anatomesh_io/dicom/write_objects.h"
 #include "anatomesh_io/file/atomic_file.h"
@@ -14,7 +15,6 @@
 #include "input_options.h"
 #include "option_values.h"
 #include "outputs.h"
-#include "plural.h"
 #include "read_input.h"
 #include "verbs.h"
 
@@ -87,6 +87,7 @@ Result<std::string> file_of(const InputContours& contours, const ContoursOptions
 
 Status run_contours(ContoursOptions options, Session& session) {
     options.input.limits = session.limits;
+    options.input.prepare.until = PrepareUntil::walls;
     ANATOMESH_CHECK_STATUS(check_names(options));
     ANATOMESH_TRY(OpenedInput opened, open_input(options.input, session.context));
     ANATOMESH_CHECK_STATUS(check_outputs(

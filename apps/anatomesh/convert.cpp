@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "anatomesh/base/plural.h"
 #include "anatomesh/element/quadratic.h"
 #include "anatomesh_io/file/atomic_file.h"
 #include "answer.h"
@@ -12,7 +13,6 @@
 #include "mesh_input.h"
 #include "option_values.h"
 #include "outputs.h"
-#include "plural.h"
 #include "verbs.h"
 
 namespace anatomesh {

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "anatomesh/base/plural.h"
 #include "anatomesh_io/contour/read_contours.h"
 #include "anatomesh_io/dicom/choose.h"
 #include "anatomesh_io/dicom/read_series.h"
 #include "anatomesh_io/dicom/segmentation.h"
-#include "plural.h"
 
 namespace anatomesh {
 

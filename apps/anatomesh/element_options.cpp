@@ -6,10 +6,10 @@
 #include <chrono>
 #include <optional>
 
+#include "anatomesh/base/plural.h"
 #include "anatomesh/element/grey.h"
 #include "anatomesh_io/mesh/material_file.h"
 #include "option_values.h"
-#include "plural.h"
 #include "read_input.h"
 
 namespace anatomesh {

@@ -8,10 +8,10 @@
 #include <optional>
 #include <string>
 
+#include "anatomesh/base/plural.h"
 #include "answer.h"
 #include "network_options.h"
 #include "option_values.h"
-#include "plural.h"
 #include "progress_bar.h"
 #include "verbs.h"
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "anatomesh/base/plural.h"
 #include "anatomesh/field/slice/slice_stack.h"
 #include "anatomesh_io/file/atomic_file.h"
 #include "anatomesh_io/image/write_image.h"
@@ -13,7 +14,6 @@
 #include "input_options.h"
 #include "option_values.h"
 #include "outputs.h"
-#include "plural.h"
 #include "read_input.h"
 #include "verbs.h"
 
@@ -61,6 +61,7 @@ Status check_structures(const ContourSet& contours, const FieldVerbOptions& opti
 Status run_field(FieldVerbOptions options, Session& session) {
     RunContext& context = session.context;
     options.input.limits = session.limits;
+    options.input.prepare.until = PrepareUntil::walls;
     ANATOMESH_TRY(const ImageFormat format, image_format_of(options.output));
     ANATOMESH_CHECK_STATUS(check_extension(options.output, {".nrrd", ".nii", ".nii.gz"}));
     ANATOMESH_CHECK_STATUS(check_outputs({options.input.input}, {options.output}));

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "anatomesh/base/plural.h"
 #include "anatomesh/contour/clean/clean.h"
 #include "anatomesh/image/select.h"
 #include "answer.h"
 #include "dicom_input.h"
 #include "input_options.h"
-#include "plural.h"
 #include "read_input.h"
 #include "session.h"
 #include "verbs.h"
@@ -208,7 +208,8 @@ Status run_info(InputOptions options, Session& session) {
     } else if (input.segmentation) {
         answer["image"] = segmentation_json(*input.segmentation);
     } else {
-        ANATOMESH_TRY(answer["contours"], contours_json(*input.contours, options.cleaning, session.context));
+        ANATOMESH_TRY(answer["contours"],
+                      contours_json(*input.contours, options.prepare.clean, session.context));
     }
     return give_answer(session, answer, text_of(answer));
 }

@@ -10,9 +10,9 @@ namespace {
 
 constexpr double largest_value = 1e15;
 
-Threshold threshold_of(const std::string& text) {
+ThresholdOptions threshold_of(const std::string& text) {
     const std::size_t colon = text.find(':');
-    Threshold threshold;
+    ThresholdOptions threshold;
     threshold.low = strict_number("--threshold", text.substr(0, colon), -largest_value, largest_value);
     if (colon != std::string::npos) {
         threshold.high = strict_number("--threshold", text.substr(colon + 1), -largest_value, largest_value);
@@ -81,7 +81,7 @@ void add_reading_options(CLI::App& verb, InputOptions& options) {
 }
 
 void add_cleaning_options(CLI::App& verb, InputOptions& options) {
-    CleanOptions& cleaning = options.cleaning;
+    CleanOptions& cleaning = options.prepare.clean;
     const auto add = [&](const std::string& name, double& target, double low, double high, const char* unit,
                          const std::string& description) {
         const auto read = [&options, &target, name, low, high](const std::string& text) {
@@ -94,7 +94,7 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
         if (text != "even-odd" && text != "filled") {
             throw CLI::ValidationError("--holes", fmt::format("'{}' is not one of even-odd, filled", text));
         }
-        options.cleaning.holes = text == "filled" ? HoleRule::united : HoleRule::even_odd;
+        options.prepare.clean.holes = text == "filled" ? HoleRule::united : HoleRule::even_odd;
         options.cleaning_given.emplace_back("--holes");
     };
     verb.add_option_function<std::string>(
@@ -105,25 +105,25 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
     verb.add_flag_callback(
         "--unite-repeated-planes",
         [&options] {
-            options.cleaning.unite_repeated_planes = true;
+            options.prepare.clean.unite_repeated_planes = true;
             options.cleaning_given.emplace_back("--unite-repeated-planes");
         },
         "Unite the drawn contours of a plane that is given twice where they contradict each other");
     add("--closing-gap", cleaning.closing_gap_mm, 0, 100, "MM",
         fmt::format("Close open contours over a gap up to MM, 0 to 100 (default {})",
                     cleaning.closing_gap_mm));
-    add("--same-line", options.walls.same_line_mm, 0, 0.1, "MM",
+    add("--same-line", options.prepare.walls.same_line_mm, 0, 0.1, "MM",
         fmt::format(
             "Contours of different structures share their vertices where they lie less than MM apart, "
             "0 to 0.1 (default {}: copies of one line; 0: as drawn)",
-            options.walls.same_line_mm));
-    add("--close-slivers", options.walls.close_slivers_mm, 0, 10, "MM",
+            options.prepare.walls.same_line_mm));
+    add("--close-slivers", options.prepare.walls.close_slivers_mm, 0, 10, "MM",
         fmt::format(
             "Close slivers between contours of structures that cross and soon cross again: one wall where "
             "they "
             "are less than MM, and {:.0f} % of their segments, apart, 0 to 10 (default {}; 0: as drawn)",
-            100 * CloseSliversOptions{}.share_of_segment, options.walls.close_slivers_mm));
-    add("--close-gaps", options.walls.close_gaps_mm, 0, 10, "MM",
+            100 * CloseSliversOptions{}.share_of_segment, options.prepare.walls.close_slivers_mm));
+    add("--close-gaps", options.prepare.walls.close_gaps_mm, 0, 10, "MM",
         "Give neighbouring structures drawn less than MM apart, about a pixel, one wall through the vertices "
         "of both, "
         "0 to 10 (default 0: as drawn)");
@@ -148,35 +148,37 @@ void add_cleaning_options(CLI::App& verb, InputOptions& options) {
 
 void add_threshold_option(CLI::App& verb, InputOptions& options) {
     verb.add_option_function<std::string>(
-            "--threshold", [&options](const std::string& text) { options.threshold = threshold_of(text); },
+            "--threshold",
+            [&options](const std::string& text) { options.prepare.threshold = threshold_of(text); },
             "Take the voxels of a grey image from LO up (to HI)")
         ->type_name("LO[:HI]");
 }
 
 void add_without_option(CLI::App& verb, InputOptions& options) {
-    add_texts(verb, "--without", options.without, "SLICE",
+    add_texts(verb, "--without", options.prepare.without, "SLICE",
               "Slice to leave out, by its name in messages, like 'plane 9', 'z = -12.5' or 'k = 40'; may be "
               "repeated");
 }
 
 void add_keep_largest_option(CLI::App& verb, InputOptions& options) {
-    add_optional_count(verb, "--keep-largest", options.keep_largest, 1,
+    add_optional_count(verb, "--keep-largest", options.prepare.keep_largest, 1,
                        "Keep the N largest connected pieces of each structure of the whole image");
 }
 
 void add_selection_options(CLI::App& verb, InputOptions& options) {
-    add_texts(verb, "--structure", options.structures, "NAME",
+    add_texts(verb, "--structure", options.prepare.structures, "NAME",
               "Structure to take, by name or number; may be repeated (default: all)");
     add_without_option(verb, options);
     add_threshold_option(verb, options);
     add_keep_largest_option(verb, options);
-    add_optional_count(verb, "--every", options.every, 1, "Keep every Nth slice");
-    add_count(verb, "--offset", options.offset, 0, largest_count,
+    add_optional_count(verb, "--every", options.prepare.every, 1, "Keep every Nth slice");
+    add_count(verb, "--offset", options.prepare.offset, 0, largest_count,
               "The first slice that --every keeps, from 0 (default 0)");
     verb.add_option_function<std::string>(
             "--epsilon",
             [&options](const std::string& text) {
-                options.epsilon_mm = text == "exact" ? 0.0 : strict_number("--epsilon", text, 1e-6, 10);
+                options.prepare.epsilon_mm =
+                    text == "exact" ? 0.0 : strict_number("--epsilon", text, 1e-6, 10);
             },
             "Every traced or drawn point stays within MM of the kept polygon, 1e-6 to 10 (default: 0.15 of "
             "the "
@@ -185,7 +187,7 @@ void add_selection_options(CLI::App& verb, InputOptions& options) {
     verb.add_option_function<std::string>(
             "--min-area",
             [&options](const std::string& text) {
-                options.min_area_mm2 = strict_number("--min-area", text, 0, 1e6);
+                options.prepare.min_area_mm2 = strict_number("--min-area", text, 0, 1e6);
             },
             "Leave out traced islands below this area and count them (default: 4 pixels)")
         ->type_name("MM2");

@@ -3,22 +3,16 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "anatomesh/contour/clean/clean.h"
+#include "anatomesh/pipeline/prepare_contours.h"
 #include "limits.h"
-#include "shared_walls.h"
 
 namespace anatomesh {
 
-struct Threshold {
-    double low = 0, high = std::numeric_limits<double>::infinity();
-};
-
-// Defaults are those of the readers and of tracing; an option that was not given is empty.
+// Defaults are those of the readers and of prepare_contours(); an option that was not given is empty.
 struct InputOptions {
     std::string input;
     std::string frame;               // "LPS", "RAS" or empty
@@ -36,20 +30,11 @@ struct InputOptions {
     std::vector<double> image_to_probe;
     std::string pose_to;
 
-    std::vector<std::string> structures;
-    std::optional<Threshold> threshold;
-    std::optional<std::uint32_t> keep_largest;
-    std::vector<std::string> without;  // slices
-    std::optional<std::uint32_t> every;
-    std::uint32_t offset = 0;
-    std::optional<double> epsilon_mm;  // 0: exact
-    WallOptions walls;
-    bool as_drawn = false;  // walls are not shared: that is done to the contours afterwards
-    std::optional<double> min_area_mm2;
-
-    CleanOptions cleaning;
+    // Which part of the input is taken, and what is done to its contours.
+    PrepareOptions prepare;
     std::vector<std::string>
         cleaning_given;  // the options among those of add_cleaning_options() that were given
+    std::vector<std::string> reconcile_given;  // and of add_reconcile_options()
     Limits limits;
 };
 

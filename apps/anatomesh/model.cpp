@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,33 +11,30 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/contour/clean/clean.h"
-#include "anatomesh/contour/model/choose_structures.h"
 #include "anatomesh/overlaps/outlines_between.h"
-#include "anatomesh/pipeline/build_model.h"
+#include "anatomesh/pipeline/contours_in_planes.h"
+#include "anatomesh/pipeline/make_model.h"
 #include "anatomesh/pipeline/model/quadratic_model.h"
 #include "anatomesh/uncertainty/left_out.h"
 #include "anatomesh/uncertainty/surface_uncertainty.h"
-#include "anatomesh_io/contour/number_text.h"
 #include "anatomesh_io/contour/write_contours.h"
 #include "anatomesh_io/file/atomic_file.h"
 #include "anatomesh_io/mesh/mesh_file.h"
+#include "anatomesh_io/provenance/model_description.h"
 #include "anatomesh_io/report/report_html.h"
 #include "anatomesh_io/report/report_json.h"
 #include "command_words.h"
 #include "dicom_input.h"
 #include "dicom_outputs.h"
 #include "element_options.h"
-#include "estimate.h"
 #include "field_options.h"
-#include "followed_notes.h"
 #include "input_options.h"
 #include "mesh_input.h"
 #include "option_values.h"
 #include "outputs.h"
 #include "progress_bar.h"
 #include "read_input.h"
-#include "reconcile_step.h"
+#include "reconcile_options.h"
 #include "report_names.h"
 #include "summary.h"
 #include "verbs.h"
@@ -65,10 +61,7 @@ struct DumpOption {
 
 struct ModelVerbOptions {
     InputOptions input;
-    double size_mm = 0;
-    FieldRuleOptions rules;
-    ReconcileStepOptions reconcile;
-    std::vector<std::string> priority;
+    double size_mm = MakeModelOptions{}.size_mm;
     bool separate = false, uncertainty = false;
     std::string output, report, html, contours;
     std::vector<std::string> surfaces;
@@ -123,26 +116,6 @@ Status check_output_names(const ModelVerbOptions& options) {
     return check_outputs(inputs, outputs_of(options));
 }
 
-// Provenance, as it stands in every file of the mesh: nothing that differs between two runs on the same
-// contours. The rest (command, input files and their hashes, every warning in full) stands in the report.
-MeshDescription description_of(const Model& model, const ContourSet& kept, const Session& session) {
-    const ModelReport& report = model.report;
-    MeshDescription description;
-    description.structures = model.structures;
-    description.regions = model.regions;
-    description.space = report.space;
-    description.notes.emplace_back("version", report.version);
-    for (const auto& [name, value] : report.options)
-        description.notes.emplace_back("option", name + " " + value);
-    std::map<std::string, int> warnings;
-    for (const Warning& warning : session.context.warnings) ++warnings[warning.code];
-    for (const auto& [code, times] : warnings) {
-        description.notes.emplace_back("warning", fmt::format("{} {}", code, times));
-    }
-    add_followed_notes(model, kept, description);
-    return description;
-}
-
 // A mesh between two stages: a structure per region, so that any viewer colours them.
 ModelFile dump_file(const TetMesh& mesh, const std::string& stage) {
     ModelFile file;
@@ -157,42 +130,24 @@ ModelFile dump_file(const TetMesh& mesh, const std::string& stage) {
     return file;
 }
 
-// What the caller of the pipeline knows and the pipeline does not.
-void complete_report(ModelReport& report, const InputContours& contours, const ModelVerbOptions& options,
+MakeModelOptions making_options(const ModelVerbOptions& options, const Session& session) {
+    MakeModelOptions making;
+    making.prepare = options.input.prepare;
+    making.size_mm = options.size_mm;
+    making.max_tetrahedra = session.limits.tetrahedra;
+    making.max_memory_bytes = allowed_memory(session.limits);
+    if (options.element.order == 2) making.report_options.emplace_back("order", "2");
+    if (options.separate) making.report_options.emplace_back("separate", "yes");
+    if (options.uncertainty) making.report_options.emplace_back("uncertainty", "yes");
+    return making;
+}
+
+// What the library does not know: the command, and the files that were read.
+void complete_report(ModelReport& report, const InputContours& contours, const StageReport& reading,
                      const Session& session) {
-    report.version = ANATOMESH_VERSION;
     report.command = quoted_command(session.words);
     report.inputs.insert(report.inputs.begin(), contours.files.begin(), contours.files.end());
-    report.contour_log = contours.log;
-    report.hole_rule = contours.hole_rule;
-    report.end_caps = options.rules.caps;
-    report.space = contours.kept.frame == Frame::unknown ? "unknown" : "LPS";
-    report.traced_points = contours.traced_points;
-    report.islands_left_out = contours.islands_left_out;
-    report.epsilon_mm = contours.epsilon_mm;
-    report.options = contours.options;
-    std::string size;
-    append_number(size, report.size_mm);
-    report.options.emplace_back("size_mm", size);
-    report.options.emplace_back("caps", options.rules.caps);
-    if (!report.crossing.pairs.empty()) {
-        std::string bound;
-        append_number(bound, options.reconcile.stage.max_disagreement_mm);
-        report.options.emplace_back("max_disagreement_mm", bound);
-        report.options.emplace_back("reconcile", options.reconcile.reconcile);
-        report.options.emplace_back("align", options.reconcile.stage.align ? "yes" : "no");
-    }
-    if (options.element.order == 2) report.options.emplace_back("order", "2");
-    if (options.separate) report.options.emplace_back("separate", "yes");
-    if (options.uncertainty) report.options.emplace_back("uncertainty", "yes");
-    std::string gap;
-    append_number(gap, options.rules.max_gap_spacings);
-    report.options.emplace_back("max_gap_spacings", gap);
-    if (options.rules.slice_thickness_mm > 0) {
-        std::string thickness;
-        append_number(thickness, options.rules.slice_thickness_mm);
-        report.options.emplace_back("slice_thickness_mm", thickness);
-    }
+    report.stages.insert(report.stages.begin(), reading);
     report.warnings = session.context.warnings;
 }
 
@@ -207,26 +162,27 @@ Status add_surfaces(const ModelFile& file, const std::vector<std::string>& paths
 }
 
 // How sure the surface is, at every point of the mesh.
-Result<std::vector<PointArray>> uncertainty_arrays(const Model& model, const ContourSet& kept,
-                                                   const ModelVerbOptions& options, RunContext& context) {
+Result<std::vector<PointArray>> uncertainty_arrays(const Model& model, const ModelVerbOptions& options,
+                                                   RunContext& context) {
+    const ContourSet drawn = drawn_alone(model.drawn);
     LeftOutOptions leaving;
-    leaving.field = options.rules.field();
-    ANATOMESH_TRY(const LeftOut errors, leave_slices_out(kept, leaving, context));
-    SurfaceUncertainty found = surface_uncertainty(kept, errors, model.mesh, model.regions, context);
+    leaving.field = options.input.prepare.field;
+    ANATOMESH_TRY(const LeftOut errors, leave_slices_out(drawn, leaving, context));
+    SurfaceUncertainty found = surface_uncertainty(drawn, errors, model.mesh, model.regions, context);
     return std::vector<PointArray>{{"uncertainty", std::move(found.expected)},
                                    {"evidence_distance", std::move(found.evidence)},
                                    {"left_out_error", std::move(found.left_out)}};
 }
 
-// All outputs under temporary names. `kept`: the contours that the model was made of.
-Status stage_outputs(Model& model, ModelFile& file, const ContourSet& kept, const ModelVerbOptions& options,
-                     AtomicFileSet& files, Session& session) {
+// All outputs under temporary names.
+Status stage_outputs(Model& model, ModelFile& file, const ModelVerbOptions& options, AtomicFileSet& files,
+                     Session& session) {
     RunContext& context = session.context;
     std::vector<Material> materials = std::move(file.description.materials);
-    file.description = description_of(model, kept, session);
+    file.description = description_of(model);
     file.description.materials = std::move(materials);
     if (options.uncertainty) {
-        ANATOMESH_TRY(file.arrays, uncertainty_arrays(model, drawn_alone(kept), options, context));
+        ANATOMESH_TRY(file.arrays, uncertainty_arrays(model, options, context));
     }
     ANATOMESH_TRY(const std::string mesh_bytes, format_model(options.output, file, context));
     ANATOMESH_CHECK_STATUS(files.add(options.output, mesh_bytes));
@@ -235,7 +191,7 @@ Status stage_outputs(Model& model, ModelFile& file, const ContourSet& kept, cons
     }
     if (!options.contours.empty()) {
         ANATOMESH_TRY(const ContourFormat format, contour_format_of(options.contours));
-        const ContourSet contours = contours_in_planes(model, kept, CleanOptions{}.plane_tolerance_mm);
+        const ContourSet contours = contours_in_planes(model, CleanOptions{}.plane_tolerance_mm);
         ANATOMESH_CHECK_STATUS(files.add(options.contours, format_contours(contours, format, context)));
     }
     model.report.warnings = context.warnings;  // with those of the formats
@@ -250,19 +206,18 @@ Status stage_outputs(Model& model, ModelFile& file, const ContourSet& kept, cons
 }
 
 // What the file of the model has beside the mesh: mid-nodes, grey values, materials.
-Result<ModelFile> model_file(Model& model, const ContourSet& kept, const ModelVerbOptions& options,
-                             Session& session) {
+Result<ModelFile> file_of(Model& model, const ModelVerbOptions& options, Session& session) {
     ModelFile file;
     file.mesh = model.mesh;
     if (options.element.order == 2) {
-        ANATOMESH_TRY(file.mid_nodes, quadratic_model(model, kept, {}, session.context));
+        ANATOMESH_TRY(file.mid_nodes, quadratic_model(model, model.contours, {}, session.context));
     }
     if (!options.element.wanted()) return file;
     file.description.structures = model.structures;
     file.description.regions = model.regions;
-    ANATOMESH_TRY(
-        CellValues values,
-        add_cell_values(file, options.element, options.input.threshold ? &options.input : nullptr, session));
+    ANATOMESH_TRY(CellValues values,
+                  add_cell_values(file, options.element,
+                                  options.input.prepare.threshold ? &options.input : nullptr, session));
     for (StageReport& stage : values.stages) model.report.stages.push_back(std::move(stage));
     for (InputReport& input : values.files) model.report.inputs.push_back(std::move(input));
     return file;
@@ -305,39 +260,9 @@ ModelVerbOptions options_of_one(ModelVerbOptions options, std::int32_t number) {
     return options;
 }
 
-Status give_to_first(InputContours& contours, const ModelVerbOptions& options, RunContext& context) {
-    if (options.priority.empty()) return Nothing{};
-    ANATOMESH_TRY(const std::vector<std::uint32_t> order,
-                  find_in_order(contours.kept.structures, options.priority, options.input.input));
-    ANATOMESH_TRY(PriorityResult result,
-                  part_structures(contours.kept, order, options.rules.field(), context));
-    for (const std::uint32_t s : result.order)
-        contours.options.emplace_back("priority", unique_text(contours.kept.structures, s));
-    if (std::all_of(result.given.begin(), result.given.end(),
-                    [](const auto& given) { return given.slices == 0; }))
-        context.warn({"W-CMD-007",
-                      "--priority was given, and no structures overlap on any slice",
-                      {options.input.input, "", "", "", ""},
-                      "no contour was changed; between the slices the structures exclude each other"});
-    for (std::size_t s = 0; s < result.given.size(); ++s) {
-        if (result.given[s].slices == 0 || result.given[s].all) continue;
-        context.warn(
-            {"W-CMD-006",
-             "the structure overlaps others, which keep what they have in common",
-             {options.input.input, "", contours.kept.structures[s].name, "",
-              fmt::format("{:.4g} mm2 on {} slices", result.given[s].area_mm2, result.given[s].slices)},
-             "taken from it; --priority names what comes first, and of the others the smaller one does"});
-    }
-    contours.kept = std::move(result.kept);
-    if (contours.kept.overlapping) contours.options.emplace_back("overlaps", "nested");
-    if (has_interpolated(contours.kept)) contours.options.emplace_back("outlines_between", "interpolated");
-    return Nothing{};
-}
-
-// Builds one model and adds its outputs to `files`.
-Status make_model(const ContourSet& kept, const InputContours& contours, const CrossingReport& crossing,
-                  const std::vector<StageReport>& stages, const ModelVerbOptions& options,
-                  AtomicFileSet& files, Answers& answers, Session& session) {
+// Makes one model and adds its outputs to `files`.
+Status make_one(const PreparedContours& prepared, const InputContours& contours, const StageReport& reading,
+                const ModelVerbOptions& options, AtomicFileSet& files, Answers& answers, Session& session) {
     RunContext& context = session.context;
     // A second attempt at the model shows its stages again: the last one counts.
     std::vector<ModelFile> dumps(options.dumps.size());
@@ -346,31 +271,15 @@ Status make_model(const ContourSet& kept, const InputContours& contours, const C
             if (options.dumps[i].stage == stage) dumps[i] = dump_file(mesh, stage);
         }
     };
-    const FieldOptions field = options.rules.field();
-    ModelOptions building;
-    building.size_mm = options.size_mm;
-    building.caps = field.caps;
-    building.max_gap_spacings = field.max_gap_spacings;
-    building.single_slice_mm = field.single_slice_mm;
-    building.max_tetrahedra = session.limits.tetrahedra;
-    if (options.reconcile.reconcile == "1")
-        building.max_follow_mm = options.reconcile.stage.max_disagreement_mm;
-    if (options.size_mm > 0) {
-        ANATOMESH_CHECK_STATUS(check_size(kept, options.size_mm, session.limits));
-    } else {
-        ANATOMESH_CHECK_STATUS(check_default_size(kept));
-    }
-    ANATOMESH_TRY(Model model,
-                  build_model(kept, building, context, dumps.empty() ? StageObserver{} : observer));
+    ANATOMESH_TRY(Model model, make_model(prepared, making_options(options, session), context,
+                                          dumps.empty() ? StageObserver{} : observer));
     for (std::size_t i = 0; i < dumps.size(); ++i) {
         ANATOMESH_TRY(const std::string bytes, format_model(options.dumps[i].path, dumps[i], context));
         ANATOMESH_CHECK_STATUS(files.add(options.dumps[i].path, bytes));
     }
-    model.report.stages.insert(model.report.stages.begin(), stages.begin(), stages.end());
-    model.report.crossing = crossing;
-    ANATOMESH_TRY(ModelFile file, model_file(model, model.contours, options, session));
-    complete_report(model.report, contours, options, session);
-    ANATOMESH_CHECK_STATUS(stage_outputs(model, file, kept, options, files, session));
+    ANATOMESH_TRY(ModelFile file, file_of(model, options, session));
+    complete_report(model.report, contours, reading, session);
+    ANATOMESH_CHECK_STATUS(stage_outputs(model, file, options, files, session));
     if (!options.dicom.paths().empty()) {
         ANATOMESH_TRY(const DicomSource source, output_source(options.input, contours.dicom_source, context));
         ANATOMESH_CHECK_STATUS(add_dicom_outputs(model, source, options.dicom, files, context));
@@ -381,9 +290,9 @@ Status make_model(const ContourSet& kept, const InputContours& contours, const C
 
 // One model of each structure. The files of each tell what was said of all the input, and of itself.
 template <class Begin>
-Status make_separate_models(const InputContours& contours, const CrossingReport& crossing,
-                            const std::vector<StageReport>& stages, const ModelVerbOptions& options,
-                            AtomicFileSet& files, Answers& answers, const Begin& begin, Session& session) {
+Status make_separate_models(const InputContours& contours, const StageReport& reading,
+                            const ModelVerbOptions& options, AtomicFileSet& files, Answers& answers,
+                            const Begin& begin, Session& session) {
     std::vector<Warning>& warnings = session.context.warnings;
     const auto of_all = static_cast<std::ptrdiff_t>(warnings.size());
     std::vector<Warning> said = warnings;
@@ -397,8 +306,8 @@ Status make_separate_models(const InputContours& contours, const CrossingReport&
         begin("model", 0.15 + share * s, 0.15 + share * (s + 1));
         const ModelVerbOptions part = options_of_one(options, contours.kept.structures[s].number);
         warnings.erase(warnings.begin() + of_all, warnings.end());
-        Status made = make_model(choose_structures(contours.kept, {&s, 1}), contours, crossing, stages, part,
-                                 files, answers, session);
+        Status made =
+            make_one(choose_structures(contours, {&s, 1}), contours, reading, part, files, answers, session);
         said.insert(said.end(), warnings.begin() + of_all, warnings.end());
         if (!made.ok()) {
             warnings = std::move(said);
@@ -419,7 +328,7 @@ Status check_separate(const ModelVerbOptions& options) {
 }
 
 Status check_slice_thickness(const ModelVerbOptions& options, const ContourSet& kept) {
-    if (options.rules.slice_thickness_mm == 0 || kept.slices.size() < 2) return Nothing{};
+    if (options.input.prepare.field.single_slice_mm == 0 || kept.slices.size() < 2) return Nothing{};
     return Error{ErrorKind::usage,
                  "E-CMD-008",
                  fmt::format("--slice-thickness does not apply: there are {} slices", kept.slices.size()),
@@ -448,27 +357,23 @@ Status run_model(ModelVerbOptions options, Session& session) {
     begin("reading", 0, 0.08);
     ANATOMESH_TRY(OpenedInput opened, open_input(options.input, context));
     ANATOMESH_CHECK_STATUS(check_outputs(names_of(opened.files), outputs_of(whole)));
-    StageReport reading{"read", watch.lap(), 0, 0, {}};
+    const StageReport reading{"read", watch.lap(), 0, 0, {}};
     begin("contours", 0.08, 0.15);
-    ANATOMESH_TRY(InputContours contours, contours_of(std::move(opened), options.input, context));
-    StageReport tracing{"contours", watch.lap(), contours.kept.points.size(), 0, {}};
-
-    ANATOMESH_CHECK_STATUS(check_slice_thickness(options, contours.kept));
-    ANATOMESH_TRY(const CrossingReport crossing,
-                  reconcile_step(contours.kept, options.input.walls, options.reconcile, context));
-    ANATOMESH_CHECK_STATUS(give_to_first(contours, options, context));
-    const std::vector<StageReport> stages{
-        reading, tracing, StageReport{"reconcile", watch.lap(), contours.kept.points.size(), 0, {}}};
+    const auto check = [&](const ContourSet& kept) -> Status {
+        ANATOMESH_CHECK_STATUS(check_slice_thickness(options, kept));
+        return check_reconcile_options(kept, options.input);
+    };
+    ANATOMESH_TRY(const InputContours contours,
+                  contours_of(std::move(opened), options.input, context, check));
 
     AtomicFileSet files;
     Answers answers;
     if (options.separate) {
         ANATOMESH_CHECK_STATUS(
-            make_separate_models(contours, crossing, stages, options, files, answers, begin, session));
+            make_separate_models(contours, reading, options, files, answers, begin, session));
     } else {
         begin("model", 0.15, 1);
-        ANATOMESH_CHECK_STATUS(
-            make_model(contours.kept, contours, crossing, stages, whole, files, answers, session));
+        ANATOMESH_CHECK_STATUS(make_one(contours, contours, reading, whole, files, answers, session));
     }
     context.progress = nullptr;
     bar.reset();
@@ -486,10 +391,10 @@ Work declare_model(CLI::App& verb) {
     add_cleaning_options(verb, options->input);
     add_number(verb, "--size", options->size_mm, 0.01, 1000, "MM",
                "Target edge length, 0.01 to 1000 (default: found from the data)");
-    add_field_rule_options(verb, options->rules);
-    add_reconcile_options(verb, options->reconcile);
+    add_field_rule_options(verb, options->input.prepare.field);
+    add_reconcile_options(verb, options->input);
     add_element_options(verb, options->element);
-    add_texts(verb, "--priority", options->priority, "NAME",
+    add_texts(verb, "--priority", options->input.prepare.priority, "NAME",
               "Where structures overlap, NAME (or number) keeps what they have in common; may be repeated, "
               "the first wins; of those not named the smaller one");
     verb.add_flag(

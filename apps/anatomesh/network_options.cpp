@@ -9,7 +9,7 @@ namespace anatomesh {
 
 namespace {
 
-Error does_not_apply(const std::string& option, const std::string& peer, const std::string& why) {
+Error does_not_apply_to_peer(const std::string& option, const std::string& peer, const std::string& why) {
     return {ErrorKind::usage,
             "E-CMD-008",
             fmt::format("{} does not apply: {}", option, why),
@@ -74,15 +74,15 @@ Result<ConnectOptions> connect_options(const NetworkOptions& options) {
     ANATOMESH_TRY(connecting.peer, parse_peer(options.peer));
     const bool is_web = !connecting.peer.dicom;
     if (is_web && options.use_tls)
-        return does_not_apply("--tls", options.peer, "a URL with https:// says it");
+        return does_not_apply_to_peer("--tls", options.peer, "a URL with https:// says it");
     if (!is_web && !options.user.empty())
-        return does_not_apply("--user", options.peer, "DICOM peers know AE titles, no users");
+        return does_not_apply_to_peer("--user", options.peer, "DICOM peers know AE titles, no users");
     if (options.user.empty() && !options.password_file.empty())
-        return does_not_apply("--password-file", options.peer, "there is no --user");
+        return does_not_apply_to_peer("--password-file", options.peer, "there is no --user");
     const bool is_plain = is_web ? options.peer.starts_with("http://") : !options.use_tls;
     if (is_plain && !options.tls.empty())
-        return does_not_apply("--tls-certificate, --tls-key or --tls-authorities", options.peer,
-                              "this peer is talked to without TLS");
+        return does_not_apply_to_peer("--tls-certificate, --tls-key or --tls-authorities", options.peer,
+                                      "this peer is talked to without TLS");
     connecting.title = options.title;
     connecting.timeout_seconds = options.timeout_seconds;
     connecting.use_tls = options.use_tls;

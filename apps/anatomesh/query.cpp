@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "anatomesh/base/plural.h"
 #include "answer.h"
 #include "command_words.h"
 #include "network_options.h"
 #include "option_values.h"
-#include "plural.h"
 #include "verbs.h"
 
 namespace anatomesh {

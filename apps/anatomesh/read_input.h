@@ -1,5 +1,5 @@
-// From an input file to kept contours: read, choose, trace or clean, simplify. Used by every verb that takes
-// an image, a label map or a contour file.
+// From an input file to prepared contours. Used by every verb that takes an image, a label map or a contour
+// file.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@
 
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/contour/model/raw_contours.h"
 #include "anatomesh/measure/report.h"
+#include "anatomesh/pipeline/prepare_contours.h"
 #include "anatomesh_io/dicom/dicom_source.h"
 #include "anatomesh_io/dicom/segmentation.h"
 #include "anatomesh_io/file/detect.h"
@@ -42,41 +42,17 @@ bool is_dicom_folder(const std::string& path);
 // The paths of files that were read.
 std::vector<std::string> names_of(const std::vector<InputReport>& files);
 
-// Kept contours, and all that the report says about how they came to be.
-struct InputContours {
-    ContourSet kept;
+// Contours as the verb wants them, and where they are from.
+struct InputContours : PreparedContours {
     std::vector<InputReport> files;
-    std::vector<ContourReport> log;
-    std::vector<std::pair<std::string, std::string>> options;  // as used, after defaults
-    std::string hole_rule;
-    std::uint64_t traced_points = 0;  // before simplification; of drawn contours, the points in the file
-    std::uint32_t islands_left_out = 0;
-    double epsilon_mm = 0;
     std::optional<DicomSource> dicom_source;
 };
 
-// Segmentations: chosen structures -> largest pieces -> kept slices -> traced and simplified.
-// Images: threshold or labels -> chosen structures -> largest pieces -> kept slices -> traced and simplified.
-// Contours: chosen structures -> cleaned -> kept slices -> simplified when --epsilon says so.
-// Errors: usage E-CMD-005 no such structure, E-CMD-007 grey image without a threshold, E-CMD-008 an option
-// that does not apply to this kind of input; those of the stages.
-Result<InputContours> contours_of(OpenedInput input, const InputOptions& options, RunContext& context);
-
-// Positions in `all` of the structures that the user named, ascending; all when `wanted` is empty. A text is
-// a name first, else a number. Error: usage E-CMD-005, listing what there is.
-Result<std::vector<std::uint32_t>> find_structures(const std::vector<Structure>& all,
-                                                   const std::vector<std::string>& wanted,
-                                                   const std::string& file);
-
-// The same in the order in which they were named, each once; none when `wanted` is empty.
-Result<std::vector<std::uint32_t>> find_in_order(const std::vector<Structure>& all,
-                                                 const std::vector<std::string>& wanted,
-                                                 const std::string& file);
-
-// A structure's name where no other one has it, else its number: what find_structures() finds it by.
-std::string unique_text(const std::vector<Structure>& all, std::uint32_t structure);
-
-// The slices offset, offset + every, ... of a set of parallel slices. Requires: a kept set; every >= 1.
-ContourSet every_nth_slice(const ContourSet& set, std::uint32_t every, std::uint32_t offset);
+// prepare_contours() of what was opened, as options.prepare says; grey images need a threshold. The options
+// that say how the input was read come before those of preparing. Errors: usage E-CMD-007 grey image without
+// a threshold, E-CMD-008 an option that does not apply to this kind of input; those of the stages, and of
+// `check` (prepare_contours.h).
+Result<InputContours> contours_of(OpenedInput input, const InputOptions& options, RunContext& context,
+                                  const ContoursCheck& check = {});
 
 }  // namespace anatomesh

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "anatomesh/base/plural.h"
 #include "anatomesh_io/network/receiver.h"
 #include "answer.h"
 #include "network_options.h"
 #include "option_values.h"
-#include "plural.h"
 #include "verbs.h"
 #include "watch_studies.h"
 

@@ -10,7 +10,7 @@ namespace anatomesh {
 
 namespace {
 
-const std::string shown = "DICOM input";
+const std::string input_shown_as = "DICOM input";
 
 std::string without_slashes(std::string path) {
     while (path.size() > 1 && path.back() == '/') path.pop_back();
@@ -43,11 +43,12 @@ void hide_dicom_names(ModelReport& report, std::vector<std::string> words, const
         const std::string path = without_slashes(input.file);
         for (std::string& word : words) {
             const std::size_t value = value_of(word);
-            if (without_slashes(word.substr(value)) == path) word.replace(value, std::string::npos, shown);
+            if (without_slashes(word.substr(value)) == path)
+                word.replace(value, std::string::npos, input_shown_as);
         }
         for (Warning& warning : report.warnings)
-            if (is_of(warning.place.file, path)) warning.place.file.replace(0, path.size(), shown);
-        input.file = shown;
+            if (is_of(warning.place.file, path)) warning.place.file.replace(0, path.size(), input_shown_as);
+        input.file = input_shown_as;
     }
     if (!any) return;
     for (std::string& word : words) {

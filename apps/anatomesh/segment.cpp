@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "anatomesh/base/plural.h"
 #include "anatomesh/contour/trace/trace.h"
 #include "anatomesh_io/contour/write_contours.h"
 #include "anatomesh_io/file/atomic_file.h"
@@ -20,7 +21,6 @@
 #include "input_options.h"
 #include "option_values.h"
 #include "outputs.h"
-#include "plural.h"
 #include "read_input.h"
 #include "segment_task.h"
 #include "verbs.h"
@@ -157,8 +157,8 @@ nlohmann::ordered_json json_of(const TaskResult& result, double voxel_mm3) {
 Result<std::vector<SegmentTask>> tasks_of(const SegmentVerbOptions& options) {
     if (!options.recipe.empty()) return read_recipe(options.recipe, options.input.limits.input);
     SegmentTask task = options.task;
-    task.threshold = options.input.threshold;
-    task.keep_largest = options.input.keep_largest;
+    task.threshold = options.input.prepare.threshold;
+    task.keep_largest = options.input.prepare.keep_largest;
     return std::vector{task};
 }
 

@@ -372,7 +372,7 @@ class RecipeReader {
         }
         return true;
     }
-    static bool take_threshold(const RecipeJson& value, std::optional<Threshold>& target) {
+    static bool take_threshold(const RecipeJson& value, std::optional<ThresholdOptions>& target) {
         target.emplace();
         if (value.is_number()) return take_number(value, -1e15, 1e15, target->low);
         if (!value.is_array() || value.size() != 2 || !take_number(value[0], -1e15, 1e15, target->low))

@@ -15,7 +15,7 @@ namespace anatomesh {
 struct SegmentTask {
     std::string name = "structure", method;  // method empty: by the other options
     std::uint32_t number = 1;
-    std::optional<Threshold> threshold;
+    std::optional<ThresholdOptions> threshold;
     std::optional<std::uint32_t> keep_largest;
     std::vector<Vec3> seeds;        // LPS mm; of frames with a pose, in their axes
     std::vector<Vec3> voxel_seeds;  // whole numbers

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "anatomesh/base/plural.h"
 #include "anatomesh_io/network/send_objects.h"
 #include "answer.h"
 #include "network_options.h"
 #include "option_values.h"
-#include "plural.h"
 #include "progress_bar.h"
 #include "verbs.h"
 

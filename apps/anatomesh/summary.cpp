@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "plural.h"
+#include "anatomesh/base/plural.h"
 #include "session.h"
 
 namespace anatomesh {

@@ -14,11 +14,11 @@
 #include <fstream>
 #include <utility>
 
+#include "anatomesh/base/plural.h"
 #include "anatomesh_io/contour/number_text.h"
 #include "anatomesh_io/dicom/folder.h"
 #include "anatomesh_io/dicom/sha256.h"
 #include "anatomesh_io/file/atomic_file.h"
-#include "plural.h"
 
 namespace anatomesh {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "anatomesh/pipeline/build_model.h"
+#include "anatomesh/pipeline/make_model.h"
 #include "anatomesh/uncertainty/left_out.h"
 #include "anatomesh/uncertainty/surface_uncertainty.h"
 #include "answer.h"
@@ -16,7 +16,7 @@
 #include "input_options.h"
 #include "option_values.h"
 #include "read_input.h"
-#include "reconcile_step.h"
+#include "reconcile_options.h"
 #include "verbs.h"
 
 namespace anatomesh {
@@ -25,9 +25,7 @@ namespace {
 
 struct WhereNextVerbOptions {
     InputOptions input;
-    ReconcileStepOptions reconcile;
-    FieldRuleOptions rules;
-    double size_mm = 0;
+    double size_mm = MakeModelOptions{}.size_mm;
     WhereNextOptions choosing;
 };
 
@@ -98,19 +96,16 @@ Status run_where_next(WhereNextVerbOptions options, Session& session) {
     RunContext& context = session.context;
     options.input.limits = session.limits;
     ANATOMESH_TRY(OpenedInput opened, open_input(options.input, context));
-    ANATOMESH_TRY(InputContours contours, contours_of(std::move(opened), options.input, context));
-    ANATOMESH_CHECK_STATUS(reconcile_step(contours.kept, options.input.walls, options.reconcile, context));
+    const auto check = [&](const ContourSet& kept) { return check_reconcile_options(kept, options.input); };
+    ANATOMESH_TRY(const InputContours contours,
+                  contours_of(std::move(opened), options.input, context, check));
+    MakeModelOptions making;
+    making.prepare = options.input.prepare;
+    making.size_mm = options.size_mm;
+    making.max_tetrahedra = session.limits.tetrahedra;
+    ANATOMESH_TRY(const Model model, build_model(contours.kept, model_options(making), context));
     LeftOutOptions leaving;
-    leaving.field = options.rules.field();
-    ModelOptions building;
-    building.caps = leaving.field.caps;
-    building.max_gap_spacings = leaving.field.max_gap_spacings;
-    building.single_slice_mm = leaving.field.single_slice_mm;
-    building.size_mm = options.size_mm;
-    building.max_tetrahedra = session.limits.tetrahedra;
-    if (options.reconcile.reconcile == "1")
-        building.max_follow_mm = options.reconcile.stage.max_disagreement_mm;
-    ANATOMESH_TRY(const Model model, build_model(contours.kept, building, context));
+    leaving.field = making.prepare.field;
     ANATOMESH_TRY(const LeftOut errors, leave_slices_out(contours.kept, leaving, context));
     const SurfaceUncertainty uncertainty =
         surface_uncertainty(contours.kept, errors, model.mesh, model.regions, context);
@@ -134,8 +129,8 @@ Work declare_where_next(CLI::App& verb) {
     add_reading_options(verb, options->input);
     add_selection_options(verb, options->input);
     add_cleaning_options(verb, options->input);
-    add_reconcile_options(verb, options->reconcile);
-    add_field_rule_options(verb, options->rules);
+    add_reconcile_options(verb, options->input);
+    add_field_rule_options(verb, options->input.prepare.field);
     add_number(verb, "--size", options->size_mm, 0.01, 1000, "MM",
                "Edge length of the model that is looked at, 0.01 to 1000 (default: found from the data)");
     add_count(verb, "--count", options->choosing.count, 1, 1000,

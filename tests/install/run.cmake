@@ -1,4 +1,5 @@
-# Installs into an empty folder, then configures, builds and runs the example program that finds the package there.
+# Installs into an empty folder, then configures, builds and runs the example program that finds the package there, and
+# compares its model with the installed command's, of the same contours.
 set(root ${BUILD}/install-test)
 file(REMOVE_RECURSE ${root})
 function(step)
@@ -10,17 +11,28 @@ endfunction()
 step(${CMAKE_COMMAND} --install ${BUILD} --prefix ${root}/prefix)
 foreach(file bin/anatomesh share/man/man1/anatomesh.1 share/bash-completion/completions/anatomesh
              share/zsh/site-functions/_anatomesh share/fish/vendor_completions.d/anatomesh.fish
-             include/anatomesh/pipeline/build_model.h)
+             include/anatomesh/pipeline/make_model.h include/anatomesh_io/mesh/mesh_file.h)
   if(NOT EXISTS ${root}/prefix/${file})
     message(FATAL_ERROR "not installed: ${file}")
+  endif()
+endforeach()
+# Headers that no user can need are not installed.
+foreach(file anatomesh/improve/core/workbench.h anatomesh/delaunay/kernel.h anatomesh_io/dicom/data_set.h)
+  if(NOT EXISTS ${SOURCE}/../../src/${file})
+    message(FATAL_ERROR "not there any more, name another one: ${file}")
+  endif()
+  if(EXISTS ${root}/prefix/include/${file})
+    message(FATAL_ERROR "installed, and the house's own: ${file}")
   endif()
 endforeach()
 step(${root}/prefix/bin/anatomesh --version)
 step(${CMAKE_COMMAND} -S ${SOURCE} -B ${root}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
      -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${root}/prefix)
 step(${CMAKE_COMMAND} --build ${root}/build)
-execute_process(COMMAND ${root}/build/ball WORKING_DIRECTORY ${root} RESULT_VARIABLE result OUTPUT_VARIABLE output)
-if(NOT result EQUAL 0 OR NOT output MATCHES "ball.vtu: [0-9]+ tetrahedra")
+execute_process(COMMAND ${root}/build/two_balls WORKING_DIRECTORY ${root} RESULT_VARIABLE result OUTPUT_VARIABLE output)
+if(NOT result EQUAL 0 OR NOT output MATCHES "two_balls.vtu: [0-9]+ tetrahedra")
   message(FATAL_ERROR "the program that uses the installed library failed: ${result}\n${output}")
 endif()
-step(${root}/prefix/bin/anatomesh check ${root}/ball.vtu)
+step(${root}/prefix/bin/anatomesh check ${root}/two_balls.vtu --contours ${root}/two_balls.json)
+step(${root}/prefix/bin/anatomesh model ${root}/two_balls.json --size 1.5 -o ${root}/by_command.vtu --quiet)
+step(${CMAKE_COMMAND} -E compare_files ${root}/two_balls.vtu ${root}/by_command.vtu)

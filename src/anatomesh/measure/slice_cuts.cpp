@@ -4,8 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "anatomesh/contour/overlay/even_odd_area.h"
 #include "anatomesh/geom/polygon.h"
-#include "anatomesh/measure/even_odd_area.h"
 #include "anatomesh/mesh/check/box_tree.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "anatomesh/measure/even_odd_area.h"
+#include "anatomesh/contour/overlay/even_odd_area.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {

@@ -75,6 +75,7 @@ class Tries {
         }
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         note_other_tries(model.report, seconds.count());
+        model.drawn = contours_;
         ANATOMESH_CHECK_STATUS(show_again());
         model.report.work = work_;
         return model;

@@ -60,7 +60,7 @@ std::vector<std::optional<std::size_t>> parents(const ContourSet& set, const Sli
     return parent;
 }
 
-void append_slice(std::string& out, const ContourSet& set, const Slice& slice, std::size_t id) {
+void append_csl_slice(std::string& out, const ContourSet& set, const Slice& slice, std::size_t id) {
     const std::span<const Contour> contours = set.contours_of(slice);
     std::uint64_t vertices = 0;
     for (const Contour& contour : contours) vertices += contour.point_count;
@@ -113,7 +113,7 @@ std::string format_csl(const ContourSet& set) {
     out += ' ';
     append_integer(out, drawn_structures(set).size() + 1);  // the outside is one of the labels
     out += '\n';
-    for (std::size_t i = 0; i < set.slices.size(); ++i) append_slice(out, set, set.slices[i], i + 1);
+    for (std::size_t i = 0; i < set.slices.size(); ++i) append_csl_slice(out, set, set.slices[i], i + 1);
     return out;
 }
 

@@ -20,14 +20,14 @@ bool is_long(std::string_view vr) {
     return vr == "OB" || vr == "OW" || vr == "SQ" || vr == "UN" || vr == "UT" || vr == "OF" || vr == "UC";
 }
 
-void append_number(std::string& bytes, std::uint32_t value, int size) {
+void append_binary_number(std::string& bytes, std::uint32_t value, int size) {
     for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> (8 * i));
 }
 
 }  // namespace
 
 void DicomWriter::number(std::uint32_t value, int size) {
-    append_number(bytes_, value, size);
+    append_binary_number(bytes_, value, size);
 }
 
 void DicomWriter::header(DicomTag tag, const char* vr, std::uint32_t length) {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/image/image.h"
 
 namespace anatomesh {
@@ -39,9 +38,5 @@ struct LoadedSegmentation {
 Result<LoadedSegmentation> read_dicom_segmentation(std::string_view file, const std::string& name,
                                                    const ReadSegmentationOptions& options,
                                                    RunContext& context);
-
-// The contour sets traced from the layers of one segmentation as one: slices of equal plane are one slice.
-// Requires: sets that obey the invariants of kept ones, of one geometry; at least one.
-ContourSet merge_layers(std::vector<ContourSet> layers);
 
 }  // namespace anatomesh

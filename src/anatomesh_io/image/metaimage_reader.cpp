@@ -19,7 +19,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t longest_header = std::size_t{16} << 20;
+constexpr std::size_t longest_meta_header = std::size_t{16} << 20;
 
 using Keys = std::map<std::string, std::string, std::less<>>;
 
@@ -28,19 +28,19 @@ Error key_error(const char* code, const std::string& message, const std::string&
     return image_error(code, message, path, shown(value), "correct the header of the image");
 }
 
-Error bad_value(std::string_view key, const std::string& path, std::string_view value) {
+Error bad_meta_value(std::string_view key, const std::string& path, std::string_view value) {
     return key_error("E-MTI-003", fmt::format("the key {} has a value that is not usable", key), path, value);
 }
 
 // Several keys have more than one name.
-std::string canonical(std::string_view key) {
+std::string canonical_meta_key(std::string_view key) {
     if (key == "Position" || key == "Origin") return "Offset";
     if (key == "Rotation" || key == "Orientation") return "TransformMatrix";
     if (key == "BinaryDataByteOrderMSB") return "ElementByteOrderMSB";
     return std::string(key);
 }
 
-bool is_known(std::string_view key) {
+bool is_known_meta_key(std::string_view key) {
     constexpr std::array<std::string_view, 30> known = {"ObjectType",
                                                         "NDims",
                                                         "BinaryData",
@@ -89,7 +89,7 @@ struct Header {
 // ElementDataFile is the last key; the data may begin right behind its line.
 Result<Header> parse_header(std::span<const std::byte> content, const std::string& path,
                             RunContext& context) {
-    ByteReader reader(content.first(std::min(content.size(), longest_header)));
+    ByteReader reader(content.first(std::min(content.size(), longest_meta_header)));
     Header header;
     std::size_t unknown = 0;
     std::string first_unknown;
@@ -98,7 +98,7 @@ Result<Header> parse_header(std::span<const std::byte> content, const std::strin
         const std::size_t equals = line->find('=');
         if (equals == std::string_view::npos)
             return key_error("E-MTI-001", "a line of the header is not of the form Key = Value", path, *line);
-        const std::string key = canonical(trimmed(line->substr(0, equals)));
+        const std::string key = canonical_meta_key(trimmed(line->substr(0, equals)));
         const std::string value(trimmed(line->substr(equals + 1)));
         const auto [at, inserted] = header.keys.emplace(key, value);
         if (!inserted && at->second != value)
@@ -107,7 +107,7 @@ Result<Header> parse_header(std::span<const std::byte> content, const std::strin
                              value);
         if (key.starts_with("Seq_") || key.ends_with("Transform") || key.starts_with("UltrasoundImage")) {
             if (inserted) header.sequence.emplace_back(key, value);
-        } else if (inserted && !is_known(key) && unknown++ == 0) {
+        } else if (inserted && !is_known_meta_key(key) && unknown++ == 0) {
             first_unknown = key;
         }
         if (key == "ElementDataFile") {
@@ -128,7 +128,7 @@ Result<bool> boolean(const Header& header, const char* key, bool otherwise, cons
     const std::string value = lower_case(header.get(key));
     if (value == "true" || value == "1" || value == "t") return true;
     if (value == "false" || value == "0" || value == "f") return false;
-    return bad_value(key, path, value);
+    return bad_meta_value(key, path, value);
 }
 
 Result<std::vector<double>> numbers(const Header& header, const char* key, std::size_t count,
@@ -136,10 +136,10 @@ Result<std::vector<double>> numbers(const Header& header, const char* key, std::
     std::vector<double> found;
     for (const std::string_view word : words(header.get(key))) {
         const auto number = parse_double(word);
-        if (!number || !std::isfinite(*number)) return bad_value(key, path, header.get(key));
+        if (!number || !std::isfinite(*number)) return bad_meta_value(key, path, header.get(key));
         found.push_back(*number);
     }
-    if (found.size() != count) return bad_value(key, path, header.get(key));
+    if (found.size() != count) return bad_meta_value(key, path, header.get(key));
     return found;
 }
 
@@ -159,7 +159,7 @@ Result<Shape> shape_of(const Header& header, const std::string& path) {
         return key_error("E-MTI-005", "the file holds no image", path, header.get("ObjectType"));
     Shape shape;
     const auto axes = parse_integer(header.get("NDims"));
-    if (!axes || *axes < 3 || *axes > 10) return bad_value("NDims", path, header.get("NDims"));
+    if (!axes || *axes < 3 || *axes > 10) return bad_meta_value("NDims", path, header.get("NDims"));
     shape.axes = static_cast<std::size_t>(*axes);
     const auto type = types.find(header.get("ElementType"));
     if (type == types.end())
@@ -167,11 +167,11 @@ Result<Shape> shape_of(const Header& header, const std::string& path) {
                          header.get("ElementType"));
     shape.layout.type = type->second;
     const auto sizes = words(header.get("DimSize"));
-    if (sizes.size() != shape.axes) return bad_value("DimSize", path, header.get("DimSize"));
+    if (sizes.size() != shape.axes) return bad_meta_value("DimSize", path, header.get("DimSize"));
     std::optional<std::uint64_t> volumes = 1;
     for (std::size_t axis = 0; axis < shape.axes; ++axis) {
         const auto size = parse_integer(sizes[axis]);
-        if (!size || *size < 1) return bad_value("DimSize", path, header.get("DimSize"));
+        if (!size || *size < 1) return bad_meta_value("DimSize", path, header.get("DimSize"));
         if (axis < 3)
             shape.layout.sizes[axis] = static_cast<std::uint64_t>(*size);
         else if (volumes)
@@ -180,11 +180,11 @@ Result<Shape> shape_of(const Header& header, const std::string& path) {
     if (header.has("ElementNumberOfChannels")) {
         const auto channels = parse_integer(header.get("ElementNumberOfChannels"));
         if (!channels || *channels < 1 || *channels > 65536)
-            return bad_value("ElementNumberOfChannels", path, header.get("ElementNumberOfChannels"));
+            return bad_meta_value("ElementNumberOfChannels", path, header.get("ElementNumberOfChannels"));
         shape.channels = static_cast<std::uint64_t>(*channels);
         if (volumes) volumes = checked_multiply(*volumes, shape.channels);
     }
-    if (!volumes) return bad_value("DimSize", path, header.get("DimSize"));
+    if (!volumes) return bad_meta_value("DimSize", path, header.get("DimSize"));
     shape.layout.volumes = *volumes;
     return shape;
 }
@@ -193,7 +193,7 @@ Result<double> unit_of(const Header& header, const std::string& path) {
     static const std::map<std::string, double, std::less<>> units = {{"", 1},       {"?", 1},   {"mm", 1},
                                                                      {"um", 0.001}, {"cm", 10}, {"m", 1000}};
     const auto found = units.find(header.get("DistanceUnits"));
-    if (found == units.end()) return bad_value("DistanceUnits", path, header.get("DistanceUnits"));
+    if (found == units.end()) return bad_meta_value("DistanceUnits", path, header.get("DistanceUnits"));
     return found->second;
 }
 
@@ -225,7 +225,7 @@ Result<ImageGeometry> geometry_of(const Header& header, const Shape& shape, cons
     ANATOMESH_TRY(const double millimetres, unit_of(header, path));
     ImageGeometry geometry;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (!(spacing[axis] > 0)) return bad_value("ElementSpacing", path, header.get("ElementSpacing"));
+        if (!(spacing[axis] > 0)) return bad_meta_value("ElementSpacing", path, header.get("ElementSpacing"));
         geometry.size[axis] = static_cast<std::uint32_t>(shape.layout.sizes[axis]);
         const double* direction = matrix.data() + axis * n;  // the direction of an axis is a row
         geometry.step[axis] = millimetres * spacing[axis] * Vec3{direction[0], direction[1], direction[2]};
@@ -245,14 +245,14 @@ Result<std::span<const std::byte>> after_header(std::span<const std::byte> bytes
     const auto skip = parse_integer(header.get("HeaderSize"));
     const bool from_end = skip && *skip == -1 && !compressed;
     if (!skip || (*skip < 0 && !from_end) || (*skip > 0 && static_cast<std::uint64_t>(*skip) > bytes.size()))
-        return bad_value("HeaderSize", path, header.get("HeaderSize"));
+        return bad_meta_value("HeaderSize", path, header.get("HeaderSize"));
     if (from_end) return bytes.size() > claimed ? bytes.last(claimed) : bytes;
     return bytes.subspan(static_cast<std::size_t>(*skip));
 }
 
-Status take_data(std::span<const std::byte> bytes, const Header& header, const Shape& shape,
-                 std::uint64_t claimed, const std::string& path, const ReadImageOptions& options,
-                 RunContext& context, RawImage& raw) {
+Status take_meta_data(std::span<const std::byte> bytes, const Header& header, const Shape& shape,
+                      std::uint64_t claimed, const std::string& path, const ReadImageOptions& options,
+                      RunContext& context, RawImage& raw) {
     ANATOMESH_TRY(const bool compressed, boolean(header, "CompressedData", false, path));
     ANATOMESH_TRY(const bool binary, boolean(header, "BinaryData", true, path));
     ANATOMESH_TRY(const bool big_endian, boolean(header, "ElementByteOrderMSB", false, path));
@@ -298,14 +298,14 @@ Result<RawImage> read_metaimage(const InputFile& file, std::span<const std::byte
 
     const std::string_view data_name = header.get("ElementDataFile");
     if (lower_case(data_name) == "local") {
-        ANATOMESH_CHECK_STATUS(take_data(content.subspan(header.data_begin), header, shape, claimed, path,
-                                         options, context, raw));
+        ANATOMESH_CHECK_STATUS(take_meta_data(content.subspan(header.data_begin), header, shape, claimed,
+                                              path, options, context, raw));
     } else {
         ANATOMESH_TRY(const std::string data_path, data_file_path(path, data_name));
         ANATOMESH_TRY(InputFile data_file, read_input_file(data_path, options.limits));
         raw.further_inputs.push_back({data_path, data_file.sha256()});
         ANATOMESH_CHECK_STATUS(
-            take_data(data_file.bytes(), header, shape, claimed, data_path, options, context, raw));
+            take_meta_data(data_file.bytes(), header, shape, claimed, data_path, options, context, raw));
         if (raw.storage.size() == 0) raw.storage = std::move(data_file.content);
     }
     // Channels are interleaved with the voxels, further axes follow one another.

@@ -14,7 +14,7 @@ namespace anatomesh {
 namespace {
 
 // The fields of both versions, as the file has them, in the widest types.
-struct Fields {
+struct NiftiFields {
     std::string_view magic;
     std::int32_t datatype = 0, bitpix = 0;
     std::array<std::int64_t, 8> dim{};
@@ -38,8 +38,8 @@ void take(ByteReader& reader, std::array<Target, n>& targets) {
 }
 
 // Requires: 348 bytes. Offsets of nifti1.h.
-Fields fields_of_version_1(ByteReader reader) {
-    Fields f;
+NiftiFields fields_of_version_1(ByteReader reader) {
+    NiftiFields f;
     reader.seek(40);
     take<std::int16_t>(reader, f.dim);
     reader.seek(70);
@@ -64,8 +64,8 @@ Fields fields_of_version_1(ByteReader reader) {
 }
 
 // Requires: 540 bytes. Offsets of nifti2.h.
-Fields fields_of_version_2(ByteReader reader) {
-    Fields f;
+NiftiFields fields_of_version_2(ByteReader reader) {
+    NiftiFields f;
     reader.seek(4);
     f.magic = reader.read_text(8).value_or("");
     take<std::int16_t>(reader, f.datatype);
@@ -128,7 +128,7 @@ std::optional<std::pair<int, std::endian>> version_of(ByteReader reader) {
     return std::nullopt;
 }
 
-Status check_magic(const Fields& fields, NiftiHeader& header, const std::string& path) {
+Status check_magic(const NiftiFields& fields, NiftiHeader& header, const std::string& path) {
     using namespace std::string_view_literals;
     const bool one = header.version == 1;
     const std::string_view single = one ? "n+1\0"sv : "n+2\0\r\n\032\n"sv;
@@ -144,7 +144,7 @@ Status check_magic(const Fields& fields, NiftiHeader& header, const std::string&
     return Nothing{};
 }
 
-Status check_dim(const Fields& fields, NiftiHeader& header, const std::string& path) {
+Status check_dim(const NiftiFields& fields, NiftiHeader& header, const std::string& path) {
     const std::int64_t axes = fields.dim[0];
     if (axes < 1 || axes > 7)
         return image_error("E-NII-004", "dim[0], the number of axes, is not 1 to 7", path,
@@ -167,7 +167,7 @@ Status check_dim(const Fields& fields, NiftiHeader& header, const std::string& p
     return Nothing{};
 }
 
-Status check_type(const Fields& fields, NiftiHeader& header, const std::string& path) {
+Status check_type(const NiftiFields& fields, NiftiHeader& header, const std::string& path) {
     const auto known = std::find_if(data_types.begin(), data_types.end(),
                                     [&](const DataType& type) { return type.code == fields.datatype; });
     if (known == data_types.end() || !known->type)
@@ -183,7 +183,7 @@ Status check_type(const Fields& fields, NiftiHeader& header, const std::string& 
     return Nothing{};
 }
 
-Status check_offset(const Fields& fields, NiftiHeader& header, const std::string& path) {
+Status check_offset(const NiftiFields& fields, NiftiHeader& header, const std::string& path) {
     const double offset = fields.vox_offset;
     // A single file has at least the four extension bytes after the header.
     const auto least = static_cast<double>(header.single_file ? header.header_bytes() + 4 : 0);
@@ -196,7 +196,7 @@ Status check_offset(const Fields& fields, NiftiHeader& header, const std::string
     return Nothing{};
 }
 
-Status check_spacing(const Fields& fields, NiftiHeader& header, const std::string& path,
+Status check_spacing(const NiftiFields& fields, NiftiHeader& header, const std::string& path,
                      RunContext& context) {
     switch (fields.units & 7) {
         case 1:
@@ -237,7 +237,7 @@ Status check_spacing(const Fields& fields, NiftiHeader& header, const std::strin
     return Nothing{};
 }
 
-Status check_scale(const Fields& fields, NiftiHeader& header, const std::string& path) {
+Status check_scale(const NiftiFields& fields, NiftiHeader& header, const std::string& path) {
     if (!std::isfinite(fields.slope) || !std::isfinite(fields.intercept))
         return image_error("E-NII-010", "scl_slope or scl_inter is not finite", path,
                            fmt::format("{}, {}", fields.slope, fields.intercept),
@@ -266,7 +266,8 @@ Result<NiftiHeader> parse_nifti_header(std::span<const std::byte> bytes, const s
                                        header.header_bytes()),
                            path, "", "copy or export the image again");
     const ByteReader reader(bytes, header.order);
-    const Fields fields = header.version == 1 ? fields_of_version_1(reader) : fields_of_version_2(reader);
+    const NiftiFields fields =
+        header.version == 1 ? fields_of_version_1(reader) : fields_of_version_2(reader);
     header.qform_code = fields.qform_code;
     header.sform_code = fields.sform_code;
     header.quaternion = fields.quaternion;

@@ -45,8 +45,8 @@ void append_material(std::string& text, std::size_t id, const std::string& name,
     text += "    </material>\n";
 }
 
-void append_materials(std::string& text, const std::string& path, const ModelFile& model,
-                      const std::vector<CellBlock>& blocks, RunContext& context) {
+void append_feb_materials(std::string& text, const std::string& path, const ModelFile& model,
+                          const std::vector<CellBlock>& blocks, RunContext& context) {
     text += "  <Material>\n";
     if (model.material.empty()) {
         constexpr Material place_holder{1, 0.3, 0};
@@ -117,15 +117,15 @@ void append_parts(std::string& text, const ModelFile& model, const std::vector<C
 }
 
 template <class Numbers>
-void append_set(std::string& text, const char* tag, const std::string& name, const Numbers& numbers) {
+void append_feb_set(std::string& text, const char* tag, const std::string& name, const Numbers& numbers) {
     if (numbers.empty()) return;
     text += std::string("    <") + tag + " name=\"" + name + "\">";
     append_list(text, numbers);
     text += std::string("</") + tag + ">\n";
 }
 
-void append_surface(std::string& text, const ModelFile& model, const std::string& name,
-                    const std::vector<std::uint64_t>& facets) {
+void append_feb_surface(std::string& text, const ModelFile& model, const std::string& name,
+                        const std::vector<std::uint64_t>& facets) {
     if (facets.empty()) return;
     const std::string tag = model.mid_nodes.empty() ? "tri3" : "tri6";
     text += "    <Surface name=\"" + name + "\">\n";
@@ -147,10 +147,10 @@ void append_sets(std::string& text, const ModelFile& model) {
             if (model.description.regions.contains(model.mesh.regions[c], s)) cells.push_back(c);
         }
         const std::string name = structure_set_name(model.description.structures[s].number);
-        append_set(text, "NodeSet", "NODES_" + name, structure_nodes(model, s));
-        append_set(text, "ElementSet", name, cells);
-        append_surface(text, model, "SURFACE_" + name,
-                       structure_facets(facets, model.description.regions, s));
+        append_feb_set(text, "NodeSet", "NODES_" + name, structure_nodes(model, s));
+        append_feb_set(text, "ElementSet", name, cells);
+        append_feb_surface(text, model, "SURFACE_" + name,
+                           structure_facets(facets, model.description.regions, s));
     }
     for (const Interface& interface : interfaces(facets)) {
         std::vector<std::uint64_t> inner, both;
@@ -159,9 +159,9 @@ void append_sets(std::string& text, const ModelFile& model) {
             both.push_back(facet.facet);
             if (facet.other != no_facet) both.push_back(facet.other);
         }
-        append_set(text, "NodeSet", "NODES_" + interface.name(), facet_nodes(model, inner));
-        append_set(text, "ElementSet", "ELEMENTS_" + interface.name(), cells_of_facets(both));
-        append_surface(text, model, interface.name(), inner);
+        append_feb_set(text, "NodeSet", "NODES_" + interface.name(), facet_nodes(model, inner));
+        append_feb_set(text, "ElementSet", "ELEMENTS_" + interface.name(), cells_of_facets(both));
+        append_feb_surface(text, model, interface.name(), inner);
     }
 }
 
@@ -185,7 +185,7 @@ Result<std::string> format_febio(const std::string& path, const ModelFile& model
     std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<febio_spec version=\"4.0\">\n";
     for (const std::string& line : description_lines(model.description)) text += comment(line);
     text += "  <Module type=\"solid\"/>\n";
-    append_materials(text, path, model, blocks, context);
+    append_feb_materials(text, path, model, blocks, context);
     text += "  <Mesh>\n";
     append_feb_nodes(text, model);
     append_parts(text, model, blocks);
@@ -193,7 +193,7 @@ Result<std::string> format_febio(const std::string& path, const ModelFile& model
     if (!model.grey.empty()) {
         std::vector<std::uint64_t> all(model.mesh.cells.size());
         for (std::size_t c = 0; c < all.size(); ++c) all[c] = c;
-        append_set(text, "ElementSet", "ALL_ELEMENTS", all);
+        append_feb_set(text, "ElementSet", "ALL_ELEMENTS", all);
     }
     text += "  </Mesh>\n  <MeshDomains>\n";
     for (const CellBlock& block : blocks) {

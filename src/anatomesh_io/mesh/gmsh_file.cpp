@@ -63,7 +63,7 @@ std::int32_t volume_of(std::size_t region, std::size_t regions) {
     return static_cast<std::int32_t>(region == 0 ? regions : region);
 }
 
-std::string region_name(const MeshDescription& description, std::size_t region) {
+std::string gmsh_region_name(const MeshDescription& description, std::size_t region) {
     if (region == 0) return "outside";
     std::string name;
     for (const std::uint32_t member : description.regions.members[region]) {
@@ -123,8 +123,8 @@ std::vector<std::vector<std::uint32_t>> cells_by_region(const TetMesh& mesh, std
     return cells_of;
 }
 
-void append_elements(std::string& bytes, const ModelFile& model, const std::vector<std::size_t>& used,
-                     std::size_t regions) {
+void append_gmsh_elements(std::string& bytes, const ModelFile& model, const std::vector<std::size_t>& used,
+                          std::size_t regions) {
     const auto cells_of = cells_by_region(model.mesh, used.back() + 1);
     const auto n = static_cast<std::uint64_t>(model.mesh.cells.size());
     bytes += "$Elements\n";
@@ -182,13 +182,13 @@ Result<std::string> format_gmsh(const std::string& path, const ModelFile& model,
     for (const std::string& line : description_lines(model.description)) bytes += line + "\n";
     bytes += "$EndComments\n$PhysicalNames\n" + std::to_string(used.size()) + "\n";
     for (const std::size_t region : used) {
-        bytes +=
-            "3 " + std::to_string(numbers[region]) + " \"" + region_name(model.description, region) + "\"\n";
+        bytes += "3 " + std::to_string(numbers[region]) + " \"" +
+                 gmsh_region_name(model.description, region) + "\"\n";
     }
     bytes += "$EndPhysicalNames\n";
     append_entities(bytes, mesh, used, numbers);
     append_gmsh_nodes(bytes, model, volume_of(used.front(), numbers.size()));
-    append_elements(bytes, model, used, numbers.size());
+    append_gmsh_elements(bytes, model, used, numbers.size());
     if (!model.grey.empty()) {
         append_element_data(bytes, "grey", model, used, [&](std::uint32_t c) { return model.grey[c]; });
     }
@@ -257,7 +257,7 @@ class GmshValues {
     bool good_ = true;
 };
 
-struct Element {
+struct GmshElement {
     std::uint64_t tag = 0;
     std::size_t first_node = 0;  // of its 4 or 10 in element_nodes_
     std::int32_t volume = 0;
@@ -304,7 +304,7 @@ class GmshReader {
     Status place_elements();
     Status place_regions();
     Status place_values();
-    Result<std::uint32_t> vertex_of(std::uint64_t tag, const Element& element) const;
+    Result<std::uint32_t> vertex_of(std::uint64_t tag, const GmshElement& element) const;
 
     Error broken(const char* what) const { return expected(path_, what, values_.place()); }
     Error too_many() const {
@@ -318,7 +318,7 @@ class GmshReader {
     std::map<std::int32_t, std::int32_t> group_of_volume_;  // its first physical group
     std::map<std::int32_t, std::string> name_of_group_;
     std::vector<std::pair<std::uint64_t, Vec3>> nodes_;
-    std::vector<Element> elements_;
+    std::vector<GmshElement> elements_;
     std::vector<std::uint64_t> element_nodes_;
     std::size_t nodes_each_ = 0;                                     // of a tetrahedron: 4 or 10
     std::vector<std::pair<std::uint64_t, double>> grey_, material_;  // by element tag
@@ -461,7 +461,7 @@ Status GmshReader::element_block(std::uint64_t& left) {
     if (nodes > 0 && nodes_each_ > 0 && nodes != nodes_each_) return mixed_orders(path_, values_.place());
     if (nodes > 0) nodes_each_ = nodes;
     for (std::uint64_t i = 0; i < *count; ++i) {
-        Element element;
+        GmshElement element;
         element.volume = entity;
         element.tag = values_.read<std::uint64_t>();
         if (nodes > 0) {
@@ -494,7 +494,7 @@ Status GmshReader::place_nodes() {
     return Nothing{};
 }
 
-Result<std::uint32_t> GmshReader::vertex_of(std::uint64_t tag, const Element& element) const {
+Result<std::uint32_t> GmshReader::vertex_of(std::uint64_t tag, const GmshElement& element) const {
     const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), tag,
                                         [](const auto& node, std::uint64_t t) { return node.first < t; });
     if (found == nodes_.end() || found->first != tag) {
@@ -507,11 +507,11 @@ Result<std::uint32_t> GmshReader::vertex_of(std::uint64_t tag, const Element& el
 
 Status GmshReader::place_elements() {
     std::stable_sort(elements_.begin(), elements_.end(),
-                     [](const Element& a, const Element& b) { return a.tag < b.tag; });
+                     [](const GmshElement& a, const GmshElement& b) { return a.tag < b.tag; });
     model_.mesh.cells.reserve(elements_.size());
     std::vector<std::array<std::uint32_t, 6>> mid_nodes;
     for (std::size_t e = 0; e < elements_.size(); ++e) {
-        const Element& element = elements_[e];
+        const GmshElement& element = elements_[e];
         if (e > 0 && elements_[e - 1].tag == element.tag) {
             return mesh_error("E-MDL-009", "two elements have the same tag", path_,
                               std::to_string(element.tag));
@@ -564,10 +564,11 @@ Status GmshReader::element_data() {
 Status GmshReader::place_values() {
     for (auto* values : {&grey_, &material_}) {
         std::sort(values->begin(), values->end());
-        const bool all =
-            values->size() == elements_.size() &&
-            std::equal(values->begin(), values->end(), elements_.begin(),
-                       [](const auto& value, const Element& element) { return value.first == element.tag; });
+        const bool all = values->size() == elements_.size() &&
+                         std::equal(values->begin(), values->end(), elements_.begin(),
+                                    [](const auto& value, const GmshElement& element) {
+                                        return value.first == element.tag;
+                                    });
         if (!all) values->clear();
     }
     for (const auto& value : grey_) model_.grey.push_back(value.second);
@@ -585,7 +586,7 @@ Status GmshReader::place_values() {
 Status GmshReader::place_regions() {
     std::vector<std::int64_t> labels;
     labels.reserve(elements_.size());
-    for (const Element& element : elements_) {
+    for (const GmshElement& element : elements_) {
         const auto group = group_of_volume_.find(element.volume);
         const bool by_volume = reader_.has_regions() || group == group_of_volume_.end();
         labels.push_back(by_volume ? element.volume : group->second);

@@ -32,7 +32,7 @@ enum Element : std::uint16_t {
 void append_number(std::string& out, std::uint64_t value, int bytes) {
     for (int i = 0; i < bytes; ++i) out += static_cast<char>(value >> (8 * i));
 }
-void append_short(std::string& out, Element element, std::uint16_t value) {
+void append_dimse_short(std::string& out, Element element, std::uint16_t value) {
     append_number(out, 0, 2);
     append_number(out, element, 2);
     append_number(out, 2, 4);
@@ -99,16 +99,16 @@ std::string* text_field(Command& command, std::uint16_t element) {
 std::string format_command(const Command& command) {
     std::string body;
     append_text(body, affected_class, command.sop_class, '\0');
-    append_short(body, command_field, command.field);
+    append_dimse_short(body, command_field, command.field);
     const bool names_message = command.is_reply() || command.field == dimse::cancel_request;
-    if (!names_message) append_short(body, message_id, command.message);
-    if (names_message) append_short(body, replied_id, command.replied_to);
+    if (!names_message) append_dimse_short(body, message_id, command.message);
+    if (names_message) append_dimse_short(body, replied_id, command.replied_to);
     append_text(body, destination, command.move_destination, ' ');
     const bool has_priority = command.field == dimse::store_request || command.field == dimse::find_request ||
                               command.field == dimse::get_request || command.field == dimse::move_request;
-    if (has_priority) append_short(body, priority_element, command.priority);
-    append_short(body, data_set_type, command.has_data_set ? 0 : no_data_set);
-    if (command.is_reply()) append_short(body, status_element, command.status);
+    if (has_priority) append_dimse_short(body, priority_element, command.priority);
+    append_dimse_short(body, data_set_type, command.has_data_set ? 0 : no_data_set);
+    if (command.is_reply()) append_dimse_short(body, status_element, command.status);
     append_text(body, affected_instance, command.sop_instance, '\0');
     std::string out;
     append_number(out, 0, 2);

@@ -8,7 +8,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t longest_answer = std::size_t{64} << 20;
+constexpr std::size_t longest_http_answer = std::size_t{64} << 20;
 
 std::string in_words(httplib::Error error) {
     switch (error) {
@@ -108,7 +108,7 @@ Result<HttpReply> HttpClient::post(const std::string& path, const std::string& c
         },
         content_type);
     ANATOMESH_CHECK_STATUS(door_->outcome(result, false));
-    answer = result->body.substr(0, longest_answer);
+    answer = result->body.substr(0, longest_http_answer);
     return HttpReply{result->status, result->get_header_value("Content-Type")};
 }
 

@@ -60,6 +60,8 @@ struct CleanOptions {
     // Names of slices that are left out as if they were not drawn; named_slices() of chosen_slices.h. Of
     // several planes of a file that are one slice that alone which is called so.
     std::vector<std::string> without;
+
+    bool operator==(const CleanOptions&) const = default;
 };
 
 // How one contour of the input was read. One entry per raw contour, in input order: the log that travels into

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
+#include <vector>
 
 namespace anatomesh {
 
@@ -25,6 +27,24 @@ ContourSet choose_structures(const ContourSet& set, std::span<const std::uint32_
             }
         }
         slice.contour_count = static_cast<std::uint32_t>(part.contours.size()) - slice.first_contour;
+    }
+    return part;
+}
+
+RawContours choose_structures(const RawContours& raw, std::span<const std::uint32_t> chosen) {
+    constexpr std::uint32_t none = 0xFFFFFFFFu;
+    std::vector<std::uint32_t> new_index(raw.structures.size(), none);
+    RawContours part = raw;
+    part.structures.clear();
+    part.contours.clear();
+    for (const std::uint32_t index : chosen) {
+        new_index[index] = static_cast<std::uint32_t>(part.structures.size());
+        part.structures.push_back(raw.structures[index]);
+    }
+    for (RawContour contour : raw.contours) {
+        if (new_index[contour.structure] == none) continue;
+        contour.structure = new_index[contour.structure];
+        part.contours.push_back(std::move(contour));
     }
     return part;
 }

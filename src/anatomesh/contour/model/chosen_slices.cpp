@@ -9,7 +9,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_listed = 40;  // names in a message
+constexpr std::size_t most_names_listed = 40;  // names in a message
 
 }  // namespace
 
@@ -59,6 +59,13 @@ ContourSet chosen_slices(const ContourSet& set, std::span<const std::uint32_t> s
     return part;
 }
 
+ContourSet every_nth_slice(const ContourSet& set, std::uint32_t every, std::uint32_t offset) {
+    std::vector<std::uint32_t> slices;
+    for (std::size_t s = offset; s < set.slices.size(); s += every)
+        slices.push_back(static_cast<std::uint32_t>(s));
+    return chosen_slices(set, slices);
+}
+
 Result<std::vector<std::uint8_t>> named_slices(std::span<const std::vector<std::string>> names,
                                                std::span<const std::string> wanted, const std::string& file) {
     std::vector<std::uint8_t> is_named(names.size(), 0);
@@ -77,9 +84,9 @@ Result<std::vector<std::uint8_t>> named_slices(std::span<const std::vector<std::
         }
         if (found) continue;
         std::string list;
-        for (std::size_t s = 0; s < std::min(names.size(), most_listed); ++s)
+        for (std::size_t s = 0; s < std::min(names.size(), most_names_listed); ++s)
             list += (s > 0 ? ", " : "") + names[s].front();
-        if (names.size() > most_listed) list += ", ...";
+        if (names.size() > most_names_listed) list += ", ...";
         return Error{ErrorKind::usage,
                      "E-CON-010",
                      "there is no such slice",

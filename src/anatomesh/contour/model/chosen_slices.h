@@ -15,6 +15,9 @@ namespace anatomesh {
 // drawn. Slices come in the order given. Complexity: O(points).
 ContourSet chosen_slices(const ContourSet& set, std::span<const std::uint32_t> slices);
 
+// The slices offset, offset + every, ... of a set of parallel slices. Requires: every >= 1. O(points).
+ContourSet every_nth_slice(const ContourSet& set, std::uint32_t every, std::uint32_t offset);
+
 // By slice, whether one of its `names` is one of those wanted; case and blanks do not count where none is the
 // same with them. Error: usage
 // E-CON-010 no slice is called so, with the names that there are.

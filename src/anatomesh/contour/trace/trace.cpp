@@ -12,7 +12,7 @@
 #include "anatomesh/contour/model/area_change.h"
 #include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/contour/simplify/chains.h"
-#include "anatomesh/contour/simplify/small_pieces.h"
+#include "anatomesh/contour/trace/small_pieces.h"
 #include "anatomesh/contour/trace/trace_slice.h"
 #include "anatomesh/image/components.h"
 

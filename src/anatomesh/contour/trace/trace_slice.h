@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "anatomesh/contour/simplify/chains.h"
-#include "anatomesh/contour/simplify/small_pieces.h"
+#include "anatomesh/contour/trace/small_pieces.h"
 #include "anatomesh/geom/vec.h"
 
 namespace anatomesh {

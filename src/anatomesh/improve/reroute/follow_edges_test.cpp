@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
+#include "anatomesh/contour/overlay/even_odd_area.h"
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/improve/reroute/followed_contours.h"
-#include "anatomesh/measure/even_odd_area.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"

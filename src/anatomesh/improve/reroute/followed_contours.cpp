@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/contour/overlay/even_odd_area.h"
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/improve/reroute/contour_loop.h"
-#include "anatomesh/measure/even_odd_area.h"
 
 namespace anatomesh {
 

@@ -10,7 +10,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_seen = 20000;
+constexpr std::size_t most_walked = 20000;
 
 SectionNode edge_node(std::uint32_t p, std::uint32_t q) {
     return {std::min(p, q), std::max(p, q)};
@@ -47,7 +47,7 @@ std::optional<std::vector<SectionPoint>> SurfaceSection::shortest_way(
     SectionNode last;
     double whole = HUGE_VAL;
     std::vector<SectionNode> next;
-    while (!queue.empty() && queue.top().first < whole && reached.size() < most_seen) {
+    while (!queue.empty() && queue.top().first < whole && reached.size() < most_walked) {
         const auto [so_far, node] = queue.top();
         queue.pop();
         if (so_far > reached[node].length) continue;

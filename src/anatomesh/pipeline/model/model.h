@@ -16,11 +16,11 @@ namespace anatomesh {
 
 struct ModelOptions {
     double size_mm = 0;  // target edge length. 0: from the slice spacing and the contours. [0.01, 1000]
-    EndCaps caps = EndCaps::half;
-    double max_gap_spacings = 2;                         // as in FieldOptions. [1, 1e6]
-    double single_slice_mm = 0;                          // as in FieldOptions. [0, 1000]
-    double max_radius_edge = contract::max_radius_edge;  // aimed at for every cell. [1.2, 10]
-    std::uint64_t max_tetrahedra = 1'000'000'000;        // refused above, before the work
+    EndCaps caps = FieldOptions{}.caps;
+    double max_gap_spacings = FieldOptions{}.max_gap_spacings;  // [1, 1e6]
+    double single_slice_mm = FieldOptions{}.single_slice_mm;    // [0, 1000]
+    double max_radius_edge = contract::max_radius_edge;         // aimed at for every cell. [1.2, 10]
+    std::uint64_t max_tetrahedra = 1'000'000'000;               // refused above, before the work
     // Where planes cross, segments of contours that no edges of the surface run along follow it, if they need
     // not leave their place by more than this, mm, half an edge length (follow_surface.h) or, over
     // edges beside them, 0.6 of it (follow_edges.h). [0, 1000]; 0:
@@ -35,7 +35,8 @@ struct Model {
     TetMesh mesh;  // only cells of a region other than 0; every point is used by a cell
     RegionTable regions;
     std::vector<Structure> structures;  // as in the contour set
-    ContourSet contours;  // those given, and where segments followed the surface the points of that
+    ContourSet drawn;                   // the contours given
+    ContourSet contours;  // the same, and where segments followed the surface the points of that
     std::vector<FollowedContour> followed;        // those, by the numbers of the contours given
     std::vector<std::uint32_t> contour_vertices;  // mesh vertex of every point of `contours`
     ModelReport report;  // everything the core can know; inputs and command are the caller's

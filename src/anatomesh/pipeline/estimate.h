@@ -5,7 +5,6 @@
 
 #include "anatomesh/base/result.h"
 #include "anatomesh/contour/model/contour_set.h"
-#include "limits.h"
 
 namespace anatomesh {
 
@@ -15,8 +14,13 @@ namespace anatomesh {
 // Linear in the points.
 double estimated_tetrahedra(const ContourSet& contours, double size_mm);
 
-// Error: limit E-CMD-014, more tetrahedra or memory than the limits allow.
-Status check_size(const ContourSet& contours, double size_mm, const Limits& limits);
+struct SizeLimits {
+    std::uint64_t tetrahedra = 0;    // > 0
+    std::uint64_t memory_bytes = 0;  // of the whole run; 0: not known, and no reason to refuse a model
+};
+
+// Error: limit E-CMD-014, more tetrahedra or memory than the limits allow. Requires: size_mm > 0.
+Status check_size(const ContourSet& contours, double size_mm, const SizeLimits& limits);
 
 // Where slices lie far closer than the contours' vertices the default edge length follows the slices, and a
 // flat thing would need a huge model that nobody asked for. Error: limit E-CMD-014, above ten million

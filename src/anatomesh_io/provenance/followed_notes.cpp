@@ -1,4 +1,4 @@
-#include "followed_notes.h"
+#include "anatomesh_io/provenance/followed_notes.h"
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/improve/reroute/follow_edges.h"
 #include "anatomesh/improve/reroute/followed_contours.h"
-#include "field_of_model.h"
+#include "anatomesh_io/provenance/model_description.h"
 
 namespace anatomesh {
 
@@ -193,9 +193,9 @@ std::optional<BothContours> checked(BothContours both, const std::vector<Note>& 
 
 }  // namespace
 
-void add_followed_notes(const Model& model, const ContourSet& kept, MeshDescription& description) {
+void add_followed_notes(const Model& model, MeshDescription& description) {
     for (const FollowedContour& contour : model.followed) {
-        const std::span<const Vec3> drawn = kept.points_of(kept.contours[contour.contour]);
+        const std::span<const Vec3> drawn = model.drawn.points_of(model.drawn.contours[contour.contour]);
         description.notes.emplace_back(
             contour_key, fmt::format("{} {} {} {}", contour.contour, contour.segments, drawn.size(),
                                      contour.vertices.size()));
@@ -205,28 +205,6 @@ void add_followed_notes(const Model& model, const ContourSet& kept, MeshDescript
         for (const Vec3 p : drawn) add(p);
         for (const std::uint32_t v : contour.vertices) add(model.mesh.points[v]);
     }
-}
-
-ContourSet contours_in_planes(const Model& model, const ContourSet& kept, double tolerance_mm) {
-    std::vector<FollowedContour> in_planes;
-    for (const FollowedContour& contour : model.followed) {
-        const Plane& plane = kept.slices[kept.contours[contour.contour].slice].plane;
-        if (std::ranges::all_of(contour.vertices, [&](std::uint32_t v) {
-                return std::abs(plane.signed_distance(model.mesh.points[v])) <= tolerance_mm;
-            }))
-            in_planes.push_back(contour);
-    }
-    const std::vector<std::uint32_t> vertex_of(kept.points.size(), 0);
-    const auto written = [&] {
-        return follow_contours(kept, vertex_of, in_planes, model.mesh.points).contours;
-    };
-    ContourSet contours = written();
-    // One that is led may cross another one of its slice that is as drawn again.
-    const std::size_t before = in_planes.size();
-    std::erase_if(in_planes, [&](const FollowedContour& contour) {
-        return !is_sound(contours, contours.slices[kept.contours[contour.contour].slice]);
-    });
-    return in_planes.size() == before ? contours : written();
 }
 
 std::optional<BothContours> both_contours(const ContourSet& contours, const MeshDescription& description) {

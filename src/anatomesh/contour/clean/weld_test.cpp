@@ -1,4 +1,4 @@
-#include "anatomesh/contour/walls/weld.h"
+#include "anatomesh/contour/clean/weld.h"
 
 #include <gtest/gtest.h>
 

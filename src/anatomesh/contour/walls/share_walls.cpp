@@ -1,11 +1,10 @@
-#include "shared_walls.h"
+#include "anatomesh/contour/walls/share_walls.h"
 
-#include <fmt/format.h>
-
+#include <cmath>
 #include <string>
 
-#include "anatomesh/contour/model/message_text.h"
-#include "plural.h"
+#include "anatomesh/base/number_text.h"
+#include "anatomesh/base/plural.h"
 
 namespace anatomesh {
 
@@ -14,13 +13,13 @@ namespace {
 // Of share_lines(), close_slivers() and close_gaps(): how much was changed, and where most.
 template <class Stats>
 std::string extent_of(const Stats& stats) {
-    return fmt::format("{} on {}, {:.3g} mm2 changed", counted(stats.contours_changed, "contour"),
-                       counted(stats.slices, "slice"), stats.area_mm2);
+    return counted(stats.contours_changed, "contour") + " on " + counted(stats.slices, "slice") + ", " +
+           significant_text(stats.area_mm2, 3) + " mm2 changed";
 }
 template <class Stats>
 Place worst_place(const ContourSet& kept, const Stats& stats, const char* measure) {
     return {kept.source, kept.slices[stats.worst_slice].name, "", "",
-            fmt::format("at most {:.3g} {}", stats.widest_mm, measure)};
+            "at most " + significant_text(stats.widest_mm, 3) + " " + measure};
 }
 
 // Lines that structures share but for what a hand or a file rounded away.
@@ -31,10 +30,10 @@ void share_copied_lines(ContourSet& kept, double width_mm, RunContext& context) 
     if (!(stats.widest_mm > 0)) return;
     context.warn(
         {"W-CON-027",
-         fmt::format("{} moved onto one of another structure and {} taken from others into segments, where "
-                     "contours of different structures lie less than {:.3g} mm apart: {}",
-                     counted(stats.vertices_moved, "vertex", "vertices"),
-                     counted(stats.vertices_taken, "vertex", "vertices"), stats.width_mm, extent_of(stats)),
+         counted(stats.vertices_moved, "vertex", "vertices") + " moved onto one of another structure and " +
+             counted(stats.vertices_taken, "vertex", "vertices") +
+             " taken from others into segments, where contours of different structures lie less than " +
+             significant_text(stats.width_mm, 3) + " mm apart: " + extent_of(stats),
          worst_place(kept, stats, "mm"),
          "copies of one line share its vertices; --same-line 0 keeps them as drawn"});
 }
@@ -47,10 +46,10 @@ void close_slivers_between(ContourSet& kept, double width_mm, RunContext& contex
     if (stats.contours_changed == 0) return;
     context.warn(
         {"W-CON-028",
-         fmt::format("slivers between contours of neighbouring structures that meet and soon meet again, "
-                     "narrower than {} mm and {:.0f} % of their segments; closed, both led through each "
-                     "other's vertices there: {}",
-                     width_mm, 100 * closing.share_of_segment, extent_of(stats)),
+         "slivers between contours of neighbouring structures that meet and soon meet again, narrower than " +
+             plain_text(width_mm) + " mm and " + plain_text(std::round(100 * closing.share_of_segment)) +
+             " % of their segments; closed, both led through each other's vertices there: " +
+             extent_of(stats),
          worst_place(kept, stats, "mm wide"),
          "no vertex moves for it; --close-slivers 0 keeps the contours as drawn"});
 }
@@ -59,14 +58,13 @@ void close_slivers_between(ContourSet& kept, double width_mm, RunContext& contex
 void close_narrow_gaps(ContourSet& kept, double width_mm, RunContext& context) {
     const LedStats stats = close_gaps(kept, {width_mm});
     if (stats.contours_changed == 0) return;
-    context.warn(
-        {"W-CON-025",
-         fmt::format("gaps and overlaps below {} mm between contours of neighbouring structures; led "
-                     "through each other's vertices: {}",
-                     width_mm, extent_of(stats)),
-         worst_place(kept, stats, "mm wide"),
-         "no vertex moves for it, but slices that cross may come to disagree there; without "
-         "--close-gaps the contours stay as they are"});
+    context.warn({"W-CON-025",
+                  "gaps and overlaps below " + plain_text(width_mm) +
+                      " mm between contours of neighbouring structures; led through each other's vertices: " +
+                      extent_of(stats),
+                  worst_place(kept, stats, "mm wide"),
+                  "no vertex moves for it, but slices that cross may come to disagree there; without "
+                  "--close-gaps the contours stay as they are"});
 }
 
 }  // namespace

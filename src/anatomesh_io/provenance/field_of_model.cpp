@@ -1,15 +1,15 @@
-#include "field_of_model.h"
+#include "anatomesh_io/provenance/field_of_model.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "anatomesh/base/contract.h"
+#include "anatomesh/field/end_caps.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/volume.h"
-#include "field_options.h"
+#include "anatomesh_io/provenance/model_description.h"
 
 namespace anatomesh {
 
@@ -19,11 +19,6 @@ constexpr double near_enough = contract::volume_tolerance / 10;  // no other way
 
 // Overlaps of fewer cells than this do not tell that structures were meant to overlap.
 constexpr double hardly_any = 0.01;
-
-std::optional<std::string> option_of(const MeshDescription& description, const std::string& name) {
-    const std::vector<std::string> values = options_of(description, name);
-    return values.empty() ? std::nullopt : std::optional(values.front());
-}
 
 // The contours' structure of each structure of the model; nothing where they are not the same.
 std::optional<std::vector<std::size_t>> same_structures(const ModelFile& model, const ContourSet& contours) {
@@ -64,37 +59,14 @@ double worst_difference(const std::vector<double>& mesh, const std::vector<doubl
 
 }  // namespace
 
-std::vector<std::string> options_of(const MeshDescription& description, const std::string& name) {
-    std::vector<std::string> values;
-    for (const auto& [key, value] : description.notes) {
-        if (key == "option" && value.starts_with(name + " ")) values.push_back(value.substr(name.size() + 1));
-    }
-    return values;
-}
-
-std::optional<double> number_of(const MeshDescription& description, const std::string& name) {
-    const std::optional<std::string> text = option_of(description, name);
-    if (!text) return std::nullopt;
-    double value = 0;
-    const auto [end, fault] = std::from_chars(text->data(), text->data() + text->size(), value);
-    if (fault != std::errc{} || end != text->data() + text->size() || !std::isfinite(value))
-        return std::nullopt;
-    return value;
-}
-
-std::optional<double> size_of(const MeshDescription& description) {
-    const std::optional<double> size = number_of(description, "size_mm");
-    return size && *size > 0 ? size : std::nullopt;
-}
-
-FieldRuleOptions field_rules_of(const MeshDescription& description) {
-    FieldRuleOptions rules;
+FieldOptions field_rules_of(const MeshDescription& description) {
+    FieldOptions rules;
     const auto in_range = [](std::optional<double> value, double low, double high, double otherwise) {
         return value && *value >= low && *value <= high ? *value : otherwise;
     };
     rules.max_gap_spacings =
         in_range(number_of(description, "max_gap_spacings"), 1, 1e6, rules.max_gap_spacings);
-    rules.slice_thickness_mm = in_range(number_of(description, "slice_thickness_mm"), 0, 1000, 0);
+    rules.single_slice_mm = in_range(number_of(description, "slice_thickness_mm"), 0, 1000, 0);
     return rules;
 }
 
@@ -103,7 +75,7 @@ Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& co
     std::vector<std::string> ways{"half", "flat", "rounded"};
     const bool known = told && std::find(ways.begin(), ways.end(), *told) != ways.end();
     if (known) ways = {*told};
-    FieldRuleOptions rules = field_rules_of(model.description);
+    FieldOptions rules = field_rules_of(model.description);
 
     FieldOfModel best;
     if (option_of(model.description, "overlaps") && !contours.overlapping) {
@@ -125,7 +97,8 @@ Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& co
     bool exclude = false;
     double least = HUGE_VAL;
     for (std::size_t n = 0; n < ways.size() * exclusions.size() && least > near_enough; ++n) {
-        rules.caps = ways[n / exclusions.size()];
+        const std::string& way = ways[n / exclusions.size()];
+        rules.caps = *end_caps_of(way);
         ContourSet set = contours;
         if (!option_of(model.description, "overlaps")) set.overlapping.reset();  // made by an earlier program
         set.exclusive = exclusions[n % exclusions.size()];
@@ -133,7 +106,7 @@ Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& co
         RunContext apart;
         apart.threads = context.threads;
         apart.cancel = context.cancel;
-        Result<ContourField> made = contour_field(set, rules.field(), apart);
+        Result<ContourField> made = contour_field(set, rules, apart);
         if (!made.ok()) {
             if (made.error().kind == ErrorKind::cancelled) return made.error();
             best.note = "no field can be made of these contours: " + made.error().message;
@@ -147,7 +120,7 @@ Result<FieldOfModel> field_of_model(const ModelFile& model, const ContourSet& co
         if (best.made.field && worst >= least) continue;
         least = worst;
         exclude = set.exclusive;
-        best = {std::move(made).value(), std::move(volumes), rules.caps, ""};
+        best = {std::move(made).value(), std::move(volumes), way, ""};
     }
     best.note = fmt::format(
         "for the field of these contours with {} ends and gaps of up to {:.6g} spacings joined, {}",

@@ -1,15 +1,13 @@
 // A number with its noun: "1 vertex", "2 vertices".
 #pragma once
 
-#include <fmt/format.h>
-
 #include <cstdint>
 #include <string>
 
 namespace anatomesh {
 
 inline std::string counted(std::uint64_t count, const std::string& one, const std::string& several) {
-    return fmt::format("{} {}", count, count == 1 ? one : several);
+    return std::to_string(count) + " " + (count == 1 ? one : several);
 }
 
 // Nouns that end in s when there are several.

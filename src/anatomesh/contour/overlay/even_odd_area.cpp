@@ -1,4 +1,4 @@
-#include "anatomesh/measure/even_odd_area.h"
+#include "anatomesh/contour/overlay/even_odd_area.h"
 
 #include <algorithm>
 #include <utility>

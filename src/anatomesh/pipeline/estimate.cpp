@@ -1,13 +1,11 @@
-#include "estimate.h"
-
-#include <fmt/format.h>
+#include "anatomesh/pipeline/estimate.h"
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
-#include <vector>
 
-#include "anatomesh/geom/polygon.h"
+#include "anatomesh/base/number_text.h"
 
 namespace anatomesh {
 
@@ -61,26 +59,26 @@ double estimated_tetrahedra(const ContourSet& contours, double size_mm) {
     return size_mm < spacing ? std::min(by_area, by_volume) : by_area;
 }
 
-Status check_size(const ContourSet& contours, double size_mm, const Limits& limits) {
+Status check_size(const ContourSet& contours, double size_mm, const SizeLimits& limits) {
     const double cells = estimated_tetrahedra(contours, size_mm);
     const double bytes = cells * bytes_per_tetrahedron;
-    const auto allowed = static_cast<double>(allowed_memory(limits));
+    const auto allowed = static_cast<double>(limits.memory_bytes);
     std::string more_than, limit;
     if (cells > static_cast<double>(limits.tetrahedra)) {
-        more_than = fmt::format("{}", limits.tetrahedra);
+        more_than = std::to_string(limits.tetrahedra);
         limit = "tetrahedra";
     } else if (allowed > 0 && bytes > allowed) {
-        more_than = fmt::format("{:.3g} GB of memory hold", allowed / 1e9);
+        more_than = significant_text(allowed / 1e9, 3) + " GB of memory hold";
         limit = "memory-bytes";
     } else {
         return Nothing{};
     }
     return Error{ErrorKind::limit,
                  "E-CMD-014",
-                 fmt::format("an edge length of {} mm would make about {:.2g} tetrahedra, more than {}",
-                             size_mm, cells, more_than),
-                 {contours.source, "", "", "", fmt::format("--size {}", size_mm)},
-                 fmt::format("give a larger --size, or raise the limit with --limit {}=N", limit)};
+                 "an edge length of " + plain_text(size_mm) + " mm would make about " +
+                     significant_text(cells, 2) + " tetrahedra, more than " + more_than,
+                 {contours.source, "", "", "", "--size " + plain_text(size_mm)},
+                 "give a larger --size, or raise the limit with --limit " + limit + "=N"};
 }
 
 Status check_default_size(const ContourSet& contours) {
@@ -96,13 +94,12 @@ Status check_default_size(const ContourSet& contours) {
     return Error{
         ErrorKind::limit,
         "E-CMD-014",
-        fmt::format(
-            "the slices, {:.3g} mm apart, call for an edge length of {:.3g} mm: that would make about "
-            "{:.2g} tetrahedra",
-            spacing, size, cells),
-        {contours.source, "", "", "", fmt::format("{:.3g} mm between vertices", between_vertices)},
-        fmt::format("state the edge length with --size, such as {:.2g}; or check the distance of the slices",
-                    enough)};
+        "the slices, " + significant_text(spacing, 3) + " mm apart, call for an edge length of " +
+            significant_text(size, 3) + " mm: that would make about " + significant_text(cells, 2) +
+            " tetrahedra",
+        {contours.source, "", "", "", significant_text(between_vertices, 3) + " mm between vertices"},
+        "state the edge length with --size, such as " + significant_text(enough, 2) +
+            "; or check the distance of the slices"};
 }
 
 }  // namespace anatomesh

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
+#include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/pipeline/contour_field.h"
 #include "anatomesh_io/mesh/mesh_file.h"
-#include "field_options.h"
 
 namespace anatomesh {
 
@@ -19,16 +19,8 @@ struct FieldOfModel {
     std::string note;                 // by which options, or why there is none
 };
 
-// The values of an option in the provenance of a model file: of "priority" "B" and "A", the first first.
-std::vector<std::string> options_of(const MeshDescription& description, const std::string& name);
-// Its number; nothing where there is none.
-std::optional<double> number_of(const MeshDescription& description, const std::string& name);
-
-// The edge length that the model was made with, where its file says so.
-std::optional<double> size_of(const MeshDescription& description);
-
 // How the field was made, but for the ends, as far as the model's file says and a user may say.
-FieldRuleOptions field_rules_of(const MeshDescription& description);
+FieldOptions field_rules_of(const MeshDescription& description);
 
 // Where the file does not say how structures end (--caps), all ways are tried and the one is taken whose
 // volumes are nearest to the model's; so with whether structures exclude each other, where the model was made

@@ -1,4 +1,4 @@
-// Contours that followed the surface, as notes in the model's file.
+// Contours that follow the surface, as notes in the model's file: written, and read back.
 #pragma once
 
 #include <optional>
@@ -11,15 +11,11 @@
 
 namespace anatomesh {
 
-// Of each ("followed_contour", its number in the contours that the model was made of, how many segments of
-// it were missed, how many points it had there and has now), then of these points and of those, in turn,
-// ("followed_point", coordinates, so that they are read back as the same doubles): short lines, for readers
-// that know no long ones. `kept`: what the model was made of.
-void add_followed_notes(const Model& model, const ContourSet& kept, MeshDescription& description);
-
-// The model's contours for a file: those that leave their planes by more than the tolerance are as in `kept`,
-// since contours of files lie in planes.
-ContourSet contours_in_planes(const Model& model, const ContourSet& kept, double tolerance_mm);
+// Adds a note of each: ("followed_contour", its number in the contours that the model was made of, how many
+// segments of it were missed, how many points it had there and has now), then of these points and of those,
+// in turn, ("followed_point", coordinates, so that they are read back as the same doubles). Lines are short,
+// for readers that know no long ones.
+void add_followed_notes(const Model& model, MeshDescription& description);
 
 // Contours as they are drawn, and as they follow the surface.
 struct BothContours {

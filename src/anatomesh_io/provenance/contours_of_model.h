@@ -8,9 +8,9 @@
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
+#include "anatomesh/contour/walls/share_walls.h"
 #include "anatomesh/measure/report.h"
 #include "anatomesh_io/mesh/mesh_file.h"
-#include "shared_walls.h"
 
 namespace anatomesh {
 
@@ -21,7 +21,7 @@ struct ContoursOfModel {
 };
 
 // Of contours on more slices than the model was made of, as its file says (every, offset), those on its own
-// are looked at. Where vertices of the contours are not the model's, walls are shared (shared_walls.h), and
+// are looked at. Where vertices of the contours are not the model's, walls are shared (share_walls.h), and
 // where the model's file says that contours of slices that cross were made to agree (reconcile) or overlaps
 // were given to one structure (priority), the same is done here, by the options that stand there, and kept if
 // more vertices are the model's then, or as many where overlaps were given. With `share_first` walls are

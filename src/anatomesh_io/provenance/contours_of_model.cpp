@@ -1,4 +1,4 @@
-#include "contours_of_model.h"
+#include "anatomesh_io/provenance/contours_of_model.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,17 +11,18 @@
 #include <vector>
 
 #include "anatomesh/contour/model/choose_structures.h"
+#include "anatomesh/contour/model/chosen_slices.h"
+#include "anatomesh/contour/model/find_structures.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/hausdorff.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/overlaps/outlines_between.h"
 #include "anatomesh/overlaps/priority.h"
-#include "field_of_model.h"
-#include "followed_notes.h"
-#include "plural.h"
-#include "read_input.h"
-#include "reconcile_step.h"
+#include "anatomesh/reconcile/reconcile.h"
+#include "anatomesh_io/provenance/field_of_model.h"
+#include "anatomesh_io/provenance/followed_notes.h"
+#include "anatomesh_io/provenance/model_description.h"
 
 namespace anatomesh {
 
@@ -63,18 +64,19 @@ std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& descrip
         return !values.empty() && values.front() == value;
     };
     if (says("reconcile", "1") && !all_parallel(done.kept, parallel_tolerance_mm)) {
-        ReconcileStepOptions options;
+        ReconcileOptions options;
         const std::optional<double> bound = number_of(description, "max_disagreement_mm");
-        if (bound && *bound >= 0.001 && *bound <= 1000) options.stage.max_disagreement_mm = *bound;
-        options.stage.align = says("align", "yes");
-        WallOptions walls;
+        if (bound && *bound >= 0.001 && *bound <= 1000) options.max_disagreement_mm = *bound;
+        options.align = says("align", "yes");
         const auto take = [&](const char* name, double most, double& width) {
             const std::optional<double> told = number_of(description, name);
             if (told && *told >= 0 && *told <= most) width = *told;
         };
-        take("same_line_mm", 0.1, walls.same_line_mm);
-        take("close_slivers_mm", 10, walls.close_slivers_mm);
-        if (!reconcile_step(done.kept, walls, options, apart).ok()) return std::nullopt;
+        take("same_line_mm", 0.1, options.same_line_mm);
+        take("close_slivers_mm", 10, options.close_slivers_mm);
+        Result<ReconcileResult> reconciled = reconcile_contours(std::move(done.kept), options, apart);
+        if (!reconciled.ok()) return std::nullopt;
+        done.kept = std::move(reconciled).value().kept;
         done.steps.emplace_back("slices that cross were made to agree (reconcile 1)");
     }
     if (const std::vector<std::string> names = options_of(description, "priority"); !names.empty()) {
@@ -87,9 +89,8 @@ std::optional<Prepared> prepared(ContourSet kept, const MeshDescription& descrip
         if (here.empty() || !order.ok()) return std::nullopt;
         const bool has_outlines = !options_of(description, "outlines_between").empty();
         Result<PriorityResult> given =
-            has_outlines
-                ? part_structures(done.kept, order.value(), field_rules_of(description).field(), apart)
-                : give_overlaps(done.kept, order.value(), apart);
+            has_outlines ? part_structures(done.kept, order.value(), field_rules_of(description), apart)
+                         : give_overlaps(done.kept, order.value(), apart);
         if (!given.ok()) return std::nullopt;
         const std::vector<GivenOverlap>& overlaps = given.value().given;
         done.gave_overlaps = std::any_of(overlaps.begin(), overlaps.end(),

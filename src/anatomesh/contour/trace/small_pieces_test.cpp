@@ -1,4 +1,4 @@
-#include "anatomesh/contour/simplify/small_pieces.h"
+#include "anatomesh/contour/trace/small_pieces.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Walls that structures share: what `model` does to drawn contours, and `check` after it.
+// share_walls: walls that neighbouring structures share, in drawn contours.
 #pragma once
 
 #include "anatomesh/base/run_context.h"
@@ -9,15 +9,17 @@
 
 namespace anatomesh {
 
-// 0: as drawn.
+// Widths in mm, each of the step of that name; 0: contours stay as drawn.
 struct WallOptions {
     double same_line_mm = ShareLinesOptions{}.width_mm;        // [0, 0.1]
     double close_slivers_mm = CloseSliversOptions{}.width_mm;  // [0, 10]
     double close_gaps_mm = CloseGapsOptions{}.width_mm;        // [0, 10]
+
+    bool operator==(const WallOptions&) const = default;
 };
 
-// share_lines(), then close_slivers(), then close_gaps(). Warnings: W-CON-027, -028, -025, how much was
-// changed. Requires: a kept set.
+// share_lines(), then close_slivers(), then close_gaps(). Warnings: W-CON-027, -028, -025 say how much each
+// of them changed. Requires: a kept contour set. Guarantees and complexity: those of the three.
 void share_walls(ContourSet& kept, const WallOptions& options, RunContext& context);
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/contour/simplify/small_pieces.h"
+#include "anatomesh/contour/trace/small_pieces.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_run = std::numeric_limits<std::uint32_t>::max();
 
 // A maximal stretch of equal labels in a row: pixels [begin, end) of row y.
 struct Run {
@@ -48,7 +48,7 @@ class Pieces {
     std::uint32_t run_count() const { return static_cast<std::uint32_t>(runs_.size()); }
     const Run& run(std::uint32_t index) const { return runs_[index]; }
     std::uint64_t pixels(std::uint32_t piece) const { return pixels_[piece]; }
-    std::uint32_t next(std::uint32_t run) const { return next_[run]; }  // next run of the piece, or none
+    std::uint32_t next(std::uint32_t run) const { return next_[run]; }  // next run of the piece, or no_run
 
     // The run that holds pixel (x, y).
     std::uint32_t run_at(std::uint32_t x, std::uint32_t y) const {
@@ -74,7 +74,7 @@ class Pieces {
         for (std::uint32_t i = 0; i < run_count(); ++i) {
             parent_.push_back(i);
             last_.push_back(i);
-            next_.push_back(none);
+            next_.push_back(no_run);
             pixels_.push_back(runs_[i].end - runs_[i].begin);
         }
     }
@@ -105,16 +105,16 @@ class Pieces {
     std::vector<std::uint64_t> pixels_;
 };
 
-constexpr std::array<std::pair<int, int>, 4> sides{{{0, -1}, {-1, 0}, {1, 0}, {0, 1}}};
+constexpr std::array<std::pair<int, int>, 4> neighbor_sides{{{0, -1}, {-1, 0}, {1, 0}, {0, 1}}};
 
 // Calls visit(neighbour's x, y) for every pixel edge between the piece and something else.
 template <class Visit>
 void for_each_side(const Pieces& pieces, const LabelGrid& grid, std::uint32_t piece, std::uint16_t label,
                    Visit visit) {
-    for (std::uint32_t index = piece; index != none; index = pieces.next(index)) {
+    for (std::uint32_t index = piece; index != no_run; index = pieces.next(index)) {
         const Run& run = pieces.run(index);
         for (std::uint32_t x = run.begin; x < run.end; ++x) {
-            for (const auto& [dx, dy] : sides) {
+            for (const auto& [dx, dy] : neighbor_sides) {
                 const auto nx = static_cast<std::uint32_t>(static_cast<int>(x) + dx);
                 const auto ny = static_cast<std::uint32_t>(static_cast<int>(run.y) + dy);
                 if (grid.at(nx, ny) != label) visit(nx, ny);
@@ -150,7 +150,7 @@ std::uint32_t repaint(Pieces& pieces, LabelGrid& grid, std::uint32_t piece, std:
     for_each_side(pieces, grid, piece, from, [&](std::uint32_t x, std::uint32_t y) {
         if (grid.at(x, y) == to) touched.push_back(pieces.root(pieces.run_at(x, y)));
     });
-    for (std::uint32_t index = piece; index != none; index = pieces.next(index)) {
+    for (std::uint32_t index = piece; index != no_run; index = pieces.next(index)) {
         const Run& run = pieces.run(index);
         std::uint16_t* row = grid.labels.data() + std::size_t{run.y} * grid.row_length();
         std::fill(row + run.begin, row + run.end, to);

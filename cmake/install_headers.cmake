@@ -1,0 +1,22 @@
+# Installs headers with what they include from here, so that none is installed that no user can need. Run by `make
+# install`, for what a header includes may have changed since the configuration. Variables: SOURCE, the folder that
+# includes begin at; DESTINATION; HEADERS, relative to SOURCE.
+cmake_policy(VERSION 3.25)
+set(missing ${HEADERS})
+set(found)
+while(missing)
+  list(POP_FRONT missing header)
+  if(header IN_LIST found)
+    continue()
+  endif()
+  list(APPEND found ${header})
+  file(STRINGS ${SOURCE}/${header} lines REGEX "^#include \"anatomesh")
+  foreach(line ${lines})
+    string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" included ${line})
+    list(APPEND missing ${included})
+  endforeach()
+endwhile()
+foreach(header ${found})
+  get_filename_component(folder ${header} DIRECTORY)
+  file(INSTALL ${SOURCE}/${header} DESTINATION ${DESTINATION}/${folder})
+endforeach()

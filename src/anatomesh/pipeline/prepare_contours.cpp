@@ -1,0 +1,349 @@
+#include "anatomesh/pipeline/prepare_contours.h"
+
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+#include <cmath>
+
+#include "anatomesh/base/number_text.h"
+#include "anatomesh/contour/model/choose_structures.h"
+#include "anatomesh/contour/model/chosen_slices.h"
+#include "anatomesh/contour/model/find_structures.h"
+#include "anatomesh/contour/model/one_space.h"
+#include "anatomesh/contour/simplify/simplify.h"
+#include "anatomesh/contour/trace/merge_layers.h"
+#include "anatomesh/image/components.h"
+#include "anatomesh/image/select.h"
+#include "anatomesh/measure/crossing_report.h"
+#include "anatomesh/overlaps/outlines_between.h"
+
+namespace anatomesh {
+
+namespace {
+
+constexpr double parallel_tolerance_mm = 0.01;  // of all_parallel(), for slices that have an order
+
+// Seconds since it was made, or since the last lap.
+class Stopwatch {
+  public:
+    double lap() {
+        const auto now = std::chrono::steady_clock::now();
+        return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
+    }
+
+  private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+using Options = std::vector<std::pair<std::string, std::string>>;
+
+std::string input_name(const PrepareOptions& options, const std::string& source) {
+    return options.input.empty() ? source : options.input;
+}
+
+Error usage_error(std::string message, const std::string& file, std::string next_step) {
+    return {ErrorKind::usage, "E-CMD-008", std::move(message), {file, "", "", "", ""}, std::move(next_step)};
+}
+
+Error does_not_apply(const std::string& option, const std::string& file, const std::string& why) {
+    return usage_error(option + " does not apply: " + why, file, "leave out " + option);
+}
+
+std::string interval_text(const ThresholdOptions& threshold) {
+    const std::string low = number_text(threshold.low);
+    return std::isinf(threshold.high) ? low : low + ":" + number_text(threshold.high);
+}
+
+bool is_default(const PrepareOptions& options) {
+    CleanOptions clean = options.clean;
+    clean.without.clear();
+    return clean == CleanOptions{} && options.walls == WallOptions{};
+}
+
+// The options that say which part of the input was taken.
+Options choice_told(const PrepareOptions& options) {
+    Options told;
+    if (options.structures.empty()) told.emplace_back("structure", "all");
+    for (const std::string& name : options.structures) told.emplace_back("structure", name);
+    for (const std::string& name : options.without) told.emplace_back("without", name);
+    if (options.threshold) told.emplace_back("threshold", interval_text(*options.threshold));
+    if (options.keep_largest) told.emplace_back("keep_largest", std::to_string(*options.keep_largest));
+    told.emplace_back("every", std::to_string(options.every.value_or(1)));
+    told.emplace_back("offset", std::to_string(options.offset));
+    if (options.name_cleaning || !is_default(options)) {
+        const CleanOptions& clean = options.clean;
+        told.emplace_back("holes", clean.holes == HoleRule::united ? "filled" : "even-odd");
+        told.emplace_back("unite_repeated_planes", clean.unite_repeated_planes ? "yes" : "no");
+        told.emplace_back("closing_gap_mm", number_text(clean.closing_gap_mm));
+        told.emplace_back("plane_repair_mm", number_text(clean.plane_repair_mm));
+        told.emplace_back("close_loops_mm2", number_text(clean.loop_mm2));
+        told.emplace_back("max_repair_share", number_text(clean.max_repair_area_share));
+    }
+    return told;
+}
+
+void tell_epsilon(PreparedContours& prepared, const PrepareOptions& options) {
+    prepared.options.emplace_back("epsilon_mm", prepared.epsilon_mm > 0 ? number_text(prepared.epsilon_mm)
+                                                : options.epsilon_mm    ? "exact"
+                                                                        : "exact but for crowded points");
+}
+
+std::vector<ContourReport> contour_log(const RawContours& raw, const CleanResult& cleaned) {
+    std::vector<ContourReport> log;
+    log.reserve(cleaned.log.size());
+    for (const ContourLog& entry : cleaned.log) {
+        const RawContour& contour = raw.contours[entry.raw_contour];
+        const Structure& structure = raw.structures[contour.structure];
+        ContourReport line;
+        line.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
+        if (contour.plane >= 0 && static_cast<std::size_t>(contour.plane) < raw.plane_names.size()) {
+            line.slice = raw.plane_names[static_cast<std::size_t>(contour.plane)];
+        }
+        line.name = contour.name;
+        line.rule = entry.rule;
+        line.points_in = entry.points_in;
+        line.points_kept = entry.points_kept;
+        line.max_displacement_mm = entry.max_displacement_mm;
+        line.area_change_mm2 = entry.area_change_mm2;
+        log.push_back(std::move(line));
+    }
+    return log;
+}
+
+Status keep_every_nth(ContourSet& kept, const PrepareOptions& options) {
+    if (options.every.value_or(1) == 1) return Nothing{};
+    const std::string file = input_name(options, kept.source);
+    if (!all_parallel(kept, parallel_tolerance_mm))
+        return does_not_apply("--every", file, "the slices are not parallel, so they have no order");
+    kept = every_nth_slice(kept, *options.every, options.offset);
+    if (kept.contours.empty())
+        return usage_error("no slice is left after --every and --offset", file,
+                           "choose a smaller --every or --offset");
+    return Nothing{};
+}
+
+// What is done to drawn contours once they are a kept set. Those of voxels were simplified as they were
+// traced.
+Status thin_and_share(PreparedContours& prepared, const PrepareOptions& options, RunContext& context) {
+    ContourSet& kept = prepared.kept;
+    ANATOMESH_CHECK_STATUS(keep_every_nth(kept, options));
+    if (options.epsilon_mm.value_or(0) > 0) {
+        SimplifyOptions simplifying;
+        simplifying.epsilon_mm = *options.epsilon_mm;
+        ANATOMESH_TRY(SimplifyResult simplified, simplify_contours(kept, simplifying, context));
+        kept = std::move(simplified.kept);
+        prepared.epsilon_mm = *options.epsilon_mm;
+    }
+    if (options.until == PrepareUntil::chosen || !kept.drawn) return Nothing{};
+    if (options.walls.close_gaps_mm > 0 && kept.structures.size() == 1)
+        return does_not_apply("--close-gaps", input_name(options, kept.source),
+                              "there is one structure alone");
+    share_walls(kept, options.walls, context);
+    prepared.options.emplace_back("same_line_mm", number_text(options.walls.same_line_mm));
+    prepared.options.emplace_back("close_slivers_mm", number_text(options.walls.close_slivers_mm));
+    prepared.options.emplace_back("close_gaps_mm", number_text(options.walls.close_gaps_mm));
+    return Nothing{};
+}
+
+Result<PreparedContours> drawn_contours(const RawContours& all, const PrepareOptions& options,
+                                        RunContext& context) {
+    ANATOMESH_TRY(const std::vector<std::uint32_t> chosen,
+                  find_structures(all.structures, options.structures, input_name(options, all.source)));
+    std::optional<RawContours> part;
+    if (chosen.size() < all.structures.size()) part = choose_structures(all, chosen);
+    const RawContours& raw = part ? *part : all;
+    ANATOMESH_CHECK_STATUS(check_one_space(raw, options.take_spaces_for_one, context));
+    CleanOptions clean = options.clean;
+    clean.without = options.without;
+    if (options.epsilon_mm == 0.0) clean.crowded_mm = 0;
+    ANATOMESH_TRY(CleanResult cleaned, clean_contours(raw, clean, context));
+
+    PreparedContours prepared;
+    prepared.options = choice_told(options);
+    prepared.log = contour_log(raw, cleaned);
+    prepared.hole_rule = clean.holes == HoleRule::united
+                             ? "filled: a contour inside another of its structure adds nothing"
+                             : "even-odd: a contour inside another of its structure is a hole";
+    prepared.traced_points = cleaned.stats.points_in;
+    prepared.kept = std::move(cleaned.kept);
+    ANATOMESH_CHECK_STATUS(thin_and_share(prepared, options, context));
+    tell_epsilon(prepared, options);
+    return prepared;
+}
+
+Result<PreparedContours> traced_contours(std::vector<TraceResult> layers, const PrepareOptions& options) {
+    PreparedContours prepared;
+    prepared.options = choice_told(options);
+    prepared.hole_rule = "a pixel of no structure inside one is a hole";
+    std::vector<ContourSet> sets;
+    for (TraceResult& layer : layers) {
+        prepared.traced_points += layer.stats.points_traced;
+        prepared.islands_left_out += layer.stats.islands_left_out;
+        prepared.epsilon_mm = layer.stats.epsilon_mm;
+        sets.push_back(std::move(layer.kept));
+    }
+    prepared.kept = merge_layers(std::move(sets));
+    ANATOMESH_TRY(prepared.kept, without_slices(std::move(prepared.kept), options.without));
+    const double pixel = prepared.kept.pixel_mm;
+    prepared.options.emplace_back("min_area_mm2",
+                                  number_text(options.min_area_mm2.value_or(4 * pixel * pixel)));
+    tell_epsilon(prepared, options);
+    return prepared;
+}
+
+Result<std::vector<TraceResult>> trace_layers(std::vector<LabelMap> layers, const GreyImage* grey,
+                                              const PrepareOptions& options, RunContext& context) {
+    std::vector<Structure> all;
+    for (const LabelMap& map : layers) all.insert(all.end(), map.structures.begin(), map.structures.end());
+    ANATOMESH_TRY(const std::vector<std::uint32_t> chosen,
+                  find_structures(all, options.structures, input_name(options, layers.front().source)));
+    const double level = options.threshold ? options.threshold->low : 0;
+    std::vector<TraceResult> traced;
+    std::uint32_t first = 0;
+    for (LabelMap& map : layers) {
+        std::vector<std::uint32_t> own;
+        for (const std::uint32_t index : chosen)
+            if (index >= first && index - first < map.structures.size()) own.push_back(index - first);
+        first += static_cast<std::uint32_t>(map.structures.size());
+        if (own.empty() && layers.size() > 1) continue;
+        if (own.size() < map.structures.size()) select_structures(map, own);
+        if (options.keep_largest) keep_largest(map, *options.keep_largest);
+        if (context.cancelled()) return cancelled_error();
+        ANATOMESH_TRY(TraceResult layer, trace_contours(map, grey, level, trace_options(options), context));
+        traced.push_back(std::move(layer));
+    }
+    return traced;
+}
+
+void warn_of_giving(const ContourSet& set, const PriorityResult& result, const std::string& file,
+                    RunContext& context) {
+    if (std::all_of(result.given.begin(), result.given.end(),
+                    [](const GivenOverlap& given) { return given.slices == 0; }))
+        context.warn({"W-CMD-007",
+                      "--priority was given, and no structures overlap on any slice",
+                      {file, "", "", "", ""},
+                      "no contour was changed; between the slices the structures exclude each other"});
+    for (std::size_t s = 0; s < result.given.size(); ++s) {
+        const GivenOverlap& given = result.given[s];
+        if (given.slices == 0 || given.all) continue;
+        context.warn(
+            {"W-CMD-006",
+             "the structure overlaps others, which keep what they have in common",
+             {file, "", set.structures[s].name, "",
+              significant_text(given.area_mm2, 4) + " mm2 on " + std::to_string(given.slices) + " slices"},
+             "taken from it; --priority names what comes first, and of the others the smaller one does"});
+    }
+}
+
+Status give_to_first(PreparedContours& prepared, const PrepareOptions& options, RunContext& context) {
+    if (options.priority.empty()) return Nothing{};
+    ContourSet& kept = prepared.kept;
+    const std::string file = input_name(options, kept.source);
+    ANATOMESH_TRY(const std::vector<std::uint32_t> order,
+                  find_in_order(kept.structures, options.priority, file));
+    ANATOMESH_TRY(PriorityResult result, part_structures(kept, order, options.field, context));
+    for (const std::uint32_t s : result.order)
+        prepared.options.emplace_back("priority", unique_text(kept.structures, s));
+    warn_of_giving(kept, result, file, context);
+    kept = std::move(result.kept);
+    if (kept.overlapping) prepared.options.emplace_back("overlaps", "nested");
+    if (has_interpolated(kept)) prepared.options.emplace_back("outlines_between", "interpolated");
+    return Nothing{};
+}
+
+// `watch`: begun with the preparing.
+Result<PreparedContours> finished(PreparedContours prepared, const PrepareOptions& options, Stopwatch watch,
+                                  RunContext& context, const ContoursCheck& check) {
+    prepared.stages.push_back({"contours", watch.lap(), prepared.kept.points.size(), 0, {}});
+    if (options.until != PrepareUntil::all) return prepared;
+    if (check) {
+        ANATOMESH_CHECK_STATUS(check(prepared.kept));
+    }
+    ANATOMESH_TRY(ReconcileResult reconciled,
+                  reconcile_contours(std::move(prepared.kept), reconcile_options(options), context));
+    prepared.kept = std::move(reconciled.kept);
+    prepared.crossing = crossing_report(prepared.kept, reconciled.stats, options.reconcile.reconcile);
+    ANATOMESH_CHECK_STATUS(give_to_first(prepared, options, context));
+    prepared.stages.push_back({"reconcile", watch.lap(), prepared.kept.points.size(), 0, {}});
+    return prepared;
+}
+
+[[maybe_unused]] bool is_choice_of_slices(const PrepareOptions& options) {
+    return options.every.value_or(1) >= 1 && options.offset < options.every.value_or(1);
+}
+
+}  // namespace
+
+TraceOptions trace_options(const PrepareOptions& options) {
+    TraceOptions tracing;
+    tracing.every = options.every.value_or(1);
+    tracing.offset = options.offset;
+    if (options.min_area_mm2) tracing.min_area_mm2 = *options.min_area_mm2;
+    if (options.epsilon_mm) tracing.epsilon_mm = *options.epsilon_mm;
+    return tracing;
+}
+
+ReconcileOptions reconcile_options(const PrepareOptions& options) {
+    ReconcileOptions reconciling = options.reconcile;
+    reconciling.same_line_mm = options.walls.same_line_mm;
+    reconciling.close_slivers_mm = options.walls.close_slivers_mm;
+    return reconciling;
+}
+
+Result<PreparedContours> prepare_contours(const RawContours& raw, const PrepareOptions& options,
+                                          RunContext& context, const ContoursCheck& check) {
+    assert(is_choice_of_slices(options));
+    const Stopwatch watch;
+    ANATOMESH_TRY(PreparedContours prepared, drawn_contours(raw, options, context));
+    return finished(std::move(prepared), options, watch, context, check);
+}
+
+Result<PreparedContours> prepare_contours(std::vector<LabelMap> layers, const GreyImage* grey,
+                                          const PrepareOptions& options, RunContext& context,
+                                          const ContoursCheck& check) {
+    assert(!layers.empty() && is_choice_of_slices(options));
+    const Stopwatch watch;
+    ANATOMESH_TRY(std::vector<TraceResult> traced, trace_layers(std::move(layers), grey, options, context));
+    ANATOMESH_TRY(PreparedContours prepared, traced_contours(std::move(traced), options));
+    return finished(std::move(prepared), options, watch, context, check);
+}
+
+Result<PreparedContours> prepare_contours(std::vector<TraceResult> layers, const PrepareOptions& options,
+                                          RunContext& context, const ContoursCheck& check) {
+    assert(!layers.empty());
+    const Stopwatch watch;
+    ANATOMESH_TRY(PreparedContours prepared, traced_contours(std::move(layers), options));
+    return finished(std::move(prepared), options, watch, context, check);
+}
+
+Result<PreparedContours> prepare_contours(ContourSet kept, const PrepareOptions& options, RunContext& context,
+                                          const ContoursCheck& check) {
+    assert(is_choice_of_slices(options));
+    const Stopwatch watch;
+    ANATOMESH_TRY(const std::vector<std::uint32_t> chosen,
+                  find_structures(kept.structures, options.structures, input_name(options, kept.source)));
+    PreparedContours prepared;
+    prepared.options = choice_told(options);
+    prepared.traced_points = kept.points.size();
+    prepared.kept =
+        chosen.size() < kept.structures.size() ? choose_structures(kept, chosen) : std::move(kept);
+    ANATOMESH_TRY(prepared.kept, without_slices(std::move(prepared.kept), options.without));
+    ANATOMESH_CHECK_STATUS(thin_and_share(prepared, options, context));
+    tell_epsilon(prepared, options);
+    return finished(std::move(prepared), options, watch, context, check);
+}
+
+PreparedContours choose_structures(const PreparedContours& prepared, std::span<const std::uint32_t> chosen) {
+    PreparedContours part{choose_structures(prepared.kept, chosen),
+                          prepared.crossing,
+                          prepared.log,
+                          prepared.options,
+                          prepared.hole_rule,
+                          prepared.traced_points,
+                          prepared.islands_left_out,
+                          prepared.epsilon_mm,
+                          prepared.stages};
+    return part;
+}
+
+}  // namespace anatomesh
