@@ -13,12 +13,27 @@ struct ParallelPlanes {
     Plane frame;                  // of their normal
     std::vector<double> heights;  // above it, rising; mm
 
+    // How many planes lie below the height. O(1) where the planes are nearly even, else O(log planes).
+    std::uint32_t count_below(double height) const {
+        constexpr std::uint32_t most_steps = 8;  // from the guess; beyond it bisection is faster. > 0
+        const auto count = static_cast<std::uint32_t>(heights.size());
+        if (count == 0) return 0;
+        // The guess takes the planes as even; two comparisons of heights prove it or lead on.
+        const double even = 1 + (height - heights.front()) / (heights.back() - heights.front()) * (count - 1);
+        std::uint32_t below = even > 0 ? (even < count ? static_cast<std::uint32_t>(even) : count) : 0;
+        std::uint32_t steps = 0;
+        for (; steps < most_steps && below > 0 && heights[below - 1] >= height; ++steps) --below;
+        for (; steps < most_steps && below < count && heights[below] < height; ++steps) ++below;
+        if (steps < most_steps) return below;
+        return static_cast<std::uint32_t>(std::lower_bound(heights.begin(), heights.end(), height) -
+                                          heights.begin());
+    }
+
     // 2 k + 1 for a point that is within the tolerance of the k-th plane, 2 k for one below that and above
-    // the one before. O(log planes).
+    // the one before. Complexity: as count_below().
     std::uint32_t level(Vec3 p, double tolerance_mm) const {
         const double height = frame.signed_distance(p);
-        const auto above = static_cast<std::uint32_t>(
-            std::lower_bound(heights.begin(), heights.end(), height) - heights.begin());
+        const std::uint32_t above = count_below(height);
         if (above < heights.size() && heights[above] - height <= tolerance_mm) return 2 * above + 1;
         if (above > 0 && height - heights[above - 1] <= tolerance_mm) return 2 * above - 1;
         return 2 * above;

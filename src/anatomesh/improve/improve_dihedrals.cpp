@@ -345,7 +345,7 @@ class Climber {
     void mend_worst_cuts(const RunContext& context) {
         if (at_last_.planes.empty()) return;
         SectionAreas areas(bench_, at_last_);
-        areas.sum_cuts(bench_.mesh.alive_cells());
+        areas.sum_cuts(bench_.mesh.alive_cells(), context.threads);
         std::vector<double> weights(at_last_.weights.begin(), at_last_.weights.end());
         for (std::size_t cut = 0; cut < weights.size(); ++cut) {
             if (areas.sums()[cut] <= at_last_.least_wrong) weights[cut] = 0;

@@ -20,10 +20,14 @@ struct RawValue {
     double ending = std::numeric_limits<double>::infinity();
 };
 
-// Source gives:
-//   RawValue raw(std::uint32_t structure, Vec3 p, double reach) const;  // beyond +-reach: the side
-//   template <class Body> void each_raw(Vec3 p, Body body) const;  // body(structure, RawValue), rising order
-//   double raw_union(Vec3 p) const;                                // of the union of all structures
+// Source gives, with values that beyond +-reach tell the side alone:
+//   RawValue raw(std::uint32_t structure, Vec3 p, double reach) const;
+//   template <class Body> void each_raw(Vec3 p, double reach, Body body) const;
+//       calls body(structure, RawValue) in rising order
+//   double raw_union(Vec3 p, double reach) const;
+//       of the union of all structures
+//   static constexpr bool sides_cost_less;
+//       whether a side alone costs less than a value
 //
 // Overlapping sets: the value is the raw value. Exclusive sets are a partition: the raw value of the union
 // decides between inside and outside, and inside it a point belongs to the structure with the smallest raw
@@ -44,29 +48,31 @@ class FieldQueries : public StructureField {
         if (!partition_) return clipped(source().raw(structure, p, everywhere));
         RawValue own{clamp_};
         Rival other{clamp_};
-        source().each_raw(p, [&](std::uint32_t s, RawValue raw) {
+        source().each_raw(p, everywhere, [&](std::uint32_t s, RawValue raw) {
             if (s == structure) {
                 own = raw;
             } else {
                 other.take(raw);
             }
         });
-        return owned(own, other, source().raw_union(p));
+        return owned(own, other, source().raw_union(p, everywhere));
     }
 
     void values_near(Vec3 p, std::vector<Near>& near) const final {
         if (!partition_) {
-            source().each_raw(p, [&](std::uint32_t s, RawValue raw) { near.push_back({s, clipped(raw)}); });
+            source().each_raw(p, everywhere, [&](std::uint32_t s, RawValue raw) {
+                near.push_back({s, clipped(raw)});
+            });
             return;
         }
         Best best;
         const std::size_t first = near.size();
-        source().each_raw(p, [&](std::uint32_t s, RawValue raw) {
+        source().each_raw(p, everywhere, [&](std::uint32_t s, RawValue raw) {
             best.take(s, raw);
             near.push_back({s, raw.value});
         });
         if (near.size() == first) return;
-        const double all = source().raw_union(p);
+        const double all = source().raw_union(p, everywhere);
         for (std::size_t i = first; i < near.size(); ++i)
             near[i].value = best.value_of(*this, near[i].structure, near[i].value, all);
     }
@@ -74,27 +80,29 @@ class FieldQueries : public StructureField {
     void members(Vec3 p, std::vector<std::uint32_t>& out) const final {
         out.clear();
         if (!partition_) {
-            source().each_raw(p, [&](std::uint32_t s, RawValue raw) {
+            source().each_raw(p, 0, [&](std::uint32_t s, RawValue raw) {
                 if (clipped(raw) < 0) out.push_back(s);
             });
             return;
         }
-        if (!(source().raw_union(p) < 0)) return;
+        if (!(source().raw_union(p, 0) < 0)) return;
+        if (Source::sides_cost_less && take_lone_owner(p, out)) return;
         Best best;
-        source().each_raw(p, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
+        source().each_raw(p, everywhere, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
         if (best.owner() != nobody && best.beyond_end() < 0) out.push_back(best.owner());
     }
 
     double interface_distance(Vec3 p) const final {
         if (!partition_) {
             double nearest = clamp_;
-            source().each_raw(
-                p, [&](std::uint32_t, RawValue raw) { nearest = std::min(nearest, std::abs(clipped(raw))); });
+            source().each_raw(p, everywhere, [&](std::uint32_t, RawValue raw) {
+                nearest = std::min(nearest, std::abs(clipped(raw)));
+            });
             return nearest;
         }
         Best best;
-        source().each_raw(p, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
-        return best.owner() == nobody ? clamp_ : wall_distance(best, source().raw_union(p));
+        source().each_raw(p, everywhere, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
+        return best.owner() == nobody ? clamp_ : wall_distance(best, source().raw_union(p, everywhere));
     }
 
     bool exclusive() const final { return partition_; }
@@ -102,19 +110,21 @@ class FieldQueries : public StructureField {
     double union_value(Vec3 p) const final {
         if (!partition_) {
             double least = clamp_;
-            source().each_raw(p, [&](std::uint32_t, RawValue raw) { least = std::min(least, clipped(raw)); });
+            source().each_raw(p, everywhere,
+                              [&](std::uint32_t, RawValue raw) { least = std::min(least, clipped(raw)); });
             return least;
         }
         Best best;
-        source().each_raw(p, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
-        return clipped({source().raw_union(p), best.owner() == nobody ? never : best.beyond_end()});
+        source().each_raw(p, everywhere, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
+        return clipped(
+            {source().raw_union(p, everywhere), best.owner() == nobody ? never : best.beyond_end()});
     }
 
     double members_and_distance(Vec3 p, std::vector<std::uint32_t>& out) const final {
         out.clear();
         if (!partition_) {
             double nearest = clamp_;
-            source().each_raw(p, [&](std::uint32_t s, RawValue raw) {
+            source().each_raw(p, everywhere, [&](std::uint32_t s, RawValue raw) {
                 const double value = clipped(raw);
                 if (value < 0) out.push_back(s);
                 nearest = std::min(nearest, std::abs(value));
@@ -122,9 +132,9 @@ class FieldQueries : public StructureField {
             return nearest;
         }
         Best best;
-        source().each_raw(p, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
+        source().each_raw(p, everywhere, [&](std::uint32_t s, RawValue raw) { best.take(s, raw); });
         if (best.owner() == nobody) return clamp_;
-        const double all = source().raw_union(p);
+        const double all = source().raw_union(p, everywhere);
         if (all < 0 && best.beyond_end() < 0) out.push_back(best.owner());
         return wall_distance(best, all);
     }
@@ -188,6 +198,23 @@ class FieldQueries : public StructureField {
                 {s == structure ? second : first.value, s == ender ? second_ending : end.ending}, all);
         }
     };
+
+    // Where one structure alone has the point on its side, and none ends there, the sides tell the owner: its
+    // value is the smallest. False where they do not tell.
+    bool take_lone_owner(Vec3 p, std::vector<std::uint32_t>& out) const {
+        std::uint32_t owner = nobody;
+        double beyond_end = never;
+        bool is_clear = true;
+        source().each_raw(p, 0, [&](std::uint32_t s, RawValue raw) {
+            is_clear = is_clear && raw.ending == nowhere && (owner == nobody || !(raw.value < 0));
+            if (!(raw.value < 0)) return;
+            owner = s;
+            beyond_end = raw.beyond_end;
+        });
+        if (!is_clear || owner == nobody) return false;
+        if (beyond_end < 0) out.push_back(owner);
+        return true;
+    }
 
     const Source& source() const { return static_cast<const Source&>(*this); }
 

@@ -173,6 +173,36 @@ TEST(StructureField, exclusive_queries_agree_where_structures_end) {
     for (const int count : owned) EXPECT_GT(count, 50);
 }
 
+// The side alone is what members() asks for: the same as the sign of the value, on slices and between them.
+void expect_members_by_sign(const ContourSet& set) {
+    const FieldPointer field = field_of(set);
+    std::mt19937 random(10);
+    std::vector<std::uint32_t> members;
+    int inside = 0, outside = 0;
+    for (int i = 0; i < 20000; ++i) {
+        Vec3 p = random_point(field->box(), random);
+        if (i % 2) p.z = set.slices[random() % set.slices.size()].plane.origin.z;
+        field->members(p, members);
+        for (std::uint32_t s = 0; s < set.structures.size(); ++s)
+            ASSERT_EQ(field->value(s, p) < 0, std::count(members.begin(), members.end(), s) == 1);
+        ++(members.empty() ? outside : inside);
+    }
+    EXPECT_GT(inside, 2000);
+    EXPECT_GT(outside, 2000);
+}
+
+TEST(StructureField, members_are_the_structures_with_negative_values) {
+    expect_members_by_sign(touching_pair());
+    SetBuilder overlapping;
+    for (int k = 0; k < 5; ++k) {
+        overlapping.slice(axial(3 * k));
+        overlapping.ring(0, circle({}, 10 - k, 40));
+        overlapping.ring(1, circle({2.0 * k, 0}, 5, 40));
+        if (k != 2) overlapping.ring(2, circle({-4, 1}, 3 + 0.5 * k, 40));
+    }
+    expect_members_by_sign(overlapping.set);
+}
+
 // On the wall itself the lowest index owns the point, so that no cell centre falls into a crack.
 TEST(StructureField, exclusive_tie_goes_to_the_lower_index) {
     SetBuilder builder(true);

@@ -73,14 +73,15 @@ class CrossedField final : public FieldQueries<CrossedField> {
     Box3 box() const override { return box_; }
     Box3 box_of(std::uint32_t structure) const override { return boxes_[structure]; }
 
+    static constexpr bool sides_cost_less = false;
     RawValue raw(std::uint32_t structure, Vec3 p, double reach) const {
         Sight sight;
         return {look(p, sight) ? value_at(structure, p, sight) : stack_->value_within(structure, p, reach)};
     }
-    double raw_union(Vec3 p) const { return union_value(p); }
+    double raw_union(Vec3 p, double /*reach*/) const { return union_value(p); }
 
     template <class Body>
-    void each_raw(Vec3 p, Body body) const {
+    void each_raw(Vec3 p, double /*reach*/, Body body) const {
         Sight sight;
         if (!look(p, sight)) {
             std::vector<Near> near;

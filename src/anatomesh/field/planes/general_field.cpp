@@ -125,14 +125,15 @@ class GeneralField final : public FieldQueries<GeneralField> {
     Box3 box_of(std::uint32_t structure) const override { return boxes_[structure]; }
     bool slices_may_differ(Vec3 p, double radius) const override;
 
+    static constexpr bool sides_cost_less = false;
     RawValue raw(std::uint32_t structure, Vec3 p, double /*reach*/) const {
         const Sight sight = look(p);
         return {blend(structure, sight), sight.beyond_end};
     }
-    double raw_union(Vec3 p) const { return blend(union_, look(p)); }
+    double raw_union(Vec3 p, double /*reach*/) const { return blend(union_, look(p)); }
 
     template <class Body>
-    void each_raw(Vec3 p, Body body) const {
+    void each_raw(Vec3 p, double /*reach*/, Body body) const {
         const Sight sight = look(p);
         for (std::uint32_t s = next_structure(sight, 0); s != no_structure;
              s = next_structure(sight, s + 1)) {
@@ -666,12 +667,13 @@ class PartlySaidField final : public FieldQueries<PartlySaidField> {
         return all().slices_may_differ(p, radius);
     }
 
+    static constexpr bool sides_cost_less = false;
     RawValue raw(std::uint32_t structure, Vec3 p, double reach) const {
         return fields_[of_[structure]]->raw(structure, p, reach);
     }
     // With what the slices that draw it say of a structure beside what is drawn on the others.
-    double raw_union(Vec3 p) const {
-        double least = all().raw_union(p);
+    double raw_union(Vec3 p, double /*reach*/) const {
+        double least = all().raw_union(p, everywhere);
         for (std::uint32_t s = 0; s < of_.size(); ++s) {
             if (of_[s] > 0) least = std::min(least, fields_[of_[s]]->raw(s, p, everywhere).value);
         }
@@ -679,7 +681,7 @@ class PartlySaidField final : public FieldQueries<PartlySaidField> {
     }
 
     template <class Body>
-    void each_raw(Vec3 p, Body body) const {
+    void each_raw(Vec3 p, double /*reach*/, Body body) const {
         std::uint32_t next = 0;
         const auto up_to = [&](std::uint32_t end) {
             for (; next < end; ++next) {
@@ -688,7 +690,7 @@ class PartlySaidField final : public FieldQueries<PartlySaidField> {
                 if (value.value < clamp_) body(next, value);
             }
         };
-        all().each_raw(p, [&](std::uint32_t s, RawValue value) {
+        all().each_raw(p, everywhere, [&](std::uint32_t s, RawValue value) {
             up_to(s);
             if (of_[s] == 0) body(s, value);
         });

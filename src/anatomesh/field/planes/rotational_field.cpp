@@ -58,18 +58,19 @@ class BlendedField final : public FieldQueries<BlendedField> {
     double slice_spacing() const override { return parts_->near->slice_spacing(); }
     Box3 box() const override { return parts_->near->box(); }
 
+    static constexpr bool sides_cost_less = false;
     RawValue raw(std::uint32_t structure, Vec3 p, double /*reach*/) const {
         const Place at = parts_->place(p);
         return {blended(at, parts_->near->value(structure, p), parts_->away->value(structure, at.straight))};
     }
 
-    double raw_union(Vec3 p) const {
+    double raw_union(Vec3 p, double /*reach*/) const {
         const Place at = parts_->place(p);
         return blended(at, parts_->near->union_value(p), parts_->away->union_value(at.straight));
     }
 
     template <class Body>
-    void each_raw(Vec3 p, Body body) const {
+    void each_raw(Vec3 p, double /*reach*/, Body body) const {
         const Place at = parts_->place(p);
         std::vector<Near> near, away;
         parts_->near->values_near(p, near);

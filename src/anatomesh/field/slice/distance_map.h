@@ -46,6 +46,14 @@ class DistanceMap {
     };
     Bound bound(Vec2 q) const { return bound(place(q)); }
 
+    // value(q); where the grid alone tells that its size is above `reach`, a number of the same sign above
+    // it.
+    double value_within(Vec2 q, double reach) const {
+        const std::uint32_t entry = place(q);
+        const Bound known = bound(entry);
+        return known.sign != 0 && known.at_least > reach ? known.sign * known.at_least : value(q, entry);
+    }
+
     // The same in two steps: whoever asks several maps finds all places first, so that the accesses to memory
     // overlap.
     std::uint32_t place(Vec2 q) const {

@@ -240,6 +240,11 @@ TEST(DistanceMap, bounds_hold) {
             ++known;
             ASSERT_EQ(bound.sign, value < 0 ? -1 : 1);
             ASSERT_GE(std::abs(value), bound.at_least);
+            for (const double reach : {0.0, 0.7, 5.0}) {
+                const double within = map.value_within({x, y}, reach);
+                ASSERT_EQ(within < 0, value < 0);
+                ASSERT_TRUE(within == value || std::min(std::abs(within), std::abs(value)) > reach);
+            }
         }
     }
     EXPECT_GT(2 * known, count);

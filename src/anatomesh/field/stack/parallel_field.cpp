@@ -64,17 +64,18 @@ class ParallelField final : public FieldQueries<ParallelField> {
     }
     Box3 box() const override { return box_; }
 
+    static constexpr bool sides_cost_less = true;
     RawValue raw(std::uint32_t structure, Vec3 p, double reach) const {
         assert(structure < tracks_.size());
         return raw_at(structure, frame_.to_plane(p), frame_.signed_distance(p), reach);
     }
 
-    double raw_union(Vec3 p) const {
-        return union_.blend(maps_, clamp_, frame_.to_plane(p), frame_.signed_distance(p), everywhere);
+    double raw_union(Vec3 p, double reach) const {
+        return union_.blend(maps_, clamp_, frame_.to_plane(p), frame_.signed_distance(p), reach);
     }
 
     template <class Body>
-    void each_raw(Vec3 p, Body body) const {
+    void each_raw(Vec3 p, double reach, Body body) const {
         const double z = frame_.signed_distance(p);
         const double b = (z - low_) * inverse_bucket_;
         if (!(b >= 0) || b >= static_cast<double>(bucket_begin_.size() - 1)) return;
@@ -82,7 +83,7 @@ class ParallelField final : public FieldQueries<ParallelField> {
         const auto bucket = static_cast<std::size_t>(b);
         for (std::uint32_t i = bucket_begin_[bucket]; i < bucket_begin_[bucket + 1]; ++i) {
             if (!near_[i].box.contains(q)) continue;
-            const RawValue raw = raw_at(near_[i].structure, q, z, everywhere);
+            const RawValue raw = raw_at(near_[i].structure, q, z, reach);
             if (raw.value < clamp_) body(near_[i].structure, raw);
         }
     }

@@ -339,6 +339,14 @@ TEST(ParallelField, a_ball_bulges_between_its_slices) {
     EXPECT_NEAR(sum / count, 0, 0.03);
 }
 
+// On slices and between them.
+std::vector<double> heights_through(const ContourSet& set, const Box3& box) {
+    std::vector<double> heights;
+    for (double z = box.low.z; z < box.high.z; z += 0.37) heights.push_back(z);
+    for (const Slice& slice : set.slices) heights.push_back(slice.plane.origin.z);
+    return heights;
+}
+
 // What a value within a reach says is what the value says; also where the boundary moves and bends.
 TEST(ParallelField, values_within_a_reach_are_the_values) {
     RunContext context;
@@ -349,7 +357,7 @@ TEST(ParallelField, values_within_a_reach_are_the_values) {
         for (const double reach : {0.0, 0.4, 1.5, 100.0}) {
             for (double x = box.low.x; x < box.high.x; x += 0.83) {
                 for (double y = box.low.y; y < box.high.y; y += 0.79) {
-                    for (double z = box.low.z; z < box.high.z; z += 0.37) {
+                    for (const double z : heights_through(set, box)) {
                         const double value = field->value(0, {x, y, z});
                         const double within = field->value_within(0, {x, y, z}, reach);
                         if (within == value) continue;

@@ -144,7 +144,10 @@ ANATOMESH_CLONES double Track::blend(const Maps& maps, double clamp, Vec2 q, dou
         return maps[static_cast<std::size_t>(level.map)]->value(at);
     };
     const Known& below = levels_[i];
-    if (z <= below.high) return below.map == empty_level ? clamp : distance(below, q);
+    if (z <= below.high) {
+        if (below.map == empty_level) return clamp;
+        return maps[static_cast<std::size_t>(below.map)]->value_within(q, reach);
+    }
     const Known& above = levels_[i + 1];
     const double gap = above.low - below.high, t = (z - below.high) / gap;
     if (below.map == empty_level && above.map == empty_level) return clamp;

@@ -51,7 +51,7 @@ class Mender {
         // just passes through a plane makes wrong may lie in any cell that has a vertex of it.
         std::vector<std::uint32_t> passed = waiting;
         std::erase_if(passed, [&](std::uint32_t c) { return suspect_facet(c, 0) == 4; });
-        areas_.sum_cuts_round(passed);
+        areas_.sum_cuts_round(passed, context_.threads);
         mend_all(waiting, bounds_.size());
         std::erase_if(waiting, [&](std::uint32_t c) { return suspect_facet(c, 0) == 4; });
         stats_.left = std::move(waiting);

@@ -43,13 +43,8 @@ class SectionAreas {
             }
             return false;
         }
-        std::uint32_t low = level(vertices[0]), high = low;
-        for (const std::uint32_t v : vertices.subspan(1)) {
-            const std::uint32_t other = level(v);
-            low = std::min(low, other);
-            high = std::max(high, other);
-        }
-        for (std::uint32_t n = low / 2; 2 * n + 1 <= high; ++n) {
+        const LevelRange range = levels_of(vertices);
+        for (std::uint32_t n = range.low / 2; 2 * n + 1 <= range.high; ++n) {
             if (visit(order_[n])) return true;
         }
         return false;
@@ -81,15 +76,29 @@ class SectionAreas {
         Vec3 middle;
     };
     // Of some cells those sections by a plane that a structure has and are not drawn as it, or the other way
-    // round, rising; facets in the plane once. Those too small to count are left out.
+    // round, rising; facets in the plane once. Those too small to count are left out. The same for any
+    // `threads`.
     std::vector<Section> wrong_sections_of(std::uint32_t structure, std::uint32_t plane,
-                                           std::span<const std::uint32_t> cells);
+                                           std::span<const std::uint32_t> cells, int threads = 1) const;
 
-    // Sums what is wrong by cuts, of structures by planes. Requires: of each facet in a plane that is wrong
-    // both cells.
-    void sum_cuts(std::span<const std::uint32_t> cells);
+    // What a cell has wrong of one cross-section, that of a structure by a plane: what lies in the cell, and
+    // half of what lies in its facets, for the cells on both sides have that.
+    struct CrossSectionError {
+        std::uint32_t cell, cross_section;  // structure * planes + slice
+        double share;                       // of what is drawn
+        friend bool operator==(const CrossSectionError&, const CrossSectionError&) = default;
+    };
+    // Those of the cells, in the order of these; the same for any `threads`. Complexity: O(cells log planes),
+    // where planes cross O(cells * planes), and the field's members at each section.
+    std::vector<CrossSectionError> errors_of(std::span<const std::uint32_t> cells, int threads = 1) const;
+
+    // Sums the errors of the cells by cross-sections, in the order of the cells; the same for any `threads`.
+    // Requires: of each facet in a plane that is wrong both cells.
+    void sum_cuts(std::span<const std::uint32_t> cells, int threads = 1);
     // The same of all cells that share a vertex with one of these, without that.
-    void sum_cuts_round(std::span<const std::uint32_t> cells);
+    void sum_cuts_round(std::span<const std::uint32_t> cells, int threads = 1);
+    // These cells, rising.
+    std::vector<std::uint32_t> cells_round(std::span<const std::uint32_t> cells) const;
     // By structure and slice, as the weights of what is drawn.
     std::span<const double> sums() const { return of_cuts_; }
     // Of those that wrong_at() is about the largest sum.
@@ -115,18 +124,58 @@ class SectionAreas {
 
     // As ParallelPlanes has it.
     std::uint32_t level(std::uint32_t v) const;
-    double wrong_sections(std::uint32_t cell);
-    double wrong_section(std::uint32_t cell, std::uint32_t plane);
-    double wrong_part(double area, Region here, Region there, std::uint32_t plane, Vec3 p);
-    bool speaks_of(std::uint32_t plane, Vec3 p) const {
-        return drawn_.extents.empty() || drawn_.extents[plane].contains(drawn_.planes[plane].to_plane(p));
+    std::vector<std::uint32_t> levels_of_all(int threads) const;
+    struct LevelRange {
+        std::uint32_t low, high;
+    };
+    LevelRange levels_of(std::span<const std::uint32_t> vertices) const {
+        LevelRange range{level(vertices[0]), 0};
+        range.high = range.low;
+        for (const std::uint32_t v : vertices.subspan(1)) {
+            const std::uint32_t at = level(v);
+            range.low = std::min(range.low, at);
+            range.high = std::max(range.high, at);
+        }
+        return range;
     }
-
+    using CellLevels = std::array<std::uint32_t, 4>;  // of a cell's vertices
+    CellLevels levels_at(std::uint32_t cell) const;
     struct Piece {  // of a plane
         double area = 0;
         Vec3 middle;
     };
-    // Area 0 where the plane does not pass through the cell.
+    // A section of a cell, or a facet in a plane: what the mesh has on its two sides.
+    struct Part {
+        Piece piece;
+        std::uint32_t plane;
+        Region here, there;
+    };
+    // Calls visit(part) for the section of the cell by each plane that passes through it. `levels`: of a
+    // stack, the cell's.
+    template <class Visit>
+    void for_each_section(std::uint32_t cell, const CellLevels& levels, const Visit& visit) const;
+    // Of a facet that lies in a plane, with a cell on both sides.
+    std::optional<Part> facet_part(std::uint32_t cell, int facet) const;
+    // Calls visit(cross-section, share) for each that has the part and must not, or must have it and has not.
+    template <class Visit>
+    void for_each_wrong(const Part& part, InterfaceProbe& probe, const Visit& visit) const;
+    double wrong_part(const Part& part);
+    // `levels`: of a stack those of all vertices, or none.
+    void find_errors(std::span<const std::uint32_t> cells, std::span<const std::uint32_t> levels,
+                     std::vector<CrossSectionError>& errors) const;
+    void find_wrong_sections(std::uint32_t structure, std::uint32_t plane,
+                             std::span<const std::uint32_t> cells, std::vector<Section>& found) const;
+    // Whether the cell has a vertex in the plane, or some on either side.
+    bool reaches(std::uint32_t cell, std::uint32_t plane) const;
+    double wrong_sections(std::uint32_t cell);
+    bool speaks_of(std::uint32_t plane, Vec3 p) const {
+        return drawn_.extents.empty() || drawn_.extents[plane].contains(drawn_.planes[plane].to_plane(p));
+    }
+
+    // Area 0 where the plane does not pass through the cell. is_in(i): whether the cell's i-th vertex lies in
+    // the plane.
+    template <class IsIn>
+    Piece section(std::uint32_t cell, std::uint32_t plane, const IsIn& is_in) const;
     Piece section(std::uint32_t cell, std::uint32_t plane) const;
     // Area 0 where the facet does not lie in the plane, or the mesh ends there.
     Piece facet_in(std::uint32_t plane, std::uint32_t cell, int facet) const;
@@ -138,9 +187,7 @@ class SectionAreas {
     std::vector<std::uint32_t> rank_;      // of each plane in it
     std::vector<double> of_cuts_;          // by structure and slice
     std::uint32_t only_ = no_slice;        // if any: the plane that is looked at
-    bool counts_ = false;                  // into these
-    double share_ = 1, largest_ = 0;       // of a part that counts; of the cuts seen
-    std::vector<std::uint32_t> both_;
+    double largest_ = 0;                   // of the cuts seen
 };
 
 }  // namespace anatomesh

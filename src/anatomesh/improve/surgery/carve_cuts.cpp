@@ -9,7 +9,9 @@
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/core/cell_judge.h"
 #include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/surgery/structure_components.h"
 #include "anatomesh/improve/core/surface_count.h"
+#include "anatomesh/improve/sections/cross_section_errors.h"
 #include "anatomesh/improve/sections/section_areas.h"
 #include "anatomesh/improve/surgery/section_patches.h"
 #include "anatomesh/improve/surgery/thicken_sheet.h"
@@ -42,40 +44,31 @@ class Carver {
           context_(context),
           drawn_(drawn),
           areas_(bench, drawn),
+          components_(bench, *drawn.owners, most_of_crumb),
           sides_(bench),
           least_sine_(least_sine),
           improve_(improve) {}
 
     CarveStats run(const std::vector<std::uint32_t>* look) {
-        if (look) {
-            std::vector<std::uint32_t> cells = *look;
-            std::erase_if(cells, [&](std::uint32_t c) { return !bench_.mesh.alive(c); });
-            areas_.sum_cuts_round(cells);
-            const auto is_fine = [](double sum) { return sum <= much_of_cut; };
-            if (std::all_of(areas_.sums().begin(), areas_.sums().end(), is_fine)) return {};
+        if (!look) {
+            errors_.emplace(bench_, areas_, bench_.mesh.alive_cells(), context_.threads);
+        } else if (!find_errors_from(*look)) {
+            return {};
         }
-        sums_ = sums();
+        const std::span<const double> sums = errors_->sums();
         std::vector<std::size_t> cuts;
-        for (std::size_t cut = 0; cut < sums_.size(); ++cut) {
-            if (sums_[cut] > much_of_cut) cuts.push_back(cut);
+        for (std::size_t cut = 0; cut < sums.size(); ++cut) {
+            if (sums[cut] > much_of_cut) cuts.push_back(cut);
         }
         if (cuts.size() > most_cuts) return {};
         std::stable_sort(cuts.begin(), cuts.end(),
-                         [&](std::size_t a, std::size_t b) { return sums_[a] > sums_[b]; });
+                         [&](std::size_t a, std::size_t b) { return sums[a] > sums[b]; });
         shapes_.emplace(bench_, drawn_, least_sine_);
         for (const std::size_t cut : cuts) carve_cut(cut);
         return std::move(stats_);
     }
 
   private:
-    // Of a structure, or of what is outside it: of what a patch is of. Parts that facets join, and of these
-    // such that no contour of the structure has a vertex of.
-    struct Pieces {
-        std::size_t all = 0, bare = 0;
-        std::vector<std::vector<std::uint32_t>>
-            crumbs;  // of the bare ones small ones with a new vertex: cells
-    };
-
     // How a patch is carved: the share of edges within which a vertex is taken for one of the patch, and as
     // thicken_sheet() has it.
     struct Way {
@@ -86,19 +79,24 @@ class Carver {
 
     enum class Outcome { done, unsound, bad };
 
-    // What is wrong, by cuts.
-    std::vector<double> sums() {
-        areas_.sum_cuts(bench_.mesh.alive_cells());
-        return {areas_.sums().begin(), areas_.sums().end()};
+    // Of these cells and those round them at first, then, if a cut is not fine, of all; false if all are.
+    bool find_errors_from(std::vector<std::uint32_t> cells) {
+        std::erase_if(cells, [&](std::uint32_t c) { return !bench_.mesh.alive(c); });
+        cells = areas_.cells_round(cells);
+        errors_.emplace(bench_, areas_, cells, context_.threads);
+        const std::span<const double> sums = errors_->sums();
+        if (std::all_of(sums.begin(), sums.end(), [](double sum) { return sum <= much_of_cut; }))
+            return false;
+        errors_->add_others(cells, context_.threads);
+        return true;
     }
 
     // First what leaves the structure in one part.
     void carve_cut(std::size_t cut) {
-        pieces_ = {};
         before_cut_ = worked_on_;
-        while (sums_[cut] > much_of_cut && carve_one(cut, false)) {
+        while (errors_->sums()[cut] > much_of_cut && carve_one(cut, false)) {
         }
-        while (sums_[cut] > most_of_cut && carve_one(cut, true)) {
+        while (errors_->sums()[cut] > most_of_cut && carve_one(cut, true)) {
         }
     }
 
@@ -106,13 +104,11 @@ class Carver {
     bool carve_one(std::size_t cut, bool may_part) {
         const auto structure = static_cast<std::uint32_t>(cut / drawn_.planes.size()),
                    plane = static_cast<std::uint32_t>(cut % drawn_.planes.size());
-        for (const SectionPatch& patch : find_patches(bench_, areas_, structure, plane)) {
+        for (const SectionPatch& patch : find_patches(bench_, areas_, structure, plane, context_.threads)) {
             if (patch.wrong < worth_a_patch || is_enough()) break;
             ++stats_.patches_found;
-            for (const bool has : {false, true}) pieces_before(patch, has);
             if (!carve(patch, cut, may_part)) continue;
             ++stats_.patches_carved;
-            pieces_ = {};
             return true;
         }
         return false;
@@ -123,68 +119,26 @@ class Carver {
         return bench_.table->contains(patch.own, patch.structure);
     }
 
-    // Of the structure, or of what is outside it.
-    Pieces pieces_beside(const SectionPatch& patch, bool has, std::uint32_t first_new = no_cell) const {
-        std::vector<std::uint8_t> seen(bench_.mesh.cell_count(), 0);
-        const auto take = [&](std::uint32_t c) {
-            if (c == no_cell || seen[c] || !bench_.mesh.alive(c) ||
-                bench_.table->contains(bench_.mesh.region(c), patch.structure) != has)
-                return false;
-            seen[c] = 1;
-            return true;
-        };
-        const auto is_drawn = [&](std::uint32_t v) { return drawn_.owners->has(v, patch.structure); };
-        Pieces pieces;
-        for (std::uint32_t seed = 0; seed < bench_.mesh.cell_count(); ++seed) {
-            if (!take(seed)) continue;
-            bool bare = true, made = false;
-            std::vector<std::uint32_t> cells{seed};
-            for (std::size_t n = 0; n < cells.size(); ++n) {
-                const Cell& cell = bench_.mesh.cell(cells[n]);
-                bare = bare && std::none_of(cell.begin(), cell.end(), is_drawn);
-                made = made || std::any_of(cell.begin(), cell.end(), [&](auto v) { return v >= first_new; });
-                for (int i = 0; i < 4; ++i) {
-                    if (take(bench_.mesh.neighbor(cells[n], i)))
-                        cells.push_back(bench_.mesh.neighbor(cells[n], i));
-                }
-            }
-            ++pieces.all;
-            pieces.bare += bare;
-            if (bare && made && cells.size() <= most_of_crumb) pieces.crumbs.push_back(std::move(cells));
-        }
-        return pieces;
-    }
-
-    // Before the patch is carved.
-    const Pieces& pieces_before(const SectionPatch& patch, bool has) {
-        std::optional<Pieces>& known = pieces_[has];
-        if (!known) known = pieces_beside(patch, has);
-        return *known;
-    }
-
     // Where the structure is not parted a handle went, or a tunnel. What came off and no contour has goes
     // too, if it is small, near the field's surface and of no other region; false where more came off than
     // may.
     bool may_be_parted(const SectionPatch& patch, bool may_part, std::uint32_t first_new,
                        std::vector<std::uint32_t>& changed, std::uint64_t& crumbs) {
-        const bool has = is_inside(patch);
-        Pieces after = pieces_beside(patch, has, first_new);
-        const Pieces& before = pieces_before(patch, has);
-        for (const std::vector<std::uint32_t>& crumb : after.crumbs) {
-            if (after.bare <= before.bare) break;
+        ComponentChange parts = components_.change(patch.structure, is_inside(patch), first_new);
+        for (const std::vector<std::uint32_t>& crumb : parts.crumbs) {
+            if (parts.bare <= 0) break;
             if (!give_crumb(crumb, patch)) return false;
             changed.insert(changed.end(), crumb.begin(), crumb.end());
             ++crumbs;
-            --after.bare;
-            --after.all;
+            --parts.bare;
+            --parts.all;
         }
-        return after.bare <= before.bare && (after.all <= before.all || may_part);
+        return parts.bare <= 0 && (parts.all <= 0 || may_part);
     }
 
     // Whether two parts of where it goes, apart before, are one by it: else it made a handle or a tunnel.
-    bool joins_parts(const SectionPatch& patch) {
-        const bool has = !is_inside(patch);
-        return pieces_beside(patch, has).all + 1 == pieces_before(patch, has).all;
+    bool joins_parts(const SectionPatch& patch, std::uint32_t first_new) {
+        return components_.change(patch.structure, !is_inside(patch), first_new).all == -1;
     }
 
     bool give_crumb(const std::vector<std::uint32_t>& crumb, const SectionPatch& patch) {
@@ -248,7 +202,7 @@ class Carver {
         std::vector<std::uint32_t> changed = std::move(made->changed);
         if (!made->parted.empty() && !may_be_parted(patch, may_part, first_new, changed, crumbs))
             return Outcome::unsound;
-        if (made->joins && (!may_part || !joins_parts(patch))) return Outcome::unsound;
+        if (made->joins && (!may_part || !joins_parts(patch, first_new))) return Outcome::unsound;
         // Those round the edges that pass through the patch too.
         for (auto v = first_new; v < bench_.mesh.point_count(); ++v) {
             bench_.mesh.star(v, bench_.star);
@@ -260,19 +214,27 @@ class Carver {
         sort_distinct(changed);
         worked_on_ += changed.size();
         if (!shapes_->allow(changed, farthest_mm_)) return Outcome::bad;
-        std::vector<double> after = sums();
-        for (std::size_t other = 0; other < after.size(); ++other) {
-            const double gained = enough_less * patch.wrong;
-            const double most = other == cut
-                                    ? sums_[cut] - gained
-                                    : std::max(sums_[other], std::min(sums_[other] + gained, much_of_cut));
-            if (after[other] > most) return Outcome::bad;
-        }
+        if (!lessens(patch, cut)) return Outcome::bad;
         stats_.crumbs_given += crumbs;
         shapes_->keep();
-        sums_ = std::move(after);
+        errors_->keep();
         stats_.changed.insert(stats_.changed.end(), changed.begin(), changed.end());
         return Outcome::done;
+    }
+
+    // Whether the cut loses enough of what is wrong in the patch, and no other one gains as much and comes
+    // near to what it may have.
+    bool lessens(const SectionPatch& patch, std::size_t cut) {
+        const double gained = enough_less * patch.wrong;
+        const std::span<const double> before = errors_->sums(),
+                                      after = errors_->sums_after(bench_.mesh.changed_cells());
+        for (std::size_t other = 0; other < after.size(); ++other) {
+            const double most = other == cut
+                                    ? before[cut] - gained
+                                    : std::max(before[other], std::min(before[other] + gained, much_of_cut));
+            if (after[other] > most) return false;
+        }
+        return true;
     }
 
     // How far from the field's surfaces lie about the patch now: what is wrong there may be far off.
@@ -306,11 +268,11 @@ class Carver {
     const RunContext& context_;
     const DrawnSlices& drawn_;
     SectionAreas areas_;
+    StructureComponents components_;
     SidesAt sides_;
     double least_sine_;
     const ImproveCells& improve_;
-    std::vector<double> sums_;
-    std::array<std::optional<Pieces>, 2> pieces_;  // of what is outside, and of the structure, of this cut
+    std::optional<CrossSectionErrors> errors_;
     std::optional<ShapesKept> shapes_;
     double farthest_mm_ = 0;                      // from the field's, that surfaces of this patch may be
     std::size_t improved_ = 0, tried_ = 0;        // ways, the first in vain

@@ -59,9 +59,10 @@ class Joiner {
         for (const std::uint32_t v : look) {
             bench_.mesh.star(v, bench_.star);
             std::copy_if(bench_.star.begin(), bench_.star.end(), std::back_inserter(found),
-                         [&](std::uint32_t c) { return has_gone(c); });
+                         [&](std::uint32_t c) { return is_across(c); });
         }
         sort_distinct(found);
+        std::erase_if(found, [&](std::uint32_t c) { return !has_gone(c); });
         return found;
     }
 

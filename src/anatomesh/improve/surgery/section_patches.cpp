@@ -197,9 +197,9 @@ class SheetCutter {
 
 }  // namespace
 
-std::vector<SectionPatch> find_patches(Workbench& bench, SectionAreas& areas, std::uint32_t structure,
-                                       std::uint32_t plane) {
-    std::vector<Section> wrong = areas.wrong_sections_of(structure, plane, bench.mesh.alive_cells());
+std::vector<SectionPatch> find_patches(Workbench& bench, const SectionAreas& areas, std::uint32_t structure,
+                                       std::uint32_t plane, int threads) {
+    std::vector<Section> wrong = areas.wrong_sections_of(structure, plane, bench.mesh.alive_cells(), threads);
     if (wrong.size() > most_sections) return {};
     return PatchFinder(bench, areas).run(std::move(wrong), structure, plane);
 }

@@ -19,9 +19,9 @@ struct SectionPatch {
 };
 
 // Of a cut those that a region of the mesh is drawn for, from which most is wrong first; none where there are
-// over 200 sections. Complexity: O(cells), and the sections squared.
-std::vector<SectionPatch> find_patches(Workbench& bench, SectionAreas& areas, std::uint32_t structure,
-                                       std::uint32_t plane);
+// over 200 sections. The same for any `threads`. Complexity: O(cells), and the sections squared.
+std::vector<SectionPatch> find_patches(Workbench& bench, const SectionAreas& areas, std::uint32_t structure,
+                                       std::uint32_t plane, int threads = 1);
 
 // Cuts the edges that pass through the patch, so that it is a sheet of facets (without a path). Where the
 // plane is nearer to a vertex than `near` of such an edge, that is a corner of the sheet. No facets where an

@@ -224,12 +224,17 @@ class Thickening {
         return bench_.split_ring(from + share * (bench_.mesh.point(b) - from)) != no_cell;
     }
 
+    // Of all at vertices of the sheet and new ones.
     std::vector<std::uint32_t> cells_between_cuts() {
-        std::vector<std::uint32_t> given;
-        for_each_near([&](std::uint32_t c) {
-            if (may_go(c) && lies_between_cuts(c)) given.push_back(c);
-        });
+        std::vector<std::uint32_t> look = on_sheet_, given;
+        for (auto v = first_new_; v < bench_.mesh.point_count(); ++v) look.push_back(v);
+        for (const std::uint32_t v : look) {
+            bench_.mesh.star(v, bench_.star);
+            std::copy_if(bench_.star.begin(), bench_.star.end(), std::back_inserter(given),
+                         [&](std::uint32_t c) { return may_go(c); });
+        }
         sort_distinct(given);
+        std::erase_if(given, [&](std::uint32_t c) { return !lies_between_cuts(c); });
         return given;
     }
 
@@ -271,17 +276,6 @@ class Thickening {
         return std::all_of(ends.begin(), ends.end(), [&](std::uint32_t x) {
             return sides_.find_ring(v, x) && (sides_.ring_is_mixed(chain_.structure) || cut(v, x, thickness));
         });
-    }
-
-    // Of all cells at vertices of the sheet and new ones; some more than once.
-    template <class Visit>
-    void for_each_near(const Visit& visit) {
-        std::vector<std::uint32_t> look = on_sheet_;
-        for (auto v = first_new_; v < bench_.mesh.point_count(); ++v) look.push_back(v);
-        for (const std::uint32_t v : look) {
-            bench_.mesh.star(v, bench_.star);
-            for (const std::uint32_t c : bench_.star) visit(c);
-        }
     }
 
     void note_changed(const std::vector<std::uint32_t>& given) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/base/sort_distinct.h"
 
 namespace anatomesh {
 
@@ -169,6 +170,50 @@ void EditMesh::end_attempt(bool keep) {
     noted_ = false;
     for (; !keep && !notes_.empty(); notes_.pop_back()) take_back(notes_.back());
     notes_.clear();
+}
+
+std::vector<std::uint32_t> EditMesh::changed_cells() {
+    std::vector<std::uint32_t> cells;
+    for (const Note& note : notes_) {
+        if (note.kind == Note::moved) {
+            star(note.index, scratch_);
+            cells.insert(cells.end(), scratch_.begin(), scratch_.end());
+        } else if (note.kind == Note::given) {
+            cells.push_back(note.index);
+        } else {
+            cells.insert(cells.end(), note.slots.begin(), note.slots.end());
+            cells.insert(cells.end(), note.before.removed.begin(), note.before.removed.end());
+        }
+    }
+    sort_distinct(cells);
+    const std::size_t changed = cells.size();
+    for (std::size_t n = 0; n < changed; ++n) {
+        if (!alive(cells[n])) continue;
+        for (const std::uint32_t across : neighbors_[cells[n]]) {
+            if (across != no_cell) cells.push_back(across);
+        }
+    }
+    sort_distinct(cells);
+    return cells;
+}
+
+std::vector<EditMesh::CellState> EditMesh::states_before(std::span<const std::uint32_t> cells) const {
+    std::vector<CellState> states;
+    for (const std::uint32_t c : cells) states.push_back({cells_[c], regions_[c]});
+    const auto state_of = [&](std::uint32_t c) -> CellState& {
+        const auto at = std::lower_bound(cells.begin(), cells.end(), c);
+        assert(at != cells.end() && *at == c);
+        return states[static_cast<std::size_t>(at - cells.begin())];
+    };
+    // As take_back() does it with the mesh.
+    for (auto note = notes_.rbegin(); note != notes_.rend(); ++note) {
+        if (note->kind == Note::given) state_of(note->index).region = note->region;
+        if (note->kind != Note::replaced) continue;
+        for (const std::uint32_t c : note->slots) state_of(c).cell[0] = no_cell;
+        for (std::size_t n = 0; n < note->before.removed.size(); ++n)
+            state_of(note->before.removed[n]) = {note->before.added[n], note->before.regions[n]};
+    }
+    return states;
 }
 
 void EditMesh::take_back(const Note& note) {

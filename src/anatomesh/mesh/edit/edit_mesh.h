@@ -73,6 +73,18 @@ class EditMesh {
     // which stay unused. Requires: no replace_apart() in between. Complexity: linear in what has changed.
     void begin_attempt() { noted_ = true; }
     void end_attempt(bool keep);
+    // Cells that were made, reshaped, removed or given another region since begin_attempt(), and those that
+    // share a facet with one of these now; rising. Only cells among them differ in shape, region or
+    // neighbours from what they were. Complexity: n log n in them.
+    std::vector<std::uint32_t> changed_cells();
+    // What was under these numbers, rising, when the attempt began. Requires: the numbers are those of
+    // changed_cells(). Complexity: n log n in them.
+    struct CellState {
+        Cell cell;  // [0] is no_cell where there was no cell
+        Region region;
+        friend bool operator==(const CellState&, const CellState&) = default;
+    };
+    std::vector<CellState> states_before(std::span<const std::uint32_t> cells) const;
 
     // All cells at a vertex, in an order that depends on the mesh alone. Complexity: linear in them.
     void star(std::uint32_t v, std::vector<std::uint32_t>& cells);

@@ -187,5 +187,61 @@ TEST(EditMesh, an_attempt_that_is_not_kept_leaves_everything_as_it_was) {
     }
 }
 
+// Whether a cell has other vertices, places of these, regions or neighbours in the two meshes, or is in one
+// alone.
+bool differs(const EditMesh& one, const EditMesh& other, std::uint32_t c) {
+    const bool in_one = c < one.cell_count() && one.alive(c),
+               in_other = c < other.cell_count() && other.alive(c);
+    if (!in_one && !in_other) return false;
+    if (in_one != in_other || one.cell(c) != other.cell(c) || one.region(c) != other.region(c)) return true;
+    for (int i = 0; i < 4; ++i) {
+        const std::uint32_t v = one.cell(c)[i];
+        if (one.neighbor(c, i) != other.neighbor(c, i) || one.point(v) != other.point(v)) return true;
+    }
+    return false;
+}
+
+TEST(EditMesh, cells_that_differ_since_an_attempt_began_are_among_the_changed_ones) {
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        EditMesh mesh = editable(shaken_bricks(seed));
+        std::mt19937 random(seed);
+        std::vector<std::uint32_t> slots;
+        for (const bool keep : {true, false, true}) {
+            const EditMesh before = mesh;
+            mesh.begin_attempt();
+            EXPECT_TRUE(mesh.changed_cells().empty());
+            for (int n = 0; n < 8; ++n) {
+                const std::vector<CellExchange> exchanges = possible_exchanges(mesh);
+                const CellExchange& exchange = exchanges[random() % exchanges.size()];
+                if (n % 2 == 0) mesh.replace(exchange.removed, exchange.added, exchange.regions, slots);
+                if (n % 3 == 0) mesh.set_region(exchange.removed[0], static_cast<Region>(random() % 3));
+                const auto v = static_cast<std::uint32_t>(random() % mesh.point_count());
+                if (n % 4 == 0) mesh.move_point(v, mesh.point(v) + Vec3{1e-3, 0, 0});
+            }
+            const std::vector<std::uint32_t> changed = mesh.changed_cells();
+            const std::vector<EditMesh::CellState> states = mesh.states_before(changed);
+            for (std::size_t n = 0; n < changed.size(); ++n) {
+                const bool was = changed[n] < before.cell_count() && before.alive(changed[n]);
+                ASSERT_EQ(states[n].cell[0] != no_cell, was);
+                if (!was) continue;
+                ASSERT_EQ(states[n].cell, before.cell(changed[n]));
+                ASSERT_EQ(states[n].region, before.region(changed[n]));
+            }
+            ASSERT_TRUE(std::is_sorted(changed.begin(), changed.end()));
+            ASSERT_TRUE(std::adjacent_find(changed.begin(), changed.end()) == changed.end());
+            std::size_t different = 0;
+            for (std::uint32_t c = 0; c < mesh.cell_count(); ++c) {
+                if (!differs(before, mesh, c)) continue;
+                ++different;
+                ASSERT_TRUE(std::binary_search(changed.begin(), changed.end(), c));
+            }
+            EXPECT_GT(different, 8u);
+            EXPECT_LE(changed.size(),
+                      5 * (different + 3));  // beside each at most four; three may be as they were
+            mesh.end_attempt(keep);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace anatomesh
