@@ -142,18 +142,18 @@ TEST(Cut, contour_vertices_are_brought_onto_the_surface) {
     }
 }
 
-// Contour vertices and pieces of contour segments that labels lose are brought back without a cell in both.
+// Contour vertices and subsegments that labels lose are brought back without a cell in both.
 TEST(Cut, structures_that_exclude_each_other_never_share_a_cell) {
     for (std::uint32_t seed = 1; seed <= 10; ++seed) {
         Case random = random_case(seed, 60, {{}, {}, {0}, {1}}, true);
         std::vector<std::array<std::uint32_t, 2>> pairs;
         for (std::uint32_t v = 0; v < 40; v += 2) pairs.push_back({v, v / 2 % 2});
-        std::vector<std::array<std::uint32_t, 3>> pieces;
+        std::vector<std::array<std::uint32_t, 3>> subsegments;
         for (std::size_t c = 0; c < random.mesh.cells.size(); c += 9) {
             const auto [low, high] = std::minmax(random.mesh.cells[c][0], random.mesh.cells[c][1]);
-            if (high < 60) pieces.push_back({low, high, static_cast<std::uint32_t>(c % 2)});
+            if (high < 60) subsegments.push_back({low, high, static_cast<std::uint32_t>(c % 2)});
         }
-        cut_and_check(random, 2, ContourOwners(pairs, random.mesh.points.size(), pieces), true);
+        cut_and_check(random, 2, ContourOwners(pairs, random.mesh.points.size(), subsegments), true);
         for (const auto& members : random.registry.table().members) EXPECT_LE(members.size(), 1u) << seed;
     }
 }
@@ -171,29 +171,29 @@ TEST(Cut, the_other_side_of_a_structure) {
 }
 
 // Edges near a ball's surface, all of it inside: relabelling brings some onto the surface and never loses the manifold for it.
-TEST(Cut, pieces_of_contour_segments_are_brought_onto_the_surface) {
+TEST(Cut, subsegments_are_brought_onto_the_surface) {
     std::uint64_t before = 0, after = 0;
     for (std::uint32_t seed = 1; seed <= 8; ++seed) {
         Case random = random_case(seed, 200, {{0}});
-        std::vector<std::array<std::uint32_t, 3>> pieces;
+        std::vector<std::array<std::uint32_t, 3>> subsegments;
         for (const Cell& cell : random.mesh.cells) {
-            if (cell[0] >= 200 || cell[1] >= 200 || pieces.size() >= 60) continue;
+            if (cell[0] >= 200 || cell[1] >= 200 || subsegments.size() >= 60) continue;
             const Vec3 middle = 0.5 * (random.mesh.points[cell[0]] + random.mesh.points[cell[1]]);
             if (length(middle) > 0.75)
-                pieces.push_back({std::min(cell[0], cell[1]), std::max(cell[0], cell[1]), 0});
+                subsegments.push_back({std::min(cell[0], cell[1]), std::max(cell[0], cell[1]), 0});
         }
-        const ContourOwners owners({}, random.mesh.points.size(), pieces);
+        const ContourOwners owners({}, random.mesh.points.size(), subsegments);
         const VertexStars stars(random.mesh.cells, random.mesh.points.size());
         std::vector<std::uint32_t> unsound;
         const RelabelStats stats = relabel(random.mesh.points, random.mesh.cells, random.neighbors, stars,
                                            owners, {}, {}, random.mesh.regions, random.registry, unsound);
-        before += stats.lost_pieces_before;
-        after += stats.lost_pieces_after;
+        before += stats.lost_subsegments_before;
+        after += stats.lost_subsegments_after;
         // Counted anew from the regions.
         std::uint64_t lost = 0;
-        std::sort(pieces.begin(), pieces.end());
-        pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
-        for (const auto& [a, b, structure] : pieces) {
+        std::sort(subsegments.begin(), subsegments.end());
+        subsegments.erase(std::unique(subsegments.begin(), subsegments.end()), subsegments.end());
+        for (const auto& [a, b, structure] : subsegments) {
             bool in = false, out = false;
             for (std::size_t c = 0; c < random.mesh.cells.size(); ++c) {
                 const Cell& cell = random.mesh.cells[c];
@@ -203,17 +203,18 @@ TEST(Cut, pieces_of_contour_segments_are_brought_onto_the_surface) {
             }
             lost += in != out;
         }
-        EXPECT_EQ(stats.lost_pieces_after, lost);
+        EXPECT_EQ(stats.lost_subsegments_after, lost);
         EXPECT_LE(stats.unsound_after, stats.unsound_before);
     }
     EXPECT_GT(before, 10u);
     EXPECT_LT(2 * after, before);
 }
 
-// A plane surface through the ball, every edge of it a piece, and single cells on the wrong side: these are
-// given back, and not, where that mends more vertices at once, the cells between whose loss takes pieces along.
-TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_pieces) {
-    std::uint64_t pieces_of_all = 0, lost = 0, lost_with_sides = 0, lost_at_once = 0, lost_for_hairs = 0,
+// A plane surface through the ball, every edge of it a subsegment, and single cells on the wrong side: these
+// are given back, and not, where that mends more vertices at once, the cells between whose loss takes
+// subsegments along.
+TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_subsegments) {
+    std::uint64_t all_subsegments = 0, lost = 0, lost_with_sides = 0, lost_at_once = 0, lost_for_hairs = 0,
                   lost_with_hairs = 0;
     int wrong = 0, wrong_with_sides = 0;
     for (std::uint32_t seed = 1; seed <= 20; ++seed) {
@@ -230,16 +231,16 @@ TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_pieces) {
         const VertexStars stars(mesh.cells, mesh.points.size());
         relabel(mesh.points, mesh.cells, random.neighbors, stars, {}, {}, {}, random.mesh.regions,
                 random.registry, unsound);
-        std::vector<std::array<std::uint32_t, 3>> pieces;
+        std::vector<std::array<std::uint32_t, 3>> subsegments;
         for (const Triangle& t : structure_surface(mesh, random.registry.table(), 0)) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t a = t[k], b = t[(k + 1) % 3];
                 if (std::max(length(mesh.points[a]), length(mesh.points[b])) < 0.8)
-                    pieces.push_back({std::min(a, b), std::max(a, b), 0});
+                    subsegments.push_back({std::min(a, b), std::max(a, b), 0});
             }
         }
-        std::sort(pieces.begin(), pieces.end());
-        pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
+        std::sort(subsegments.begin(), subsegments.end());
+        subsegments.erase(std::unique(subsegments.begin(), subsegments.end()), subsegments.end());
         // Vertices of the surface may be on either side, the others on that of their cells.
         std::vector<VertexSide> sides(mesh.points.size(), {1, 0, 1});
         for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
@@ -267,23 +268,24 @@ TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_pieces) {
         const std::vector<Region> noisy = mesh.regions;
         const auto lost_by = [&](const std::vector<VertexSide>& known, const RelabelOptions& options) {
             random.mesh.regions = noisy;
-            return relabel(mesh.points, mesh.cells, random.neighbors, stars, {{}, mesh.points.size(), pieces},
-                           known, options, random.mesh.regions, random.registry, unsound)
-                .lost_pieces_after;
+            return relabel(mesh.points, mesh.cells, random.neighbors, stars,
+                           {{}, mesh.points.size(), subsegments}, known, options, random.mesh.regions,
+                           random.registry, unsound)
+                .lost_subsegments_after;
         };
-        pieces_of_all += pieces.size();
+        all_subsegments += subsegments.size();
         lost_at_once += lost_by({}, {0, 0, false});
         lost += lost_by({}, {});
         wrong += count_wrong();
         lost_with_sides += lost_by(sides, {0.1, 0, true});
         wrong_with_sides += count_wrong();
-        // Outside by no more than a hair, all of them: that is no reason against a piece where hairs do not
-        // count.
+        // Outside by no more than a hair, all of them: that is no reason against a subsegment where hairs do
+        // not count.
         const std::vector<VertexSide> hardly_outside(mesh.points.size(), {0, 0, 0.05});
         lost_for_hairs += lost_by(hardly_outside, {0.1, 0.04, true});
         lost_with_hairs += lost_by(hardly_outside, {0.1, 0.06, true});
     }
-    EXPECT_GT(pieces_of_all, 1000u);
+    EXPECT_GT(all_subsegments, 1000u);
     EXPECT_EQ(lost, 0u);  // 7 without moves of variable depth
     EXPECT_EQ(lost_at_once, 0u);
     EXPECT_EQ(lost_with_sides, 0u);

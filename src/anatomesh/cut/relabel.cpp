@@ -14,12 +14,11 @@ namespace anatomesh {
 
 namespace {
 
-constexpr int defect_weight =
-    256;  // against one end of a lost piece of a contour segment: a manifold comes first
+constexpr int defect_weight = 256;  // against one end of a lost subsegment: a manifold comes first
 constexpr int any_change = std::numeric_limits<int>::max();
 constexpr std::size_t stars_ahead = 2;  // are fetched into the cache so many before they are looked at
 constexpr int most_mends = 8;           // passes over the cells that are wrong in a slice's plane
-// Moves of variable depth: how many of those that bring a piece back are followed, and how far.
+// Moves of variable depth: how many of those that bring a subsegment back are followed, and how far.
 constexpr std::size_t most_openings = 12;
 constexpr int most_rounds_in_depth = 6, most_passes_in_depth = 4;
 // Where planes cross, of what is drawn: there every move spoils some cut a little.
@@ -30,7 +29,7 @@ struct Move {
     std::vector<std::uint32_t> cells;
     Region region = 0;
     int change = 0;      // of the sum of defects; negative is better
-    int lost = 0;        // change of the number of ends of pieces of contour segments that are lost
+    int lost = 0;        // change of the number of ends of subsegments that are lost
     int misplaced = 0;   // change of the number of vertices, cell by cell, that the field has on another side
     int spikes = 0;      // change of the number of vertices deep in a region that have a cell of another one
     double spoiled = 0;  // of the slices' cuts, by how much more is other than drawn: as DrawnCuts::change()
@@ -71,12 +70,12 @@ class Relabeler {
     // Whether moves that make the slices' cuts less like what is drawn are made.
     void allow_spoiling(bool allowed) { may_spoil_ = allowed; }
 
-    // Whether moves by which pieces of contour segments are lost are made.
+    // Whether moves by which subsegments are lost are made.
     void allow_losses(bool allowed) { may_lose_ = allowed; }
 
     int defect(std::uint32_t vertex) { return figures_at(vertex).defect; }
-    int lost_pieces(std::uint32_t vertex) { return figures_at(vertex).lost_pieces; }
-    int total(std::uint32_t vertex) { return defect_weight * defect(vertex) + lost_pieces(vertex); }
+    int lost_subsegments(std::uint32_t vertex) { return figures_at(vertex).lost_subsegments; }
+    int total(std::uint32_t vertex) { return defect_weight * defect(vertex) + lost_subsegments(vertex); }
 
     bool lost(std::uint32_t vertex) {
         analyzer_.lost_structures(vertex, lost_);
@@ -94,10 +93,10 @@ class Relabeler {
         return best_->cells.size();
     }
 
-    // A piece that is lost at the vertex comes back by a move that does not make the sum fall, if moves after
-    // it at the vertices concerned, which leave its cells alone, make it fall in all, with fewer pieces lost,
-    // and no more vertices where the field does not have them. Returns how many cells moved. Follows:
-    // Kernighan and Lin, Bell Syst. Tech. J. 49, 1970 (moves of variable depth).
+    // A subsegment that is lost at the vertex comes back by a move that does not make the sum fall, if moves
+    // after it at the vertices concerned, which leave its cells alone, make it fall in all, with fewer
+    // subsegments lost, and no more vertices where the field does not have them. Returns how many cells
+    // moved. Follows: Kernighan and Lin, Bell Syst. Tech. J. 49, 1970 (moves of variable depth).
     std::size_t improve_in_depth(std::uint32_t vertex, std::vector<std::uint32_t>& touched) {
         for (const Move& opening : openings_at(vertex)) {
             made_.clear();
@@ -142,13 +141,13 @@ class Relabeler {
 
   private:
     struct Figures {
-        int defect = -1, lost_pieces = 0;  // defect below 0: not known
+        int defect = -1, lost_subsegments = 0;  // defect below 0: not known
     };
 
     // Of a vertex, as regions are: most are asked for again and again by moves that are not made.
     const Figures& figures_at(std::uint32_t vertex) {
         Figures& known = known_[vertex];
-        if (known.defect < 0) known = {analyzer_.defect(vertex), analyzer_.lost_piece_count(vertex)};
+        if (known.defect < 0) known = {analyzer_.defect(vertex), analyzer_.lost_subsegment_count(vertex)};
         return known;
     }
 
@@ -176,18 +175,20 @@ class Relabeler {
         analyzer_.lost_structures(vertex, lost_);
         const std::vector<std::uint32_t> lost = lost_;
         for (const std::uint32_t structure : lost) try_regain(vertex, structure);
-        analyzer_.lost_pieces(vertex, lost_pieces_);
-        const std::vector<ContourOwners::Piece> lost_edges = lost_pieces_;
-        for (const ContourOwners::Piece& piece : lost_edges) try_regain_piece(vertex, piece);
+        analyzer_.lost_subsegments(vertex, lost_subsegments_);
+        const std::vector<ContourOwners::Subsegment> lost_edges = lost_subsegments_;
+        for (const ContourOwners::Subsegment& subsegment : lost_edges)
+            try_regain_subsegment(vertex, subsegment);
     }
 
-    // Moves by which pieces that are lost at the vertex come back and the sum does not fall, the cheapest
-    // first, each once.
+    // Moves by which subsegments that are lost at the vertex come back and the sum does not fall, the
+    // cheapest first, each once.
     std::vector<Move> openings_at(std::uint32_t vertex) {
         openings_.emplace();
-        analyzer_.lost_pieces(vertex, lost_pieces_);
-        const std::vector<ContourOwners::Piece> lost_edges = lost_pieces_;
-        for (const ContourOwners::Piece& piece : lost_edges) try_regain_piece(vertex, piece);
+        analyzer_.lost_subsegments(vertex, lost_subsegments_);
+        const std::vector<ContourOwners::Subsegment> lost_edges = lost_subsegments_;
+        for (const ContourOwners::Subsegment& subsegment : lost_edges)
+            try_regain_subsegment(vertex, subsegment);
         std::vector<Move> openings = std::move(*openings_);
         openings_.reset();
         const auto key = [](const Move& m) { return std::tie(m.change, m.cells, m.region); };
@@ -262,10 +263,10 @@ class Relabeler {
 
     // Whether four contour segments or more end there.
     bool touches_in_point(std::uint32_t vertex) const {
-        const auto pieces = owners_.pieces_at(vertex);  // by their other ends
+        const auto subsegments = owners_.subsegments_at(vertex);  // by their other ends
         std::size_t ends = 0;
-        for (std::size_t n = 0; n < pieces.size(); ++n)
-            ends += n == 0 || pieces[n].other != pieces[n - 1].other;
+        for (std::size_t n = 0; n < subsegments.size(); ++n)
+            ends += n == 0 || subsegments[n].other != subsegments[n - 1].other;
         return ends >= 4;
     }
 
@@ -342,19 +343,19 @@ class Relabeler {
 
     // A cell at the edge, or it and one of those beside or behind it, changes sides, joined to cells of that
     // side.
-    void try_regain_piece(std::uint32_t vertex, ContourOwners::Piece piece) {
+    void try_regain_subsegment(std::uint32_t vertex, ContourOwners::Subsegment subsegment) {
         for (const std::uint32_t c : stars_.at(vertex)) {
-            if (std::find(cells_[c].begin(), cells_[c].end(), piece.other) == cells_[c].end()) continue;
-            const bool was_inside = inside(c, piece.structure);
-            consider({{c}, registry_.with_other_side(regions_[c], piece.structure)});
+            if (std::find(cells_[c].begin(), cells_[c].end(), subsegment.other) == cells_[c].end()) continue;
+            const bool was_inside = inside(c, subsegment.structure);
+            consider({{c}, registry_.with_other_side(regions_[c], subsegment.structure)});
             for (const std::uint32_t next : neighbors_[c]) {
                 if (next == no_cell) continue;
-                if (inside(next, piece.structure) != was_inside) {
+                if (inside(next, subsegment.structure) != was_inside) {
                     consider({{c}, regions_[next]});
                     continue;
                 }
                 for (const std::uint32_t far : neighbors_[next]) {
-                    if (far == no_cell || inside(far, piece.structure) == was_inside) continue;
+                    if (far == no_cell || inside(far, subsegment.structure) == was_inside) continue;
                     consider({{c, next}, regions_[far]});
                 }
             }
@@ -397,7 +398,7 @@ class Relabeler {
             move.lost += times * lost;
             move.change += times * (defect_weight * defect + lost);
         };
-        for (const std::uint32_t v : around_) add(figures_at(v).defect, figures_at(v).lost_pieces, -1);
+        for (const std::uint32_t v : around_) add(figures_at(v).defect, figures_at(v).lost_subsegments, -1);
         before_.clear();
         for (const std::uint32_t c : move.cells) {
             before_.push_back(regions_[c]);
@@ -405,7 +406,7 @@ class Relabeler {
         }
         for (const std::uint32_t v : around_) {
             if (move.change >= enough) break;  // it only rises from here on
-            add(analyzer_.defect(v), analyzer_.lost_piece_count(v), 1);
+            add(analyzer_.defect(v), analyzer_.lost_subsegment_count(v), 1);
         }
         for (std::size_t n = 0; n < move.cells.size(); ++n) regions_[move.cells[n]] = before_[n];
         return move.change;
@@ -486,14 +487,14 @@ class Relabeler {
     std::vector<std::pair<std::uint32_t, Region>> made_;
     std::vector<StarPiece> pieces_;
     std::vector<std::uint32_t> lost_, around_, from_, queue_;
-    std::vector<ContourOwners::Piece> lost_pieces_;
+    std::vector<ContourOwners::Subsegment> lost_subsegments_;
     std::vector<Region> before_;
 };
 
 // A vertex with a defect.
 struct Suspect {
     std::uint32_t vertex;
-    int lost_pieces;
+    int lost_subsegments;
     bool unsound, lost;
 };
 
@@ -509,7 +510,7 @@ std::vector<Suspect> find_suspects(const std::vector<Cell>& cells,
         const auto star = stars.at(v);
         return std::any_of(star.begin(), star.end(),
                            [&](std::uint32_t c) { return regions[c] != regions[star[0]]; }) ||
-               !owners.at(v).empty() || !owners.pieces_at(v).empty();
+               !owners.at(v).empty() || !owners.subsegments_at(v).empty();
     };
     // Few pieces: an analyzer has scratch space for all cells.
     const std::size_t grain = std::max<std::size_t>(4096, count / 8 + 1);
@@ -529,8 +530,8 @@ std::vector<Suspect> find_suspects(const std::vector<Cell>& cells,
                         __builtin_prefetch(&neighbors[c]);
                     }
                 }
-                Suspect suspect{v, analyzer.lost_piece_count(v), analyzer.defect(v) > 0, false};
-                if (!suspect.unsound && suspect.lost_pieces == 0) continue;
+                Suspect suspect{v, analyzer.lost_subsegment_count(v), analyzer.defect(v) > 0, false};
+                if (!suspect.unsound && suspect.lost_subsegments == 0) continue;
                 analyzer.lost_structures(v, lost);
                 suspect.lost = suspect.unsound && !lost.empty();
                 found.push_back(suspect);
@@ -599,12 +600,12 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
         queue.push_back(suspect.vertex);
         stats.unsound_before += suspect.unsound;
         stats.lost_before += suspect.lost;
-        stats.lost_pieces_before += static_cast<std::uint64_t>(suspect.lost_pieces);
+        stats.lost_subsegments_before += static_cast<std::uint64_t>(suspect.lost_subsegments);
     }
-    stats.lost_pieces_before /= 2;
+    stats.lost_subsegments_before /= 2;
 
     Relabeler relabeler(cells, neighbors, stars, owners, sides, options, regions, registry, points, slices);
-    // Of one structure the pieces of contour segments that waiting would cost are worth more than a spike;
+    // Of one structure the subsegments that waiting would cost are worth more than a spike;
     // but a spike is no way round a cut that is spoiled.
     const bool one_structure = registry.table().members.size() <= 2;
     bool spoiling = !slices.any(), spikes = one_structure && !slices.is_stack(),
@@ -640,7 +641,8 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
         for (int pass = 0; pass < most_passes_in_depth && !queue.empty(); ++pass) {
             std::vector<std::uint32_t> next;
             for (const std::uint32_t v : queue) {
-                if (relabeler.lost_pieces(v) > 0) stats.cells_moved += relabeler.improve_in_depth(v, next);
+                if (relabeler.lost_subsegments(v) > 0)
+                    stats.cells_moved += relabeler.improve_in_depth(v, next);
             }
             if (next.empty()) break;
             next.insert(next.end(), queue.begin(), queue.end());
@@ -669,9 +671,9 @@ RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& c
     unsound.clear();
     for (const std::uint32_t v : queue) {
         if (relabeler.defect(v) > 0) unsound.push_back(v);
-        stats.lost_pieces_after += static_cast<std::uint64_t>(relabeler.lost_pieces(v));
+        stats.lost_subsegments_after += static_cast<std::uint64_t>(relabeler.lost_subsegments(v));
     }
-    stats.lost_pieces_after /= 2;
+    stats.lost_subsegments_after /= 2;
     stats.unsound_after = unsound.size();
     for (const std::uint32_t v : unsound) stats.lost_after += relabeler.lost(v);
     return stats;

@@ -18,8 +18,8 @@ inline constexpr double spike_share = 0.3;  // of a size: a vertex so far from i
 struct RelabelStats {
     std::uint64_t unsound_before = 0, unsound_after = 0;  // vertices
     std::uint64_t lost_before = 0, lost_after = 0;        // contour vertices off their structure's surface
-    std::uint64_t lost_pieces_before = 0,
-                  lost_pieces_after = 0;  // of contour segments, off their structure's surface
+    std::uint64_t lost_subsegments_before = 0,
+                  lost_subsegments_after = 0;  // of contour segments, off their structure's surface
     std::uint64_t cells_moved = 0;
     std::uint64_t cells_mended = 0;       // given to what is drawn where a slice's plane cuts them
     std::uint64_t flat_cells_peeled = 0;  // nearly flat cells given to the region beside them
@@ -31,7 +31,7 @@ struct RelabelStats {
         flat_cells_peeled += later.flat_cells_peeled;
         unsound_after = later.unsound_after;
         lost_after = later.lost_after;
-        lost_pieces_after = later.lost_pieces_after;
+        lost_subsegments_after = later.lost_subsegments_after;
     }
 };
 
@@ -41,37 +41,37 @@ struct RelabelOptions {
     // Vertices less deep than this, in mm, count as where the field has them, whatever side they come to:
     // they speak against no move. [0, inf)
     double near_mm = 0;
-    // Moves by which pieces of contour segments are lost wait until no others are left. About an axis that
+    // Moves by which subsegments are lost wait until no others are left. About an axis that
     // costs handles.
     bool losses_wait = true;
 };
 
-// Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect, and the pieces of contour
-// segments off their surface): at an unsound vertex a piece too many is given to the region beside it, or,
-// where a contour vertex is off its surface, one or two cells at it change sides, or, where a piece of a
-// contour segment is, one or two cells at that edge, whenever the sum falls. Of several moves one that loses
-// the fewest pieces is made, then one by which the sum falls most: what else is amiss beside it is mended by
-// moves of its own. Vertices are taken in rising order, round by round, until nothing falls. Among moves of
-// one effect that with the fewest vertices left on a side where the field does not have them (`sides`, by
-// find_sides() of cull/cull.h; empty: not looked at). A piece of a contour segment is not brought back at the
-// price of such a vertex, but for one less deep than near_mm: that would be a spike. With several structures,
-// moves that bring a deep vertex onto a surface are made only when no others are left. Where `slices` are no
-// stack, then, four times, a piece is brought back also by one of up to twelve moves that do not make the sum
-// fall, if up to six rounds of moves at the vertices concerned make it fall below what it was, with fewer
-// pieces lost and no more vertices on a side where the field does not have them (Kernighan and Lin, Bell
-// Syst. Tech. J. 49, 1970). Guarantees: the sum never rises; same result every time, at any number of
-// threads. Does not always reach 0: what is left is for split_unsound(). `unsound` receives the vertices
-// left, in rising order. Last, nearly flat cells at an interface (six volumes below a millionth of the cube
-// of the longest edge: four vertices of two contours one above the other) go to the other side where no
-// defect rises: that moves the surface by less than a millionth of an edge. `look`: the vertices that may
-// have a defect, those of cells new since the last call among them; empty: all. The figures before are of
-// these alone. With `slices`: moves that make cuts less like what is drawn (drawn_cuts.h; where planes cross,
-// by more than a ten-thousandth of it) wait until no others are left, as do, meanwhile, of a stack, those
-// that bring a deep vertex onto a surface; then one that does neither is taken sooner. Of a stack two pieces
-// of a side are joined, besides, by cells of the star that lie all above the slice's plane, or all below it:
-// where what is drawn touches itself in a point of the slice, that is the only way to a manifold with the
-// drawn cut, and is gone, through deep vertices too, before a cut is spoiled. At the end cells that are wrong
-// where a plane cuts them are given to what is drawn there if no defect rises.
+// Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect, and the subsegments of
+// contour segments off their surface): at an unsound vertex a piece too many is given to the region beside
+// it, or, where a contour vertex is off its surface, one or two cells at it change sides, or, where a
+// subsegment of a contour segment is, one or two cells at that edge, whenever the sum falls. Of several moves
+// one that loses the fewest subsegments is made, then one by which the sum falls most: what else is amiss
+// beside it is mended by moves of its own. Vertices are taken in rising order, round by round, until nothing
+// falls. Among moves of one effect that with the fewest vertices left on a side where the field does not have
+// them (`sides`, by find_sides() of cull/cull.h; empty: not looked at). A subsegment is not brought back at
+// the price of such a vertex, but for one less deep than near_mm: that would be a spike. With several
+// structures, moves that bring a deep vertex onto a surface are made only when no others are left. Where
+// `slices` are no stack, then, four times, a subsegment is brought back also by one of up to twelve moves
+// that do not make the sum fall, if up to six rounds of moves at the vertices concerned make it fall below
+// what it was, with fewer subsegments lost and no more vertices on a side where the field does not have them
+// (Kernighan and Lin, Bell Syst. Tech. J. 49, 1970). Guarantees: the sum never rises; same result every time,
+// at any number of threads. Does not always reach 0: what is left is for split_unsound(). `unsound` receives
+// the vertices left, in rising order. Last, nearly flat cells at an interface (six volumes below a millionth
+// of the cube of the longest edge: four vertices of two contours one above the other) go to the other side
+// where no defect rises: that moves the surface by less than a millionth of an edge. `look`: the vertices
+// that may have a defect, those of cells new since the last call among them; empty: all. The figures before
+// are of these alone. With `slices`: moves that make cuts less like what is drawn (drawn_cuts.h; where planes
+// cross, by more than a ten-thousandth of it) wait until no others are left, as do, meanwhile, of a stack,
+// those that bring a deep vertex onto a surface; then one that does neither is taken sooner. Of a stack two
+// pieces of a side are joined, besides, by cells of the star that lie all above the slice's plane, or all
+// below it: where what is drawn touches itself in a point of the slice, that is the only way to a manifold
+// with the drawn cut, and is gone, through deep vertices too, before a cut is spoiled. At the end cells that
+// are wrong where a plane cuts them are given to what is drawn there if no defect rises.
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
                      const ContourOwners& owners, const std::vector<VertexSide>& sides,

@@ -138,16 +138,16 @@ TEST(SplitShapes, contour_segments_at_the_shared_corner_stay_on_the_surface) {
         };
         // The sides of both cubes in the plane of the corner.
         const std::uint32_t corner = at({3, 3, 3}), last = structures - 1;
-        const std::vector<std::array<std::uint32_t, 3>> pieces{{corner, at({2, 3, 3}), 0},
-                                                               {at({3, 2, 3}), corner, 0},
-                                                               {corner, at({4, 3, 3}), last},
-                                                               {at({3, 4, 3}), corner, last}};
+        const std::vector<std::array<std::uint32_t, 3>> subsegments{{corner, at({2, 3, 3}), 0},
+                                                                    {at({3, 2, 3}), corner, 0},
+                                                                    {corner, at({4, 3, 3}), last},
+                                                                    {at({3, 4, 3}), corner, last}};
         const SplitStats stats =
-            split(cubes, ContourOwners({{corner, 0}, {corner, last}}, cubes.mesh.points.size(), pieces));
+            split(cubes, ContourOwners({{corner, 0}, {corner, last}}, cubes.mesh.points.size(), subsegments));
         EXPECT_EQ(stats.vertices_split, 1u);
-        EXPECT_EQ(stats.on_segments.size(), pieces.size());
+        EXPECT_EQ(stats.on_segments.size(), subsegments.size());
         expect_manifold(cubes, structures);
-        for (const auto& [a, b, structure] : pieces) {
+        for (const auto& [a, b, structure] : subsegments) {
             const Vec3 middle = 0.5 * (cubes.mesh.points[a] + cubes.mesh.points[b]);
             const std::uint32_t between = at(middle);
             EXPECT_NE(std::find(stats.on_segments.begin(), stats.on_segments.end(), between),

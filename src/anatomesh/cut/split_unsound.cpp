@@ -505,7 +505,7 @@ class Splitter {
         return result;
     }
 
-    // What these regions would cost at v: contour vertices of structures and ends of pieces of contour
+    // What these regions would cost at v: contour vertices of structures and ends of subsegments of contour
     // segments that they would take off their surface, then cells that change.
     std::array<std::size_t, 3> cost(std::uint32_t v, const std::vector<Region>& regions) const {
         const auto star = stars_->at(v);
@@ -520,20 +520,21 @@ class Splitter {
             return other == no_cell ? !(in && out) : in != out;  // neither: not an edge of the mesh
         };
         for (const std::uint32_t structure : owners_.at(v)) sum[0] += off_surface(structure, no_cell);
-        for (const ContourOwners::Piece& piece : pieces_at(v))
-            sum[1] += off_surface(piece.structure, piece.other);
+        for (const ContourOwners::Subsegment& subsegment : subsegments_at(v))
+            sum[1] += off_surface(subsegment.structure, subsegment.other);
         for (std::size_t n = 0; n < star.size(); ++n) sum[2] += regions[n] != patch_.regions[star[n]];
         return sum;
     }
 
     // With those that earlier corners left.
-    std::vector<ContourOwners::Piece> pieces_at(std::uint32_t v) const {
-        std::vector<ContourOwners::Piece> pieces(owners_.pieces_at(v).begin(), owners_.pieces_at(v).end());
-        for (const auto& [a, b, structure] : stats_.pieces) {
-            if (a == v) pieces.push_back({b, structure});
-            if (b == v) pieces.push_back({a, structure});
+    std::vector<ContourOwners::Subsegment> subsegments_at(std::uint32_t v) const {
+        std::vector<ContourOwners::Subsegment> subsegments(owners_.subsegments_at(v).begin(),
+                                                           owners_.subsegments_at(v).end());
+        for (const auto& [a, b, structure] : stats_.subsegments) {
+            if (a == v) subsegments.push_back({b, structure});
+            if (b == v) subsegments.push_back({a, structure});
         }
-        return pieces;
+        return subsegments;
     }
 
     // The other way to make one disc: a piece of a side that has several is joined to the nearest other piece
@@ -629,11 +630,11 @@ class Splitter {
         }
         commit(star, added, first_new);
         ++stats_.vertices_split;
-        for (const ContourOwners::Piece& piece : pieces_at(v)) {
-            if (!std::binary_search(link.begin(), link.end(), piece.other)) continue;
-            stats_.pieces.push_back({v, cut(piece.other), piece.structure});
-            stats_.pieces.push_back({cut(piece.other), piece.other, piece.structure});
-            stats_.on_segments.push_back(cut(piece.other));
+        for (const ContourOwners::Subsegment& subsegment : subsegments_at(v)) {
+            if (!std::binary_search(link.begin(), link.end(), subsegment.other)) continue;
+            stats_.subsegments.push_back({v, cut(subsegment.other), subsegment.structure});
+            stats_.subsegments.push_back({cut(subsegment.other), subsegment.other, subsegment.structure});
+            stats_.on_segments.push_back(cut(subsegment.other));
         }
     }
 

@@ -24,7 +24,7 @@ struct SplitStats {
     std::vector<std::uint32_t>
         on_segments;  // of the points added: those on contour segments, with which they go on
     std::vector<std::array<std::uint32_t, 3>>
-        pieces;  // that contour segments were cut into: two vertices, structure
+        subsegments;  // that contour segments were cut into: two vertices, structure
 };
 
 // Makes every vertex in `unsound` sound, by three moves, in this order:
@@ -36,8 +36,8 @@ struct SplitStats {
 // 3. *Corner*: at a vertex whose edges are manifold but whose star a structure cuts into several discs, the corners
 //    of the star's cells are cut off, and the corners are given to one side or the other so that one disc stays:
 //    the surface keeps passing through the vertex. Of all such discs, and of all paths of corners that join
-//    two pieces of one side instead, the one is taken that leaves most contour vertices and pieces of contour
-//    segments on their surface, then a disc before a path, and the one that changes least.
+//    two pieces of one side instead, the one is taken that leaves most contour vertices and subsegments of
+//    contour segments on their surface, then a disc before a path, and the one that changes least.
 // Where none of them has room, beside a cell that is nearly flat, the smallest piece too many of each vertex left
 // goes to the region round it, twenty times at most: what that leaves unsound is split where it has room.
 // Guarantees on success: every vertex of the mesh sound; no vertex moved; facets away from the split cells

@@ -39,7 +39,7 @@ constexpr double most_for_segment = 1e-5;  // a share of the cells inside, to be
 constexpr std::size_t few_high = 2000;     // one cell in so many may be above it to be worked on
 constexpr std::size_t worth_a_pass = 20;   // another one: one cell in so many lowered
 
-// Cells made for the sake of a piece: of ten thousand pieces none that could be had took 1,800.
+// Cells made for the sake of a subsegment: of ten thousand subsegments none that could be had took 1,800.
 constexpr std::size_t most_raised = 2000;
 
 // Tries on a bad cell that scouts make beforehand: its edges, facets and vertices.
@@ -87,10 +87,10 @@ class Climber {
     }
 
     void run(RunContext& context) {
-        for (const auto& [a, b, structure] : drawn_.pieces_beside) bench_.keep_edge(a, b);
+        for (const auto& [a, b, structure] : drawn_.subsegments_beside) bench_.keep_edge(a, b);
         drop_ears(context.threads);
         lower_far_apexes(context.threads);
-        bring_pieces(listed_degrees, 0);
+        bring_subsegments(listed_degrees, 0);
         collect(bench_.mesh.alive_cells(), context.threads);
         bench_.stats.bad_before = queue_.size();
         bench_.stats.worst_before_degrees = worst_degrees();
@@ -124,7 +124,7 @@ class Climber {
         collect(watched_, context.threads);
         const double least = worst_degrees();
         queue_ = {};
-        bring_pieces(std::max(least, listed_degrees), most_for_segment);
+        bring_subsegments(std::max(least, listed_degrees), most_for_segment);
         close_small_handles(std::max(least, listed_degrees), context);
         mend_worst_cuts(context);
         mended.left.insert(mended.left.end(), watched_.begin(), watched_.end());
@@ -328,15 +328,15 @@ class Climber {
         });
     }
 
-    // Pieces of contour segments that lie beside their structure's surface; those found at first are kept, so
+    // Subsegments that lie beside their structure's surface; those found at first are kept, so
     // that those which could not be brought may be when the cells are better.
-    void bring_pieces(double least_degrees, double most_more_above_bound) {
+    void bring_subsegments(double least_degrees, double most_more_above_bound) {
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
         const BringStats brought = bring_segments(
             bench_, drawn_, std::sin(least_degrees * radians_per_degree), most_more_above_bound,
             [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); });
-        bench_.stats.pieces_found = std::max(bench_.stats.pieces_found, brought.found);
-        bench_.stats.pieces_brought += brought.brought;
+        bench_.stats.subsegments_found = std::max(bench_.stats.subsegments_found, brought.found);
+        bench_.stats.subsegments_brought += brought.brought;
         watched_ = std::move(watched);
         watched_.insert(watched_.end(), brought.changed.begin(), brought.changed.end());
     }
@@ -510,7 +510,7 @@ class Climber {
         queue_ = std::priority_queue<BadCell>({}, bad_of(cells, threads));
     }
 
-    // What contours force to be ill-shaped is not worked on for a piece's sake alone.
+    // What contours force to be ill-shaped is not worked on for a subsegment's sake alone.
     double target_of(std::uint32_t c) const {
         return is_raising_ && drawn_.are_crowded(bench_.mesh.cell(c)) ? std::min(target_, least_crowded_sine)
                                                                       : target_;
@@ -670,7 +670,7 @@ class Climber {
     DrawnSlices at_last_;  // if any: of cuts that are looked at then alone
     double target_;
     bool thorough_ = false;    // the last climb
-    bool is_raising_ = false;  // for a piece of a contour segment
+    bool is_raising_ = false;  // for a subsegment
     bool gives_cells_ = true;  // to the other side of an interface
     std::priority_queue<BadCell> queue_;
     std::vector<std::uint32_t> left_;

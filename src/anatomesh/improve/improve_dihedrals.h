@@ -28,7 +28,7 @@ namespace anatomesh {
 // changed where that becomes lower by a tenth, at no angle below 10 degrees and below what it was; then those
 // above the bound likewise, at none below the target (and 10 degrees) and below what it was. Before and
 // after, spikes and pits of one cell are taken off the surfaces where the field has none, before that deep
-// ones of any number are lowered (lower_apexes.h); before and at last contour pieces beside their surface are
+// ones of any number are lowered (lower_apexes.h); before and at last subsegments beside their surface are
 // brought to lie on it (bring_segments.h), until when they stay edges of the mesh; at last each chain of them
 // may cost one cell in 100,000 above `max_radius_edge`, and contours of `drawn.following` are led along the
 // surface where that does not help (follow_surface.h). In between, edges of surfaces are flipped for smaller

@@ -330,7 +330,7 @@ TEST(ImproveDihedrals, keeps_fixed_edges_on_the_surface) {
 }
 
 // So many that none is brought to the surface.
-TEST(ImproveDihedrals, keeps_contour_pieces_beside_their_surface) {
+TEST(ImproveDihedrals, keeps_subsegments_beside_their_surface) {
     constexpr std::size_t every = 10, most_brought = 40;
     LabelledCase c = random_case("random", AnalyticField({ball({}, 7)}, 9), 1, 11);
     const std::vector<std::uint8_t> surface = on_surface(c.mesh, c.regions, 0);
@@ -342,35 +342,35 @@ TEST(ImproveDihedrals, keeps_contour_pieces_beside_their_surface) {
                 sides[{std::min(a, b), std::max(a, b)}][c.mesh.regions[n] != 0] = true;
         }
     }
-    std::vector<std::array<std::uint32_t, 3>> pieces;
+    std::vector<std::array<std::uint32_t, 3>> subsegments;
     std::size_t found = 0;
     for (const auto& [edge, side] : sides) {
-        if (side[0] != side[1] && ++found % every == 0) pieces.push_back({edge[0], edge[1], 0});
+        if (side[0] != side[1] && ++found % every == 0) subsegments.push_back({edge[0], edge[1], 0});
     }
-    ASSERT_GT(pieces.size(), most_brought);
+    ASSERT_GT(subsegments.size(), most_brought);
     std::vector<std::array<std::uint32_t, 2>> owned;
-    for (const auto& [a, b, structure] : pieces) {
+    for (const auto& [a, b, structure] : subsegments) {
         c.fixed[a] = c.fixed[b] = 1;
         owned.push_back({a, structure});
         owned.push_back({b, structure});
     }
-    const ContourOwners owners(owned, c.mesh.points.size(), pieces);
+    const ContourOwners owners(owned, c.mesh.points.size(), subsegments);
     DrawnSlices drawn;
     drawn.table = &c.regions;
     drawn.owners = &owners;
-    drawn.pieces_beside = pieces;
+    drawn.subsegments_beside = subsegments;
     std::vector<std::uint32_t> neighbors = neighbors_of(c.mesh);
     RunContext context;
     const DihedralStats stats =
         improve_dihedrals(c.mesh, neighbors, c.fixed, {}, c.field, 1, drawn, {}, context);
     EXPECT_GT(stats.edges_removed, 0u);
-    EXPECT_EQ(stats.pieces_brought, 0u);
+    EXPECT_EQ(stats.subsegments_brought, 0u);
     std::set<VertexPair> edges;
     for (const Cell& cell : c.mesh.cells) {
         for (const auto& [i, j] : cell_edges)
             edges.insert({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
     }
-    for (const auto& [a, b, structure] : pieces) EXPECT_TRUE(edges.contains({a, b})) << a << " " << b;
+    for (const auto& [a, b, structure] : subsegments) EXPECT_TRUE(edges.contains({a, b})) << a << " " << b;
 }
 
 // Beside pairs of vertices that force ill-shaped cells others come out better when those may be the worse for

@@ -38,8 +38,8 @@
 #include "anatomesh/pipeline/ill_shaped_cells.h"
 #include "anatomesh/pipeline/improve_figures.h"
 #include "anatomesh/pipeline/model_warnings.h"
-#include "anatomesh/recover/recovered_pieces.h"
-#include "anatomesh/refine/contour_pieces.h"
+#include "anatomesh/recover/recovered_subsegments.h"
+#include "anatomesh/refine/contour_subsegments.h"
 #include "anatomesh/refine/labelled_mesh.h"
 #include "anatomesh/refine/missing_segments.h"
 #include "anatomesh/refine/refinement_rounds.h"
@@ -52,7 +52,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double interface_tolerance = 0.02;  // points this near an interface count as on it, in sizes
-// Of the contour pieces, beside their surface: more are not brought there about an axis where shapes are spared.
+// Of the subsegments, beside their surface: more are not brought there about an axis where shapes are spared.
 constexpr double most_beside = 0.003;
 constexpr double near_share = 0.03;         // where planes cross: as RelabelOptions::near_mm, in sizes
 constexpr double crossing_tolerance = 0.2;  // where planes cross also in shares of the shortest edge there
@@ -65,22 +65,22 @@ constexpr double surface_deviation =
 constexpr double hardly_thicker = 1.3;  // than the size: a structure that a finer one may keep whole
 constexpr double highest_apex = 0.35;   // of a surface over the field's, in sizes
 constexpr double crumb_share = 0.003;   // of a cube of the size: less is no piece of a structure by itself
-constexpr int relabel_rounds = 10;      // after the first, with points where a piece was given up
+constexpr int relabel_rounds = 10;      // after the first, with points where a subsegment was given up
 // Where freehand planes lie closer than the vertices along them, contours tell the surface without more
 // points.
 constexpr double dense_growth = 2;  // of the edge length with the depth
 // Contour vertices nearer to each other than this may spoil cells, in sizes: more where planes are denser.
 constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
-// Of the cells inside, so many may come above the bound for contour pieces' sake at the first tries, and
+// Of the cells inside, so many may come above the bound for subsegments' sake at the first tries, and
 // cells of no worse shape (cavity.h) are made; after more that were ill-shaped none.
 struct RecoveryBounds {
     double most_more_bad, least_shape;
 };
 constexpr std::array<RecoveryBounds, 3> recovery_bounds{{{0.003, 0.01}, {0.001, 0.2}, {0.001, 0.4}}};
 constexpr double least_shape_across = 0.1;  // where planes cross: worse ones are not single there
-// Pieces that the recovery leaves no shape untried for: about an axis, and elsewhere at the first try.
-constexpr std::size_t few_pieces = 10;
-// Of a label map, slices far apart against its voxels lack more pieces, where structures meet.
+// Subsegments that the recovery leaves no shape untried for: about an axis, and elsewhere at the first try.
+constexpr std::size_t few_subsegments = 10;
+// Of a label map, slices far apart against its voxels lack more subsegments, where structures meet.
 constexpr std::size_t last_few_of_labels = 40;
 // Between dense planes contours leave few vertices of the surface free: more points between them are needed
 // to make the volume right, and a surface so far from the field's, in sizes, is one of bumps and pits.
@@ -130,7 +130,7 @@ class Builder {
         facts.size_mm = size_mm();
         facts.cells = model.ok() ? model.value().mesh.cells.size() : cells_so_far();
         // The same size is to be tried again with all that can be done.
-        facts.spared_work = spared_ || recovered_ || (pieces_ && pieces_->are_short());
+        facts.spared_work = spared_ || recovered_ || (subsegments_ && subsegments_->are_short());
         facts.conformed = conforming_;
         facts.segments_missed = segments_missed_;
         facts.has_segments_beside = has_segments_beside_;
@@ -238,15 +238,16 @@ class Builder {
         }
         owner_pairs_ = std::move(owners);
         const auto vertices = mesh_->first_vertices();
-        std::vector<SegmentPiece> pieces;
-        for (const SegmentPiece& piece : sample_->pieces) {
-            pieces.push_back({vertices[piece.a], vertices[piece.b], piece.structure, piece.ball});
+        std::vector<Subsegment> subsegments;
+        for (const Subsegment& subsegment : sample_->subsegments) {
+            subsegments.push_back(
+                {vertices[subsegment.a], vertices[subsegment.b], subsegment.structure, subsegment.ball});
         }
-        ContourPieceOptions options{
+        ContourSubsegmentOptions options{
             sample_->stats.size_mm, spared_,           planes_.dense && !planes_.crammed, conforming_,
             sample_->graded,        tries_before_ == 0};
         if (is_parallel(contours_) && contours_.exclusive) options.last_few = last_few_of_labels;
-        pieces_.emplace(*mesh_, sample_->guard, *field_, std::move(pieces), options);
+        subsegments_.emplace(*mesh_, sample_->protected_segments, *field_, std::move(subsegments), options);
         given_.assign(mesh_->points().size(), 0);
         for (std::size_t n = 0; n < sample_->stats.contour_points; ++n) given_[vertices[n]] = 1;
         return end_stage("delaunay", 0.35);
@@ -280,7 +281,8 @@ class Builder {
             const double share = crowded_share * planes_.density;
             options.crowded_mm = std::min(share, most_crowded_share) * size_mm;
         }
-        refinement_.emplace(*mesh_, *pieces_, sample_->guard, *field_, structures_, given_, options);
+        refinement_.emplace(*mesh_, *subsegments_, sample_->protected_segments, *field_, structures_, given_,
+                            options);
         ANATOMESH_CHECK_STATUS(refinement_->run(context_));
         const RefinementStats& stats = refinement_->stats();
         report().radius_edge_mean_before_refinement = stats.radius_edge_mean_before;
@@ -289,8 +291,8 @@ class Builder {
                     {"cut_points", static_cast<double>(stats.cut_points)},
                     {"circumcenters", static_cast<double>(stats.circumcenters)},
                     {"surface_points", static_cast<double>(stats.surface_points)},
-                    {"side_points", static_cast<double>(pieces_->side_points())},
-                    {"segment_points", static_cast<double>(pieces_->vertices().size())}};
+                    {"side_points", static_cast<double>(subsegments_->side_points())},
+                    {"segment_points", static_cast<double>(subsegments_->vertices().size())}};
         return end_stage("refine", 0.6);
     }
 
@@ -302,16 +304,17 @@ class Builder {
 
     double near_mm() const { return is_parallel(contours_) ? 0 : near_share * sample_->stats.size_mm; }
 
-    ContourOwners contour_owners(const std::vector<SegmentPiece>& all, std::size_t point_count) const {
-        std::vector<std::array<std::uint32_t, 3>> pieces;
-        for (const SegmentPiece& piece : all) pieces.push_back({piece.a, piece.b, piece.structure});
-        return {owner_pairs_, point_count, pieces};
+    ContourOwners contour_owners(const std::vector<Subsegment>& all, std::size_t point_count) const {
+        std::vector<std::array<std::uint32_t, 3>> subsegments;
+        for (const Subsegment& subsegment : all)
+            subsegments.push_back({subsegment.a, subsegment.b, subsegment.structure});
+        return {owner_pairs_, point_count, subsegments};
     }
 
     // `look`: empty, or the vertices that may have a defect.
     RelabelStats relabel_cells(std::vector<std::uint32_t>& unsound,
                                const std::vector<std::uint32_t>& look = {}) {
-        pieces_->regions_changed();
+        subsegments_->regions_changed();
         const std::size_t vertex_count = mesh_->points().size();
         std::optional<VertexStars> stars;
         ContourOwners owners;
@@ -320,10 +323,10 @@ class Builder {
         PlanesOfStack planes;
         parallel_tasks(context_.threads,
                        {[&] { stars.emplace(mesh_->cells().cells, vertex_count, context_.threads); },
-                        [&] { owners = contour_owners(pieces_->pieces(), vertex_count); },
+                        [&] { owners = contour_owners(subsegments_->subsegments(), vertex_count); },
                         [&] {
-                            planes = planes_of_stack(contours_, vertices_of_contours(), pieces_->pieces(),
-                                                     vertex_count);
+                            planes = planes_of_stack(contours_, vertices_of_contours(),
+                                                     subsegments_->subsegments(), vertex_count);
                         }});
         slices.slice_of = planes.slice_of;
         slices.planes = planes.planes;
@@ -337,11 +340,11 @@ class Builder {
         RelabelStats relabelled = relabel_cells(unsound);
         // What was given up for a manifold's sake gets room beside it.
         CellSearch search;
-        for (int round = 0; round < relabel_rounds && relabelled.lost_pieces_after > 0; ++round) {
+        for (int round = 0; round < relabel_rounds && relabelled.lost_subsegments_after > 0; ++round) {
             mesh_->look_again(search);
             search.cells.clear();
             std::vector<std::uint32_t> look = unsound;
-            ANATOMESH_TRY(const bool opened, pieces_->open_sides(context_, &look));
+            ANATOMESH_TRY(const bool opened, subsegments_->open_sides(context_, &look));
             if (!opened) break;
             ANATOMESH_CHECK_STATUS(refinement_->refine_changed(search, context_));
             mesh_->look_again(search);
@@ -357,18 +360,19 @@ class Builder {
                         [&] {
                             mesh.points = mesh_->points();
                             mesh.regions = mesh_->regions();
-                            segment_vertices_ = pieces_->vertices();
-                            piece_list_ = pieces_->pieces();
+                            segment_vertices_ = subsegments_->vertices();
+                            subsegment_list_ = subsegments_->subsegments();
                         }});
         RecoverStats recovered;
         // Some ms each.
         if (planes_.bear_all && ill_shaped_before_ < recovery_bounds.size())
-            recovered = recover_pieces(unsound, relabelled);
-        const ContourOwners owners = contour_owners(piece_list_, mesh.points.size());
+            recovered = recover_segments(unsound, relabelled);
+        const ContourOwners owners = contour_owners(subsegment_list_, mesh.points.size());
         ANATOMESH_TRY(const SplitStats split,
                       split_unsound(mesh, unsound, owners, mesh_->registry(), {}, context_));
         segment_vertices_.insert(segment_vertices_.end(), split.on_segments.begin(), split.on_segments.end());
-        for (const auto& [a, b, structure] : split.pieces) cut_pieces_.push_back({a, b, structure, 0});
+        for (const auto& [a, b, structure] : split.subsegments)
+            cut_subsegments_.push_back({a, b, structure, 0});
         if (!unsound.empty()) find_neighbors(false);
         given_.resize(mesh.points.size(), 0);
         const CrumbStats crumbs = give_crumbs(given_);
@@ -377,8 +381,8 @@ class Builder {
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
                     {"cells_mended", static_cast<double>(relabelled.cells_mended)},
                     {"flat_cells_peeled", static_cast<double>(relabelled.flat_cells_peeled)},
-                    {"lost_pieces", static_cast<double>(relabelled.lost_pieces_before)},
-                    {"lost_pieces_after_relabelling", static_cast<double>(relabelled.lost_pieces_after)},
+                    {"lost_pieces", static_cast<double>(relabelled.lost_subsegments_before)},
+                    {"lost_pieces_after_relabelling", static_cast<double>(relabelled.lost_subsegments_after)},
                     {"missing_pieces", static_cast<double>(recovered.missing_before)},
                     {"missing_pieces_after", static_cast<double>(recovered.missing_after)},
                     {"recovered_by_vertices", static_cast<double>(recovered.vertices_added)},
@@ -402,7 +406,7 @@ class Builder {
     }
 
     // What the Delaunay mesh does not have, by exchanging cells.
-    RecoverStats recover_pieces(std::vector<std::uint32_t>& unsound, RelabelStats& relabelled) {
+    RecoverStats recover_segments(std::vector<std::uint32_t>& unsound, RelabelStats& relabelled) {
         std::vector<std::uint8_t> held(model_.mesh.points.size(), 0);
         const auto vertices = mesh_->first_vertices();
         for (std::size_t n = vertices.size() - sample_->stats.frame_points; n < vertices.size(); ++n)
@@ -410,13 +414,13 @@ class Builder {
         const RecoveryBounds& bounds = recovery_bounds[ill_shaped_before_];
         const double least_shape = std::max(bounds.least_shape, planes_.apart ? 0 : least_shape_across);
         const bool may_cost_shape = sample_->has_pole || tries_before_ == 0;
-        RecoveredPieces recovered(
+        RecoveredSubsegments recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
-            {contours_, vertices_of_contours(), owner_pairs_, piece_list_, std::move(held)},
+            {contours_, vertices_of_contours(), owner_pairs_, subsegment_list_, std::move(held)},
             {sample_->stats.size_mm, tolerance_at_vertices(), options_.max_radius_edge, bounds.most_more_bad,
-             least_shape, may_cost_shape ? few_pieces : 0, near_mm(), !sample_->has_pole});
+             least_shape, may_cost_shape ? few_subsegments : 0, near_mm(), !sample_->has_pole});
         recovered.run(unsound, relabelled, context_);
-        piece_list_ = recovered.pieces();
+        subsegment_list_ = recovered.subsegments();
         segment_vertices_.insert(segment_vertices_.end(), recovered.vertices().begin(),
                                  recovered.vertices().end());
         recovered_ = recovered.stats().missing_after < recovered.stats().missing_before;
@@ -558,8 +562,8 @@ class Builder {
 
     // Contour segments that are edges of the surface stay edges of it.
     DihedralStats improve_angles(std::vector<std::uint8_t>& fixed) {
-        std::vector<SegmentPiece> pieces = piece_list_;
-        pieces.insert(pieces.end(), cut_pieces_.begin(), cut_pieces_.end());
+        std::vector<Subsegment> subsegments = subsegment_list_;
+        subsegments.insert(subsegments.end(), cut_subsegments_.begin(), cut_subsegments_.end());
         DihedralOptions options;
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
@@ -572,23 +576,23 @@ class Builder {
             options.ratio_passes = 0;
             options.last_deviation = 1;  // the one pass is the last
         }
-        const std::vector<std::uint32_t> slice_of =
-            slices_of_vertices(contours_, vertices_of_contours(), piece_list_, model_.mesh.points.size());
-        const ContourOwners owners = contour_owners(pieces, model_.mesh.points.size());
-        const std::vector<PieceSides> sides =
-            piece_sides(model_.mesh.cells, model_.mesh.regions, model_.regions, model_.mesh.points.size(),
-                        pieces, context_.threads);
+        const std::vector<std::uint32_t> slice_of = slices_of_vertices(
+            contours_, vertices_of_contours(), subsegment_list_, model_.mesh.points.size());
+        const ContourOwners owners = contour_owners(subsegments, model_.mesh.points.size());
+        const std::vector<SubsegmentSides> sides =
+            subsegment_sides(model_.mesh.cells, model_.mesh.regions, model_.regions,
+                             model_.mesh.points.size(), subsegments, context_.threads);
         std::vector<std::array<std::uint32_t, 3>> beside;
-        for (std::size_t n = 0; n < pieces.size(); ++n) {
+        for (std::size_t n = 0; n < subsegments.size(); ++n) {
             if (sides[n].inside != sides[n].outside)
-                beside.push_back({pieces[n].a, pieces[n].b, pieces[n].structure});
+                beside.push_back({subsegments[n].a, subsegments[n].b, subsegments[n].structure});
         }
         // Where shapes are spared, more would cost what is spared.
         if (spared_ && sample_->has_pole &&
-            static_cast<double>(beside.size()) > most_beside * static_cast<double>(pieces.size()))
+            static_cast<double>(beside.size()) > most_beside * static_cast<double>(subsegments.size()))
             beside.clear();
         std::vector<std::uint8_t> crowded;
-        if (!spared_ || !beside.empty()) crowded = crowded_by_contours(pieces);
+        if (!spared_ || !beside.empty()) crowded = crowded_by_contours(subsegments);
         // About an axis those that are wrong by more than they may be, at last.
         const bool worst_alone = sample_->has_pole && !spared_ && !is_parallel(contours_);
         const SlicesThatTell slices = worst_alone ? slices_ : slices_to_keep(false);
@@ -607,10 +611,11 @@ class Builder {
             options, context_);
     }
 
-    // By vertex; those of contours and of pieces of their segments are looked at.
-    std::vector<std::uint8_t> crowded_by_contours(const std::vector<SegmentPiece>& pieces) const {
+    // By vertex; those of contours and of subsegments of their segments are looked at.
+    std::vector<std::uint8_t> crowded_by_contours(const std::vector<Subsegment>& subsegments) const {
         std::vector<std::uint32_t> vertices = vertices_of_contours();
-        for (const SegmentPiece& piece : pieces) vertices.insert(vertices.end(), {piece.a, piece.b});
+        for (const Subsegment& subsegment : subsegments)
+            vertices.insert(vertices.end(), {subsegment.a, subsegment.b});
         sort_distinct(vertices, model_.mesh.points.size());
         return crowded_vertices(model_.mesh, contours_, vertices_of_contours(), vertices,
                                 contract::forcing_share);
@@ -769,21 +774,22 @@ class Builder {
     std::optional<PointSample> sample_;
     std::optional<LabelledMesh> mesh_;
     std::vector<std::array<std::uint32_t, 2>> owner_pairs_;
-    std::optional<ContourPieces> pieces_;         // of contour segments, in mesh_
-    std::optional<RefinementRounds> refinement_;  // of mesh_
+    std::optional<ContourSubsegments> subsegments_;  // of contour segments, in mesh_
+    std::optional<RefinementRounds> refinement_;     // of mesh_
     HowPlanesLie planes_;
-    bool conforming_ = false;               // where planes cross: see SampleOptions
-    bool spared_ = false;                   // planes are crammed, and it is the first try with a default size
-    std::vector<SegmentPiece> piece_list_;  // those of pieces_, and where the cut split them further
-    std::vector<SegmentPiece> cut_pieces_;  // of those that the last step of the cut split
-    std::vector<FollowedContour> followed_;        // by contour
-    std::uint64_t segments_missed_ = 0;            // before that
-    bool has_segments_beside_ = false;             // over edges beside them
-    std::uint64_t edited_cells_ = 0;               // made by improvement
-    bool recovered_ = false;                       // some of them, by exchanging cells
-    std::vector<std::uint8_t> given_;              // by vertex: one of a contour
-    std::vector<std::uint32_t> neighbors_;         // of the cells of model_, from the cut on
-    std::vector<std::uint32_t> segment_vertices_;  // where pieces were split after sampling, by the cut too
+    bool conforming_ = false;  // where planes cross: see SampleOptions
+    bool spared_ = false;      // planes are crammed, and it is the first try with a default size
+    std::vector<Subsegment> subsegment_list_;  // those of subsegments_, and where the cut split them further
+    std::vector<Subsegment> cut_subsegments_;  // of those that the last step of the cut split
+    std::vector<FollowedContour> followed_;    // by contour
+    std::uint64_t segments_missed_ = 0;        // before that
+    bool has_segments_beside_ = false;         // over edges beside them
+    std::uint64_t edited_cells_ = 0;           // made by improvement
+    bool recovered_ = false;                   // some of them, by exchanging cells
+    std::vector<std::uint8_t> given_;          // by vertex: one of a contour
+    std::vector<std::uint32_t> neighbors_;     // of the cells of model_, from the cut on
+    // Where subsegments were split after sampling, by the cut too.
+    std::vector<std::uint32_t> segment_vertices_;
     SlicesThatTell slices_;
     std::vector<ContradictedPlace> contradicted_;  // where planes_.meet_cuts
     Model model_;

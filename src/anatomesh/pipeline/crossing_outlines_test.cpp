@@ -110,7 +110,7 @@ struct Missed {
     }
 };
 
-// One in 36 was missed before pieces followed the distance of the other outline.
+// One in 36 was missed before subsegments followed the distance of the other outline.
 TEST(CrossingOutlines, keep_nearly_all_of_their_segments) {
     Missed all;
     for (const double degrees : {6.0, 12.0, 20.0}) {
@@ -125,8 +125,8 @@ TEST(CrossingOutlines, keep_nearly_all_of_their_segments) {
     EXPECT_LE(all.unforced, 2u);
 }
 
-// Half of them were missed while pieces were not recovered on parallel slices; most of what is left runs a
-// few hundredths of a millimetre beside the other outline, where recovery would leave worse cells than it
+// Half of them were missed while subsegments were not recovered on parallel slices; most of what is left runs
+// a few hundredths of a millimetre beside the other outline, where recovery would leave worse cells than it
 // may.
 TEST(CrossingOutlines, of_a_wall_drawn_twice_with_few_vertices_keep_more_of_their_segments) {
     Missed all;
@@ -144,7 +144,7 @@ TEST(CrossingOutlines, of_a_wall_drawn_twice_with_few_vertices_keep_more_of_thei
 }
 
 // Where no length can follow the distance of the other outline: 4 to 11 were missed at each angle while
-// pieces of one of the two alone were split.
+// subsegments of one of the two alone were split.
 TEST(CrossingOutlines, at_angles_of_a_few_degrees_keep_nearly_all_of_their_segments) {
     for (const double degrees : {0.6, 1.0, 1.7, 2.3, 3.3}) {
         Missed all;
@@ -159,8 +159,8 @@ TEST(CrossingOutlines, at_angles_of_a_few_degrees_keep_nearly_all_of_their_segme
     }
 }
 
-// Pieces as short as the other outline asks all round need many times the cells of one of the two, for all of
-// their segments: fewer were missed by a quarter of them once.
+// Subsegments as short as the other outline asks all round need many times the cells of one of the two, for
+// all of their segments: fewer were missed by a quarter of them once.
 TEST(CrossingOutlines, side_by_side_all_round_keep_nearly_all_of_their_segments) {
     for (const double degrees : {1.0, 6.0}) {
         for (const double shift : {0.1, 0.4}) {

@@ -11,7 +11,7 @@ namespace anatomesh {
 namespace {
 
 constexpr double most_dense = 3;  // as plane_density() has it: more are left as they come first
-// Between dense planes about an axis pieces of contours are so many and so near to each other at its poles
+// Between dense planes about an axis subsegments are so many and so near to each other at its poles
 // that splitting all for each other's sake, and bringing back what is missing, costs a hundred times the
 // rest; but not where there are few.
 constexpr std::size_t few_points = 5000;

@@ -14,7 +14,7 @@ struct HowPlanesLie {
     bool apart = false;    // they do not cross where something is drawn
     bool dense = false;    // closer than two thirds of the spacing of the contours' vertices
     bool crammed = false;  // so close, or so many, that all that can be done would take several times as long
-    bool bear_all = false;     // missing pieces of contours may be brought back between them
+    bool bear_all = false;     // missing subsegments may be brought back between them
     bool may_conform = false;  // that, they cross, and segments may be split for each other's sake
     bool meet_cuts = false;    // that, and cells are made what is drawn in them
 };

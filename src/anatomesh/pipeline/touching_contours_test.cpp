@@ -28,7 +28,7 @@ Drawing blocks(double from, double degrees, double turn) {
     return drawing;
 }
 
-// Nearly all: a piece or two a model is given up for a manifold's sake.
+// Nearly all: a subsegment or two a model is given up for a manifold's sake.
 TEST(TouchingContours, that_share_walls_in_part_or_leave_each_other_keep_their_segments) {
     std::size_t all_missed = 0;
     for (const double degrees : {0.0, 4.0, 9.0, 20.0}) {

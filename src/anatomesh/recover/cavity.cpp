@@ -32,13 +32,13 @@ std::vector<std::uint32_t> take_with_undecided(EditMesh&& edited, TetMesh& mesh,
     return undecided;
 }
 
-KeptEdges kept_edges(const std::vector<std::uint8_t>& fixed, const std::vector<SegmentPiece>& pieces) {
+KeptEdges kept_edges(const std::vector<std::uint8_t>& fixed, const std::vector<Subsegment>& subsegments) {
     std::vector<std::uint8_t> kept = fixed;
     std::vector<MeshEdge> edges;
-    for (const SegmentPiece& piece : pieces) {
-        kept.resize(std::max<std::size_t>(kept.size(), std::max(piece.a, piece.b) + 1), 0);
-        kept[piece.a] = kept[piece.b] = 1;
-        edges.push_back({piece.a, piece.b});
+    for (const Subsegment& subsegment : subsegments) {
+        kept.resize(std::max<std::size_t>(kept.size(), std::max(subsegment.a, subsegment.b) + 1), 0);
+        kept[subsegment.a] = kept[subsegment.b] = 1;
+        edges.push_back({subsegment.a, subsegment.b});
     }
     return {std::move(kept), std::move(edges)};
 }

@@ -99,7 +99,7 @@ inline constexpr Region undecided_region = 0xFFFD;
 std::vector<std::uint32_t> take_with_undecided(EditMesh&& edited, TetMesh& mesh,
                                                std::vector<std::uint32_t>& neighbors);
 
-// The pieces, their ends, and `fixed` vertices (by number) besides.
-KeptEdges kept_edges(const std::vector<std::uint8_t>& fixed, const std::vector<SegmentPiece>& pieces);
+// The subsegments, their ends, and `fixed` vertices (by number) besides.
+KeptEdges kept_edges(const std::vector<std::uint8_t>& fixed, const std::vector<Subsegment>& subsegments);
 
 }  // namespace anatomesh

@@ -93,7 +93,7 @@ void drop_small_cuts(std::vector<WrongSection>& sections, std::size_t cuts, doub
 CutPointStats find_cut_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                               const std::vector<Region>& regions, const RegionTable& table,
                               const CutSlices& slices, const StructureField& field, std::uint32_t structures,
-                              const PointGrid& all_points, const SegmentGuard& guard,
+                              const PointGrid& all_points, const ProtectedSegments& protected_segments,
                               const CutPointOptions& options, std::vector<std::uint32_t>& look,
                               std::vector<Vec3>& found, RunContext& context) {
     assert(slices.weights.size() == structures * slices.planes.planes.size());
@@ -113,7 +113,8 @@ CutPointStats find_cut_points(const std::vector<Vec3>& points, const DelaunaySna
     PointGrid chosen(sections.empty() ? 1.0 : total / static_cast<double>(sections.size()), sections.size());
     for (const WrongSection& section : sections) {
         const double spacing = options.min_spacing * std::sqrt(section.area);
-        if (all_points.any_within(section.place, spacing) || !guard.outside_balls(section.place)) {
+        if (all_points.any_within(section.place, spacing) ||
+            !protected_segments.outside_balls(section.place)) {
             ++stats.refused;
             continue;
         }

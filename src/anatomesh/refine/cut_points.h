@@ -11,7 +11,7 @@
 #include "anatomesh/geom/plane_sections.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
-#include "anatomesh/sample/segment_guard.h"
+#include "anatomesh/sample/protected_segments.h"
 
 namespace anatomesh {
 
@@ -54,7 +54,7 @@ struct CutPointStats {
 CutPointStats find_cut_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                               const std::vector<Region>& regions, const RegionTable& table,
                               const CutSlices& slices, const StructureField& field, std::uint32_t structures,
-                              const PointGrid& all_points, const SegmentGuard& guard,
+                              const PointGrid& all_points, const ProtectedSegments& protected_segments,
                               const CutPointOptions& options, std::vector<std::uint32_t>& look,
                               std::vector<Vec3>& found, RunContext& context);
 

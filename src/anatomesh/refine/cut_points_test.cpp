@@ -67,14 +67,15 @@ double wrong_share(const CulledMesh& mesh, const Slots& slots) {
 
 std::vector<Vec3> cut_points(const CulledMesh& mesh, const Slots& slots, const CutPointOptions& options = {},
                              CutPointStats* stats = nullptr,
-                             const SegmentGuard& guard = SegmentGuard(size, 0), int threads = 1) {
+                             const ProtectedSegments& protected_segments = ProtectedSegments(size, 0),
+                             int threads = 1) {
     RunContext context;
     context.threads = threads;
     std::vector<Vec3> found;
     std::vector<std::uint32_t> look = mesh.all_cells();
     const CutPointStats seen =
         find_cut_points(mesh.points(), mesh.cells, mesh.regions, mesh.registry.table(), slots.slices(),
-                        slots.field, 1, mesh.grid, guard, options, look, found, context);
+                        slots.field, 1, mesh.grid, protected_segments, options, look, found, context);
     EXPECT_LE(look.size(), seen.wrong);
     EXPECT_TRUE(std::is_sorted(look.begin(), look.end()));
     if (stats) *stats = seen;
@@ -145,11 +146,11 @@ TEST(CutPoints, a_cut_of_which_little_is_wrong_stays) {
 TEST(CutPoints, they_keep_out_of_the_balls_of_contour_segments) {
     const Slots slots(0.7, 0.3);
     const CulledMesh mesh = mesh_beside_slots(slots, 5);
-    SegmentGuard guard(size, 0);
-    guard.add_segment({0, 0, -3}, {0, 0, 3});
+    ProtectedSegments protected_segments(size, 0);
+    protected_segments.add_segment({0, 0, -3}, {0, 0, 3});
     CutPointStats free, kept_out;
     cut_points(mesh, slots, {}, &free);
-    const std::vector<Vec3> found = cut_points(mesh, slots, {}, &kept_out, guard);
+    const std::vector<Vec3> found = cut_points(mesh, slots, {}, &kept_out, protected_segments);
     EXPECT_GT(kept_out.refused, free.refused);
     EXPECT_EQ(kept_out.wrong, free.wrong);
     for (const Vec3& p : found) EXPECT_GE(length(p), 3);
@@ -182,7 +183,7 @@ TEST(CutPoints, same_points_for_any_number_of_threads) {
     const std::vector<Vec3> one = cut_points(mesh, slots);
     EXPECT_GT(one.size(), 10u);
     for (const int threads : {2, 4})
-        EXPECT_EQ(cut_points(mesh, slots, {}, nullptr, SegmentGuard(size, 0), threads), one);
+        EXPECT_EQ(cut_points(mesh, slots, {}, nullptr, ProtectedSegments(size, 0), threads), one);
 }
 
 }  // namespace

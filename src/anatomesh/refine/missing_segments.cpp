@@ -14,27 +14,30 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t pieces_at_once = 256;
+constexpr std::size_t subsegments_at_once = 256;
 
-// The pieces by their lower vertex.
-struct PieceTable {
+// The subsegments by their lower vertex.
+struct SubsegmentTable {
     std::vector<std::uint32_t> start, other,
-        slot;                          // slot: of each piece in `other`, the piece's higher vertex
+        slot;                          // slot: of each subsegment in `other`, the subsegment's higher vertex
     std::vector<std::uint8_t> is_end;  // most cells and edges have fewer than two vertices that are
 
-    PieceTable(std::size_t point_count, const std::vector<SegmentPiece>& pieces)
-        : start(point_count + 1, 0), other(pieces.size()), slot(pieces.size()), is_end(point_count, 0) {
-        for (const SegmentPiece& piece : pieces) ++start[std::min(piece.a, piece.b) + 1];
+    SubsegmentTable(std::size_t point_count, const std::vector<Subsegment>& subsegments)
+        : start(point_count + 1, 0),
+          other(subsegments.size()),
+          slot(subsegments.size()),
+          is_end(point_count, 0) {
+        for (const Subsegment& subsegment : subsegments) ++start[std::min(subsegment.a, subsegment.b) + 1];
         for (std::size_t v = 0; v < point_count; ++v) start[v + 1] += start[v];
         std::vector<std::uint32_t> next(start.begin(), start.end() - 1);
-        for (std::size_t n = 0; n < pieces.size(); ++n) {
-            slot[n] = next[std::min(pieces[n].a, pieces[n].b)]++;
-            other[slot[n]] = std::max(pieces[n].a, pieces[n].b);
-            is_end[pieces[n].a] = is_end[pieces[n].b] = 1;
+        for (std::size_t n = 0; n < subsegments.size(); ++n) {
+            slot[n] = next[std::min(subsegments[n].a, subsegments[n].b)]++;
+            other[slot[n]] = std::max(subsegments[n].a, subsegments[n].b);
+            is_end[subsegments[n].a] = is_end[subsegments[n].b] = 1;
         }
     }
 
-    // Calls body(cell, slot) for every edge of a cell that is a piece, and collects what it appends.
+    // Calls body(cell, slot) for every edge of a cell that is a subsegment, and collects what it appends.
     template <class Body>
     std::vector<std::uint32_t> collect(const std::vector<Cell>& cells, int threads, const Body& body) const {
         return parallel_collect<std::uint32_t>(
@@ -67,8 +70,8 @@ std::array<Vec3, 2> across(Vec3 direction) {
     return {(1 / length(u)) * u, (1 / length(v)) * v};
 }
 
-std::array<std::uint32_t, 2> ends(const SegmentPiece& piece) {
-    return {std::min(piece.a, piece.b), std::max(piece.a, piece.b)};
+std::array<std::uint32_t, 2> ends(const Subsegment& subsegment) {
+    return {std::min(subsegment.a, subsegment.b), std::max(subsegment.a, subsegment.b)};
 }
 
 // Walks the star of a vertex, from one cell at it, in search of another vertex.
@@ -117,59 +120,59 @@ std::vector<std::uint32_t> cell_of_each(const DelaunaySnapshot& mesh, std::size_
 
 }  // namespace
 
-std::vector<std::uint32_t> missing_pieces(const std::vector<Cell>& cells, std::size_t point_count,
-                                          const std::vector<SegmentPiece>& pieces, int threads) {
-    const PieceTable table(point_count, pieces);
+std::vector<std::uint32_t> missing_subsegments(const std::vector<Cell>& cells, std::size_t point_count,
+                                               const std::vector<Subsegment>& subsegments, int threads) {
+    const SubsegmentTable table(point_count, subsegments);
     const std::vector<std::uint32_t> found = table.collect(
         cells, threads,
         [](std::size_t, std::uint32_t s, std::vector<std::uint32_t>& out) { out.push_back(s); });
-    std::vector<std::uint8_t> present(pieces.size(), 0);
+    std::vector<std::uint8_t> present(subsegments.size(), 0);
     for (const std::uint32_t s : found) present[s] = 1;
     std::vector<std::uint32_t> missing;
-    for (std::uint32_t n = 0; n < pieces.size(); ++n) {
+    for (std::uint32_t n = 0; n < subsegments.size(); ++n) {
         if (!present[table.slot[n]]) missing.push_back(n);
     }
     return missing;
 }
 
-std::vector<std::uint32_t> MissingPieces::find(const DelaunaySnapshot& mesh, std::size_t point_count,
-                                               const std::vector<SegmentPiece>& pieces,
-                                               const std::vector<std::uint32_t>& look, int threads) {
+std::vector<std::uint32_t> MissingSubsegments::find(const DelaunaySnapshot& mesh, std::size_t point_count,
+                                                    const std::vector<Subsegment>& subsegments,
+                                                    const std::vector<std::uint32_t>& look, int threads) {
     std::vector<std::uint32_t> missing;
     if (4 * look.size() > mesh.cells.size() ||
-        !find_changed(mesh, point_count, pieces, look, threads, missing)) {
-        missing = missing_pieces(mesh.cells, point_count, pieces, threads);
+        !find_changed(mesh, point_count, subsegments, look, threads, missing)) {
+        missing = missing_subsegments(mesh.cells, point_count, subsegments, threads);
     }
     missing_.clear();
-    for (const std::uint32_t n : missing) missing_.push_back(ends(pieces[n]));
+    for (const std::uint32_t n : missing) missing_.push_back(ends(subsegments[n]));
     std::sort(missing_.begin(), missing_.end());
-    for (const SegmentPiece& piece : pieces) balls_ = std::max(balls_, piece.ball + 1);
+    for (const Subsegment& subsegment : subsegments) balls_ = std::max(balls_, subsegment.ball + 1);
     return missing;
 }
 
-bool MissingPieces::find_changed(const DelaunaySnapshot& mesh, std::size_t point_count,
-                                 const std::vector<SegmentPiece>& pieces,
-                                 const std::vector<std::uint32_t>& look, int threads,
-                                 std::vector<std::uint32_t>& missing) const {
+bool MissingSubsegments::find_changed(const DelaunaySnapshot& mesh, std::size_t point_count,
+                                      const std::vector<Subsegment>& subsegments,
+                                      const std::vector<std::uint32_t>& look, int threads,
+                                      std::vector<std::uint32_t>& missing) const {
     const std::vector<std::uint32_t> new_cell = cell_of_each(mesh, point_count, look);
     std::atomic<bool> can_tell = true;
     missing = parallel_collect<std::uint32_t>(
-        pieces.size(), pieces_at_once, threads,
+        subsegments.size(), subsegments_at_once, threads,
         [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& out) {
             StarWalk walk(mesh);
             for (std::size_t n = first; n < last; ++n) {
-                const SegmentPiece& piece = pieces[n];
-                const bool at_a = new_cell[piece.a] != no_cell, at_b = new_cell[piece.b] != no_cell,
-                           is_new = piece.ball >= balls_;
+                const Subsegment& subsegment = subsegments[n];
+                const bool at_a = new_cell[subsegment.a] != no_cell, at_b = new_cell[subsegment.b] != no_cell,
+                           is_new = subsegment.ball >= balls_;
                 bool is_missing = false;
                 if ((at_a && at_b) || (is_new && (at_a || at_b))) {
                     // An edge that came or went had both ends in a cell that came.
-                    is_missing = at_a ? !walk.meets(piece.a, new_cell[piece.a], piece.b)
-                                      : !walk.meets(piece.b, new_cell[piece.b], piece.a);
+                    is_missing = at_a ? !walk.meets(subsegment.a, new_cell[subsegment.a], subsegment.b)
+                                      : !walk.meets(subsegment.b, new_cell[subsegment.b], subsegment.a);
                 } else if (is_new) {
                     can_tell = false;  // between two vertices that were there before
                 } else {
-                    is_missing = std::binary_search(missing_.begin(), missing_.end(), ends(piece));
+                    is_missing = std::binary_search(missing_.begin(), missing_.end(), ends(subsegment));
                 }
                 if (is_missing) out.push_back(static_cast<std::uint32_t>(n));
             }
@@ -177,63 +180,66 @@ bool MissingPieces::find_changed(const DelaunaySnapshot& mesh, std::size_t point
     return can_tell;
 }
 
-std::vector<PieceSides> piece_sides(const std::vector<Cell>& cells, const std::vector<Region>& regions,
-                                    const RegionTable& region_table, std::size_t point_count,
-                                    const std::vector<SegmentPiece>& pieces, int threads) {
-    assert(pieces.size() < 0x80000000u);
-    const PieceTable table(point_count, pieces);
-    std::vector<std::uint32_t> structure(pieces.size());
-    for (std::size_t n = 0; n < pieces.size(); ++n) structure[table.slot[n]] = pieces[n].structure;
+std::vector<SubsegmentSides> subsegment_sides(const std::vector<Cell>& cells,
+                                              const std::vector<Region>& regions,
+                                              const RegionTable& region_table, std::size_t point_count,
+                                              const std::vector<Subsegment>& subsegments, int threads) {
+    assert(subsegments.size() < 0x80000000u);
+    const SubsegmentTable table(point_count, subsegments);
+    std::vector<std::uint32_t> structure(subsegments.size());
+    for (std::size_t n = 0; n < subsegments.size(); ++n) structure[table.slot[n]] = subsegments[n].structure;
     const std::vector<std::uint32_t> found =
         table.collect(cells, threads, [&](std::size_t c, std::uint32_t s, std::vector<std::uint32_t>& out) {
             out.push_back(2 * s + region_table.contains(regions[c], structure[s]));
         });
-    std::vector<PieceSides> by_slot(pieces.size(), PieceSides{0, 0}), sides(pieces.size());
+    std::vector<SubsegmentSides> by_slot(subsegments.size(), SubsegmentSides{0, 0}),
+        sides(subsegments.size());
     for (const std::uint32_t entry : found) {
-        PieceSides& here = by_slot[entry / 2];
+        SubsegmentSides& here = by_slot[entry / 2];
         if (entry % 2) {
             here.inside = 1;
         } else {
             here.outside = 1;
         }
     }
-    for (std::size_t n = 0; n < pieces.size(); ++n) sides[n] = by_slot[table.slot[n]];
+    for (std::size_t n = 0; n < subsegments.size(); ++n) sides[n] = by_slot[table.slot[n]];
     return sides;
 }
 
-std::vector<PieceSides> SidesOfPieces::find(const DelaunaySnapshot& mesh, const std::vector<Region>& regions,
-                                            const RegionTable& table, std::size_t point_count,
-                                            const std::vector<SegmentPiece>& pieces,
-                                            const std::vector<std::uint32_t>& look, int threads) {
-    std::vector<PieceSides> sides(pieces.size());
+std::vector<SubsegmentSides> SidesOfSubsegments::find(const DelaunaySnapshot& mesh,
+                                                      const std::vector<Region>& regions,
+                                                      const RegionTable& table, std::size_t point_count,
+                                                      const std::vector<Subsegment>& subsegments,
+                                                      const std::vector<std::uint32_t>& look, int threads) {
+    std::vector<SubsegmentSides> sides(subsegments.size());
     if (4 * look.size() > mesh.cells.size() ||
-        !find_changed(mesh, regions, table, point_count, pieces, look, threads, sides)) {
-        sides = piece_sides(mesh.cells, regions, table, point_count, pieces, threads);
+        !find_changed(mesh, regions, table, point_count, subsegments, look, threads, sides)) {
+        sides = subsegment_sides(mesh.cells, regions, table, point_count, subsegments, threads);
     }
     known_.clear();
-    known_.reserve(pieces.size());
-    for (std::size_t n = 0; n < pieces.size(); ++n)
-        known_.push_back({pieces[n].ball, pieces[n].structure, sides[n]});
-    // Pieces that were split stand last, with balls of larger numbers.
+    known_.reserve(subsegments.size());
+    for (std::size_t n = 0; n < subsegments.size(); ++n)
+        known_.push_back({subsegments[n].ball, subsegments[n].structure, sides[n]});
+    // Subsegments that were split stand last, with balls of larger numbers.
     if (!std::is_sorted(known_.begin(), known_.end())) std::sort(known_.begin(), known_.end());
     return sides;
 }
 
-bool SidesOfPieces::find_changed(const DelaunaySnapshot& mesh, const std::vector<Region>& regions,
-                                 const RegionTable& table, std::size_t point_count,
-                                 const std::vector<SegmentPiece>& pieces,
-                                 const std::vector<std::uint32_t>& look, int threads,
-                                 std::vector<PieceSides>& sides) const {
+bool SidesOfSubsegments::find_changed(const DelaunaySnapshot& mesh, const std::vector<Region>& regions,
+                                      const RegionTable& table, std::size_t point_count,
+                                      const std::vector<Subsegment>& subsegments,
+                                      const std::vector<std::uint32_t>& look, int threads,
+                                      std::vector<SubsegmentSides>& sides) const {
     const std::vector<std::uint32_t> new_cell = cell_of_each(mesh, point_count, look);
     std::atomic<bool> can_tell = true;
-    parallel_for(pieces.size(), pieces_at_once, threads, [&](std::size_t first, std::size_t last) {
+    parallel_for(subsegments.size(), subsegments_at_once, threads, [&](std::size_t first, std::size_t last) {
         StarWalk walk(mesh);
         for (std::size_t n = first; n < last; ++n) {
-            const SegmentPiece& piece = pieces[n];
-            const Known wanted{piece.ball, piece.structure, {}};
+            const Subsegment& subsegment = subsegments[n];
+            const Known wanted{subsegment.ball, subsegment.structure, {}};
             const auto known = std::lower_bound(known_.begin(), known_.end(), wanted);
-            const bool is_new = known == known_.end() || wanted < *known, at_a = new_cell[piece.a] != no_cell,
-                       at_b = new_cell[piece.b] != no_cell;
+            const bool is_new = known == known_.end() || wanted < *known,
+                       at_a = new_cell[subsegment.a] != no_cell, at_b = new_cell[subsegment.b] != no_cell;
             if (!is_new && !(at_a && at_b)) {
                 sides[n] = known->sides;
                 continue;
@@ -243,10 +249,11 @@ bool SidesOfPieces::find_changed(const DelaunaySnapshot& mesh, const std::vector
                 return;
             }
             // A cell that came or went with the edge had both ends in a cell that came.
-            const std::uint32_t end = at_a ? piece.a : piece.b, other = at_a ? piece.b : piece.a;
+            const std::uint32_t end = at_a ? subsegment.a : subsegment.b,
+                                other = at_a ? subsegment.b : subsegment.a;
             sides[n] = {0, 0};
             walk.visit(end, new_cell[end], other, [&](std::uint32_t c) {
-                const bool inside = table.contains(regions[c], piece.structure);
+                const bool inside = table.contains(regions[c], subsegment.structure);
                 if (inside) sides[n].inside = 1;
                 if (!inside) sides[n].outside = 1;
                 return !(sides[n].inside && sides[n].outside);
@@ -256,31 +263,31 @@ bool SidesOfPieces::find_changed(const DelaunaySnapshot& mesh, const std::vector
     return can_tell;
 }
 
-void find_side_points(const std::vector<Vec3>& points, const std::vector<SegmentPiece>& pieces,
-                      const std::vector<PieceSides>& sides, const StructureField& field,
+void find_side_points(const std::vector<Vec3>& points, const std::vector<Subsegment>& subsegments,
+                      const std::vector<SubsegmentSides>& sides, const StructureField& field,
                       const PointGrid& all_points, const SidePointOptions& options, std::vector<Vec3>& found,
                       RunContext& context) {
-    assert(sides.size() == pieces.size());
+    assert(sides.size() == subsegments.size());
     std::vector<std::uint32_t> covered;
-    for (std::uint32_t n = 0; n < pieces.size(); ++n) {
+    for (std::uint32_t n = 0; n < subsegments.size(); ++n) {
         if (sides[n].inside != sides[n].outside) covered.push_back(n);
     }
     std::vector<std::optional<Vec3>> chosen(covered.size());
     parallel_for(covered.size(), 16, context.threads, [&](std::size_t first, std::size_t last) {
         for (std::size_t k = first; k < last; ++k) {
-            const SegmentPiece& piece = pieces[covered[k]];
+            const Subsegment& subsegment = subsegments[covered[k]];
             const double wanted = sides[covered[k]].inside ? 1 : -1;
-            const Vec3 a = points[piece.a], b = points[piece.b], middle = 0.5 * (a + b);
+            const Vec3 a = points[subsegment.a], b = points[subsegment.b], middle = 0.5 * (a + b);
             const double span = length(b - a);
             const auto [u, v] = across(b - a);
             double best = 0;
-            // Outside the piece's diametral ball it keeps the piece an edge.
+            // Outside the subsegment's diametral ball it keeps the subsegment an edge.
             for (const double reach : {0.52, 0.36, 0.2}) {
                 for (int d = 0; d < options.directions; ++d) {
                     const double angle = 2 * std::numbers::pi * d / options.directions;
                     const Vec3 p =
                         middle + (reach * span * std::cos(angle)) * u + (reach * span * std::sin(angle)) * v;
-                    const double clearance = wanted * field.value(piece.structure, p);
+                    const double clearance = wanted * field.value(subsegment.structure, p);
                     if (clearance <= best || all_points.any_within(p, options.min_spacing * span)) continue;
                     best = clearance;
                     chosen[k] = p;
@@ -289,7 +296,7 @@ void find_side_points(const std::vector<Vec3>& points, const std::vector<Segment
             }
         }
     });
-    // Two structures' pieces along one line may want the same point.
+    // Two structures' subsegments along one line may want the same point.
     for (const std::optional<Vec3>& p : chosen) {
         if (p && std::find(found.begin(), found.end(), *p) == found.end()) found.push_back(*p);
     }

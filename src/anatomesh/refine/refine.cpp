@@ -29,8 +29,8 @@ struct BadCell {
     Vec3 center;                // where a point takes it away
     std::optional<Vec3> point;  // to insert
     bool on_surface = false;
-    bool waits = false;                          // for another round
-    std::uint32_t ball = SegmentGuard::no_ball;  // of a piece to split instead
+    bool waits = false;                               // for another round
+    std::uint32_t ball = ProtectedSegments::no_ball;  // of a subsegment to split instead
 };
 
 // Six volumes in cubes of the longest edge; 0.71 for the regular cell.
@@ -91,8 +91,8 @@ void aim(const std::vector<Vec3>& points, const Cell& cell, const RefineOptions&
 
 // The point to insert: where the cell aims, or on an interface before or near that.
 void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfaceProbe& probe,
-                  const PointGrid& all_points, const SegmentGuard& guard, const RefineOptions& options,
-                  BadCell& bad) {
+                  const PointGrid& all_points, const ProtectedSegments& protected_segments,
+                  const RefineOptions& options, BadCell& bad) {
     const Vec3 centroid = 0.25 * (points[cell[0]] + points[cell[1]] + points[cell[2]] + points[cell[3]]);
     const double tolerance = 1e-3 * bad.shortest;
     std::optional<Vec3> on_surface =
@@ -104,10 +104,10 @@ void choose_point(const std::vector<Vec3>& points, const Cell& cell, InterfacePr
     if (!on_surface) on_surface = bad.center;
     // Rounding and the points of earlier rounds can bring even a circumcentre close to a vertex.
     if (all_points.any_within(*on_surface, options.min_spacing * bad.shortest)) return;
-    const std::uint32_t ball = guard.ball_at(*on_surface, options.protected_share);
-    if (ball == SegmentGuard::no_ball) {
+    const std::uint32_t ball = protected_segments.ball_at(*on_surface, options.protected_share);
+    if (ball == ProtectedSegments::no_ball) {
         bad.point = on_surface;
-    } else if (guard.ball_radius(ball) > 0.5 * bad.shortest) {
+    } else if (protected_segments.ball_radius(ball) > 0.5 * bad.shortest) {
         bad.ball = ball;
     }
 }
@@ -208,7 +208,7 @@ std::optional<Vec3> crossing_of(InterfaceProbe& probe, const RegionTable& table,
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<Region>& regions, const std::vector<VertexSide>& sides,
                                    const StructureField& field, std::uint32_t structures,
-                                   const PointGrid& all_points, const SegmentGuard& guard,
+                                   const PointGrid& all_points, const ProtectedSegments& protected_segments,
                                    const RefineOptions& options, std::vector<std::uint32_t>& look,
                                    std::vector<Vec3>& found, RunContext& context) {
     RefineStats stats;
@@ -249,9 +249,9 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
             }
         });
     std::uint64_t cells_inside = 0;
-    for (const Inside& piece : inside) {
-        cells_inside += piece.cells;
-        stats.radius_edge_mean += piece.ratios;
+    for (const Inside& subsegment : inside) {
+        cells_inside += subsegment.cells;
+        stats.radius_edge_mean += subsegment.ratios;
     }
     stats.radius_edge_mean /= static_cast<double>(std::max<std::uint64_t>(1, cells_inside));
     for (const BadCell& cell : bad) {
@@ -285,11 +285,12 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
             for (std::size_t n = first; n < last; ++n) {
                 now[n].waits = can_wait(now[n]);
                 if (now[n].waits) continue;
-                choose_point(points, mesh.cells[now[n].cell], probe, all_points, guard, options, now[n]);
+                choose_point(points, mesh.cells[now[n].cell], probe, all_points, protected_segments, options,
+                             now[n]);
             }
         });
         for (const BadCell& cell : now) {
-            if (cell.ball != SegmentGuard::no_ball) stats.balls.push_back(cell.ball);
+            if (cell.ball != ProtectedSegments::no_ball) stats.balls.push_back(cell.ball);
             stats.refused += !cell.point && !cell.waits;
             if (!cell.point || is_taken(*cell.point, cell)) continue;
             chosen.add(*cell.point);
@@ -305,7 +306,7 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
 CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<VertexSide>& sides, const RegionTable& table,
                                    const StructureField& field, std::uint32_t structures,
-                                   const PointGrid& all_points, const SegmentGuard& guard,
+                                   const PointGrid& all_points, const ProtectedSegments& protected_segments,
                                    const CrossingOptions& options, std::vector<std::uint32_t>& look,
                                    std::vector<Vec3>& found, RunContext& context) {
     CrossingStats stats;
@@ -318,7 +319,7 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
     stats.crossing_edges = edges.size();
 
     std::vector<std::optional<Vec3>> crossings(edges.size());
-    std::vector<std::uint32_t> balls(edges.size(), SegmentGuard::no_ball);
+    std::vector<std::uint32_t> balls(edges.size(), ProtectedSegments::no_ball);
     parallel_for(edges.size(), 256, context.threads, [&](std::size_t first, std::size_t last) {
         InterfaceProbe probe(field, structures);
         for (std::size_t n = first; n < last; ++n) {
@@ -327,8 +328,8 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
             const std::optional<Vec3> crossing =
                 crossing_of(probe, table, field.exclusive(), points[a], points[b], sides[a], sides[b]);
             if (!crossing || all_points.any_within(*crossing, options.min_spacing * span)) continue;
-            const std::uint32_t ball = guard.ball_at(*crossing, options.protected_share);
-            if (ball == SegmentGuard::no_ball) crossings[n] = crossing;
+            const std::uint32_t ball = protected_segments.ball_at(*crossing, options.protected_share);
+            if (ball == ProtectedSegments::no_ball) crossings[n] = crossing;
             if (sides[a].off_interfaces() && sides[b].off_interfaces()) balls[n] = ball;
         }
     });
@@ -346,7 +347,7 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
         found.push_back(*crossings[n]);
     }
     for (const std::uint32_t ball : balls) {
-        if (ball != SegmentGuard::no_ball) stats.balls.push_back(ball);
+        if (ball != ProtectedSegments::no_ball) stats.balls.push_back(ball);
     }
     std::sort(stats.balls.begin(), stats.balls.end());
     stats.balls.erase(std::unique(stats.balls.begin(), stats.balls.end()), stats.balls.end());
@@ -356,7 +357,7 @@ CrossingStats find_crossing_points(const std::vector<Vec3>& points, const Delaun
 DeviationStats find_deviation_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                      const std::vector<Region>& regions, const RegionTable& table,
                                      const StructureField& field, std::uint32_t structures,
-                                     const PointGrid& all_points, const SegmentGuard& guard,
+                                     const PointGrid& all_points, const ProtectedSegments& protected_segments,
                                      const DeviationOptions& options, std::vector<std::uint32_t>& look,
                                      std::vector<Vec3>& found, RunContext& context) {
     DeviationStats stats;
@@ -390,7 +391,7 @@ DeviationStats find_deviation_points(const std::vector<Vec3>& points, const Dela
             const double tolerance = 0.02 * options.max_deviation_mm;
             const auto keep_if_free = [&](const std::optional<Vec3>& p, double share) {
                 if (!p || all_points.any_within(*p, options.min_spacing * candidate.longest)) return;
-                if (guard.ball_at(*p, share) == SegmentGuard::no_ball) candidate.point = p;
+                if (protected_segments.ball_at(*p, share) == ProtectedSegments::no_ball) candidate.point = p;
             };
             keep_if_free(probe.project(middle, candidate.longest, tolerance), 1);
             // The vertices opposite the facet in its two cells.

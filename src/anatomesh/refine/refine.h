@@ -16,7 +16,7 @@
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/mesh/model/vertex_side.h"
-#include "anatomesh/sample/segment_guard.h"
+#include "anatomesh/sample/protected_segments.h"
 
 namespace anatomesh {
 
@@ -42,7 +42,7 @@ struct RefineStats {
     std::uint64_t circumcenters = 0, surface_points = 0;  // points to insert
     std::uint64_t refused = 0;                            // bad cells for which no allowed point was found
     std::vector<std::uint32_t>
-        balls;  // of the guard: pieces of contour segments to split instead; rising, distinct
+        balls;                    // of the protected segments: subsegments to split instead; rising, distinct
     double radius_edge_mean = 0;  // of those looked at that are inside
 };
 
@@ -50,16 +50,17 @@ struct RefineStats {
 // and its circumcentre, the point where it is crossed; where one passes close to the circumcentre, the nearest point of it.
 // A nearly flat cell, whose own circumcentre rounding spoils, takes that of its largest facet.
 // Contour points are never moved, and no point goes into the protected share of the diametral
-// ball of a piece of a contour segment: that piece is to be split instead, if it is longer than the cell's shortest edge. Points found in one round keep out of each other's empty spheres.
-// Cells with a circumradius of many shortest edges wait for another round where a point was chosen that is in the way.
-// Terminates when repeated: a circumcentre is farther from every point than twice the shortest edge of its cell,
-// and points on interfaces keep min_spacing; so spacing never falls below a share of the contours' own.
-// Complexity: linear in the cells looked at. Same result at any thread count.
-// Follows: Shewchuk, Delaunay refinement mesh generation, 1997, chapter 4; Boissonnat and Oudot, Graph. Models 67, 2005.
+// ball of a subsegment: that subsegment is to be split instead, if it is longer than the cell's shortest
+// edge. Points found in one round keep out of each other's empty spheres. Cells with a circumradius of many
+// shortest edges wait for another round where a point was chosen that is in the way. Terminates when
+// repeated: a circumcentre is farther from every point than twice the shortest edge of its cell, and points
+// on interfaces keep min_spacing; so spacing never falls below a share of the contours' own. Complexity:
+// linear in the cells looked at. Same result at any thread count. Follows: Shewchuk, Delaunay refinement mesh
+// generation, 1997, chapter 4; Boissonnat and Oudot, Graph. Models 67, 2005.
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<Region>& regions, const std::vector<VertexSide>& sides,
                                    const StructureField& field, std::uint32_t structures,
-                                   const PointGrid& all_points, const SegmentGuard& guard,
+                                   const PointGrid& all_points, const ProtectedSegments& protected_segments,
                                    const RefineOptions& options, std::vector<std::uint32_t>& look,
                                    std::vector<Vec3>& found, RunContext& context);
 
@@ -76,20 +77,20 @@ struct CrossingStats {
     std::uint64_t refused =
         0;  // of these: a vertex is already too near to the crossing, or a contour segment
     std::vector<std::uint32_t>
-        balls;  // of the guard: pieces of contour segments to split instead; rising, distinct
+        balls;  // of the protected segments: subsegments to split instead; rising, distinct
 };
 
 // Points where mesh edges cross the surface of a structure that has one end inside and the other one outside,
 // also where one end lies on that of another structure: the contour crosses
 // a cell there, and a cell must have a vertex there before it can be split along it (the cut of the 2006
 // method). A point keeps min_spacing lengths of its edge from every other one, and out of the protected share
-// of the diametral ball of a piece of a contour segment: that piece is to be split. Requires: sides as
+// of the diametral ball of a subsegment: that subsegment is to be split. Requires: sides as
 // find_sides() (cull/cull.h) gives them. Complexity: O(n log n) in the cells looked at. Same result at any
 // thread count.
 CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                    const std::vector<VertexSide>& sides, const RegionTable& table,
                                    const StructureField& field, std::uint32_t structures,
-                                   const PointGrid& all_points, const SegmentGuard& guard,
+                                   const PointGrid& all_points, const ProtectedSegments& protected_segments,
                                    const CrossingOptions& options, std::vector<std::uint32_t>& look,
                                    std::vector<Vec3>& found, RunContext& context);
 
@@ -116,7 +117,7 @@ struct DeviationStats {
 DeviationStats find_deviation_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
                                      const std::vector<Region>& regions, const RegionTable& table,
                                      const StructureField& field, std::uint32_t structures,
-                                     const PointGrid& all_points, const SegmentGuard& guard,
+                                     const PointGrid& all_points, const ProtectedSegments& protected_segments,
                                      const DeviationOptions& options, std::vector<std::uint32_t>& look,
                                      std::vector<Vec3>& found, RunContext& context);
 

@@ -11,7 +11,7 @@ namespace {
 using namespace fixtures;
 
 constexpr double size = 1;
-const SegmentGuard no_segments(size, 0);
+const ProtectedSegments no_segments(size, 0);
 
 std::vector<Vec3> refinement(const CulledMesh& mesh, const StructureField& field, RefineStats& stats,
                              int threads = 1) {
@@ -188,7 +188,7 @@ TEST(Refine, deviation_points_bring_the_surface_to_the_interface) {
         std::vector<std::uint32_t> look = mesh.all_cells();
         const DeviationStats stats =
             find_deviation_points(mesh.points(), mesh.cells, mesh.regions, mesh.registry.table(), field, 1,
-                                  mesh.grid, SegmentGuard(size, 0), options, look, found, context);
+                                  mesh.grid, ProtectedSegments(size, 0), options, look, found, context);
         if (round == 0) first = stats.deviating;
         last = stats.deviating;
         for (const Vec3& p : found) EXPECT_NEAR(length(p), 5, 0.01);
@@ -204,8 +204,8 @@ TEST(Refine, deviation_points_bring_the_surface_to_the_interface) {
 TEST(Refine, deviation_points_stay_out_of_the_balls_of_contour_segments) {
     const AnalyticField field({ball({}, 5)}, 6);
     const CulledMesh mesh = random_ball(field, 8);
-    SegmentGuard guard(size, 10);
-    guard.add_segment({-6, 0, 0}, {6, 0, 0});
+    ProtectedSegments protected_segments(size, 10);
+    protected_segments.add_segment({-6, 0, 0}, {6, 0, 0});
     RunContext context;
     for (const double share : {1.0, 0.9}) {  // the surface lies at 5 / 6 of the ball's radius
         DeviationOptions options;
@@ -214,7 +214,7 @@ TEST(Refine, deviation_points_stay_out_of_the_balls_of_contour_segments) {
         std::vector<std::uint32_t> look = mesh.all_cells();
         const DeviationStats stats =
             find_deviation_points(mesh.points(), mesh.cells, mesh.regions, mesh.registry.table(), field, 1,
-                                  mesh.grid, guard, options, look, found, context);
+                                  mesh.grid, protected_segments, options, look, found, context);
         EXPECT_TRUE(found.empty());
         EXPECT_GT(stats.deviating, 0u);
         EXPECT_EQ(stats.refused, stats.deviating);
@@ -247,7 +247,7 @@ TEST(Refine, deviation_points_open_a_pocket_whose_facets_lie_in_its_rims_plane) 
     std::vector<Vec3> found;
     std::vector<std::uint32_t> look = mesh.all_cells();
     find_deviation_points(mesh.points(), mesh.cells, mesh.regions, mesh.registry.table(), field, 1, mesh.grid,
-                          SegmentGuard(size, 0), {}, look, found, context);
+                          ProtectedSegments(size, 0), {}, look, found, context);
     EXPECT_TRUE(std::any_of(found.begin(), found.end(),
                             [](Vec3 p) { return std::hypot(p.x, p.y) < 2.9 && p.z > 0.5; }));
 }

@@ -28,7 +28,7 @@ constexpr int changed_rounds = 4;                        // of what changes late
 constexpr double crowded_crossing_spacing =
     0.05;  // of points where edges cross an interface from others, in edges
 constexpr int dense_deviation_rounds = 2;
-constexpr int cut_rounds = 6, cut_times = 3;  // so many rounds, in turns with pieces and shapes
+constexpr int cut_rounds = 6, cut_times = 3;  // so many rounds, in turns with subsegments and shapes
 // Of sections from where slices contradict each other, in sizes: fins and handles would come of vertices
 // there.
 constexpr double contradicted_clearance = 0.25;
@@ -59,12 +59,13 @@ double mean_ratio(const LabelledMesh& mesh, double bound, int threads) {
 
 }  // namespace
 
-RefinementRounds::RefinementRounds(LabelledMesh& mesh, ContourPieces& pieces, const SegmentGuard& guard,
-                                   const StructureField& field, std::uint32_t structures,
-                                   std::span<const std::uint8_t> given, const RefinementOptions& options)
+RefinementRounds::RefinementRounds(LabelledMesh& mesh, ContourSubsegments& subsegments,
+                                   const ProtectedSegments& protected_segments, const StructureField& field,
+                                   std::uint32_t structures, std::span<const std::uint8_t> given,
+                                   const RefinementOptions& options)
     : mesh_(mesh),
-      pieces_(pieces),
-      guard_(guard),
+      subsegments_(subsegments),
+      protected_segments_(protected_segments),
       field_(field),
       structures_(structures),
       given_(given),
@@ -75,7 +76,7 @@ Status RefinementRounds::run(RunContext& context) {
     crossing.shortest_mm = shortest_spike * options_.size_mm;
     ANATOMESH_CHECK_STATUS(meet_crossings(crossing, context));
     ANATOMESH_CHECK_STATUS(meet_deviations(context));
-    ANATOMESH_CHECK_STATUS(pieces_.recover(500, context));
+    ANATOMESH_CHECK_STATUS(subsegments_.recover(500, context));
     ANATOMESH_CHECK_STATUS(improve_shapes(context));
     // Edges that came to cross an interface since the first rounds would end as spikes.
     if (!options_.conforming) crossing.protected_share = 0.5;
@@ -87,16 +88,16 @@ Status RefinementRounds::run(RunContext& context) {
         crossing.min_spacing = crowded_crossing_spacing;
         ANATOMESH_CHECK_STATUS(meet_crossings(crossing, context));
     }
-    // Pieces and shapes may spoil cuts again.
+    // Subsegments and shapes may spoil cuts again.
     for (int time = 0; time < cut_times; ++time) {
         ANATOMESH_TRY(const bool met, meet_cuts(crossing, context));
         if (time > 0 && !met) break;
-        ANATOMESH_CHECK_STATUS(pieces_.finish(context));
+        ANATOMESH_CHECK_STATUS(subsegments_.finish(context));
         ANATOMESH_CHECK_STATUS(mend_shapes(shapes_, true, context));
     }
     if (!options_.spared) return Nothing{};
     ANATOMESH_CHECK_STATUS(meet_crossings(crossing, context));
-    return pieces_.finish(context);
+    return subsegments_.finish(context);
 }
 
 // Points where edges cross an interface; contour segments that keep them off are split instead.
@@ -106,10 +107,10 @@ Status RefinementRounds::meet_crossings(const CrossingOptions& options, RunConte
         mesh_.look_again(crossings_);
         const CrossingStats stats = find_crossing_points(
             mesh_.points(), mesh_.cells(), mesh_.sides(), mesh_.registry().table(), field_, structures_,
-            mesh_.grid(), guard_, options, crossings_.cells, found, context);
+            mesh_.grid(), protected_segments_, options, crossings_.cells, found, context);
         if (found.empty() && (options.protected_share == 1 || stats.balls.empty())) break;
         stats_.crossing_points += found.size();
-        ANATOMESH_CHECK_STATUS(pieces_.grow(
+        ANATOMESH_CHECK_STATUS(subsegments_.grow(
             found, options.protected_share == 1 ? std::vector<std::uint32_t>{} : stats.balls, context));
     }
     return Nothing{};
@@ -124,11 +125,11 @@ Status RefinementRounds::meet_deviations(RunContext& context) {
         std::vector<Vec3> found;
         mesh_.look_again(search);
         find_deviation_points(mesh_.points(), mesh_.cells(), mesh_.regions(), mesh_.registry().table(),
-                              field_, structures_, mesh_.grid(), guard_, options, search.cells, found,
-                              context);
+                              field_, structures_, mesh_.grid(), protected_segments_, options, search.cells,
+                              found, context);
         if (not_worth_a_round(found.size(), 500)) break;
         stats_.deviation_points += found.size();
-        ANATOMESH_CHECK_STATUS(pieces_.grow(found, {}, context));
+        ANATOMESH_CHECK_STATUS(subsegments_.grow(found, {}, context));
     }
     return Nothing{};
 }
@@ -143,11 +144,11 @@ Result<bool> RefinementRounds::meet_cuts(const CrossingOptions& options, RunCont
         std::vector<Vec3> found;
         mesh_.look_again(cuts_);
         find_cut_points(mesh_.points(), mesh_.cells(), mesh_.regions(), mesh_.registry().table(),
-                        options_.slices, field_, structures_, mesh_.grid(), guard_, cut, cuts_.cells, found,
-                        context);
+                        options_.slices, field_, structures_, mesh_.grid(), protected_segments_, cut,
+                        cuts_.cells, found, context);
         if (found.empty()) break;
         stats_.cut_points += found.size();
-        ANATOMESH_CHECK_STATUS(pieces_.grow(found, {}, context));
+        ANATOMESH_CHECK_STATUS(subsegments_.grow(found, {}, context));
         ANATOMESH_CHECK_STATUS(meet_crossings(options, context));
     }
     return stats_.cut_points > before;
@@ -169,7 +170,7 @@ Status RefinementRounds::improve_shapes(RunContext& context) {
         const std::size_t count = found.size() + stats.balls.size();
         if (count == 0 || (round > 2 && not_worth_a_round(count, 800))) break;
         const std::size_t before = mesh_.points().size();
-        ANATOMESH_CHECK_STATUS(pieces_.grow(found, stats.balls, context, limits));
+        ANATOMESH_CHECK_STATUS(subsegments_.grow(found, stats.balls, context, limits));
         // Balls that may not be split ask for it again and again.
         if (options_.conforming && not_worth_a_round(mesh_.points().size() - before, 800)) break;
     }
@@ -193,7 +194,7 @@ Status RefinementRounds::even_shapes(RunContext& context) {
             if (not_worth_a_round(found.size(), 800)) break;
             stats_.circumcenters += stats.circumcenters;
             stats_.surface_points += stats.surface_points;
-            ANATOMESH_CHECK_STATUS(pieces_.grow(found, {}, context));
+            ANATOMESH_CHECK_STATUS(subsegments_.grow(found, {}, context));
         }
     }
     return Nothing{};
@@ -203,20 +204,20 @@ Status RefinementRounds::refine_changed(CellSearch search, RunContext& context) 
     return mend_shapes(search, false, context);
 }
 
-// What inserting and splitting for the pieces' sake spoiled, out of the balls of the segments. With
-// `finishing` the pieces are finished after each round.
+// What inserting and splitting for the subsegments' sake spoiled, out of the balls of the segments. With
+// `finishing` the subsegments are finished after each round.
 Status RefinementRounds::mend_shapes(CellSearch& search, bool finishing, RunContext& context) {
     for (int round = 0; round < (finishing ? rounds_in_small_meshes(last_rounds) : changed_rounds); ++round) {
         std::vector<Vec3> found;
         RefineStats stats = find_shape_points(options_.max_radius_edge, 1, search, found, context);
-        if (!pieces_.are_short()) stats.balls.clear();
+        if (!subsegments_.are_short()) stats.balls.clear();
         if (found.empty() && stats.balls.empty()) break;
         stats_.circumcenters += stats.circumcenters;
         stats_.surface_points += stats.surface_points;
         const std::size_t before = mesh_.points().size();
-        ANATOMESH_CHECK_STATUS(pieces_.grow(found, stats.balls, context, SplitLimits::beside_short()));
+        ANATOMESH_CHECK_STATUS(subsegments_.grow(found, stats.balls, context, SplitLimits::beside_short()));
         if (finishing) {
-            ANATOMESH_CHECK_STATUS(pieces_.finish(context));
+            ANATOMESH_CHECK_STATUS(subsegments_.finish(context));
         }
         if (mesh_.points().size() == before) break;
     }
@@ -233,7 +234,8 @@ RefineStats RefinementRounds::find_shape_points(double bound, double protected_s
     options.protected_share = protected_share;
     mesh_.look_again(search);
     return find_refinement_points(mesh_.points(), mesh_.cells(), mesh_.regions(), mesh_.sides(), field_,
-                                  structures_, mesh_.grid(), guard_, options, search.cells, found, context);
+                                  structures_, mesh_.grid(), protected_segments_, options, search.cells,
+                                  found, context);
 }
 
 int RefinementRounds::rounds_in_small_meshes(int otherwise) const {

@@ -8,11 +8,11 @@
 #include "anatomesh/base/result.h"
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/field/model/structure_field.h"
-#include "anatomesh/refine/contour_pieces.h"
+#include "anatomesh/refine/contour_subsegments.h"
 #include "anatomesh/refine/cut_points.h"
 #include "anatomesh/refine/labelled_mesh.h"
 #include "anatomesh/refine/refine.h"
-#include "anatomesh/sample/segment_guard.h"
+#include "anatomesh/sample/protected_segments.h"
 
 namespace anatomesh {
 
@@ -23,8 +23,9 @@ struct RefinementOptions {
     double max_deviation_mm = 0;  // as in DeviationOptions. > 0
     bool spared =
         false;  // fewer rounds for what lies between the contours; what they crowd is met beside them
-    bool conforming = false;  // pieces were split beforehand as far as other contours ask, and are further
-    bool graded = false;      // they were in their slices alone
+    // Subsegments were split beforehand as far as other contours ask, and are further.
+    bool conforming = false;
+    bool graded = false;  // they were in their slices alone
     // Where the mean ratio of the cells inside, each at most the bound, is above this after the rounds for
     // their shape, further ones go on with lower bounds. What follows takes a twentieth off. [0.9, 2]
     double even_mean = 1;
@@ -40,24 +41,25 @@ struct RefinementStats {
 };
 
 // Each round searches the cells that changed since its last one (refine.h) and inserts by way of
-// ContourPieces, which splits the pieces of contours that points come too near to. Same result at any number
-// of threads. Errors: those of ContourPieces::grow().
+// ContourSubsegments, which splits the subsegments that points come too near to. Same result at any number
+// of threads. Errors: those of ContourSubsegments::grow().
 class RefinementRounds {
   public:
     // `given`: by vertex, as in RefineOptions. Requires: all outlive this.
-    RefinementRounds(LabelledMesh& mesh, ContourPieces& pieces, const SegmentGuard& guard,
-                     const StructureField& field, std::uint32_t structures,
-                     std::span<const std::uint8_t> given, const RefinementOptions& options);
+    RefinementRounds(LabelledMesh& mesh, ContourSubsegments& subsegments,
+                     const ProtectedSegments& protected_segments, const StructureField& field,
+                     std::uint32_t structures, std::span<const std::uint8_t> given,
+                     const RefinementOptions& options);
 
     // First the surface: points where edges cross an interface, then where facets deviate from it. Then the
     // shape of cells, with bounds below the given one where their mean is above 1, and, up to three times, the
-    // cuts by planes that cross, the pieces that are still no edges (ContourPieces::finish()), and the shapes
-    // that these spoiled. Every loop ends after a bounded
+    // cuts by planes that cross, the subsegments that are still no edges (ContourSubsegments::finish()), and
+    // the shapes that these spoiled. Every loop ends after a bounded
     // number of rounds, the longer ones when next to nothing is left.
     Status run(RunContext& context);
 
-    // A few more rounds for the shape of the cells that the search has not seen: points put beside pieces
-    // later on, far nearer to them than the size asks for, leave long ones.
+    // A few more rounds for the shape of the cells that the search has not seen: points put beside
+    // subsegments later on, far nearer to them than the size asks for, leave long ones.
     Status refine_changed(CellSearch search, RunContext& context);
 
     const RefinementStats& stats() const { return stats_; }
@@ -76,8 +78,8 @@ class RefinementRounds {
     bool not_worth_a_round(std::size_t count, std::size_t share) const;
 
     LabelledMesh& mesh_;
-    ContourPieces& pieces_;
-    const SegmentGuard& guard_;
+    ContourSubsegments& subsegments_;
+    const ProtectedSegments& protected_segments_;
     const StructureField& field_;
     const std::uint32_t structures_;
     const std::span<const std::uint8_t> given_;

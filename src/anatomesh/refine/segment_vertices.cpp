@@ -16,7 +16,7 @@ namespace anatomesh {
 
 std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
                                               std::span<const std::uint32_t> vertex_of,
-                                              const std::vector<SegmentPiece>& pieces,
+                                              const std::vector<Subsegment>& subsegments,
                                               std::size_t vertex_count) {
     assert(vertex_of.size() == contours.points.size());
     constexpr std::uint32_t several = no_slice - 1;
@@ -27,17 +27,17 @@ std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
             known = known == no_slice || known == contour.slice ? contour.slice : several;
         }
     }
-    // The ends of pieces at each vertex.
-    std::vector<std::uint32_t> start(vertex_count + 1, 0), others(2 * pieces.size());
-    for (const SegmentPiece& piece : pieces) {
-        ++start[piece.a + 1];
-        ++start[piece.b + 1];
+    // The ends of subsegments at each vertex.
+    std::vector<std::uint32_t> start(vertex_count + 1, 0), others(2 * subsegments.size());
+    for (const Subsegment& subsegment : subsegments) {
+        ++start[subsegment.a + 1];
+        ++start[subsegment.b + 1];
     }
     for (std::size_t v = 1; v < start.size(); ++v) start[v] += start[v - 1];
     std::vector<std::uint32_t> next(start.begin(), start.end() - 1), queue;
-    for (const SegmentPiece& piece : pieces) {
-        others[next[piece.a]++] = piece.b;
-        others[next[piece.b]++] = piece.a;
+    for (const Subsegment& subsegment : subsegments) {
+        others[next[subsegment.a]++] = subsegment.b;
+        others[next[subsegment.b]++] = subsegment.a;
     }
     for (std::uint32_t v = 0; v < vertex_count; ++v) {
         if (slice[v] < several) queue.push_back(v);
@@ -66,9 +66,9 @@ std::vector<std::array<std::uint32_t, 2>> segment_ends(const ContourSet& contour
 }
 
 PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
-                              const std::vector<SegmentPiece>& pieces, std::size_t vertex_count) {
+                              const std::vector<Subsegment>& subsegments, std::size_t vertex_count) {
     if (!is_parallel(contours)) return {};
-    PlanesOfStack stack{slices_of_vertices(contours, vertex_of, pieces, vertex_count), {}};
+    PlanesOfStack stack{slices_of_vertices(contours, vertex_of, subsegments, vertex_count), {}};
     for (const Slice& slice : contours.slices) stack.planes.push_back(slice.plane);
     return stack;
 }

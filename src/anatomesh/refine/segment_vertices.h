@@ -13,12 +13,12 @@
 
 namespace anatomesh {
 
-// The slice of the contours that each of the vertices lies in, from its contour or along pieces from there;
-// no_slice (improve/improve_dihedrals.h) for all others and for those where planes cross. `vertex_of`: the
-// vertex of every contour point. Complexity: O(vertices + pieces).
+// The slice of the contours that each of the vertices lies in, from its contour or along subsegments from
+// there; no_slice (improve/improve_dihedrals.h) for all others and for those where planes cross. `vertex_of`:
+// the vertex of every contour point. Complexity: O(vertices + subsegments).
 std::vector<std::uint32_t> slices_of_vertices(const ContourSet& contours,
                                               std::span<const std::uint32_t> vertex_of,
-                                              const std::vector<SegmentPiece>& pieces,
+                                              const std::vector<Subsegment>& subsegments,
                                               std::size_t vertex_count);
 
 // The vertices at the ends of every contour segment, in the contours' order. O(points).
@@ -31,7 +31,7 @@ struct PlanesOfStack {
     std::vector<Plane> planes;            // by slice
 };
 PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::uint32_t> vertex_of,
-                              const std::vector<SegmentPiece>& pieces, std::size_t vertex_count);
+                              const std::vector<Subsegment>& subsegments, std::size_t vertex_count);
 
 // What slices say of structures, for the facets of surfaces that meet their planes.
 struct SlicesThatTell {

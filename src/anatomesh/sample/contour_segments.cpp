@@ -17,7 +17,7 @@ namespace {
 // touch to within the last digits of their files. The certificate's chains have the same tolerance.
 constexpr double touching = 1e-6;
 
-constexpr double from_ends = 0.25;             // of a piece that is split on a shell, in its lengths
+constexpr double from_ends = 0.25;             // of a subsegment that is split on a shell, in its lengths
 constexpr double least_slope_to_foot = 0.005;  // see foot_on()
 
 // Whether a point this share of the way along s is no nearer than `distance` to its ends.
@@ -214,11 +214,11 @@ std::vector<SegmentPart> parts_between(const std::vector<ContourSegment>& segmen
 }
 
 std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,
-                                          const std::vector<SegmentPiece>& pieces) {
+                                          const std::vector<Subsegment>& subsegments) {
     std::vector<std::array<std::uint32_t, 2>> ways;
-    for (const SegmentPiece& piece : pieces) {
-        ways.push_back({piece.a, piece.b});
-        ways.push_back({piece.b, piece.a});
+    for (const Subsegment& subsegment : subsegments) {
+        ways.push_back({subsegment.a, subsegment.b});
+        ways.push_back({subsegment.b, subsegment.a});
     }
     std::sort(ways.begin(), ways.end());
     ways.erase(std::unique(ways.begin(), ways.end()), ways.end());
@@ -237,19 +237,21 @@ std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,
     return found;
 }
 
-Vec3 split_point(std::span<const Vec3> points, const SegmentPiece& piece,
+Vec3 split_point(std::span<const Vec3> points, const Subsegment& subsegment,
                  std::span<const std::uint32_t> acute) {
-    const Vec3 a = points[piece.a], b = points[piece.b];
-    const bool at_a = std::binary_search(acute.begin(), acute.end(), piece.a);
-    if (at_a == std::binary_search(acute.begin(), acute.end(), piece.b)) return 0.5 * (a + b);
+    const Vec3 a = points[subsegment.a], b = points[subsegment.b];
+    const bool at_a = std::binary_search(acute.begin(), acute.end(), subsegment.a);
+    if (at_a == std::binary_search(acute.begin(), acute.end(), subsegment.b)) return 0.5 * (a + b);
     const double span = length(b - a);
     const double share = std::exp2(std::floor(std::log2(span * 2 / 3))) / span;
     return at_a ? a + share * (b - a) : b + share * (a - b);
 }
 
-Vec3 shell_point(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 apex) {
-    const bool outward = squared_length(points[piece.a] - apex) < squared_length(points[piece.b] - apex);
-    const Vec3 a = points[outward ? piece.a : piece.b], b = points[outward ? piece.b : piece.a];
+Vec3 shell_point(std::span<const Vec3> points, const Subsegment& subsegment, Vec3 apex) {
+    const bool outward =
+        squared_length(points[subsegment.a] - apex) < squared_length(points[subsegment.b] - apex);
+    const Vec3 a = points[outward ? subsegment.a : subsegment.b],
+               b = points[outward ? subsegment.b : subsegment.a];
     const double at_a = length(a - apex), at_b = length(b - apex);
     const double low = at_a + from_ends * (at_b - at_a), high = at_b - from_ends * (at_b - at_a);
     double unit = std::exp2(std::ceil(std::log2(high)));
@@ -262,8 +264,8 @@ Vec3 shell_point(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 a
     return a + (rest / (slope + std::sqrt(slope * slope + square * rest))) * way;
 }
 
-std::optional<Vec3> foot_on(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 p) {
-    const Vec3 a = points[piece.a], b = points[piece.b], way = b - a;
+std::optional<Vec3> foot_on(std::span<const Vec3> points, const Subsegment& subsegment, Vec3 p) {
+    const Vec3 a = points[subsegment.a], b = points[subsegment.b], way = b - a;
     const Vec3 foot = a + (dot(p - a, way) / squared_length(way)) * way;
     const double shorter = std::min(length(foot - a), length(b - foot));
     if (length(p - foot) < least_slope_to_foot * shorter) return std::nullopt;

@@ -1,4 +1,5 @@
-// Contour segments as pieces between vertices of the sample: what must become chains of edges of the mesh.
+// Contour segments as subsegments between vertices of the sample: what must become chains of edges of the
+// mesh.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +11,12 @@
 
 namespace anatomesh {
 
-// A straight piece of a contour segment of one structure. A segment that several structures share has a piece for each.
-struct SegmentPiece {
+// A straight subsegment of one structure. A segment that several structures share has a subsegment for each.
+struct Subsegment {
     std::uint32_t a = 0, b = 0;  // indices of points, a != b
     std::uint32_t structure = 0;
-    std::uint32_t ball = 0;  // of a SegmentGuard; the same for all structures that share it
-    friend auto operator<=>(const SegmentPiece&, const SegmentPiece&) = default;
+    std::uint32_t ball = 0;  // of a ProtectedSegments; the same for all structures that share it
+    friend auto operator<=>(const Subsegment&, const Subsegment&) = default;
 };
 
 // A distinct segment between two points, with the structures that have it in a contour.
@@ -57,29 +58,30 @@ struct SegmentPart {
 std::vector<SegmentPart> parts_between(const std::vector<ContourSegment>& segments,
                                        const std::vector<SegmentCut>& cuts);
 
-// Vertices at which pieces of contour segments meet at acute angles, in rising order. Complexity: O(n log n)
-// in the pieces, and the pairs at a vertex.
+// Vertices at which subsegments meet at acute angles, in rising order. Complexity: O(n log n)
+// in the subsegments, and the pairs at a vertex.
 std::vector<std::uint32_t> acute_vertices(std::span<const Vec3> points,
-                                          const std::vector<SegmentPiece>& pieces);
+                                          const std::vector<Subsegment>& subsegments);
 
-// Where a piece is split: at its middle; but one of those that meet at an acute angle (`acute`: as
+// Where a subsegment is split: at its middle; but one of those that meet at an acute angle (`acute`: as
 // acute_vertices()) at a distance from where they meet that is a power of two, from a third to two thirds of
 // its length.
-Vec3 split_point(std::span<const Vec3> points, const SegmentPiece& piece,
+Vec3 split_point(std::span<const Vec3> points, const Subsegment& subsegment,
                  std::span<const std::uint32_t> acute);
 
-// Where a piece is split that lies on the way from a vertex where pieces meet at acute angles: at a distance
-// from this `apex` that is the roundest binary number in the middle half of the piece. Split
+// Where a subsegment is split that lies on the way from a vertex where subsegments meet at acute angles: at a
+// distance from this `apex` that is the roundest binary number in the middle half of the subsegment. Split
 // so again and again, all that meet there get the same distances as far as they reach; then none of their
 // parts lies in the ball of another, and splitting ends (Shewchuk, Delaunay refinement mesh generation, 1997,
 // chapter 3: concentric shells). Requires: the way from one end to the other leads away from the apex.
-Vec3 shell_point(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 apex);
+Vec3 shell_point(std::span<const Vec3> points, const Subsegment& subsegment, Vec3 apex);
 
-// The foot of p on a piece. Split there, the piece has p in the ball of neither half, and no piece that ends
-// at p and goes on beside this one has the foot in its ball: where two contours cross at a small angle,
-// vertices that stand opposite each other leave them both edges. None where p is nearer to it than 0.005 of the
-// shorter half: cells between contours that cross at less than 0.3 degrees would be worth less than the piece.
-std::optional<Vec3> foot_on(std::span<const Vec3> points, const SegmentPiece& piece, Vec3 p);
+// The foot of p on a subsegment. Split there, the subsegment has p in the ball of neither half, and no
+// subsegment that ends at p and goes on beside this one has the foot in its ball: where two contours cross at
+// a small angle, vertices that stand opposite each other leave them both edges. None where p is nearer to it
+// than 0.005 of the shorter half: cells between contours that cross at less than 0.3 degrees would be worth
+// less than the subsegment.
+std::optional<Vec3> foot_on(std::span<const Vec3> points, const Subsegment& subsegment, Vec3 p);
 
 constexpr double foot_room = 0.5;  // no other vertex is this near to a foot, in its distances from p
 

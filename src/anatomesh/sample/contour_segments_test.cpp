@@ -140,7 +140,7 @@ TEST(ContourSegments, contours_of_one_structure_are_left_alone) {
 
 // On rays from one apex: the same for all that reach from one distance to another, away from their ends, and as
 // round a number as there is between.
-TEST(ShellPoint, is_at_one_distance_for_all_pieces_that_hold_the_roundest_number) {
+TEST(ShellPoint, is_at_one_distance_for_all_subsegments_that_hold_the_roundest_number) {
     std::mt19937 random(3);
     const auto unit = [&] { return std::ldexp(static_cast<double>(random()), -32); };
     for (int n = 0; n < 2000; ++n) {
@@ -170,11 +170,11 @@ TEST(ShellPoint, is_at_one_distance_for_all_pieces_that_hold_the_roundest_number
     }
 }
 
-TEST(MissingPieces, finds_those_that_are_no_edges) {
+TEST(MissingSubsegments, finds_those_that_are_no_edges) {
     const std::vector<Cell> cells{{0, 1, 2, 3}, {1, 2, 3, 4}};
-    const std::vector<SegmentPiece> pieces{
+    const std::vector<Subsegment> subsegments{
         {0, 4, 0, 0}, {4, 1, 0, 1}, {2, 0, 1, 2}, {4, 0, 1, 0}, {5, 3, 0, 3}};
-    EXPECT_EQ(missing_pieces(cells, 6, pieces), (std::vector<std::uint32_t>{0, 3, 4}));
+    EXPECT_EQ(missing_subsegments(cells, 6, subsegments), (std::vector<std::uint32_t>{0, 3, 4}));
 }
 
 }  // namespace

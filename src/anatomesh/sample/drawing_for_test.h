@@ -37,8 +37,9 @@ inline Polygon divided(const Polygon& polygon, double spacing) {
     Polygon result;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
         const Vec2 a = polygon[i], b = polygon[(i + 1) % polygon.size()];
-        const int pieces = std::max(1, static_cast<int>(std::ceil(length(b - a) / spacing)));
-        for (int n = 0; n < pieces; ++n) result.push_back(a + (static_cast<double>(n) / pieces) * (b - a));
+        const int subsegments = std::max(1, static_cast<int>(std::ceil(length(b - a) / spacing)));
+        for (int n = 0; n < subsegments; ++n)
+            result.push_back(a + (static_cast<double>(n) / subsegments) * (b - a));
     }
     return result;
 }

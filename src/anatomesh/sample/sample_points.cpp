@@ -11,8 +11,8 @@
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/geom/point_grid.h"
-#include "anatomesh/sample/conform_pieces.h"
 #include "anatomesh/sample/interface_probe.h"
+#include "anatomesh/sample/split_encroached_subsegments.h"
 #include "anatomesh/sample/thin_walls.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
@@ -31,21 +31,21 @@ constexpr double size_per_thickness =
 constexpr double contact_clearance =
     0.01;  // of a contact of two contours from the ends of its segments, in sizes
 constexpr double shortest_conforming =
-    0.025;  // pieces are not split below it for other contours' sake, in sizes
+    0.025;  // subsegments are not split below it for other contours' sake, in sizes
 // The same about an axis: where so many segments meet, which four planes through a line make, they run beside each
 // other at a few degrees.
 constexpr double shortest_about_axis = 0.01;
 constexpr std::size_t segments_at_pole = 8;
 constexpr double shortest_beside_others = 0.1;  // the same for those of the same slice alone
-// There pieces are at most so many times as long as the next vertex beside them is far, down to a length in
-// sizes: what a pixel's size is apart in the mean runs hundredths of a millimetre apart in places.
+// There subsegments are at most so many times as long as the next vertex beside them is far, down to a length
+// in sizes: what a pixel's size is apart in the mean runs hundredths of a millimetre apart in places.
 constexpr double growth_beside_others = 3, shortest_graded = 0.015;
 // Points for each that there was, that this may add: outlines that run a tenth of a millimetre beside each
 // other all round ask for ten; and where planes cross, which crowd cells besides.
 constexpr double most_graded = 20, most_graded_where_planes_cross = 0.5;
 constexpr double longest_segment = 1.2;  // contour segments are split to this, in sizes
-// Of the guard: 22 degrees at half the ball. On planes that cross there are short pieces in each other's
-// balls: points refused for them left bad cells.
+// of the protected segments: 22 degrees at half the ball. On planes that cross there are short subsegments in
+// each other's balls: points refused for them left bad cells.
 constexpr double lens_slope = 0.8;
 constexpr double position_tolerance = 2e-3;  // surface points lie on the interface to within this, in sizes
 
@@ -240,7 +240,7 @@ void collect_contour_vertices(const ContourSet& contours, PointSample& sample) {
     sample.stats.contour_points = sample.points.size();
 }
 
-// How much finer than the size the pieces of each segment must be.
+// How much finer than the size the subsegments of each segment must be.
 std::vector<int> segment_levels(const std::vector<ContourSegment>& segments, const std::vector<Vec3>& points,
                                 const StructureField& field, double size, int threads) {
     std::vector<int> levels(segments.size(), 0);
@@ -259,24 +259,26 @@ std::vector<int> segment_levels(const std::vector<ContourSegment>& segments, con
     return levels;
 }
 
-// Cuts contour segments where they meet those of other structures, and into pieces short enough.
+// Cuts contour segments where they meet those of other structures, and into subsegments short enough.
 class SegmentSplitter {
   public:
     SegmentSplitter(double size, bool parallel, PointSample& sample)
-        : size_(size), sample_(sample), guard_(size, 2 * sample.points.size(), parallel ? lens_slope : 0) {}
+        : size_(size),
+          sample_(sample),
+          protected_segments_(size, 2 * sample.points.size(), parallel ? lens_slope : 0) {}
 
     // `thin` receives the places where a segment runs along a thin wall.
-    SegmentGuard split(const ContourSet& contours, const StructureField& field, int threads,
-                       std::vector<ThinSpot>& thin, bool conforming, bool apart) {
+    ProtectedSegments split(const ContourSet& contours, const StructureField& field, int threads,
+                            std::vector<ThinSpot>& thin, bool conforming, bool apart) {
         const std::vector<ContourSegment> segments = distinct_segments(contours, sample_.contour_vertices);
         const std::vector<SegmentCut> cuts =
             cuts_at_contacts(contours, segments, contact_clearance * size_, sample_.points);
         const std::vector<int> levels = segment_levels(segments, sample_.points, field, size_, threads);
-        for (const Vec3& p : sample_.points) guard_.add_point(p);
+        for (const Vec3& p : sample_.points) protected_segments_.add_point(p);
         for (const SegmentPart& part : parts_between(segments, cuts)) {
             int level = 0;
             for (const std::uint32_t s : part.of) level = std::max(level, levels[s]);
-            add_pieces(part.segment, level, thin);
+            add_subsegments(part.segment, level, thin);
         }
         sample_.has_pole = has_pole();
         // Contours of several structures run side by side within slices too: but for those of a label map,
@@ -284,30 +286,32 @@ class SegmentSplitter {
         // slices run side by side at the pole.
         const bool several = contours.structures.size() > 1;
         sample_.graded = several && !contours.exclusive && (conforming ? !sample_.has_pole : apart);
-        ConformOptions beside{shortest_beside_others * size_, {}};
+        EncroachmentOptions beside{shortest_beside_others * size_, {}};
         beside.slices = std::move(slices_);
         beside.threads = threads;
         sample_.graded =
             sample_.graded && split_graded(beside, conforming ? most_graded_where_planes_cross : most_graded);
         if (conforming) {
-            ConformOptions options{shortest_piece() * size_, {}};
+            EncroachmentOptions options{shortest_subsegment() * size_, {}};
             options.threads = threads;
-            conform_pieces(sample_.points, sample_.pieces, guard_, options);
+            split_encroached_subsegments(sample_.points, sample_.subsegments, protected_segments_, options);
         } else if (several && apart && !sample_.graded) {
-            conform_pieces(sample_.points, sample_.pieces, guard_, beside);
+            split_encroached_subsegments(sample_.points, sample_.subsegments, protected_segments_, beside);
         }
         sample_.stats.segment_points = sample_.points.size() - sample_.stats.contour_points;
-        return std::move(guard_);
+        return std::move(protected_segments_);
     }
 
   private:
     // In sizes, where all conform.
-    double shortest_piece() const { return sample_.has_pole ? shortest_about_axis : shortest_conforming; }
+    double shortest_subsegment() const {
+        return sample_.has_pole ? shortest_about_axis : shortest_conforming;
+    }
 
     bool has_pole() const {
-        std::vector<std::array<std::uint32_t, 2>> ends;  // vertex, ball: structures may share a piece
-        for (const SegmentPiece& piece : sample_.pieces)
-            ends.insert(ends.end(), {{piece.a, piece.ball}, {piece.b, piece.ball}});
+        std::vector<std::array<std::uint32_t, 2>> ends;  // vertex, ball: structures may share a subsegment
+        for (const Subsegment& subsegment : sample_.subsegments)
+            ends.insert(ends.end(), {{subsegment.a, subsegment.ball}, {subsegment.b, subsegment.ball}});
         sort_distinct(ends);
         std::size_t first = 0;
         for (std::size_t n = 0; n < ends.size(); ++n) {
@@ -318,53 +322,58 @@ class SegmentSplitter {
     }
 
     // Unless that asks for too many points.
-    bool split_graded(ConformOptions options, double most) {
+    bool split_graded(EncroachmentOptions options, double most) {
         options.growth = growth_beside_others;
         options.shortest_graded_mm = shortest_graded * size_;
         options.most_added = most;
         std::vector<Vec3> points = sample_.points;
-        std::vector<SegmentPiece> pieces = sample_.pieces;
-        SegmentGuard guard = guard_;
-        const std::size_t added = conform_pieces(points, pieces, guard, options);
+        std::vector<Subsegment> subsegments = sample_.subsegments;
+        ProtectedSegments protected_segments = protected_segments_;
+        const std::size_t added =
+            split_encroached_subsegments(points, subsegments, protected_segments, options);
         if (static_cast<double>(added) > most * static_cast<double>(sample_.points.size())) return false;
         sample_.points = std::move(points);
-        sample_.pieces = std::move(pieces);
-        guard_ = std::move(guard);
+        sample_.subsegments = std::move(subsegments);
+        protected_segments_ = std::move(protected_segments);
         return true;
     }
 
-    void add_pieces(const ContourSegment& segment, int level, std::vector<ThinSpot>& thin) {
+    void add_subsegments(const ContourSegment& segment, int level, std::vector<ThinSpot>& thin) {
         const std::uint32_t a = segment.a, b = segment.b;
         const Vec3 p = sample_.points[a], q = sample_.points[b];
-        const int pieces = std::max(
+        const int subsegments = std::max(
             1, static_cast<int>(std::ceil(length(q - p) * (1 << level) / (longest_segment * size_))));
-        const auto at = [&](int piece) { return p + (static_cast<double>(piece) / pieces) * (q - p); };
-        for (int piece = 0; level > 0 && piece <= pieces; ++piece) thin.push_back({at(piece), level});
+        const auto at = [&](int subsegment) {
+            return p + (static_cast<double>(subsegment) / subsegments) * (q - p);
+        };
+        for (int subsegment = 0; level > 0 && subsegment <= subsegments; ++subsegment)
+            thin.push_back({at(subsegment), level});
         std::uint32_t from = a;
-        for (int piece = 1; piece < pieces; ++piece) {
+        for (int subsegment = 1; subsegment < subsegments; ++subsegment) {
             // Another contour has a vertex there already: its own points would come too close.
-            if (guard_.any_point_within(at(piece), 0.2 * length(q - p) / pieces)) continue;
+            if (protected_segments_.any_point_within(at(subsegment), 0.2 * length(q - p) / subsegments))
+                continue;
             const auto to = static_cast<std::uint32_t>(sample_.points.size());
-            sample_.points.push_back(at(piece));
-            guard_.add_point(at(piece));
-            add_piece(segment, from, to);
+            sample_.points.push_back(at(subsegment));
+            protected_segments_.add_point(at(subsegment));
+            add_subsegment(segment, from, to);
             from = to;
         }
-        add_piece(segment, from, b);
+        add_subsegment(segment, from, b);
         slices_.resize(sample_.points.size(), segment.slice);
         slices_[a] = slices_[b] = segment.slice;
     }
 
-    void add_piece(const ContourSegment& segment, std::uint32_t from, std::uint32_t to) {
+    void add_subsegment(const ContourSegment& segment, std::uint32_t from, std::uint32_t to) {
         if (from == to) return;
-        const std::uint32_t ball = guard_.add_segment(sample_.points[from], sample_.points[to]);
+        const std::uint32_t ball = protected_segments_.add_segment(sample_.points[from], sample_.points[to]);
         for (const std::uint32_t structure : segment.structures)
-            sample_.pieces.push_back({from, to, structure, ball});
+            sample_.subsegments.push_back({from, to, structure, ball});
     }
 
     double size_;
     PointSample& sample_;
-    SegmentGuard guard_;
+    ProtectedSegments protected_segments_;
     std::vector<std::uint32_t> slices_;  // by point: the last one that a segment through it lies in
 };
 
@@ -375,7 +384,7 @@ struct LatticePoint {
 // Lattice points moved onto interfaces, each kept if it is far enough from those before it.
 void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>& near,
                         const StructureField& field, std::uint32_t structures, double size,
-                        const SegmentGuard& guard, PointGrid& surface, PointSample& sample,
+                        const ProtectedSegments& protected_segments, PointGrid& surface, PointSample& sample,
                         std::vector<ThinSpot>& thin, int threads) {
     std::vector<std::optional<Vec3>> moved(near.size());
     std::vector<int> levels(near.size(), 0);
@@ -391,7 +400,7 @@ void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>&
             if (const auto thickness = thickness_beside(p, *moved[n], gauge, probe, structures, changed)) {
                 levels[n] = level_of(*thickness, size);
             }
-            allowed[n] = guard.allows(*moved[n], protected_spacing * size);
+            allowed[n] = protected_segments.allows(*moved[n], protected_spacing * size);
         }
     });
     for (std::size_t n = 0; n < near.size(); ++n) {
@@ -404,7 +413,7 @@ void add_surface_points(const Lattice& lattice, const std::vector<LatticePoint>&
 
 // Points on the interfaces about the places where a wall is thin, the finer the thinner it is.
 void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const StructureField& field,
-                          std::uint32_t structures, double size, const SegmentGuard& guard,
+                          std::uint32_t structures, double size, const ProtectedSegments& protected_segments,
                           PointGrid& surface, PointSample& sample, int threads) {
     std::vector<std::vector<Vec3>> sites_of_level(max_thin_level);
     parallel_for(sites_of_level.size(), 1, threads, [&](std::size_t first, std::size_t last) {
@@ -425,7 +434,7 @@ void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const Str
                 moved[n] = probe.project(sites[n], 2.0 * surface_band * local, position_tolerance * local);
                 if (!moved[n]) continue;
                 if (surface.any_within(*moved[n], surface_spacing * local) ||
-                    !guard.allows(*moved[n], protected_spacing * local)) {
+                    !protected_segments.allows(*moved[n], protected_spacing * local)) {
                     moved[n].reset();
                     continue;
                 }
@@ -444,8 +453,8 @@ void add_thin_wall_points(Vec3 low, const std::vector<ThinSpot>& thin, const Str
 }
 
 void add_lattice_points(const Lattice& lattice, const Sites& sites, double size, double growth,
-                        const SegmentGuard& guard, const PointGrid& surface, PointSample& sample,
-                        int threads) {
+                        const ProtectedSegments& protected_segments, const PointGrid& surface,
+                        PointSample& sample, int threads) {
     const SiteReader reader(lattice, sites);
     const DepthMap depths(lattice, reader);
     std::vector<std::vector<Vec3>> layers(lattice.size[2]);
@@ -464,7 +473,7 @@ void add_lattice_points(const Lattice& lattice, const Sites& sites, double size,
                 }
                 const Vec3 p = lattice.position(i, j, k);
                 if (surface.any_within(p, protected_spacing * size) ||
-                    !guard.allows(p, protected_spacing * size))
+                    !protected_segments.allows(p, protected_spacing * size))
                     continue;
                 layers[k].push_back(p);
             }
@@ -541,7 +550,7 @@ double default_size(const ContourSet& contours, const StructureField& field) {
 Result<PointSample> sample_points(const ContourSet& contours, const StructureField& field,
                                   const SampleOptions& options, RunContext& context) {
     const double size = options.size_mm > 0 ? options.size_mm : default_size(contours, field);
-    PointSample sample{{}, {}, {}, SegmentGuard(size, 0), false, false, {}};
+    PointSample sample{{}, {}, {}, ProtectedSegments(size, 0), false, false, {}};
     sample.stats.size_mm = size;
 
     // The lattice, two steps larger than the box of the field on every side.
@@ -562,10 +571,10 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
     }
     collect_contour_vertices(contours, sample);
     std::vector<ThinSpot> thin;
-    sample.guard = SegmentSplitter(size, is_parallel(contours), sample)
-                       .split(contours, field, context.threads, thin, options.conforming,
-                              options.apart || is_parallel(contours));
-    const SegmentGuard& guard = sample.guard;
+    sample.protected_segments = SegmentSplitter(size, is_parallel(contours), sample)
+                                    .split(contours, field, context.threads, thin, options.conforming,
+                                           options.apart || is_parallel(contours));
+    const ProtectedSegments& protected_segments = sample.protected_segments;
     for (int a = 0; a < 3; ++a) lattice.size[a] = 2 * static_cast<std::uint32_t>(extent[a] / size) + 1;
 
     const std::uint32_t structures = static_cast<std::uint32_t>(contours.structures.size());
@@ -584,11 +593,14 @@ Result<PointSample> sample_points(const ContourSet& contours, const StructureFie
         }
     }
     PointGrid surface(surface_spacing * size, near.size());
-    add_surface_points(lattice, near, field, structures, size, guard, surface, sample, thin, context.threads);
-    add_thin_wall_points(lattice.low, thin, field, structures, size, guard, surface, sample, context.threads);
+    add_surface_points(lattice, near, field, structures, size, protected_segments, surface, sample, thin,
+                       context.threads);
+    add_thin_wall_points(lattice.low, thin, field, structures, size, protected_segments, surface, sample,
+                         context.threads);
     sample.stats.surface_points = surface.size();
     sample.stats.thin_spots = thin.size();
-    add_lattice_points(lattice, sites, size, options.growth, guard, surface, sample, context.threads);
+    add_lattice_points(lattice, sites, size, options.growth, protected_segments, surface, sample,
+                       context.threads);
     add_frame(box, sample);
     return sample;
 }

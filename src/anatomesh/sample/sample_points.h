@@ -8,15 +8,15 @@
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/sample/contour_segments.h"
-#include "anatomesh/sample/segment_guard.h"
+#include "anatomesh/sample/protected_segments.h"
 
 namespace anatomesh {
 
 struct SampleOptions {
     double size_mm = 0;   // edge length aimed at near the surface. 0: default_size(). [0.01, 1000]
     double growth = 0.5;  // how fast the edge length may grow with the depth inside, mm per mm. [0, 2]
-    // Contour segments are split as finely as others beside them ask (conform_pieces.h), where planes cross;
-    // those of several structures first as others of their slice ask, but about an axis.
+    // Contour segments are split as finely as others beside them ask (split_encroached_subsegments.h), where
+    // planes cross; those of several structures first as others of their slice ask, but about an axis.
     bool conforming = false;
     // Planes do not cross where something is drawn, though they are not parallel: segments are split as
     // finely as others of their slice ask. Those of parallel ones are so anyway.
@@ -40,9 +40,10 @@ struct SampleStats {
 struct PointSample {
     std::vector<Vec3> points;
     std::vector<std::uint32_t> contour_vertices;  // of every point of the contour set: its index into points
-    std::vector<SegmentPiece> pieces;             // what the contour segments were split into
-    SegmentGuard guard;                           // of the contour points and the split segments
-    bool graded = false;    // pieces were split as finely as others beside them in their slices ask
+    std::vector<Subsegment> subsegments;          // what the contour segments were split into
+    // Of the contour points and the split segments.
+    ProtectedSegments protected_segments;
+    bool graded = false;    // subsegments were split as finely as others beside them in their slices ask
     bool has_pole = false;  // a vertex where four planes or more through a line draw contours
     SampleStats stats;
 };

@@ -125,12 +125,12 @@ TEST(SamplePoints, free_points_keep_their_distances) {
     }
 }
 
-TEST(SamplePoints, no_free_point_lies_in_the_diametral_ball_of_a_piece_of_a_segment) {
+TEST(SamplePoints, no_free_point_lies_in_the_diametral_ball_of_a_subsegment_of_a_segment) {
     const Case given = case_of(ball_with_a_long_bar());
     const double size = 1;
     const PointSample sample = sample_of(given, size);
     const std::size_t fixed = sample.stats.contour_points + sample.stats.segment_points;
-    // The pieces: every segment cut at the sample's points that lie on it.
+    // The subsegments: every segment cut at the sample's points that lie on it.
     for (const Contour& contour : given.set.contours) {
         const auto points = given.set.points_of(contour);
         for (std::size_t n = 0; n < points.size(); ++n) {

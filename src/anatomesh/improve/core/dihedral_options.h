@@ -47,8 +47,8 @@ struct DihedralStats {
     std::uint64_t cuts_found = 0, cuts_mended = 0;        // visits and changes (mend_cuts.h, carve_cuts.h)
     std::uint64_t crumbs_given = 0;                       // that came off where cuts were carved
     std::uint64_t handles_found = 0, handles_closed = 0;  // that no contour tells of
-    std::uint64_t pieces_found = 0, pieces_brought = 0;   // of contour segments (bring_segments.h)
-    std::uint64_t segments_missed = 0;                    // of drawn.following, before follow_surface()
+    std::uint64_t subsegments_found = 0, subsegments_brought = 0;  // of contour segments (bring_segments.h)
+    std::uint64_t segments_missed = 0;  // of drawn.following, before follow_surface()
     std::vector<FollowedContour> followed;
     std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (lift_facets.h)
     std::uint64_t cells_made = 0;   // by all operations, those taken back included

@@ -52,9 +52,9 @@ struct DrawnSlices {
     // Above 0: of cuts those alone are looked at, and at last, before contours are led, of which so large a
     // share of what is drawn is wrong then. Others beside them may get a little worse.
     double least_wrong = 0;
-    // Pieces of contour segments, known to the owners, with cells on one side of their structure alone: two
+    // Subsegments, known to the owners, with cells on one side of their structure alone: two
     // vertices and the structure.
-    std::span<const std::array<std::uint32_t, 3>> pieces_beside = {};
+    std::span<const std::array<std::uint32_t, 3>> subsegments_beside = {};
     std::span<const std::uint8_t> crowded =
         {};  // by vertex: contours force the shapes of its cells; or empty
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double on_segment =
     1e-6;                         // of a segment, as edges_along() has it: a vertex so near to it lies on it
-constexpr double on_line = 1e-9;  // of a piece: a vertex so near to it lies on it
+constexpr double on_line = 1e-9;  // of a subsegment: a vertex so near to it lies on it
 
 }  // namespace
 

@@ -40,7 +40,7 @@ class SidesAt {
     std::vector<std::uint32_t> row_from(std::uint32_t first, std::uint32_t last, std::uint32_t structure);
     // How far a step leads on along a way, times its length, if it lies on it within a millionth.
     static std::optional<double> onward(Vec3 step, Vec3 way);
-    // Of pieces one after the other, each an edge or what fixed edges became of it.
+    // Of subsegments one after the other, each an edge or what fixed edges became of it.
     bool on_surface(std::span<const std::uint32_t> chain, std::uint32_t structure);
 
   private:

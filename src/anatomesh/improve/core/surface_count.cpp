@@ -41,9 +41,9 @@ SurfaceCount::SurfaceCount(Workbench& bench, const ContourOwners& owners,
     }
     for (const Edge& edge : edges_) {
         bool known = false;
-        for (const ContourOwners::Piece& piece : owners.pieces_at(edge.a)) {
-            if (piece.other != edge.b) continue;
-            owned_.push_back({edge.a, edge.b, edge.cell, piece.structure, edge.index});
+        for (const ContourOwners::Subsegment& subsegment : owners.subsegments_at(edge.a)) {
+            if (subsegment.other != edge.b) continue;
+            owned_.push_back({edge.a, edge.b, edge.cell, subsegment.structure, edge.index});
             known = true;
         }
         if (known || !bench.fixed_edge(edge.a, edge.b)) continue;

@@ -30,7 +30,7 @@ class SurfaceCount {
     // These, one for each figure of them.
     const std::vector<std::uint32_t>& structures() const { return structures_; }
 
-    // Contour vertices and pieces on their surface when the object was made, and not any more.
+    // Contour vertices and subsegments on their surface when the object was made, and not any more.
     std::size_t newly_lost();
 
   private:

@@ -429,8 +429,8 @@ class Follower {
         return worst;
     }
 
-    // Pieces of segments that the way takes the place of: their edges need not be there any more, vertices of
-    // theirs alone may move, and do not crowd others.
+    // Subsegments of segments that the way takes the place of: their edges need not be there any more,
+    // vertices of theirs alone may move, and do not crowd others.
     void release(const Led& led, const SectionPath& way, const std::vector<std::uint32_t>& vertices,
                  Attempt& done) {
         std::vector<std::uint32_t> row;
@@ -439,7 +439,7 @@ class Follower {
             const std::uint32_t a = led.loop.drawn(n), b = led.loop.drawn(n + 1);
             const double whole = length(bench_.mesh.point(b) - bench_.mesh.point(a));
             for (std::uint32_t last = a; last != b;) {
-                const std::uint32_t v = end_of_piece(last, a, b, led.contour.structure);
+                const std::uint32_t v = end_of_subsegment(last, a, b, led.contour.structure);
                 if (v == no_cell) break;
                 const auto place = [&](std::uint32_t w) {
                     return static_cast<double>(n) +
@@ -452,12 +452,14 @@ class Follower {
             }
         }
         for (const VertexPair& edge : edges) {
-            const auto is_of_another = [&](const std::array<std::uint32_t, 3>& piece) {
-                return piece[2] != led.contour.structure &&
-                       VertexPair{std::min(piece[0], piece[1]), std::max(piece[0], piece[1])} == edge;
+            const auto is_of_another = [&](const std::array<std::uint32_t, 3>& subsegment) {
+                return subsegment[2] != led.contour.structure &&
+                       VertexPair{std::min(subsegment[0], subsegment[1]),
+                                  std::max(subsegment[0], subsegment[1])} == edge;
             };
             if (bench_.keeps_edge(edge[0], edge[1]) &&
-                std::none_of(drawn_.pieces_beside.begin(), drawn_.pieces_beside.end(), is_of_another))
+                std::none_of(drawn_.subsegments_beside.begin(), drawn_.subsegments_beside.end(),
+                             is_of_another))
                 done.let_go.push_back(edge);
         }
         for (const VertexPair& edge : done.let_go) bench_.release_edge(edge[0], edge[1]);
@@ -475,27 +477,28 @@ class Follower {
         }
     }
 
-    // The end of the piece that leads on from v along the segment from a to b.
-    std::uint32_t end_of_piece(std::uint32_t v, std::uint32_t a, std::uint32_t b,
-                               std::uint32_t structure) const {
+    // The end of the subsegment that leads on from v along the segment from a to b.
+    std::uint32_t end_of_subsegment(std::uint32_t v, std::uint32_t a, std::uint32_t b,
+                                    std::uint32_t structure) const {
         const Vec3 way = bench_.mesh.point(b) - bench_.mesh.point(a);
-        for (const ContourOwners::Piece& piece : drawn_.owners->pieces_at(v)) {
-            if (piece.structure == structure &&
-                SidesAt::onward(bench_.mesh.point(piece.other) - bench_.mesh.point(v), way))
-                return piece.other;
+        for (const ContourOwners::Subsegment& subsegment : drawn_.owners->subsegments_at(v)) {
+            if (subsegment.structure == structure &&
+                SidesAt::onward(bench_.mesh.point(subsegment.other) - bench_.mesh.point(v), way))
+                return subsegment.other;
         }
         return no_cell;
     }
 
-    // Whether all pieces at v are of this structure, and end there. `own`: rising.
+    // Whether all subsegments at v are of this structure, and end there. `own`: rising.
     bool is_free_without(const std::vector<std::uint32_t>& own, std::uint32_t structure,
                          std::uint32_t v) const {
-        const auto pieces = drawn_.owners->pieces_at(v);
-        return bench_.fixed(v) && !pieces.empty() &&
-               std::all_of(pieces.begin(), pieces.end(), [&](const ContourOwners::Piece& piece) {
-                   return piece.structure == structure &&
-                          std::binary_search(own.begin(), own.end(), piece.other);
-               });
+        const auto subsegments = drawn_.owners->subsegments_at(v);
+        return bench_.fixed(v) && !subsegments.empty() &&
+               std::all_of(subsegments.begin(), subsegments.end(),
+                           [&](const ContourOwners::Subsegment& subsegment) {
+                               return subsegment.structure == structure &&
+                                      std::binary_search(own.begin(), own.end(), subsegment.other);
+                           });
     }
 
     void free(std::uint32_t v, Attempt& done) {

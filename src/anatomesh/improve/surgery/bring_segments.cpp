@@ -45,9 +45,9 @@ class Bringer {
         if (!drawn.planes.empty()) areas_.emplace(bench, drawn);
     }
 
-    BringStats run(std::span<const std::array<std::uint32_t, 3>> pieces) {
+    BringStats run(std::span<const std::array<std::uint32_t, 3>> subsegments) {
         std::vector<TriedChain> chains;
-        for (Chain& chain : find_chains(bench_, owners_, pieces)) chains.push_back({std::move(chain)});
+        for (Chain& chain : find_chains(bench_, owners_, subsegments)) chains.push_back({std::move(chain)});
         BringStats stats;
         for (const TriedChain& chain : chains) stats.found += chain.vertices.size() - 1;
         if (chains.size() > most_chains) return stats;
@@ -91,7 +91,7 @@ class Bringer {
             if (!sides_.beside_surface(chain.vertices[n - 1], chain.vertices[n], chain.structure))
                 return false;
         }
-        // The ring is now that of the first piece.
+        // The ring is now that of the first subsegment.
         const Region own = bench_.mesh.region(bench_.ring.cells.front());
         const std::vector<Sheet> sheets =
             find_sheets(bench_, chain, bench_.table->contains(own, chain.structure));
@@ -189,8 +189,8 @@ class Bringer {
 
 BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine, double most_more,
                           const ImproveCells& improve) {
-    if (!drawn.table || !drawn.owners || drawn.pieces_beside.empty()) return {};
-    return Bringer(bench, drawn, least_sine, most_more, improve).run(drawn.pieces_beside);
+    if (!drawn.table || !drawn.owners || drawn.subsegments_beside.empty()) return {};
+    return Bringer(bench, drawn, least_sine, most_more, improve).run(drawn.subsegments_beside);
 }
 
 }  // namespace anatomesh

@@ -17,7 +17,7 @@
 namespace anatomesh {
 namespace {
 
-using Piece = std::array<std::uint32_t, 3>;
+using Subsegment = std::array<std::uint32_t, 3>;
 
 constexpr double any_shape = 1e-4, any_ratio = 1000;
 constexpr double least_within = 0.8;
@@ -33,7 +33,7 @@ struct Bricks {
     RegionTable table{{{}, {0}}};
     std::vector<std::uint32_t> neighbors;
     std::vector<Vec3> grid;
-    std::vector<Piece> pieces;
+    std::vector<Subsegment> subsegments;
     std::vector<std::array<std::uint32_t, 2>> owned;
     double max_radius_edge = any_ratio, most_more_share = 0;  // as bring_segments() has them
 
@@ -149,13 +149,14 @@ struct Bricks {
                 static_cast<std::uint32_t>(std::find(grid.begin(), grid.end(), p) - grid.begin()));
         owned.push_back({vertices.front(), 0});
         owned.push_back({vertices.back(), 0});
-        for (std::size_t n = 1; n < vertices.size(); ++n) pieces.push_back({vertices[n - 1], vertices[n], 0});
+        for (std::size_t n = 1; n < vertices.size(); ++n)
+            subsegments.push_back({vertices[n - 1], vertices[n], 0});
     }
 
     BringStats bring(
         double least_sine = any_shape,
         const Improver& improve = [](Workbench&, const auto&) { return std::vector<std::uint32_t>{}; }) {
-        const ContourOwners owners(owned, mesh.points.size(), pieces);
+        const ContourOwners owners(owned, mesh.points.size(), subsegments);
         std::vector<std::uint8_t> fixed(mesh.points.size(), 1);
         const fixtures::AnalyticField field({2, [](Vec3) { return 1.0; }}, 10);
         EditMesh edited(std::move(mesh), neighbors);
@@ -169,7 +170,7 @@ struct Bricks {
         DrawnSlices drawn;
         drawn.table = &table;
         drawn.owners = &owners;
-        drawn.pieces_beside = pieces;
+        drawn.subsegments_beside = subsegments;
         const BringStats stats =
             bring_segments(bench, drawn, least_sine, most_more_share,
                            [&](const std::vector<std::uint32_t>& cells) { return improve(bench, cells); });
@@ -177,14 +178,14 @@ struct Bricks {
         return stats;
     }
 
-    bool on_surface(const Piece& piece) const {
+    bool on_surface(const Subsegment& subsegment) const {
         bool in = false, out = false;
         for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
             const Cell& cell = mesh.cells[c];
             const auto has = [&](std::uint32_t v) {
                 return std::find(cell.begin(), cell.end(), v) != cell.end();
             };
-            if (has(piece[0]) && has(piece[1])) (inside(c) ? in : out) = true;
+            if (has(subsegment[0]) && has(subsegment[1])) (inside(c) ? in : out) = true;
         }
         return in && out;
     }
@@ -197,14 +198,14 @@ bool beside_trench(Vec3 p) {
     return p.x > 1 && p.x < 7 && p.y > 1 && p.y < 7 && p.z > 1 && p.z < 5 && !(p.x > 2 && p.x < 5 && p.z > 2);
 }
 
-// Whether all pieces were brought that were off the surface; the others stay, and the surfaces are what they
-// were.
+// Whether all subsegments were brought that were off the surface; the others stay, and the surfaces are what
+// they were.
 bool brings_all(Bricks& bricks, std::uint32_t structures = 1) {
     const TetMesh before = bricks.mesh;
     const auto off_surface = [&] {
         return static_cast<std::size_t>(
-            std::count_if(bricks.pieces.begin(), bricks.pieces.end(),
-                          [&](const Piece& piece) { return !bricks.on_surface(piece); }));
+            std::count_if(bricks.subsegments.begin(), bricks.subsegments.end(),
+                          [&](const Subsegment& subsegment) { return !bricks.on_surface(subsegment); }));
     };
     const std::size_t off_before = off_surface();
     const BringStats stats = bricks.bring();
@@ -219,12 +220,12 @@ bool brings_all(Bricks& bricks, std::uint32_t structures = 1) {
 }
 
 void expect_brought(Bricks& bricks) {
-    for (const Piece& piece : bricks.pieces) ASSERT_FALSE(bricks.on_surface(piece));
+    for (const Subsegment& subsegment : bricks.subsegments) ASSERT_FALSE(bricks.on_surface(subsegment));
     EXPECT_TRUE(brings_all(bricks));
 }
 
 // An edge across the corner of a block, within it.
-TEST(BringSegments, a_slit_is_cut_to_a_piece_under_the_surface) {
+TEST(BringSegments, a_slit_is_cut_to_a_subsegment_under_the_surface) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Bricks bricks(in_block, seed ? 0.15 : 0, seed);
         bricks.draw({{1, 4, 3}, {2, 4, 4}});
@@ -233,7 +234,7 @@ TEST(BringSegments, a_slit_is_cut_to_a_piece_under_the_surface) {
 }
 
 // An edge from the floor of a trench to its wall.
-TEST(BringSegments, a_fin_is_built_to_a_piece_over_the_surface) {
+TEST(BringSegments, a_fin_is_built_to_a_subsegment_over_the_surface) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Bricks bricks(beside_trench, seed ? 0.15 : 0, seed);
         bricks.draw({{4, 4, 2}, {5, 4, 3}});
@@ -241,7 +242,7 @@ TEST(BringSegments, a_fin_is_built_to_a_piece_over_the_surface) {
     }
 }
 
-TEST(BringSegments, pieces_with_a_vertex_under_the_surface_between_them_come_together) {
+TEST(BringSegments, subsegments_with_a_vertex_under_the_surface_between_them_come_together) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Bricks bricks(in_block, seed ? 0.1 : 0, seed);
         bricks.draw({{1, 4, 2}, {2, 4, 3}, {3, 4, 4}});
@@ -249,7 +250,7 @@ TEST(BringSegments, pieces_with_a_vertex_under_the_surface_between_them_come_tog
     }
 }
 
-TEST(BringSegments, pieces_near_each_other_are_brought_without_losing_one) {
+TEST(BringSegments, subsegments_near_each_other_are_brought_without_losing_one) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Bricks bricks(in_block, seed ? 0.1 : 0, seed);
         for (int y = 2; y < 7; ++y) bricks.draw({{1, 1.0 * y, 3}, {2, 1.0 * y, 4}});
@@ -287,7 +288,7 @@ std::vector<std::uint32_t> split_fixed_edge(Workbench& bench, std::uint32_t a, s
 }
 
 // Operations put vertices on fixed edges, and on the halves again.
-TEST(BringSegments, a_piece_that_improvement_splits_is_brought) {
+TEST(BringSegments, a_subsegment_that_improvement_splits_is_brought) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Bricks bricks(in_block, seed ? 0.1 : 0, seed);
         bricks.draw({{1, 4, 2}, {2, 4, 3}, {3, 4, 4}});
@@ -295,11 +296,11 @@ TEST(BringSegments, a_piece_that_improvement_splits_is_brought) {
         const double share = 0.3 + 0.04 * seed;
         const BringStats stats = bricks.bring(any_shape, [&](Workbench& bench, const auto&) {
             std::vector<std::uint32_t> made;
-            for (const Piece& piece : bricks.pieces) {
+            for (const Subsegment& subsegment : bricks.subsegments) {
                 const auto middle = static_cast<std::uint32_t>(bench.mesh.point_count());
-                made = split_fixed_edge(bench, piece[0], piece[1], share);
+                made = split_fixed_edge(bench, subsegment[0], subsegment[1], share);
                 EXPECT_FALSE(made.empty());
-                made = split_fixed_edge(bench, middle, piece[1], share);
+                made = split_fixed_edge(bench, middle, subsegment[1], share);
                 EXPECT_FALSE(made.empty());
             }
             return made;
@@ -325,7 +326,7 @@ TEST(BringSegments, what_would_leave_bad_cells_is_taken_back) {
     EXPECT_TRUE(std::equal(before.points.begin(), before.points.end(), bricks.mesh.points.begin()));
 }
 
-TEST(BringSegments, a_piece_on_the_surface_stays_as_it_is) {
+TEST(BringSegments, a_subsegment_on_the_surface_stays_as_it_is) {
     Bricks bricks(in_block);
     bricks.draw({{1, 4, 3}, {1, 4, 4}});
     const TetMesh before = bricks.mesh;
@@ -364,8 +365,8 @@ TEST(BringSegments, an_edge_from_surface_to_surface_is_brought_whatever_cells_th
     }
 }
 
-// In the facet between a piece and two edges of the surface there is a vertex, and one nearer to the piece:
-// the sheet has both within it, unless another one is smaller.
+// In the facet between a subsegment and two edges of the surface there is a vertex, and one nearer to the
+// subsegment: the sheet has both within it, unless another one is smaller.
 TEST(BringSegments, a_sheet_has_vertices_within_it) {
     std::size_t within = 0, tried = 0;
     for_edges(random_ball(1), 3, [&](Bricks bricks, VertexPair edge) {
@@ -389,7 +390,7 @@ TEST(BringSegments, a_sheet_has_vertices_within_it) {
 }
 
 // Cells above the first bound may be the price where cells are parted.
-TEST(BringSegments, a_piece_that_parts_cells_costs_as_many_above_the_bound_as_it_may) {
+TEST(BringSegments, a_subsegment_that_parts_cells_costs_as_many_above_the_bound_as_it_may) {
     constexpr std::array shares{0.0, 0.005, 1.0};
     std::array<std::size_t, 3> brought{};
     const std::size_t tried = for_edges(random_ball(1), 10, [&](const Bricks& ball, VertexPair edge) {
@@ -406,8 +407,8 @@ TEST(BringSegments, a_piece_that_parts_cells_costs_as_many_above_the_bound_as_it
     EXPECT_EQ(brought[2], tried);
 }
 
-// Whatever way its sheet goes, it leaves one end of the piece along the next piece.
-TEST(BringSegments, a_sheet_has_the_next_piece_of_the_contour_on_its_rim) {
+// Whatever way its sheet goes, it leaves one end of the subsegment along the next subsegment.
+TEST(BringSegments, a_sheet_has_the_next_subsegment_of_the_contour_on_its_rim) {
     std::size_t brought = 0;
     const std::size_t tried = for_edges(random_ball(1), 10, [&](Bricks bricks, VertexPair edge) {
         const auto [a, b] = edge;
@@ -421,7 +422,7 @@ TEST(BringSegments, a_sheet_has_the_next_piece_of_the_contour_on_its_rim) {
 }
 
 // Two structures that touch or overlap: the sheet takes nothing from the other.
-TEST(BringSegments, a_piece_beside_another_structure_is_brought) {
+TEST(BringSegments, a_subsegment_beside_another_structure_is_brought) {
     std::size_t brought = 0, tried = 0;
     for (const bool overlap : {false, true}) {
         const double x = overlap ? 2 : 3.5;

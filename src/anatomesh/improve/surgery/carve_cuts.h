@@ -25,9 +25,9 @@ struct CarveStats {
 // that of a structure has another Euler characteristic - but two more, where a handle or a tunnel goes, or,
 // for a cut above 0.1 %, the structure falls into parts, as the slice has it, each with a vertex of a contour
 // of its; and two less, for such a cut, where parts of it, or of what is not it, that were apart are joined
-// -, if a contour vertex or piece leaves the surface of its structure, if the cut does not lose half of what
-// is wrong in the patch, or another one gets worse by as much, or comes near to 0.1 %, if an interface there
-// is farther than the workbench's `apex_mm` from the field's, if a changed cell inside is worse than
+// -, if a contour vertex or subsegment leaves the surface of its structure, if the cut does not lose half of
+// what is wrong in the patch, or another one gets worse by as much, or comes near to 0.1 %, if an interface
+// there is farther than the workbench's `apex_mm` from the field's, if a changed cell inside is worse than
 // cell_judge.h allows, or if more cells than before, and than 0.3 % of those inside, are above the
 // workbench's first bound. The worst cuts come first. Guarantees: all cells positive (checked exactly); no
 // vertex moves but by `improve`. Same result every time. Complexity: O(cells) for each cut concerned and each

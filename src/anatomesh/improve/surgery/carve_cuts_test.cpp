@@ -51,7 +51,7 @@ struct Block {
         std::mt19937 random(seed);
         std::uniform_real_distribution<double> shift(-shaken, shaken);
         std::vector<std::array<std::uint32_t, 2>> vertices;
-        std::vector<std::array<std::uint32_t, 3>> pieces;
+        std::vector<std::array<std::uint32_t, 3>> subsegments;
         std::array<std::uint32_t, 2> last{no_cell, no_cell};
         for (std::uint32_t v = 0; v < mesh.points.size(); ++v) {
             Vec3& p = mesh.points[v];
@@ -69,13 +69,13 @@ struct Block {
             vertices.push_back({v, 0});
             std::uint32_t& before = last[p.x == wall];
             if (before != no_cell) {
-                pieces.push_back({before, v, 0});
+                subsegments.push_back({before, v, 0});
                 contour.push_back({before, v});
             }
             before = v;
         }
         std::sort(contour.begin(), contour.end());
-        owners = ContourOwners(vertices, mesh.points.size(), pieces);
+        owners = ContourOwners(vertices, mesh.points.size(), subsegments);
     }
 
     // With the share of the slice that is wrong before and after.
@@ -113,8 +113,8 @@ struct Block {
         }
         std::sort(edges.begin(), edges.end());
         return topology().closed_manifold() &&
-               std::all_of(contour.begin(), contour.end(), [&](const VertexPair& piece) {
-                   return std::binary_search(edges.begin(), edges.end(), piece);
+               std::all_of(contour.begin(), contour.end(), [&](const VertexPair& subsegment) {
+                   return std::binary_search(edges.begin(), edges.end(), subsegment);
                });
     }
 

@@ -166,9 +166,9 @@ class Closer {
 
     // One handle among the vertices, by the cheapest sheet that does it.
     bool close(const std::vector<std::uint32_t>& vertices, const SurfaceSides& sides) {
-        const auto is_piece = [&](std::uint32_t a, std::uint32_t b) { return bench_.fixed_edge(a, b); };
+        const auto is_subsegment = [&](std::uint32_t a, std::uint32_t b) { return bench_.fixed_edge(a, b); };
         const RimSides rim_sides = [&](std::uint32_t before, std::uint32_t v, std::uint32_t next) {
-            return sides.taken_at(before, v, next, is_piece);
+            return sides.taken_at(before, v, next, is_subsegment);
         };
         const auto closes_a_handle = [&](const Sheet& sheet) {
             return sheet.path.size() > 2 && !sides.are_parted_by(sheet.path);

@@ -23,9 +23,9 @@ struct CloseStats {
 // other side, which fills the hole or cuts the bridge. Then `improve` works on the shapes. All of it is taken
 // back if a surface, of a structure or a region, is not one disc at each vertex concerned, if that of the
 // structure has not one handle less in the same number of shells and others are not as they were, if a
-// contour vertex or piece leaves the surface of its structure, if cuts by slices get worse, if an interface
-// there is farther than the workbench's `apex_mm` from the field's, if a changed cell inside is worse than
-// cell_judge.h allows, or if more cells than before, and than 0.3 % of those inside, are above the
+// contour vertex or subsegment leaves the surface of its structure, if cuts by slices get worse, if an
+// interface there is farther than the workbench's `apex_mm` from the field's, if a changed cell inside is
+// worse than cell_judge.h allows, or if more cells than before, and than 0.3 % of those inside, are above the
 // workbench's first bound. `drawn.following`: of all contours. Guarantees: all cells positive (checked
 // exactly); no vertex moves but by `improve`. Same result every time. Complexity: as small_handles() and
 // O(cells) for each handle closed, and the shapes of the cells of 60 sheets tried in vain at most. Errors:

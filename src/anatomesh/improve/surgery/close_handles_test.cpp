@@ -69,7 +69,7 @@ struct Grid {
     void draw(const std::vector<std::vector<Vec3>>& drawn) {
         fixed.assign(mesh.points.size(), 0);
         std::vector<std::array<std::uint32_t, 2>> vertices;
-        std::vector<std::array<std::uint32_t, 3>> pieces;
+        std::vector<std::array<std::uint32_t, 3>> subsegments;
         for (const std::vector<Vec3>& loop : drawn) {
             Contour contour;
             contour.first_point = static_cast<std::uint32_t>(contour_vertices.size());
@@ -85,12 +85,12 @@ struct Grid {
                                     b = contour_vertices[contour.first_point + (n + 1) % loop.size()];
                 fixed[a] = 1;
                 vertices.push_back({a, 0});
-                pieces.push_back({a, b, 0});
+                subsegments.push_back({a, b, 0});
                 edges.push_back({std::min(a, b), std::max(a, b)});
             }
         }
         std::sort(edges.begin(), edges.end());
-        owners = ContourOwners(vertices, mesh.points.size(), pieces);
+        owners = ContourOwners(vertices, mesh.points.size(), subsegments);
     }
 
     // `told`: handles that a whole contour is drawn at stay.

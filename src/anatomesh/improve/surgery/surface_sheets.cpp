@@ -13,8 +13,8 @@ namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_pieces = 50;  // of a chain
-constexpr std::size_t most_facets = 8;   // of a sheet, beside one for each piece
+constexpr std::size_t most_subsegments = 50;  // of a chain
+constexpr std::size_t most_facets = 8;        // of a sheet, beside one for each subsegment
 constexpr std::size_t most_looked_at = 4000, most_sheets = 16, most_across = 6;
 constexpr double edge_price = 0.43;  // of its square: the facets that an edge off the surface still needs
 constexpr double wrong_side = 5;     // price of a facet where the field has the side of the chain
@@ -26,15 +26,15 @@ struct Dearer {
     }
 };
 
-// All chains of pieces beside their surfaces that begin and end on them.
+// All chains of subsegments beside their surfaces that begin and end on them.
 class ChainSearch {
   public:
     ChainSearch(Workbench& bench, const ContourOwners& owners) : owners_(owners), sides_(bench) {}
 
-    // `pieces`: those that may be.
-    std::vector<Chain> run(std::span<const std::array<std::uint32_t, 3>> pieces) {
+    // `subsegments`: those that may be.
+    std::vector<Chain> run(std::span<const std::array<std::uint32_t, 3>> subsegments) {
         std::vector<std::array<std::uint32_t, 3>> ends;
-        for (const auto& [a, b, structure] : pieces) {
+        for (const auto& [a, b, structure] : subsegments) {
             ends.push_back({a, b, structure});
             ends.push_back({b, a, structure});
         }
@@ -47,17 +47,17 @@ class ChainSearch {
     }
 
   private:
-    void follow(std::uint32_t first, ContourOwners::Piece piece) {
-        Chain chain{{first, piece.other}, piece.structure};
-        while (!sides_.on_surface(chain.vertices.back(), piece.structure)) {
+    void follow(std::uint32_t first, ContourOwners::Subsegment subsegment) {
+        Chain chain{{first, subsegment.other}, subsegment.structure};
+        while (!sides_.on_surface(chain.vertices.back(), subsegment.structure)) {
             const std::uint32_t at = chain.vertices.back(), from = chain.vertices[chain.vertices.size() - 2];
-            const auto pieces = owners_.pieces_at(at);
-            const auto next =
-                std::find_if(pieces.begin(), pieces.end(), [&](const ContourOwners::Piece& other) {
-                    return other.structure == piece.structure && other.other != from &&
-                           sides_.beside_surface(at, other.other, piece.structure);
+            const auto subsegments = owners_.subsegments_at(at);
+            const auto next = std::find_if(
+                subsegments.begin(), subsegments.end(), [&](const ContourOwners::Subsegment& other) {
+                    return other.structure == subsegment.structure && other.other != from &&
+                           sides_.beside_surface(at, other.other, subsegment.structure);
                 });
-            if (next == pieces.end() || chain.vertices.size() > most_pieces) return;
+            if (next == subsegments.end() || chain.vertices.size() > most_subsegments) return;
             chain.vertices.push_back(next->other);
         }
         // From the other end it is found too.
@@ -258,8 +258,8 @@ class SheetSearch {
 }  // namespace
 
 std::vector<Chain> find_chains(Workbench& bench, const ContourOwners& owners,
-                               std::span<const std::array<std::uint32_t, 3>> pieces) {
-    return ChainSearch(bench, owners).run(pieces);
+                               std::span<const std::array<std::uint32_t, 3>> subsegments) {
+    return ChainSearch(bench, owners).run(subsegments);
 }
 
 std::vector<Sheet> find_sheets(Workbench& bench, const Chain& chain, bool side) {

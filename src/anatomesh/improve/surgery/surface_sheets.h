@@ -1,4 +1,4 @@
-// find_chains, find_sheets: contour pieces that run beside their structure's surface, and facets between them
+// find_chains, find_sheets: subsegments that run beside their structure's surface, and facets between them
 // and it; find_sheets_across: facets between parts of a surface.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace anatomesh {
 
-// Pieces one after the other, with vertices in between that are off the structure's surface as well.
+// Subsegments one after the other, with vertices in between that are off the structure's surface as well.
 struct Chain {
     std::vector<std::uint32_t> vertices;
     std::uint32_t structure;
@@ -53,15 +53,15 @@ struct Sheet {
     }
 };
 
-// All chains of these pieces (two vertices and a structure) that begin and end on their structures' surface,
-// of 50 pieces at most. Complexity: O(pieces x stars).
+// All chains of these subsegments (two vertices and a structure) that begin and end on their structures'
+// surface, of 50 subsegments at most. Complexity: O(subsegments x stars).
 std::vector<Chain> find_chains(Workbench& bench, const ContourOwners& owners,
-                               std::span<const std::array<std::uint32_t, 3>> pieces);
+                               std::span<const std::array<std::uint32_t, 3>> subsegments);
 
 // Up to 16 sheets of a chain, grown facet by facet, the cheapest first, until the rest of the rim lies on the
 // surface: by area, more where the field has the side that the chain is on. None has more than 8 facets
-// beside one for each piece, none meets itself or touches a surface within its rim. `side`: of the structure,
-// on which the chain lies. Same result every time. Complexity: O(4,000 sheets) at most.
+// beside one for each subsegment, none meets itself or touches a surface within its rim. `side`: of the
+// structure, on which the chain lies. Same result every time. Complexity: O(4,000 sheets) at most.
 std::vector<Sheet> find_sheets(Workbench& bench, const Chain& chain, bool side);
 
 // Of a rim that runs over a surface from one vertex to the next and on to a third: on which of its two sides

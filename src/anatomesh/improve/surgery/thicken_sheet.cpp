@@ -63,15 +63,15 @@ class Thickening {
     }
 
   private:
-    // A piece of the structure on the sheet's rim: of the chain, or of a contour that the surface has
+    // A subsegment of the structure on the sheet's rim: of the chain, or of a contour that the surface has
     // already; or, there, of an edge of a contour that was cut since the owners were made. The bench has the
     // edge's ring.
-    bool is_rim_piece(std::uint32_t a, std::uint32_t b) const {
+    bool is_rim_subsegment(std::uint32_t a, std::uint32_t b) const {
         if (!sheet_.has_on_rim(a, b)) return false;
         bool known = false;
-        for (const ContourOwners::Piece& piece : owners_.pieces_at(a)) {
-            if (piece.other != b) continue;
-            if (piece.structure == chain_.structure) return true;
+        for (const ContourOwners::Subsegment& subsegment : owners_.subsegments_at(a)) {
+            if (subsegment.other != b) continue;
+            if (subsegment.structure == chain_.structure) return true;
             known = true;
         }
         return !known && bench_.fixed_edge(a, b) && sides_.ring_is_mixed(chain_.structure);
@@ -115,14 +115,14 @@ class Thickening {
         sort_distinct(edges_);
     }
 
-    // Those with an edge of the sheet that is no piece of its rim.
+    // Those with an edge of the sheet that is no subsegment of its rim.
     std::vector<std::uint32_t> cells_at_edges() {
         std::vector<std::uint32_t> cells;
         for (const auto& facet : sheet_.facets) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t a = facet[k], b = facet[(k + 1) % 3];
                 if (!sides_.find_ring(a, b)) continue;
-                if (is_rim_piece(a, b)) {
+                if (is_rim_subsegment(a, b)) {
                     if (across_) add_beside(facet[(k + 2) % 3], cells);
                     continue;
                 }
@@ -168,8 +168,8 @@ class Thickening {
         return cells;
     }
 
-    // Of the ring of a piece, from the sheet's facet to this vertex on both ways round: cells up to the other
-    // side of the structure, if that is reached before half a turn.
+    // Of the ring of a subsegment, from the sheet's facet to this vertex on both ways round: cells up to the
+    // other side of the structure, if that is reached before half a turn.
     void add_beside(std::uint32_t sheet_vertex, std::vector<std::uint32_t>& cells) const {
         const EdgeRing& ring = bench_.ring;
         const std::size_t count = ring.cells.size();
@@ -191,7 +191,7 @@ class Thickening {
                     break;
                 }
                 part.push_back(c);
-                // Beyond the piece, where the next vertex is on the other side of the plane than those
+                // Beyond the subsegment, where the next vertex is on the other side of the plane than those
                 // before.
                 const Vec3 next = bench_.mesh.point(ring.ring[onward ? (i + 1) % count : i]) - from;
                 const double height = dot(across_->normal, next);

@@ -44,17 +44,17 @@ enum class SheetReach { wide, joined, near, others };
 
 // The edges that lead off the sheet are cut, at `thickness` of their length from it, and what lies between
 // the cuts goes to the other side: a regular neighbourhood of the sheet (Rourke and Sanderson, Introduction
-// to Piecewise-Linear Topology, 1972, chapter 3) but for cells that have nothing of it but pieces on its rim.
-// `own`: the region in which the chain lies; cells of others stay. `areas`: those of a stack, or null.
-// `across`: null where the sheet is a chain's. Else, on both sides, cells at pieces on its rim go too, which
-// lie between the sheet and the other side and not beyond the piece in the plane; on one side all cells do
-// that facets at vertices of the sheet join there, so that what is on the sheet's rim stays on the surface.
-// At vertices where what goes meets the other side in no facet, what is between them goes, so that all is in
-// one part there; and the characteristic of the chain's structure may rise by two, and, on one side, those of
-// others, and on both sides it may fall by two. Returns nothing where a cell would not be positive, a surface
-// not one disc at each vertex concerned, that of a structure of another Euler characteristic, a contour
-// vertex or piece off its surface, or the chain not on it. What was done to the mesh then is the caller's to
-// take back. Complexity: O(cells at the sheet).
+// to Piecewise-Linear Topology, 1972, chapter 3) but for cells that have nothing of it but subsegments on its
+// rim. `own`: the region in which the chain lies; cells of others stay. `areas`: those of a stack, or null.
+// `across`: null where the sheet is a chain's. Else, on both sides, cells at subsegments on its rim go too,
+// which lie between the sheet and the other side and not beyond the subsegment in the plane; on one side all
+// cells do that facets at vertices of the sheet join there, so that what is on the sheet's rim stays on the
+// surface. At vertices where what goes meets the other side in no facet, what is between them goes, so that
+// all is in one part there; and the characteristic of the chain's structure may rise by two, and, on one
+// side, those of others, and on both sides it may fall by two. Returns nothing where a cell would not be
+// positive, a surface not one disc at each vertex concerned, that of a structure of another Euler
+// characteristic, a contour vertex or subsegment off its surface, or the chain not on it. What was done to
+// the mesh then is the caller's to take back. Complexity: O(cells at the sheet).
 std::optional<ThickenedSheet> thicken_sheet(Workbench& bench, const ContourOwners& owners, const Chain& chain,
                                             const Sheet& sheet, Region own, SheetReach reach,
                                             double thickness, SectionAreas* areas,

@@ -67,25 +67,26 @@ VertexStars::VertexStars(std::span<const Cell> cells, std::size_t point_count, i
 
 ContourOwners::ContourOwners(const std::vector<std::array<std::uint32_t, 2>>& vertices,
                              std::size_t point_count,
-                             const std::vector<std::array<std::uint32_t, 3>>& pieces) {
+                             const std::vector<std::array<std::uint32_t, 3>>& subsegments) {
     const auto each_vertex = [&](const auto& emit) {
         for (const auto& [vertex, structure] : vertices) emit(vertex, structure);
     };
     const auto each_end = [&](const auto& emit) {
-        for (const auto& [a, b, structure] : pieces) {
-            emit(a, Piece{b, structure});
-            emit(b, Piece{a, structure});
+        for (const auto& [a, b, structure] : subsegments) {
+            emit(a, Subsegment{b, structure});
+            emit(b, Subsegment{a, structure});
         }
     };
     file_by_vertex(point_count, each_vertex, start_, structures_);
-    file_by_vertex(point_count, each_end, piece_start_, pieces_);
+    file_by_vertex(point_count, each_end, subsegment_start_, subsegments_);
 }
 
 bool ContourOwners::has(std::uint32_t vertex, std::uint32_t structure) const {
     const auto owners = at(vertex);
-    const auto pieces = pieces_at(vertex);
+    const auto subsegments = subsegments_at(vertex);
     return std::find(owners.begin(), owners.end(), structure) != owners.end() ||
-           std::any_of(pieces.begin(), pieces.end(), [&](Piece p) { return p.structure == structure; });
+           std::any_of(subsegments.begin(), subsegments.end(),
+                       [&](Subsegment s) { return s.structure == structure; });
 }
 
 StarAnalyzer::StarAnalyzer(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
@@ -186,28 +187,30 @@ int StarAnalyzer::defect(std::uint32_t vertex) {
 }
 
 // Whether all cells round the edge lie on one side of the structure. An edge that is not in the mesh is not looked at.
-bool StarAnalyzer::piece_lost(std::uint32_t vertex, ContourOwners::Piece piece) const {
+bool StarAnalyzer::subsegment_lost(std::uint32_t vertex, ContourOwners::Subsegment subsegment) const {
     bool in = false, out = false;
     for (const std::uint32_t c : stars_.at(vertex)) {
         const Cell& cell = cells_[c];
-        if (cell[0] != piece.other && cell[1] != piece.other && cell[2] != piece.other &&
-            cell[3] != piece.other)
+        if (cell[0] != subsegment.other && cell[1] != subsegment.other && cell[2] != subsegment.other &&
+            cell[3] != subsegment.other)
             continue;
-        (table_.contains(regions_[c], piece.structure) ? in : out) = true;
+        (table_.contains(regions_[c], subsegment.structure) ? in : out) = true;
     }
     return in != out;
 }
 
-int StarAnalyzer::lost_piece_count(std::uint32_t vertex) {
+int StarAnalyzer::lost_subsegment_count(std::uint32_t vertex) {
     int count = 0;
-    for (const ContourOwners::Piece& piece : owners_.pieces_at(vertex)) count += piece_lost(vertex, piece);
+    for (const ContourOwners::Subsegment& subsegment : owners_.subsegments_at(vertex))
+        count += subsegment_lost(vertex, subsegment);
     return count;
 }
 
-void StarAnalyzer::lost_pieces(std::uint32_t vertex, std::vector<ContourOwners::Piece>& pieces) {
-    pieces.clear();
-    for (const ContourOwners::Piece& piece : owners_.pieces_at(vertex)) {
-        if (piece_lost(vertex, piece)) pieces.push_back(piece);
+void StarAnalyzer::lost_subsegments(std::uint32_t vertex,
+                                    std::vector<ContourOwners::Subsegment>& subsegments) {
+    subsegments.clear();
+    for (const ContourOwners::Subsegment& subsegment : owners_.subsegments_at(vertex)) {
+        if (subsegment_lost(vertex, subsegment)) subsegments.push_back(subsegment);
     }
 }
 

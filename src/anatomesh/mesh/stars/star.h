@@ -29,32 +29,34 @@ class VertexStars {
 // surface.
 class ContourOwners {
   public:
-    // A piece of a contour segment, seen from one of its ends.
-    struct Piece {
+    // A subsegment, seen from one of its ends.
+    struct Subsegment {
         std::uint32_t other, structure;
-        friend auto operator<=>(const Piece&, const Piece&) = default;
+        friend auto operator<=>(const Subsegment&, const Subsegment&) = default;
     };
 
     ContourOwners() = default;
-    // vertices: pairs (vertex, structure); pieces: triples (vertex, vertex, structure). In any order, repeats allowed.
+    // vertices: pairs (vertex, structure); subsegments: triples (vertex, vertex, structure). In any order,
+    // repeats allowed.
     ContourOwners(const std::vector<std::array<std::uint32_t, 2>>& vertices, std::size_t point_count,
-                  const std::vector<std::array<std::uint32_t, 3>>& pieces = {});
+                  const std::vector<std::array<std::uint32_t, 3>>& subsegments = {});
     std::span<const std::uint32_t> at(std::uint32_t vertex) const {
         if (vertex + 1 >= start_.size()) return {};
         return {structures_.data() + start_[vertex], start_[vertex + 1] - start_[vertex]};
     }
-    std::span<const Piece> pieces_at(std::uint32_t vertex) const {
-        if (vertex + 1 >= piece_start_.size()) return {};
-        return {pieces_.data() + piece_start_[vertex], piece_start_[vertex + 1] - piece_start_[vertex]};
+    std::span<const Subsegment> subsegments_at(std::uint32_t vertex) const {
+        if (vertex + 1 >= subsegment_start_.size()) return {};
+        return {subsegments_.data() + subsegment_start_[vertex],
+                subsegment_start_[vertex + 1] - subsegment_start_[vertex]};
     }
 
     bool knows(std::uint32_t vertex) const { return vertex + 1 < start_.size(); }
-    // Whether a contour of the structure has a vertex there, or the end of a piece.
+    // Whether a contour of the structure has a vertex there, or the end of a subsegment.
     bool has(std::uint32_t vertex, std::uint32_t structure) const;
 
   private:
-    std::vector<std::uint32_t> start_, structures_, piece_start_;
-    std::vector<Piece> pieces_;
+    std::vector<std::uint32_t> start_, structures_, subsegment_start_;
+    std::vector<Subsegment> subsegments_;
 };
 
 // A set of regions whose surface must be a manifold: all regions of one structure, or one region by itself (region 0,
@@ -79,7 +81,7 @@ struct StarPiece {
 // Looks at stars of a mesh whose regions change under it. Keeps scratch space: not thread-safe.
 // A vertex is *sound* when every body cuts its star into at most one piece inside and one outside (then the
 // body's surface passes through it as one disc or not at all: no non-manifold edge or vertex there) and
-// every structure with a contour vertex there has it on its surface. Pieces of contour segments off the surface are
+// every structure with a contour vertex there has it on its surface. Subsegments off the surface are
 // defects too, but do not make a vertex unsound.
 class StarAnalyzer {
   public:
@@ -91,10 +93,10 @@ class StarAnalyzer {
     // contour vertex here that is not on its surface.
     int defect(std::uint32_t vertex);
 
-    // The pieces of contour segments at the vertex that are edges of the mesh but not of their structure's surface,
+    // The subsegments at the vertex that are edges of the mesh but not of their structure's surface,
     // both ends counted: a sum over vertices counts each twice.
-    int lost_piece_count(std::uint32_t vertex);
-    void lost_pieces(std::uint32_t vertex, std::vector<ContourOwners::Piece>& pieces);
+    int lost_subsegment_count(std::uint32_t vertex);
+    void lost_subsegments(std::uint32_t vertex, std::vector<ContourOwners::Subsegment>& subsegments);
 
     // Pieces of those sides that have more than one. Empty for a vertex without excess pieces.
     void excess_pieces(std::uint32_t vertex, std::vector<StarPiece>& pieces);
@@ -106,7 +108,7 @@ class StarAnalyzer {
 
   private:
     void load(std::uint32_t vertex);
-    bool piece_lost(std::uint32_t vertex, ContourOwners::Piece piece) const;
+    bool subsegment_lost(std::uint32_t vertex, ContourOwners::Subsegment subsegment) const;
     void find_cuts();
     void add_cut(Body body);
     int count_pieces(std::uint32_t cut);

@@ -1,7 +1,7 @@
 // Whether a model is built again: by what came of it, and of those before.
 //
 // A default edge length may be too coarse for the smallest parts, and the first tries spare work that most
-// inputs do not need (dense planes, recovered pieces of contours, pieces left short). So a model that breaks
+// inputs do not need (dense planes, recovered subsegments, subsegments left short). So a model that breaks
 // the contract is built again, first with all the work, then finer. One that keeps the contract is built
 // again too, where walls came out torn that a finer edge length may keep whole, where contour segments were
 // split for each other's sake and left ill-shaped cells, or where many cells are ill-shaped; but for the

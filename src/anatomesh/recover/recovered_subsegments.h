@@ -1,5 +1,5 @@
-// RecoveredPieces: contour pieces that the Delaunay mesh does not have as edges of their structure's surface,
-// made such by exchanging cells.
+// RecoveredSubsegments: subsegments that the Delaunay mesh does not have as edges of their structure's
+// surface, made such by exchanging cells.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
-#include "anatomesh/recover/recover_pieces.h"
+#include "anatomesh/recover/recover_segments.h"
 #include "anatomesh/refine/labelled_mesh.h"
 #include "anatomesh/sample/contour_segments.h"
 
@@ -23,8 +23,8 @@ struct DrawnInMesh {
     const ContourSet& contours;
     std::vector<std::uint32_t> vertex_of;                     // by point of the contours
     const std::vector<std::array<std::uint32_t, 2>>& owners;  // as ContourOwners wants them
-    std::vector<SegmentPiece> pieces;
-    std::vector<std::uint8_t> held;  // by vertex: must stay, besides ends of pieces
+    std::vector<Subsegment> subsegments;
+    std::vector<std::uint8_t> held;  // by vertex: must stay, besides ends of subsegments
 };
 
 struct RecoveryOptions {
@@ -33,28 +33,31 @@ struct RecoveryOptions {
     double max_radius_edge = 2;  // as in RefineOptions
     double most_more_bad =
         0.003;  // cells above it that nothing forces may become more by so many of those inside. [0, 1]
-    double least_shape = 0;       // of cells, as in cavity.h: pieces that ask for worse ones are left. [0, 1]
-    std::size_t few_missing = 0;  // so many may have the worst shapes, whatever part of the pieces they are
-    double near_mm = 0;           // as in RelabelOptions
-    bool losses_wait = true;      // the same
+    // Of cells, as in cavity.h: subsegments that ask for worse ones are left. [0, 1]
+    double least_shape = 0;
+    // So many may have the worst shapes, whatever part of the subsegments they are.
+    std::size_t few_missing = 0;
+    double near_mm = 0;       // as in RelabelOptions
+    bool losses_wait = true;  // the same
 };
 
-// After the first relabelling. Pieces that are no edges become edges (recover_pieces()), those that leave the
-// best cells first, as long as cells above the bound stay few, of those that the contours do not force above
-// all: pieces that cost too many are left, and the others tried again, a few times; then those that are off
-// their surface get vertices beside them (find_side_points()). New cells get their regions as others
-// do (cull()), and are relabelled. Same result at any number of threads.
-class RecoveredPieces {
+// After the first relabelling. Subsegments that are no edges become edges (recover_segments()), those that
+// leave the best cells first, as long as cells above the bound stay few, of those that the contours do not
+// force above all: subsegments that cost too many are left, and the others tried again, a few times; then
+// those that are off their surface get vertices beside them (find_side_points()). New cells get their regions
+// as others do (cull()), and are relabelled. Same result at any number of threads.
+class RecoveredSubsegments {
   public:
     // `mesh`: the cells of `delaunay` with their regions, `neighbors` theirs. Requires: all outlive this.
-    RecoveredPieces(TetMesh& mesh, std::vector<std::uint32_t>& neighbors, LabelledMesh& delaunay,
-                    const StructureField& field, DrawnInMesh drawn, const RecoveryOptions& options);
+    RecoveredSubsegments(TetMesh& mesh, std::vector<std::uint32_t>& neighbors, LabelledMesh& delaunay,
+                         const StructureField& field, DrawnInMesh drawn, const RecoveryOptions& options);
 
     // `unsound`, `relabelled`: of the relabelling before, then of the last one.
     void run(std::vector<std::uint32_t>& unsound, RelabelStats& relabelled, RunContext& context);
 
-    const std::vector<SegmentPiece>& pieces() const { return drawn_.pieces; }
-    const std::vector<std::uint32_t>& vertices() const { return vertices_; }  // where pieces were split here
+    const std::vector<Subsegment>& subsegments() const { return drawn_.subsegments; }
+    // Where subsegments were split here.
+    const std::vector<std::uint32_t>& vertices() const { return vertices_; }
     const RecoverStats& stats() const { return stats_; }
 
   private:

@@ -1,4 +1,4 @@
-#include "anatomesh/recover/recovered_pieces.h"
+#include "anatomesh/recover/recovered_subsegments.h"
 
 #include <algorithm>
 #include <map>
@@ -12,7 +12,7 @@
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
-#include "anatomesh/recover/insert_beside.h"
+#include "anatomesh/recover/insert_keeping_segments.h"
 #include "anatomesh/refine/missing_segments.h"
 #include "anatomesh/refine/segment_vertices.h"
 
@@ -20,25 +20,26 @@ namespace anatomesh {
 
 namespace {
 
-// Of cells, as in cavity.h. From the one of that number on only where few pieces are missing: a contour that
-// is a hundredth of a millimetre from itself has no better ones.
+// Of cells, as in cavity.h. From the one of that number on only where few subsegments are missing: a contour
+// that is a hundredth of a millimetre from itself has no better ones.
 constexpr std::array<double, 9> least_shapes{0.99, 0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01};
 constexpr std::size_t for_few = 5;
-constexpr double worth_splits = 0.2;          // from there on pieces are split that nothing else recovers,
+// From there on subsegments are split that nothing else recovers,.
+constexpr double worth_splits = 0.2;
 constexpr int most_splits = 5;                // each so often
-constexpr double worth_any_shape = 2e-4;      // of the pieces: if no more are missing, they are few
+constexpr double worth_any_shape = 2e-4;      // of the subsegments: if no more are missing, they are few
 constexpr double most_more_forced = 0.03;     // a share of the cells inside
 constexpr double most_more_far_above = 2e-5;  // a share of the cells inside
-constexpr int most_attempts = 3;              // at a shape, without the pieces that cost too much
-constexpr double side_shape = 0.5;            // of the cells at points beside pieces
+constexpr int most_attempts = 3;              // at a shape, without the subsegments that cost too much
+constexpr double side_shape = 0.5;            // of the cells at points beside subsegments
 constexpr int side_rounds = 2;
 constexpr std::size_t grain = 16384;  // cells at a time
 
 }  // namespace
 
-RecoveredPieces::RecoveredPieces(TetMesh& mesh, std::vector<std::uint32_t>& neighbors, LabelledMesh& delaunay,
-                                 const StructureField& field, DrawnInMesh drawn,
-                                 const RecoveryOptions& options)
+RecoveredSubsegments::RecoveredSubsegments(TetMesh& mesh, std::vector<std::uint32_t>& neighbors,
+                                           LabelledMesh& delaunay, const StructureField& field,
+                                           DrawnInMesh drawn, const RecoveryOptions& options)
     : mesh_(mesh),
       neighbors_(neighbors),
       registry_(delaunay.registry()),
@@ -48,37 +49,37 @@ RecoveredPieces::RecoveredPieces(TetMesh& mesh, std::vector<std::uint32_t>& neig
       structures_(static_cast<std::uint32_t>(drawn_.contours.structures.size())),
       sides_(delaunay.sides()) {}
 
-void RecoveredPieces::run(std::vector<std::uint32_t>& unsound, RelabelStats& relabelled,
-                          RunContext& context) {
+void RecoveredSubsegments::run(std::vector<std::uint32_t>& unsound, RelabelStats& relabelled,
+                               RunContext& context) {
     stats_.missing_before =
-        missing_pieces(mesh_.cells, mesh_.points.size(), drawn_.pieces, context.threads).size();
+        missing_subsegments(mesh_.cells, mesh_.points.size(), drawn_.subsegments, context.threads).size();
     stats_.missing_after = stats_.missing_before;
     std::vector<std::uint32_t> look;
     if (stats_.missing_before > 0) recover(look, context);
     if (!look.empty()) relabel_at(look, unsound, relabelled, context);
-    for (int round = 0; round < side_rounds && relabelled.lost_pieces_after > 0; ++round) {
+    for (int round = 0; round < side_rounds && relabelled.lost_subsegments_after > 0; ++round) {
         look.clear();
         if (!open_sides(look, context)) break;
         relabel_at(look, unsound, relabelled, context);
     }
 }
 
-// Pieces that cost too many cells are left, and the others tried again.
-void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& context) {
+// Subsegments that cost too many cells are left, and the others tried again.
+void RecoveredSubsegments::recover(std::vector<std::uint32_t>& look, RunContext& context) {
     const BadCells bad_before = find_bad(context.threads);
     RecoverOptions options;
     options.threads = context.threads;
     for (std::size_t n = 0; n < least_shapes.size() && stats_.missing_after > 0; ++n) {
         const bool few = stats_.missing_after <= options_.few_missing ||
                          static_cast<double>(stats_.missing_after) <=
-                             worth_any_shape * static_cast<double>(drawn_.pieces.size());
+                             worth_any_shape * static_cast<double>(drawn_.subsegments.size());
         if (least_shapes[n] < options_.least_shape || (n >= for_few && !few)) return;
         options.least_shape = least_shapes[n];
         options.most_splits = least_shapes[n] <= worth_splits ? most_splits : 0;
-        const auto before = std::make_tuple(mesh_, neighbors_, drawn_.pieces, sides_);
+        const auto before = std::make_tuple(mesh_, neighbors_, drawn_.subsegments, sides_);
         for (int attempt = 0;; ++attempt) {
             const RecoverResult recovered =
-                recover_pieces(mesh_, neighbors_, drawn_.pieces, drawn_.held, options);
+                recover_segments(mesh_, neighbors_, drawn_.subsegments, drawn_.held, options);
             std::vector<std::uint32_t> here;
             decide(recovered.undecided, here, context);
             const BadCells bad = find_bad(context.threads);
@@ -93,7 +94,7 @@ void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& cont
                 break;
             }
             const std::vector<MeshEdge> dear = too_dear(bad, bad_before, recovered);
-            std::tie(mesh_, neighbors_, drawn_.pieces, sides_) = before;
+            std::tie(mesh_, neighbors_, drawn_.subsegments, sides_) = before;
             if (!gains && dear.empty()) break;
             if (attempt == most_attempts || dear.empty()) return;
             options.left.insert(options.left.end(), dear.begin(), dear.end());
@@ -102,8 +103,8 @@ void RecoveredPieces::recover(std::vector<std::uint32_t>& look, RunContext& cont
     }
 }
 
-std::array<RecoveredPieces::Excess, 3> RecoveredPieces::excesses(const BadCells& bad,
-                                                                 const BadCells& before) const {
+std::array<RecoveredSubsegments::Excess, 3> RecoveredSubsegments::excesses(const BadCells& bad,
+                                                                           const BadCells& before) const {
     const auto excess_of = [&](const std::vector<std::uint32_t>& cells,
                                const std::vector<std::uint32_t>& cells_before, double most_more) {
         const double share = static_cast<double>(cells_before.size()) / static_cast<double>(before.inside);
@@ -115,14 +116,15 @@ std::array<RecoveredPieces::Excess, 3> RecoveredPieces::excesses(const BadCells&
             excess_of(bad.forced, before.forced, most_more_forced)};
 }
 
-bool RecoveredPieces::is_too_bad(const BadCells& bad, const BadCells& before) const {
+bool RecoveredSubsegments::is_too_bad(const BadCells& bad, const BadCells& before) const {
     const std::array<Excess, 3> all = excesses(bad, before);
     return std::any_of(all.begin(), all.end(), [](const Excess& excess) { return excess.count > 0; });
 }
 
-// The pieces to leave so that bad cells become more by no more than they may: those that cost the most first.
-std::vector<MeshEdge> RecoveredPieces::too_dear(const BadCells& bad, const BadCells& before,
-                                                const RecoverResult& recovered) const {
+// The subsegments to leave so that bad cells become more by no more than they may: those that cost the most
+// first.
+std::vector<MeshEdge> RecoveredSubsegments::too_dear(const BadCells& bad, const BadCells& before,
+                                                     const RecoverResult& recovered) const {
     std::vector<MeshEdge> dear;
     for (const auto& [cells, count] : excesses(bad, before)) {
         std::map<MeshEdge, std::size_t> costs;
@@ -143,7 +145,7 @@ std::vector<MeshEdge> RecoveredPieces::too_dear(const BadCells& bad, const BadCe
     return dear;
 }
 
-RecoveredPieces::BadCells RecoveredPieces::find_bad(int threads) const {
+RecoveredSubsegments::BadCells RecoveredSubsegments::find_bad(int threads) const {
     const auto squared_ratio = [&](std::uint32_t c) {
         const Cell& v = mesh_.cells[c];
         return squared_radius_edge(mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]],
@@ -190,29 +192,30 @@ RecoveredPieces::BadCells RecoveredPieces::find_bad(int threads) const {
     return found;
 }
 
-bool RecoveredPieces::open_sides(std::vector<std::uint32_t>& look, RunContext& context) {
-    const std::vector<PieceSides> all_sides = piece_sides(
-        mesh_.cells, mesh_.regions, registry_.table(), mesh_.points.size(), drawn_.pieces, context.threads);
+bool RecoveredSubsegments::open_sides(std::vector<std::uint32_t>& look, RunContext& context) {
+    const std::vector<SubsegmentSides> all_sides =
+        subsegment_sides(mesh_.cells, mesh_.regions, registry_.table(), mesh_.points.size(),
+                         drawn_.subsegments, context.threads);
     PointGrid grid(options_.size_mm, mesh_.points.size());
     for (const Vec3& p : mesh_.points) grid.add(p);
     std::vector<Vec3> points;
     std::vector<std::uint32_t> beside;
     for (std::size_t n = 0; n < all_sides.size(); ++n) {
         if (all_sides[n].inside == all_sides[n].outside) continue;
-        const SegmentPiece& piece = drawn_.pieces[n];
-        find_side_points(mesh_.points, {piece}, {all_sides[n]}, field_, grid, {}, points, context);
-        beside.resize(points.size(), piece.a);
-        look.insert(look.end(), {piece.a, piece.b});
+        const Subsegment& subsegment = drawn_.subsegments[n];
+        find_side_points(mesh_.points, {subsegment}, {all_sides[n]}, field_, grid, {}, points, context);
+        beside.resize(points.size(), subsegment.a);
+        look.insert(look.end(), {subsegment.a, subsegment.b});
     }
-    const std::vector<std::uint32_t> undecided =
-        insert_beside(mesh_, neighbors_, points, beside, drawn_.pieces, drawn_.held, side_shape);
+    const std::vector<std::uint32_t> undecided = insert_keeping_segments(
+        mesh_, neighbors_, points, beside, drawn_.subsegments, drawn_.held, side_shape);
     decide(undecided, look, context);
     return !undecided.empty();
 }
 
 // Gives new cells their regions; their vertices are appended to `look`.
-void RecoveredPieces::decide(const std::vector<std::uint32_t>& undecided, std::vector<std::uint32_t>& look,
-                             RunContext& context) {
+void RecoveredSubsegments::decide(const std::vector<std::uint32_t>& undecided,
+                                  std::vector<std::uint32_t>& look, RunContext& context) {
     find_sides(mesh_.points, mesh_.cells, undecided, field_, structures_, options_.tolerance, sides_,
                registry_, context);
     cull(mesh_.points, mesh_.cells, undecided, sides_, field_, structures_, mesh_.regions, registry_,
@@ -221,22 +224,23 @@ void RecoveredPieces::decide(const std::vector<std::uint32_t>& undecided, std::v
         look.insert(look.end(), mesh_.cells[c].begin(), mesh_.cells[c].end());
 }
 
-void RecoveredPieces::relabel_at(std::vector<std::uint32_t>& look, std::vector<std::uint32_t>& unsound,
-                                 RelabelStats& relabelled, RunContext& context) {
+void RecoveredSubsegments::relabel_at(std::vector<std::uint32_t>& look, std::vector<std::uint32_t>& unsound,
+                                      RelabelStats& relabelled, RunContext& context) {
     look.insert(look.end(), unsound.begin(), unsound.end());
     std::sort(look.begin(), look.end());
     look.erase(std::unique(look.begin(), look.end()), look.end());
     std::vector<CellNeighbors> neighbors(mesh_.cells.size());
     for (std::size_t n = 0; n < neighbors_.size(); ++n) neighbors[n / 4][n % 4] = neighbors_[n];
-    std::vector<std::array<std::uint32_t, 3>> pieces;
-    for (const SegmentPiece& piece : drawn_.pieces) pieces.push_back({piece.a, piece.b, piece.structure});
+    std::vector<std::array<std::uint32_t, 3>> subsegments;
+    for (const Subsegment& subsegment : drawn_.subsegments)
+        subsegments.push_back({subsegment.a, subsegment.b, subsegment.structure});
     const VertexStars stars(mesh_.cells, mesh_.points.size(), context.threads);
     const PlanesOfStack planes =
-        planes_of_stack(drawn_.contours, drawn_.vertex_of, drawn_.pieces, mesh_.points.size());
+        planes_of_stack(drawn_.contours, drawn_.vertex_of, drawn_.subsegments, mesh_.points.size());
     relabelled.add(relabel(
-        mesh_.points, mesh_.cells, neighbors, stars, {drawn_.owners, mesh_.points.size(), pieces}, sides_,
-        {spike_share * options_.size_mm, options_.near_mm, options_.losses_wait}, mesh_.regions, registry_,
-        unsound, look, context.threads, {planes.slice_of, planes.planes, &field_, structures_}));
+        mesh_.points, mesh_.cells, neighbors, stars, {drawn_.owners, mesh_.points.size(), subsegments},
+        sides_, {spike_share * options_.size_mm, options_.near_mm, options_.losses_wait}, mesh_.regions,
+        registry_, unsound, look, context.threads, {planes.slice_of, planes.planes, &field_, structures_}));
 }
 
 }  // namespace anatomesh

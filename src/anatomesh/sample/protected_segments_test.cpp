@@ -1,4 +1,4 @@
-#include "anatomesh/sample/segment_guard.h"
+#include "anatomesh/sample/protected_segments.h"
 
 #include <gtest/gtest.h>
 
@@ -21,24 +21,24 @@ struct RandomPlaces {
     Vec3 point(double reach) { return {number(-reach, reach), number(-reach, reach), number(-reach, reach)}; }
 };
 
-TEST(SegmentGuard,
+TEST(ProtectedSegments,
      guards_the_share_of_the_ball_and_what_is_near_to_the_segment_and_nothing_outside_the_ball) {
     RandomPlaces places;
     int let_through = 0;
     for (int n = 0; n < 200; ++n) {
         const Vec3 a = places.point(3), b = places.point(3), middle = 0.5 * (a + b);
         const double half = 0.5 * length(b - a);
-        SegmentGuard guard(1, 1, 0.8), balls_alone(1, 1);
-        guard.add_segment(a, b);
+        ProtectedSegments protected_segments(1, 1, 0.8), balls_alone(1, 1);
+        protected_segments.add_segment(a, b);
         balls_alone.add_segment(a, b);
         for (int k = 0; k < 200; ++k) {
             const Vec3 p = k % 2 ? middle + places.number(-1, 1) * (b - middle) + places.point(0.1 * half)
                                  : middle + places.point(1.2 * half);
             const double from_middle = length(p - middle);
-            EXPECT_EQ(guard.ball_at(p, 1) == 0, from_middle < half);
-            EXPECT_EQ(guard.ball_at(p, 0), SegmentGuard::no_ball);
+            EXPECT_EQ(protected_segments.ball_at(p, 1) == 0, from_middle < half);
+            EXPECT_EQ(protected_segments.ball_at(p, 0), ProtectedSegments::no_ball);
             EXPECT_EQ(balls_alone.ball_at(p, 0.5) == 0, from_middle < 0.5 * half);
-            const bool guarded = guard.ball_at(p, 0.5) == 0;
+            const bool guarded = protected_segments.ball_at(p, 0.5) == 0;
             if (from_middle < 0.5 * half) {
                 EXPECT_TRUE(guarded);
             } else if (from_middle > half) {
@@ -54,17 +54,18 @@ TEST(SegmentGuard,
     EXPECT_GT(let_through, 1000);
 }
 
-TEST(SegmentGuard, names_the_longest_of_several_segments_until_it_is_dropped) {
-    SegmentGuard guard(1, 3, 0.8);
-    const std::uint32_t short_one = guard.add_segment({-1, 0, 0}, {1, 0, 0});
-    const std::uint32_t long_one = guard.add_segment({-2, 0.1, 0}, {2, 0.1, 0});
-    EXPECT_EQ(guard.ball_at({0.8, 0.05, 0}, 0.5), long_one);
-    EXPECT_EQ(guard.ball_at({0, 0.05, 0}, 0.5), long_one);
-    guard.drop_ball(long_one);
-    EXPECT_EQ(guard.ball_at({0, 0.05, 0}, 0.5), short_one);
-    EXPECT_EQ(guard.ball_at({0.8, 0.03, 0}, 0.5), short_one);  // beyond half the ball, beside the segment
-    guard.drop_ball(short_one);
-    EXPECT_EQ(guard.ball_at({0, 0.05, 0}, 0.5), SegmentGuard::no_ball);
+TEST(ProtectedSegments, names_the_longest_of_several_segments_until_it_is_dropped) {
+    ProtectedSegments protected_segments(1, 3, 0.8);
+    const std::uint32_t short_one = protected_segments.add_segment({-1, 0, 0}, {1, 0, 0});
+    const std::uint32_t long_one = protected_segments.add_segment({-2, 0.1, 0}, {2, 0.1, 0});
+    EXPECT_EQ(protected_segments.ball_at({0.8, 0.05, 0}, 0.5), long_one);
+    EXPECT_EQ(protected_segments.ball_at({0, 0.05, 0}, 0.5), long_one);
+    protected_segments.drop_ball(long_one);
+    EXPECT_EQ(protected_segments.ball_at({0, 0.05, 0}, 0.5), short_one);
+    // Beyond half the ball, beside the segment.
+    EXPECT_EQ(protected_segments.ball_at({0.8, 0.03, 0}, 0.5), short_one);
+    protected_segments.drop_ball(short_one);
+    EXPECT_EQ(protected_segments.ball_at({0, 0.05, 0}, 0.5), ProtectedSegments::no_ball);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "anatomesh/sample/piece_apexes.h"
+#include "anatomesh/sample/segment_clusters.h"
 
 #include <algorithm>
 #include <array>
@@ -14,8 +14,8 @@ namespace anatomesh {
 namespace {
 
 constexpr std::uint32_t no_apex = 0xFFFFFFFFu;
-constexpr double straight = 1e-18;          // squared sine of the angle between pieces of one segment
-constexpr double least_cosine = 0.9;        // of the angle between a piece and the way to it from a pole
+constexpr double straight = 1e-18;          // squared sine of the angle between subsegments of one segment
+constexpr double least_cosine = 0.9;        // of the angle between a subsegment and the way to it from a pole
 constexpr std::ptrdiff_t ways_at_pole = 8;  // four planes that meet in a line
 
 // Whether the way from one point to another leads on from the apex: straight, or from a pole about so.
@@ -28,17 +28,17 @@ bool leads_on(Vec3 apex, Vec3 from, Vec3 to, bool is_pole) {
 
 }  // namespace
 
-PieceApexes::PieceApexes(std::span<const Vec3> points, const std::vector<SegmentPiece>& pieces,
-                         std::vector<std::uint32_t> acute)
+SegmentClusters::SegmentClusters(std::span<const Vec3> points, const std::vector<Subsegment>& subsegments,
+                                 std::vector<std::uint32_t> acute)
     : acute_(std::move(acute)) {
     std::uint32_t balls = 0;
-    for (const SegmentPiece& piece : pieces) balls = std::max(balls, piece.ball + 1);
+    for (const Subsegment& subsegment : subsegments) balls = std::max(balls, subsegment.ball + 1);
     of_ball_.assign(balls, no_apex);
     // By an end: the other one, and the ball.
     std::vector<std::array<std::uint32_t, 3>> at;
-    for (const SegmentPiece& piece : pieces) {
-        at.push_back({piece.a, piece.b, piece.ball});
-        at.push_back({piece.b, piece.a, piece.ball});
+    for (const Subsegment& subsegment : subsegments) {
+        at.push_back({subsegment.a, subsegment.b, subsegment.ball});
+        at.push_back({subsegment.b, subsegment.a, subsegment.ball});
     }
     sort_distinct(at);
     const auto ends_at = [&](std::uint32_t v) {
@@ -65,28 +65,29 @@ PieceApexes::PieceApexes(std::span<const Vec3> points, const std::vector<Segment
         const bool is_pole = last - first >= ways_at_pole;
         const auto [next, end] = ends_at(to);
         const auto ahead =
-            std::find_if(next, end, [&, back = from, at = to, begin = apex](const auto& piece) {
-                return piece[1] != back && leads_on(points[begin], points[at], points[piece[1]], is_pole);
+            std::find_if(next, end, [&, back = from, at = to, begin = apex](const auto& subsegment) {
+                return subsegment[1] != back &&
+                       leads_on(points[begin], points[at], points[subsegment[1]], is_pole);
             });
         if (ahead != end) ways.push({length(points[to] - points[apex]), apex, to, (*ahead)[1], (*ahead)[2]});
     }
 }
 
-std::optional<std::uint32_t> PieceApexes::of(const SegmentPiece& piece) const {
-    if (of_ball_.empty() || of_ball_[piece.ball] == no_apex) return std::nullopt;
-    return of_ball_[piece.ball];
+std::optional<std::uint32_t> SegmentClusters::of(const Subsegment& subsegment) const {
+    if (of_ball_.empty() || of_ball_[subsegment.ball] == no_apex) return std::nullopt;
+    return of_ball_[subsegment.ball];
 }
 
-void PieceApexes::pass_on(const SegmentPiece& piece, std::uint32_t low, std::uint32_t high) {
+void SegmentClusters::pass_on(const Subsegment& subsegment, std::uint32_t low, std::uint32_t high) {
     if (of_ball_.empty()) return;
     of_ball_.resize(std::max<std::size_t>(of_ball_.size(), std::max(low, high) + 1), no_apex);
-    of_ball_[low] = of_ball_[high] = of_ball_[piece.ball];
-    if (of_ball_[piece.ball] != no_apex) return;
-    if (is_apex(piece.a)) of_ball_[low] = piece.a;
-    if (is_apex(piece.b)) of_ball_[high] = piece.b;
+    of_ball_[low] = of_ball_[high] = of_ball_[subsegment.ball];
+    if (of_ball_[subsegment.ball] != no_apex) return;
+    if (is_apex(subsegment.a)) of_ball_[low] = subsegment.a;
+    if (is_apex(subsegment.b)) of_ball_[high] = subsegment.b;
 }
 
-bool PieceApexes::is_apex(std::uint32_t vertex) const {
+bool SegmentClusters::is_apex(std::uint32_t vertex) const {
     return std::binary_search(acute_.begin(), acute_.end(), vertex);
 }
 

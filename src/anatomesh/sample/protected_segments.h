@@ -1,4 +1,5 @@
-// SegmentGuard: keeps free points off the contours, so that contour segments tend to be edges of the mesh.
+// ProtectedSegments: keeps free points off the contours, so that contour segments tend to be edges of the
+// mesh.
 #pragma once
 
 #include <algorithm>
@@ -11,13 +12,13 @@
 
 namespace anatomesh {
 
-// Holds contour points and the pieces that contour segments were split into. A segment whose diametral ball
-// (the smallest ball round it) holds no vertex is an edge of the Delaunay tetrahedralization (Shewchuk,
+// Holds contour points and the subsegments that contour segments were split into. A segment whose diametral
+// ball (the smallest ball round it) holds no vertex is an edge of the Delaunay tetrahedralization (Shewchuk,
 // Comput. Geom. 22, 2002).
-class SegmentGuard {
+class ProtectedSegments {
   public:
     // `size` is the edge length about which queries are made, mm. `lens_slope`: see ball_at(). >= 0
-    SegmentGuard(double size, std::size_t expected_points, double lens_slope = 0)
+    ProtectedSegments(double size, std::size_t expected_points, double lens_slope = 0)
         : points_(0.5 * size, expected_points), midpoints_(size, expected_points), lens_slope_(lens_slope) {}
 
     void add_point(Vec3 p) { points_.add(p); }
@@ -48,10 +49,10 @@ class SegmentGuard {
         return found;
     }
 
-    static constexpr double least_angle = 0.05;  // between pieces that shells keep apart, radians
+    static constexpr double least_angle = 0.05;  // between subsegments that shells keep apart, radians
 
-    // Whether q is as far from `apex` as p is, and at no angle from it below three degrees: there, pieces
-    // that meet at the apex are split without being in each other's way.
+    // Whether q is as far from `apex` as p is, and at no angle from it below three degrees: there,
+    // subsegments that meet at the apex are split without being in each other's way.
     static bool is_on_shell(Vec3 q, Vec3 p, Vec3 apex) {
         constexpr double as_far = 1e-6;
         const double shell = length(p - apex);
@@ -74,10 +75,10 @@ class SegmentGuard {
     static constexpr std::uint32_t no_ball = 0xFFFFFFFFu;
 
     // The diametral ball that p lies in, within `share` of its radius from its middle, or so near to the
-    // segment that it sees this under an angle close to 180 degrees: only pieces as short as it is near would
-    // keep clear of such a point. Of several that of the longest segment, then the first. `share`: [0, 1]; 0
-    // finds none, 1 whole balls. The tangent of what that angle may lack of 180 degrees is the lens slope
-    // times the share.
+    // segment that it sees this under an angle close to 180 degrees: only subsegments as short as it is near
+    // would keep clear of such a point. Of several that of the longest segment, then the first. `share`: [0,
+    // 1]; 0 finds none, 1 whole balls. The tangent of what that angle may lack of 180 degrees is the lens
+    // slope times the share.
     std::uint32_t ball_at(Vec3 p, double share = 1) const {
         std::uint32_t found = no_ball;
         midpoints_.for_each_within(

@@ -1,4 +1,4 @@
-#include "anatomesh/sample/conform_pieces.h"
+#include "anatomesh/sample/split_encroached_subsegments.h"
 
 #include <gtest/gtest.h>
 
@@ -11,17 +11,17 @@ namespace {
 
 struct Drawn {
     std::vector<Vec3> points;
-    std::vector<SegmentPiece> pieces;
-    SegmentGuard guard{1, 100};
+    std::vector<Subsegment> subsegments;
+    ProtectedSegments protected_segments{1, 100};
 
     std::uint32_t add(Vec3 p) {
         points.push_back(p);
-        guard.add_point(p);
+        protected_segments.add_point(p);
         return static_cast<std::uint32_t>(points.size() - 1);
     }
     void join(std::uint32_t a, std::uint32_t b, std::uint32_t structures = 1) {
-        const std::uint32_t ball = guard.add_segment(points[a], points[b]);
-        for (std::uint32_t s = 0; s < structures; ++s) pieces.push_back({a, b, s, ball});
+        const std::uint32_t ball = protected_segments.add_segment(points[a], points[b]);
+        for (std::uint32_t s = 0; s < structures; ++s) subsegments.push_back({a, b, s, ball});
     }
 };
 
@@ -45,25 +45,26 @@ Drawn pole(int rays) {
 
 std::size_t points_in_balls(const Drawn& drawn) {
     std::size_t count = 0;
-    for (const SegmentPiece& piece : drawn.pieces) {
-        const Vec3 a = drawn.points[piece.a], b = drawn.points[piece.b];
+    for (const Subsegment& subsegment : drawn.subsegments) {
+        const Vec3 a = drawn.points[subsegment.a], b = drawn.points[subsegment.b];
         for (std::uint32_t v = 0; v < drawn.points.size(); ++v) {
-            count += v != piece.a && v != piece.b &&
+            count += v != subsegment.a && v != subsegment.b &&
                      length(drawn.points[v] - 0.5 * (a + b)) < 0.499 * length(b - a);
         }
     }
     return count;
 }
 
-TEST(ConformPieces, about_a_pole_every_piece_has_its_ball_for_itself) {
+TEST(SplitEncroachedSubsegments, about_a_pole_every_subsegment_has_its_ball_for_itself) {
     for (const int rays : {6, 12, 26, 40}) {
         Drawn drawn = pole(rays);
         const std::vector<Vec3> before = drawn.points;
         const double whole = 3.0 * rays;
-        EXPECT_EQ(static_cast<double>(drawn.pieces.size()), whole);
-        const std::size_t added = conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.002, {}});
+        EXPECT_EQ(static_cast<double>(drawn.subsegments.size()), whole);
+        const std::size_t added = split_encroached_subsegments(drawn.points, drawn.subsegments,
+                                                               drawn.protected_segments, {0.002, {}});
         EXPECT_EQ(drawn.points.size(), before.size() + added);
-        EXPECT_EQ(drawn.pieces.size(), static_cast<std::size_t>(whole) + added);
+        EXPECT_EQ(drawn.subsegments.size(), static_cast<std::size_t>(whole) + added);
         EXPECT_EQ(points_in_balls(drawn), 0u) << rays;
         EXPECT_TRUE(std::equal(before.begin(), before.end(), drawn.points.begin()));
         EXPECT_LT(added, 30u * static_cast<std::size_t>(rays));
@@ -72,7 +73,8 @@ TEST(ConformPieces, about_a_pole_every_piece_has_its_ball_for_itself) {
 
 // Drawn at distances of its own on either side of the pole. Were every other ray split, those between would
 // have vertices in their balls for good, which lie nearer to each other than points may otherwise.
-TEST(ConformPieces, rays_nearer_to_each_other_than_points_may_lie_are_split_on_shells_side_by_side) {
+TEST(SplitEncroachedSubsegments,
+     rays_nearer_to_each_other_than_points_may_lie_are_split_on_shells_side_by_side) {
     constexpr double shortest = 0.03;
     for (const int rays : {72, 120}) {
         for (const double bend : {0.0, 0.1}) {
@@ -88,50 +90,57 @@ TEST(ConformPieces, rays_nearer_to_each_other_than_points_may_lie_are_split_on_s
                     from = to;
                 }
             }
-            conform_pieces(drawn.points, drawn.pieces, drawn.guard, {shortest, {}});
+            split_encroached_subsegments(drawn.points, drawn.subsegments, drawn.protected_segments,
+                                         {shortest, {}});
             // Left are some beside the shortest.
-            EXPECT_LT(20 * points_in_balls(drawn), drawn.pieces.size()) << rays << " rays, bend " << bend;
+            EXPECT_LT(20 * points_in_balls(drawn), drawn.subsegments.size())
+                << rays << " rays, bend " << bend;
         }
     }
 }
 
-TEST(ConformPieces, no_piece_is_shorter_than_asked_and_no_point_nearer_than_half_of_it_but_on_its_shell) {
+TEST(SplitEncroachedSubsegments,
+     no_subsegment_is_shorter_than_asked_and_no_point_nearer_than_half_of_it_but_on_its_shell) {
     const double shortest = 0.05;
     Drawn drawn = pole(26);
     const std::size_t first = drawn.points.size();
-    conform_pieces(drawn.points, drawn.pieces, drawn.guard, {shortest, {}});
+    split_encroached_subsegments(drawn.points, drawn.subsegments, drawn.protected_segments, {shortest, {}});
     ASSERT_GT(drawn.points.size(), first);
     for (std::size_t n = first; n < drawn.points.size(); ++n) {
         for (std::size_t m = 0; m < n; ++m) {
-            if (SegmentGuard::is_on_shell(drawn.points[m], drawn.points[n], drawn.points[0])) continue;
+            if (ProtectedSegments::is_on_shell(drawn.points[m], drawn.points[n], drawn.points[0])) continue;
             EXPECT_GE(length(drawn.points[n] - drawn.points[m]), 0.5 * shortest);
         }
     }
 }
 
-TEST(ConformPieces, segments_apart_stay_whole_and_shared_ones_are_split_for_all) {
+TEST(SplitEncroachedSubsegments, segments_apart_stay_whole_and_shared_ones_are_split_for_all) {
     Drawn drawn;
     const auto a = drawn.add({0, 0, 0}), b = drawn.add({1, 0, 0}), c = drawn.add({0, 2, 0}),
                d = drawn.add({1, 2, 0});
     drawn.join(a, b, 2);
     drawn.join(c, d);
-    EXPECT_EQ(conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.01, {}}), 0u);
-    EXPECT_EQ(drawn.pieces.size(), 3u);
+    EXPECT_EQ(
+        split_encroached_subsegments(drawn.points, drawn.subsegments, drawn.protected_segments, {0.01, {}}),
+        0u);
+    EXPECT_EQ(drawn.subsegments.size(), 3u);
     drawn.add({0.5, 0.1, 0.2});
-    EXPECT_EQ(conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.01, {}}), 1u);
+    EXPECT_EQ(
+        split_encroached_subsegments(drawn.points, drawn.subsegments, drawn.protected_segments, {0.01, {}}),
+        1u);
     EXPECT_EQ(points_in_balls(drawn), 0u);
     for (std::uint32_t s = 0; s < 2; ++s) {
         double whole = 0;
-        for (const SegmentPiece& piece : drawn.pieces) {
-            if (piece.structure == s && drawn.points[piece.a].y < 1)
-                whole += length(drawn.points[piece.b] - drawn.points[piece.a]);
+        for (const Subsegment& subsegment : drawn.subsegments) {
+            if (subsegment.structure == s && drawn.points[subsegment.a].y < 1)
+                whole += length(drawn.points[subsegment.b] - drawn.points[subsegment.a]);
         }
         EXPECT_NEAR(whole, 1, 1e-12) << s;
     }
 }
 
 // Lines of two structures that cross at small angles, and lines beside each other.
-TEST(ConformPieces, graded_are_no_longer_than_growth_times_the_distance_of_the_next_vertex) {
+TEST(SplitEncroachedSubsegments, graded_are_no_longer_than_growth_times_the_distance_of_the_next_vertex) {
     constexpr double growth = 3, shortest = 0.004;
     for (const double degrees : {1.0, 3.0, 8.0, 20.0}) {
         for (const double apart : {0.0, 0.01, 0.03}) {
@@ -141,23 +150,26 @@ TEST(ConformPieces, graded_are_no_longer_than_growth_times_the_distance_of_the_n
             const auto a = drawn.add({0, 0, 0}), b = drawn.add({1, 0, 0}),
                        c = apart > 0 ? drawn.add({0.3, apart, 0}) : a,
                        d = drawn.add({1.1 * std::cos(angle), apart + 1.1 * std::sin(angle), 0});
-            drawn.pieces.push_back({a, b, 0, drawn.guard.add_segment(drawn.points[a], drawn.points[b])});
-            drawn.pieces.push_back({c, d, 1, drawn.guard.add_segment(drawn.points[c], drawn.points[d])});
+            drawn.subsegments.push_back(
+                {a, b, 0, drawn.protected_segments.add_segment(drawn.points[a], drawn.points[b])});
+            drawn.subsegments.push_back(
+                {c, d, 1, drawn.protected_segments.add_segment(drawn.points[c], drawn.points[d])});
             // As many as real slices have.
             std::vector<std::uint32_t> slices(drawn.points.size(), 0);
             for (int n = 0; n < 300; ++n) drawn.add({0.1 * n, 0, 5});
             slices.resize(drawn.points.size(), 1);
-            conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.05, slices, growth, shortest});
+            split_encroached_subsegments(drawn.points, drawn.subsegments, drawn.protected_segments,
+                                         {0.05, slices, growth, shortest});
             double whole[2] = {0, 0};
-            for (const SegmentPiece& piece : drawn.pieces) {
-                const Vec3 p = drawn.points[piece.a], way = drawn.points[piece.b] - p;
-                whole[piece.structure] += length(way);
+            for (const Subsegment& subsegment : drawn.subsegments) {
+                const Vec3 p = drawn.points[subsegment.a], way = drawn.points[subsegment.b] - p;
+                whole[subsegment.structure] += length(way);
                 if (length(way) < 2 * shortest) continue;
-                if (a == c && (piece.a == a || piece.b == a)) continue;
-                for (const SegmentPiece& other : drawn.pieces) {
-                    const bool meet =
-                        other.a == piece.a || other.a == piece.b || other.b == piece.a || other.b == piece.b;
-                    if (other.structure == piece.structure || meet) continue;
+                if (a == c && (subsegment.a == a || subsegment.b == a)) continue;
+                for (const Subsegment& other : drawn.subsegments) {
+                    const bool meet = other.a == subsegment.a || other.a == subsegment.b ||
+                                      other.b == subsegment.a || other.b == subsegment.b;
+                    if (other.structure == subsegment.structure || meet) continue;
                     for (const std::uint32_t v : {other.a, other.b}) {
                         const Vec3 q = drawn.points[v] - p;
                         const double share = std::clamp(dot(q, way) / squared_length(way), 0.0, 1.0);
@@ -172,8 +184,8 @@ TEST(ConformPieces, graded_are_no_longer_than_growth_times_the_distance_of_the_n
 }
 
 // Lines of two structures that cross at angles at which no length can follow the distance: vertices opposite
-// each other leave every piece its ball.
-TEST(ConformPieces, graded_that_cross_at_small_angles_have_no_vertex_close_beside_them) {
+// each other leave every subsegment its ball.
+TEST(SplitEncroachedSubsegments, graded_that_cross_at_small_angles_have_no_vertex_close_beside_them) {
     constexpr double growth = 3, shortest = 0.015;
     for (const double degrees : {0.3, 0.66, 1.0, 1.7, 3.3, 6.0}) {
         for (const double reach : {0.11, 0.4, 0.93}) {
@@ -185,18 +197,20 @@ TEST(ConformPieces, graded_that_cross_at_small_angles_have_no_vertex_close_besid
                 const bool level = along == 1.0 || along == -0.7;
                 const auto end =
                     drawn.add(level ? Vec3{along, 0, 0} : along * Vec3{std::cos(angle), std::sin(angle), 0});
-                const std::uint32_t ball = drawn.guard.add_segment(drawn.points[centre], drawn.points[end]);
-                drawn.pieces.push_back({centre, end, level ? 0u : 1u, ball});
+                const std::uint32_t ball =
+                    drawn.protected_segments.add_segment(drawn.points[centre], drawn.points[end]);
+                drawn.subsegments.push_back({centre, end, level ? 0u : 1u, ball});
             }
             std::vector<std::uint32_t> slices(drawn.points.size(), 0);
             for (int n = 0; n < 300; ++n) drawn.add({0.1 * n, 0, 5});
             slices.resize(drawn.points.size(), 1);
-            conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.1, slices, growth, shortest});
-            for (const SegmentPiece& piece : drawn.pieces) {
-                const Vec3 a = drawn.points[piece.a], way = drawn.points[piece.b] - a;
+            split_encroached_subsegments(drawn.points, drawn.subsegments, drawn.protected_segments,
+                                         {0.1, slices, growth, shortest});
+            for (const Subsegment& subsegment : drawn.subsegments) {
+                const Vec3 a = drawn.points[subsegment.a], way = drawn.points[subsegment.b] - a;
                 for (std::uint32_t v = 0; v < drawn.points.size(); ++v) {
                     const Vec3 to = drawn.points[v] - a;
-                    if (v == piece.a || v == piece.b || to.z != 0) continue;
+                    if (v == subsegment.a || v == subsegment.b || to.z != 0) continue;
                     const bool in_ball = length(to - 0.5 * way) < 0.4999 * length(way);
                     const double distance = length(cross(way, to)) / length(way);
                     EXPECT_FALSE(in_ball && growth * distance < length(way));
@@ -206,13 +220,13 @@ TEST(ConformPieces, graded_that_cross_at_small_angles_have_no_vertex_close_besid
                 for (std::size_t m = 0; m < n; ++m) EXPECT_NE(drawn.points[m], drawn.points[n]);
             }
             // As long as the angle lets them be.
-            EXPECT_LE(drawn.pieces.size(), 160u);
+            EXPECT_LE(drawn.subsegments.size(), 160u);
         }
     }
 }
 
 // Wedges of two structures in slices one above the other, whose vertices lie in each other's balls.
-TEST(ConformPieces, within_slices_only_what_strangers_of_the_slice_ask_for_is_split) {
+TEST(SplitEncroachedSubsegments, within_slices_only_what_strangers_of_the_slice_ask_for_is_split) {
     for (const double degrees : {4.0, 10.0, 25.0, 50.0}) {
         Drawn drawn;
         std::vector<std::uint32_t> slices, structures;
@@ -223,22 +237,24 @@ TEST(ConformPieces, within_slices_only_what_strangers_of_the_slice_ask_for_is_sp
                        b = drawn.add({2.7 * std::cos(angle), 2.7 * std::sin(angle), z}),
                        own = drawn.add({1.5, -0.2, z}), end = drawn.add({1.5, -3, z});
             for (const std::uint32_t v : {a, b}) {
-                const std::uint32_t ball = drawn.guard.add_segment(drawn.points[apex], drawn.points[v]);
-                drawn.pieces.push_back({apex, v, v == b, ball});
+                const std::uint32_t ball =
+                    drawn.protected_segments.add_segment(drawn.points[apex], drawn.points[v]);
+                drawn.subsegments.push_back({apex, v, v == b, ball});
             }
-            drawn.pieces.push_back(
-                {own, end, 0, drawn.guard.add_segment(drawn.points[own], drawn.points[end])});
+            drawn.subsegments.push_back(
+                {own, end, 0, drawn.protected_segments.add_segment(drawn.points[own], drawn.points[end])});
             slices.insert(slices.end(), 5, slice);
         }
-        conform_pieces(drawn.points, drawn.pieces, drawn.guard, {0.02, slices});
+        split_encroached_subsegments(drawn.points, drawn.subsegments, drawn.protected_segments,
+                                     {0.02, slices});
         // By slice the same.
         EXPECT_EQ(drawn.points.size() % 4, 0u) << degrees;
-        for (const SegmentPiece& piece : drawn.pieces) {
-            const Vec3 p = drawn.points[piece.a], q = drawn.points[piece.b];
-            for (const SegmentPiece& other : drawn.pieces) {
-                if (other.structure == piece.structure || drawn.points[other.a].z != p.z) continue;
+        for (const Subsegment& subsegment : drawn.subsegments) {
+            const Vec3 p = drawn.points[subsegment.a], q = drawn.points[subsegment.b];
+            for (const Subsegment& other : drawn.subsegments) {
+                if (other.structure == subsegment.structure || drawn.points[other.a].z != p.z) continue;
                 for (const std::uint32_t v : {other.a, other.b}) {
-                    if (v == piece.a || v == piece.b) continue;
+                    if (v == subsegment.a || v == subsegment.b) continue;
                     EXPECT_GE(length(drawn.points[v] - 0.5 * (p + q)), 0.4999 * length(q - p)) << degrees;
                 }
             }
@@ -253,9 +269,12 @@ TEST(ConformPieces, within_slices_only_what_strangers_of_the_slice_ask_for_is_sp
     const auto a = apart.add({0, 0, 0}), b = apart.add({3, 0, 0}), c = apart.add({1.5, 0.2, 0.5}),
                d = apart.add({1.5, 3, 0.5}), e = apart.add({1.4, 0.3, 0}), f = apart.add({1.4, 3, 0});
     apart.join(a, b);
-    apart.pieces.push_back({c, d, 1, apart.guard.add_segment(apart.points[c], apart.points[d])});
+    apart.subsegments.push_back(
+        {c, d, 1, apart.protected_segments.add_segment(apart.points[c], apart.points[d])});
     apart.join(e, f);
-    EXPECT_EQ(conform_pieces(apart.points, apart.pieces, apart.guard, {0.02, {0, 0, 1, 1, 0, 0}}), 0u);
+    EXPECT_EQ(split_encroached_subsegments(apart.points, apart.subsegments, apart.protected_segments,
+                                           {0.02, {0, 0, 1, 1, 0, 0}}),
+              0u);
 }
 
 }  // namespace

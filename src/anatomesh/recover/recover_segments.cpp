@@ -1,4 +1,4 @@
-#include "anatomesh/recover/recover_pieces.h"
+#include "anatomesh/recover/recover_segments.h"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +13,8 @@ namespace anatomesh {
 namespace {
 
 constexpr std::size_t most_pierced = 100;                           // cells
-constexpr std::array<double, 5> shares{0.5, 0.35, 0.65, 0.2, 0.8};  // of the way along a piece
-constexpr double near_share = 0.45;  // in lengths of a piece: free vertices nearer to it may go,
+constexpr std::array<double, 5> shares{0.5, 0.35, 0.65, 0.2, 0.8};  // of the way along a subsegment
+constexpr double near_share = 0.45;  // in lengths of a subsegment: free vertices nearer to it may go,
 constexpr double from_ends = 0.1;    // this far from its ends,
 constexpr std::size_t most_near = 3;
 constexpr double drop_gain = 1.25;  // where that makes cells so much better
@@ -22,7 +22,7 @@ constexpr double enough = 0.8;      // a shape that is not looked further for
 
 struct Missing {
     std::uint32_t a, b;
-    MeshEdge piece;  // that it is, or is a part of
+    MeshEdge subsegment;  // that it is, or is a part of
     int splits = 0;
 };
 
@@ -38,27 +38,27 @@ class Recoverer {
         });
     }
 
-    // Looks for a way to make the piece an edge, or two.
-    bool recover(const Missing& piece) {
+    // Looks for a way to make the subsegment an edge, or two.
+    bool recover(const Missing& subsegment) {
         best_.reset();
-        pierce(piece.a, piece.b);
+        pierce(subsegment.a, subsegment.b);
         if (pierced_.empty() || pierced_.size() > most_pierced) return false;
-        find_near(piece);
-        try_without(piece, {});
+        find_near(subsegment);
+        try_without(subsegment, {});
         for (std::size_t n = 0; n < near_.size(); ++n) {
             const std::span<const Near> near = near_;
-            try_without(piece, near.first(n + 1));
-            if (n > 0) try_without(piece, near.subspan(n, 1));
+            try_without(subsegment, near.first(n + 1));
+            if (n > 0) try_without(subsegment, near.subspan(n, 1));
         }
         return best_.has_value();
     }
 
-    // Looks for a place for a vertex on the piece; the halves may be missing.
-    bool split(const Missing& piece) {
+    // Looks for a place for a vertex on the subsegment; the halves may be missing.
+    bool split(const Missing& subsegment) {
         best_.reset();
-        pierce(piece.a, piece.b);
+        pierce(subsegment.a, subsegment.b);
         for (const double share : shares) {
-            const Vec3 p = point(piece, share);
+            const Vec3 p = point(subsegment, share);
             base_.clear();
             for (const std::uint32_t c : pierced_) {
                 if (holds(c, p)) base_.push_back(c);
@@ -68,8 +68,8 @@ class Recoverer {
         return best_.has_value();
     }
 
-    // Does what recover() or split() found best for a piece. Returns the new vertex, or no_cell.
-    std::uint32_t commit(const MeshEdge& piece) {
+    // Does what recover() or split() found best for a subsegment. Returns the new vertex, or no_cell.
+    std::uint32_t commit(const MeshEdge& subsegment) {
         cavity_.reset(best_->base, best_->apex);
         cavity_.open();
         std::vector<std::uint32_t> vertices;
@@ -79,7 +79,7 @@ class Recoverer {
         vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
         const std::uint32_t v = cavity_.fill();
         made_for_.resize(mesh_.cell_count());
-        for (const std::uint32_t c : cavity_.filled()) made_for_[c] = piece;
+        for (const std::uint32_t c : cavity_.filled()) made_for_[c] = subsegment;
         for (const std::uint32_t u : vertices) {
             mesh_.star(u, star_);
             dropped_ += star_.empty();
@@ -92,11 +92,11 @@ class Recoverer {
 
     // By new cell, rising.
     std::vector<MeshEdge> made_for() const {
-        std::vector<MeshEdge> pieces;
+        std::vector<MeshEdge> subsegments;
         for (std::uint32_t c = 0; c < mesh_.cell_count(); ++c) {
-            if (mesh_.alive(c) && mesh_.region(c) == undecided_region) pieces.push_back(made_for_[c]);
+            if (mesh_.alive(c) && mesh_.region(c) == undecided_region) subsegments.push_back(made_for_[c]);
         }
-        return pieces;
+        return subsegments;
     }
 
   private:
@@ -105,27 +105,27 @@ class Recoverer {
         Cavity::Apex apex;
         double shape;
     };
-    // A free vertex beside a piece.
+    // A free vertex beside a subsegment.
     struct Near {
         double distance, share;
         std::uint32_t vertex;
     };
 
-    Vec3 point(const Missing& piece, double share) const {
-        const Vec3 a = mesh_.point(piece.a), b = mesh_.point(piece.b);
+    Vec3 point(const Missing& subsegment, double share) const {
+        const Vec3 a = mesh_.point(subsegment.a), b = mesh_.point(subsegment.b);
         return a + share * (b - a);
     }
 
-    // The cells that the piece passes through, and the stars of these vertices, give way to those of an end
-    // or of a new vertex.
-    void try_without(const Missing& piece, std::span<const Near> gone) {
+    // The cells that the subsegment passes through, and the stars of these vertices, give way to those of an
+    // end or of a new vertex.
+    void try_without(const Missing& subsegment, std::span<const Near> gone) {
         base_ = pierced_;
         for (const Near& near : gone) add_star(near.vertex);
         const double factor = gone.empty() ? 1 : 1 / drop_gain;
-        try_apex({piece.a, {}}, factor);
-        try_apex({piece.b, {}}, factor);
-        for (const Near& near : gone) try_apex({no_cell, point(piece, near.share)}, factor);
-        for (const double share : shares) try_apex({no_cell, point(piece, share)}, factor);
+        try_apex({subsegment.a, {}}, factor);
+        try_apex({subsegment.b, {}}, factor);
+        for (const Near& near : gone) try_apex({no_cell, point(subsegment, near.share)}, factor);
+        for (const double share : shares) try_apex({no_cell, point(subsegment, share)}, factor);
     }
 
     void try_apex(const Cavity::Apex& apex, double factor) {
@@ -137,7 +137,7 @@ class Recoverer {
         if (shape > bar) best_ = Choice{base_, apex, shape};
     }
 
-    // All cells that the piece passes through or touches between its ends.
+    // All cells that the subsegment passes through or touches between its ends.
     void pierce(std::uint32_t a, std::uint32_t b) {
         const Vec3 p = mesh_.point(a), q = mesh_.point(b);
         pierced_.clear();
@@ -181,9 +181,9 @@ class Recoverer {
     }
 
     // Free vertices of the cells that it passes through, the nearest first.
-    void find_near(const Missing& piece) {
+    void find_near(const Missing& subsegment) {
         near_.clear();
-        const Vec3 a = mesh_.point(piece.a), way = mesh_.point(piece.b) - a;
+        const Vec3 a = mesh_.point(subsegment.a), way = mesh_.point(subsegment.b) - a;
         const double span = length(way);
         for (const std::uint32_t c : pierced_) {
             for (const std::uint32_t v : mesh_.cell(c)) {
@@ -221,21 +221,21 @@ class Recoverer {
     std::vector<MeshEdge> made_for_;  // by cell: of those that are new
 };
 
-// A piece that got a vertex between its ends.
+// A subsegment that got a vertex between its ends.
 struct Halved {
     std::uint32_t a, b, middle;
 };
 
-// Goes over the missing pieces until none is left or nothing helps; those left stay in `missing`.
+// Goes over the missing subsegments until none is left or nothing helps; those left stay in `missing`.
 std::vector<Halved> recover_all(Recoverer& recoverer, std::vector<Missing>& missing,
                                 const RecoverOptions& options, RecoverStats& stats) {
     std::vector<Halved> halved;
-    const auto halve = [&](const Missing& piece) {
-        const std::uint32_t v = recoverer.commit(piece.piece);
+    const auto halve = [&](const Missing& subsegment) {
+        const std::uint32_t v = recoverer.commit(subsegment.subsegment);
         if (v == no_cell) return v;
-        recoverer.keep(piece.a, v);
-        recoverer.keep(v, piece.b);
-        halved.push_back({piece.a, piece.b, v});
+        recoverer.keep(subsegment.a, v);
+        recoverer.keep(v, subsegment.b);
+        halved.push_back({subsegment.a, subsegment.b, v});
         return v;
     };
     // Every other pass splits what the one before could not do.
@@ -243,53 +243,56 @@ std::vector<Halved> recover_all(Recoverer& recoverer, std::vector<Missing>& miss
         const bool splits = pass % 2 == 1 && options.most_splits > 0;
         std::vector<Missing> left;
         bool done = false;
-        for (const Missing& piece : missing) {
-            if (recoverer.is_edge(piece.a, piece.b)) continue;
-            if (recoverer.recover(piece)) {
-                stats.without_vertex += halve(piece) == no_cell;
+        for (const Missing& subsegment : missing) {
+            if (recoverer.is_edge(subsegment.a, subsegment.b)) continue;
+            if (recoverer.recover(subsegment)) {
+                stats.without_vertex += halve(subsegment) == no_cell;
                 done = true;
-            } else if (splits && piece.splits < options.most_splits && recoverer.split(piece)) {
-                const std::uint32_t v = halve(piece);
-                left.push_back({piece.a, v, piece.piece, piece.splits + 1});
-                left.push_back({v, piece.b, piece.piece, piece.splits + 1});
+            } else if (splits && subsegment.splits < options.most_splits && recoverer.split(subsegment)) {
+                const std::uint32_t v = halve(subsegment);
+                left.push_back({subsegment.a, v, subsegment.subsegment, subsegment.splits + 1});
+                left.push_back({v, subsegment.b, subsegment.subsegment, subsegment.splits + 1});
                 done = true;
             } else {
-                left.push_back(piece);
+                left.push_back(subsegment);
             }
         }
         missing = std::move(left);
         if (!done && (splits || options.most_splits == 0)) break;
     }
-    std::erase_if(missing, [&](const Missing& piece) { return recoverer.is_edge(piece.a, piece.b); });
+    std::erase_if(missing,
+                  [&](const Missing& subsegment) { return recoverer.is_edge(subsegment.a, subsegment.b); });
     return halved;
 }
 
-// Pieces of several structures may have the same ends. `halved` in the order in which it happened.
-void add_halves(const std::vector<Halved>& halved, std::vector<SegmentPiece>& pieces) {
+// Subsegments of several structures may have the same ends. `halved` in the order in which it happened.
+void add_halves(const std::vector<Halved>& halved, std::vector<Subsegment>& subsegments) {
     for (const auto& [a, b, middle] : halved) {
-        const std::size_t count = pieces.size();
+        const std::size_t count = subsegments.size();
         for (std::size_t n = 0; n < count; ++n) {
-            const SegmentPiece piece = pieces[n];
-            if (std::minmax(piece.a, piece.b) != std::minmax(a, b)) continue;
-            pieces[n].b = middle;
-            pieces.push_back({middle, piece.b, piece.structure, piece.ball});
+            const Subsegment subsegment = subsegments[n];
+            if (std::minmax(subsegment.a, subsegment.b) != std::minmax(a, b)) continue;
+            subsegments[n].b = middle;
+            subsegments.push_back({middle, subsegment.b, subsegment.structure, subsegment.ball});
         }
     }
 }
 
 }  // namespace
 
-RecoverResult recover_pieces(TetMesh& mesh, std::vector<std::uint32_t>& neighbors,
-                             std::vector<SegmentPiece>& pieces, const std::vector<std::uint8_t>& fixed,
-                             const RecoverOptions& options) {
+RecoverResult recover_segments(TetMesh& mesh, std::vector<std::uint32_t>& neighbors,
+                               std::vector<Subsegment>& subsegments, const std::vector<std::uint8_t>& fixed,
+                               const RecoverOptions& options) {
     RecoverResult result;
     std::vector<MeshEdge> edges;
-    for (const std::uint32_t n : missing_pieces(mesh.cells, mesh.points.size(), pieces, options.threads))
-        edges.push_back({std::min(pieces[n].a, pieces[n].b), std::max(pieces[n].a, pieces[n].b)});
+    for (const std::uint32_t n :
+         missing_subsegments(mesh.cells, mesh.points.size(), subsegments, options.threads))
+        edges.push_back(
+            {std::min(subsegments[n].a, subsegments[n].b), std::max(subsegments[n].a, subsegments[n].b)});
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     EditMesh edit(std::move(mesh), neighbors);
-    Recoverer recoverer(edit, kept_edges(fixed, pieces), options);
+    Recoverer recoverer(edit, kept_edges(fixed, subsegments), options);
     std::vector<Missing> missing;
     for (const MeshEdge& e : edges) {
         if (!std::binary_search(options.left.begin(), options.left.end(), e))
@@ -303,8 +306,8 @@ RecoverResult recover_pieces(TetMesh& mesh, std::vector<std::uint32_t>& neighbor
                              [&](const MeshEdge& e) { return !recoverer.is_edge(e[0], e[1]); }));
     result.stats.vertices_added = halved.size();
     result.stats.vertices_dropped = recoverer.dropped();
-    for (const Halved& piece : halved) result.vertices.push_back(piece.middle);
-    add_halves(halved, pieces);
+    for (const Halved& subsegment : halved) result.vertices.push_back(subsegment.middle);
+    add_halves(halved, subsegments);
     result.made_for = recoverer.made_for();
     result.undecided = take_with_undecided(std::move(edit), mesh, neighbors);
     return result;

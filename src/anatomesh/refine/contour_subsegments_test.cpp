@@ -1,4 +1,4 @@
-#include "anatomesh/refine/contour_pieces.h"
+#include "anatomesh/refine/contour_subsegments.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 using random_solids::Random;
 
 constexpr double size = 1;
-constexpr double clearance = 0.05;  // of what splits a piece from the points of others, in sizes
+constexpr double clearance = 0.05;  // of what splits a subsegment from the points of others, in sizes
 
 double distance_of_segments(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
     double least = HUGE_VAL;
@@ -31,8 +31,8 @@ double distance_of_segments(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
 // Segments that keep a distance from each other, with vertices close beside most of them.
 struct Drawn {
     std::vector<Vec3> points;
-    std::vector<SegmentPiece> pieces;
-    SegmentGuard guard{size, 1000};
+    std::vector<Subsegment> subsegments;
+    ProtectedSegments protected_segments{size, 1000};
 
     Drawn(std::uint32_t seed, double apart, double beside) {
         Random random(seed);
@@ -50,9 +50,9 @@ struct Drawn {
         for (const auto& [a, b] : segments) {
             const auto first = static_cast<std::uint32_t>(points.size());
             points.insert(points.end(), {a, b});
-            guard.add_point(a);
-            guard.add_point(b);
-            pieces.push_back({first, first + 1, 0, guard.add_segment(a, b)});
+            protected_segments.add_point(a);
+            protected_segments.add_point(b);
+            subsegments.push_back({first, first + 1, 0, protected_segments.add_segment(a, b)});
         }
         for (const auto& [a, b] : segments) {
             // Rings round it.
@@ -75,8 +75,8 @@ LabelledMesh labelled(const Drawn& drawn, const StructureField& field, RunContex
     return mesh;
 }
 
-// However many are missing: with no other piece nearer than their own lengths come to, all become edges.
-TEST(ContourPieces, that_are_well_apart_all_become_edges_beside_any_vertices) {
+// However many are missing: with no other subsegment nearer than their own lengths come to, all become edges.
+TEST(ContourSubsegments, that_are_well_apart_all_become_edges_beside_any_vertices) {
     for (std::uint32_t seed = 1; seed <= 12; ++seed) {
         SCOPED_TRACE(seed);
         Drawn drawn(seed, 0.2 * size, 0.05 * size);
@@ -84,28 +84,30 @@ TEST(ContourPieces, that_are_well_apart_all_become_edges_beside_any_vertices) {
         RunContext context;
         LabelledMesh mesh = labelled(drawn, field, context);
         const std::size_t missing =
-            missing_pieces(mesh.cells().cells, mesh.points().size(), drawn.pieces).size();
+            missing_subsegments(mesh.cells().cells, mesh.points().size(), drawn.subsegments).size();
         EXPECT_GT(missing, 10u);
-        ContourPieces pieces(mesh, drawn.guard, field, drawn.pieces, {size, false});
-        ASSERT_TRUE(pieces.finish(context).ok());
-        EXPECT_TRUE(pieces.are_short());
-        EXPECT_TRUE(missing_pieces(mesh.cells().cells, mesh.points().size(), pieces.pieces()).empty());
+        ContourSubsegments subsegments(mesh, drawn.protected_segments, field, drawn.subsegments,
+                                       {size, false});
+        ASSERT_TRUE(subsegments.finish(context).ok());
+        EXPECT_TRUE(subsegments.are_short());
+        EXPECT_TRUE(
+            missing_subsegments(mesh.cells().cells, mesh.points().size(), subsegments.subsegments()).empty());
     }
 }
 
 // Lines that cross at a small angle, with vertices in the balls of both: where one is split, so is the other.
-TEST(ContourPieces, that_cross_at_small_angles_all_become_edges) {
+TEST(ContourSubsegments, that_cross_at_small_angles_all_become_edges) {
     for (const double degrees : {0.4, 0.7, 1.2, 2.0, 3.3}) {
         for (std::uint32_t seed = 1; seed <= 6; ++seed) {
             SCOPED_TRACE(testing::Message() << degrees << " degrees, seed " << seed);
             Drawn drawn(seed, 0.2 * size, 0.05 * size);
-            drawn.pieces.clear();
-            drawn.guard = SegmentGuard(size, 1000);
+            drawn.subsegments.clear();
+            drawn.protected_segments = ProtectedSegments(size, 1000);
             Random random(seed);
             const Vec3 u = random.direction(), v = normalized(cross(u, random.direction()));
             const double angle = degrees * std::numbers::pi / 180;
             const auto add = [&](Vec3 p) {
-                drawn.guard.add_point(p);
+                drawn.protected_segments.add_point(p);
                 drawn.points.push_back(p);
                 return static_cast<std::uint32_t>(drawn.points.size() - 1);
             };
@@ -114,8 +116,9 @@ TEST(ContourPieces, that_cross_at_small_angles_all_become_edges) {
                 const bool first = along == 0.5 || along == -0.45;
                 const Vec3 way = first ? u : std::cos(angle) * u + std::sin(angle) * v;
                 const std::uint32_t end = add(drawn.points[centre] + along * way);
-                const std::uint32_t ball = drawn.guard.add_segment(drawn.points[centre], drawn.points[end]);
-                drawn.pieces.push_back({centre, end, first ? 0u : 1u, ball});
+                const std::uint32_t ball =
+                    drawn.protected_segments.add_segment(drawn.points[centre], drawn.points[end]);
+                drawn.subsegments.push_back({centre, end, first ? 0u : 1u, ball});
                 const Vec3 beside = 0.12 * normalized(cross(u, random.direction()));
                 drawn.points.push_back(drawn.points[centre] + 0.6 * along * way + beside);
             }
@@ -124,29 +127,31 @@ TEST(ContourPieces, that_cross_at_small_angles_all_become_edges) {
             LabelledMesh mesh(Tetrahedralization::create(drawn.points).value(), field, 2, size,
                               {0.02 * size});
             mesh.update(context);
-            ContourPieceOptions options;
+            ContourSubsegmentOptions options;
             options.size_mm = size;
             options.graded = true;
-            ContourPieces pieces(mesh, drawn.guard, field, drawn.pieces, options);
-            ASSERT_TRUE(pieces.finish(context).ok());
-            EXPECT_TRUE(missing_pieces(mesh.cells().cells, mesh.points().size(), pieces.pieces()).empty());
+            ContourSubsegments subsegments(mesh, drawn.protected_segments, field, drawn.subsegments, options);
+            ASSERT_TRUE(subsegments.finish(context).ok());
+            EXPECT_TRUE(
+                missing_subsegments(mesh.cells().cells, mesh.points().size(), subsegments.subsegments())
+                    .empty());
         }
     }
 }
 
-// As at the pole of planes about an axis: pieces of one length all round a vertex, a few degrees apart, each
-// with a vertex in its ball somewhere. Where one is split, so are those beside it, at the same distance.
-TEST(ContourPieces, that_meet_at_a_pole_all_become_edges) {
+// As at the pole of planes about an axis: subsegments of one length all round a vertex, a few degrees apart,
+// each with a vertex in its ball somewhere. Where one is split, so are those beside it, at the same distance.
+TEST(ContourSubsegments, that_meet_at_a_pole_all_become_edges) {
     for (const int count : {16, 24, 40, 64}) {
         for (std::uint32_t seed = 1; seed <= 4; ++seed) {
             SCOPED_TRACE(testing::Message() << count << " pieces, seed " << seed);
             Drawn drawn(seed, 0.2 * size, 0.05 * size);
-            drawn.pieces.clear();
-            drawn.guard = SegmentGuard(size, 1000);
+            drawn.subsegments.clear();
+            drawn.protected_segments = ProtectedSegments(size, 1000);
             Random random(seed);
             const Plane plane = make_plane({0.01, 0.02, 0.03}, random.direction());
             const auto add = [&](Vec3 p) {
-                drawn.guard.add_point(p);
+                drawn.protected_segments.add_point(p);
                 drawn.points.push_back(p);
                 return static_cast<std::uint32_t>(drawn.points.size() - 1);
             };
@@ -157,8 +162,9 @@ TEST(ContourPieces, that_meet_at_a_pole_all_become_edges) {
                 const double angle = apart * n;
                 const Vec3 way = std::cos(angle) * plane.u + std::sin(angle) * plane.v;
                 const std::uint32_t end = add(drawn.points[pole] + span * way);
-                const std::uint32_t ball = drawn.guard.add_segment(drawn.points[pole], drawn.points[end]);
-                drawn.pieces.push_back({pole, end, 0, ball});
+                const std::uint32_t ball =
+                    drawn.protected_segments.add_segment(drawn.points[pole], drawn.points[end]);
+                drawn.subsegments.push_back({pole, end, 0, ball});
                 const double along = span * random.between(0.3, 0.9);
                 drawn.points.push_back(drawn.points[pole] + along * way + 0.2 * along * apart * plane.normal);
             }
@@ -166,31 +172,34 @@ TEST(ContourPieces, that_meet_at_a_pole_all_become_edges) {
             RunContext context;
             LabelledMesh mesh = labelled(drawn, field, context);
             const std::size_t missing =
-                missing_pieces(mesh.cells().cells, mesh.points().size(), drawn.pieces).size();
+                missing_subsegments(mesh.cells().cells, mesh.points().size(), drawn.subsegments).size();
             EXPECT_GT(missing, 2u);
-            ContourPieceOptions options;
+            ContourSubsegmentOptions options;
             options.size_mm = size;
             options.conforming = true;
-            ContourPieces pieces(mesh, drawn.guard, field, drawn.pieces, options);
-            ASSERT_TRUE(pieces.finish(context).ok());
-            EXPECT_TRUE(missing_pieces(mesh.cells().cells, mesh.points().size(), pieces.pieces()).empty());
+            ContourSubsegments subsegments(mesh, drawn.protected_segments, field, drawn.subsegments, options);
+            ASSERT_TRUE(subsegments.finish(context).ok());
+            EXPECT_TRUE(
+                missing_subsegments(mesh.cells().cells, mesh.points().size(), subsegments.subsegments())
+                    .empty());
         }
     }
 }
 
-// Nothing is split to crumbs where pieces lie too close to each other: it ends, and what is made keeps its
-// distance.
-TEST(ContourPieces, that_crowd_each_other_are_not_split_to_crumbs) {
+// Nothing is split to crumbs where subsegments lie too close to each other: it ends, and what is made keeps
+// its distance.
+TEST(ContourSubsegments, that_crowd_each_other_are_not_split_to_crumbs) {
     for (std::uint32_t seed = 1; seed <= 12; ++seed) {
         SCOPED_TRACE(seed);
         Drawn drawn(seed, 1e-4 * size, 1e-4 * size);
         const fixtures::AnalyticField field({fixtures::ball({}, 3)}, 30);
         RunContext context;
         LabelledMesh mesh = labelled(drawn, field, context);
-        ContourPieces pieces(mesh, drawn.guard, field, drawn.pieces, {size, false});
-        ASSERT_TRUE(pieces.recover(0, context, SplitLimits::beside_short()).ok());
-        for (const SegmentPiece& piece : pieces.pieces()) {
-            const double span = length(mesh.points()[piece.b] - mesh.points()[piece.a]);
+        ContourSubsegments subsegments(mesh, drawn.protected_segments, field, drawn.subsegments,
+                                       {size, false});
+        ASSERT_TRUE(subsegments.recover(0, context, SplitLimits::beside_short()).ok());
+        for (const Subsegment& subsegment : subsegments.subsegments()) {
+            const double span = length(mesh.points()[subsegment.b] - mesh.points()[subsegment.a]);
             EXPECT_GE(span, clearance * size * (1 - 1e-12));
         }
     }

@@ -1,4 +1,4 @@
-#include "anatomesh/recover/insert_beside.h"
+#include "anatomesh/recover/insert_keeping_segments.h"
 
 #include <algorithm>
 
@@ -78,12 +78,14 @@ class Inserter {
 
 }  // namespace
 
-std::vector<std::uint32_t> insert_beside(TetMesh& mesh, std::vector<std::uint32_t>& neighbors,
-                                         std::span<const Vec3> points, std::span<const std::uint32_t> beside,
-                                         const std::vector<SegmentPiece>& pieces,
-                                         const std::vector<std::uint8_t>& fixed, double least_shape) {
+std::vector<std::uint32_t> insert_keeping_segments(TetMesh& mesh, std::vector<std::uint32_t>& neighbors,
+                                                   std::span<const Vec3> points,
+                                                   std::span<const std::uint32_t> beside,
+                                                   const std::vector<Subsegment>& subsegments,
+                                                   const std::vector<std::uint8_t>& fixed,
+                                                   double least_shape) {
     EditMesh edit(std::move(mesh), neighbors);
-    const KeptEdges kept = kept_edges(fixed, pieces);
+    const KeptEdges kept = kept_edges(fixed, subsegments);
     Inserter inserter(edit, kept);
     for (std::size_t n = 0; n < points.size(); ++n) inserter.insert(points[n], beside[n], least_shape);
     return take_with_undecided(std::move(edit), mesh, neighbors);
