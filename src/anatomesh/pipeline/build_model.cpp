@@ -14,8 +14,8 @@
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/pipeline/build_once.h"
 #include "anatomesh/pipeline/model_warnings.h"
-#include "anatomesh/pipeline/retry/attempts.h"
-#include "anatomesh/pipeline/retry/even_out.h"
+#include "anatomesh/pipeline/retry/retry_for_mean_ratio.h"
+#include "anatomesh/pipeline/retry/retry_policy.h"
 #include "anatomesh/pipeline/retry/thin_walls.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/sweep.h"
@@ -24,9 +24,9 @@ namespace anatomesh {
 
 namespace {
 
-constexpr double finer = 0.7;  // a further try's edge length, in those of the one before
-// Of slightly finer tries, in those of the first.
-constexpr std::array<double, Attempts::most_conforming> slightly_finer{0.9, 0.8, 0.7, 0.56};
+constexpr double finer = 0.7;  // a further run's edge length, in those of the one before
+// Of slightly finer runs, in those of the first.
+constexpr std::array<double, RetryPolicy::most_conforming> slightly_finer{0.9, 0.8, 0.7, 0.56};
 
 // Of a model with edges as short as walls between structures ask for, in place of one that is refused, and of
 // one that misses clauses.
@@ -35,46 +35,46 @@ constexpr double same_size = 0.01, hardly_shorter = 0.975;  // of edge lengths
 constexpr double most_of_all = 0.5;  // of what is drawn, by length, belongs to structures with such walls
 
 struct Made {
-    TryOutcome outcome;
+    RunScore score;
     double size_mm = 0;
 };
 
 // A model that keeps the contract, while another one is tried.
 struct KeptModel {
     Model model;
-    Trial trial;
+    RunConfig config;
     std::vector<Warning> warnings;
     Made made;
     std::string sought;  // what another one was tried for
 };
 
 // Whether another model does not mend what it was tried for.
-bool is_in_vain(const KeptModel& kept, const BuiltOnce& other, const Attempts& attempts) {
-    if (!other.model.ok() || has_more_contours(kept.made.outcome, other.outcome)) return true;
-    if (attempts.finer_for_shape() && other.outcome.over_bound >= kept.made.outcome.over_bound) return true;
-    return kept.made.outcome.conformed_badly && !kept.made.outcome.astray && !kept.made.outcome.tore_walls &&
-           other.outcome.bad > 0 &&
-           kept.made.outcome.unforced <= std::max(other.outcome.unforced, contract::share_over_bound);
+bool is_in_vain(const KeptModel& kept, const BuiltOnce& other, const RetryPolicy& policy) {
+    if (!other.model.ok() || has_more_contours(kept.made.score, other.score)) return true;
+    if (policy.finer_for_shape() && other.score.over_bound >= kept.made.score.over_bound) return true;
+    return kept.made.score.conformed_badly && !kept.made.score.deviates && !kept.made.score.torn &&
+           other.score.bad > 0 &&
+           kept.made.score.unforced <= std::max(other.score.unforced, contract::share_over_bound);
 }
 
 // Tries until a model is as good as it can be.
-class Tries {
+class RetryDriver {
   public:
-    Tries(const ContourSet& contours, const ModelOptions& options, RunContext& context,
-          const StageObserver& observer)
+    RetryDriver(const ContourSet& contours, const ModelOptions& options, RunContext& context,
+                const StageObserver& observer)
         : contours_(contours), context_(context), observer_(observer) {
-        trial_.options = options;
-        trial_.size_given = options.size_mm > 0;
+        config_.options = options;
+        config_.size_given = options.size_mm > 0;
     }
 
     Result<Model> run() {
         const auto start = std::chrono::steady_clock::now();
         ANATOMESH_TRY(Model model, choose());
-        if (!trial_.size_given) {
+        if (!config_.size_given) {
             ANATOMESH_TRY(model, slightly_shorter_one(std::move(model)));
         }
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-        note_other_tries(model.report, seconds.count());
+        note_other_runs(model.report, seconds.count());
         model.drawn = contours_;
         ANATOMESH_CHECK_STATUS(show_again());
         model.report.work = work_;
@@ -83,7 +83,7 @@ class Tries {
 
   private:
     Result<Model> choose() {
-        Attempts attempts(trial_.size_given);
+        RetryPolicy policy(config_.size_given);
         for (;;) {
             BuiltOnce built = build(observer_);
             if (!built.model.ok() && built.model.error().kind == ErrorKind::cancelled)
@@ -91,29 +91,29 @@ class Tries {
             if (count_ == 1) {
                 if (std::optional<Result<Model>> model = between_walls(built)) return std::move(*model);
             }
-            const NextTry next = attempts.next(built.outcome, kept_ ? &kept_->made.outcome : nullptr);
-            if (next == NextTry::none) {
-                if (kept_ && is_in_vain(*kept_, built, attempts)) return before_it();
-                taken_ = {built.outcome, built.size_mm};
+            const NextRun next = policy.next(built.score, kept_ ? &kept_->made.score : nullptr);
+            if (next == NextRun::none) {
+                if (kept_ && is_in_vain(*kept_, built, policy)) return before_it();
+                taken_ = {built.score, built.size_mm};
                 // Where planes cross, contours force cells more than those between them do.
                 if (!built.model.ok() || !is_parallel(contours_)) return std::move(built.model);
-                return evened(std::move(built));
+                return retried(std::move(built));
             }
-            const Warning again = prepare(next, attempts.slightly_finer(), std::move(built));
-            if (!trial_.may_conform && kept_ && is_hardly_bad(kept_->made.outcome)) return conforming_one();
+            const Warning again = prepare(next, policy.slightly_finer(), std::move(built));
+            if (!config_.may_conform && kept_ && is_hardly_bad(kept_->made.score)) return conforming_one();
             context_.warn(again);
         }
     }
 
-    // Where structures are nested or drawn twice, walls between them all round, longer edges only cost tries:
+    // Where structures are nested or drawn twice, walls between them all round, longer edges only cost runs:
     // the model that walls ask for, if the first one is refused, misses segments or two clauses, and it is
     // better. Where both are refused, or that would have too many cells, that is the end of it, if most of
     // what is drawn has such walls.
     std::optional<Result<Model>> between_walls(BuiltOnce& first) {
-        const TryOutcome& was = first.outcome;
+        const RunScore& was = first.score;
         const bool refused = !first.model.ok();
-        const bool may_be_better = refused ? was.size_matters : was.unmet > 1 || was.missed > 0;
-        if (!may_be_better || trial_.size_given || contours_.structures.size() < 2 || !known_.field)
+        const bool may_be_better = refused ? was.size_matters : was.unmet_clauses > 1 || was.missed > 0;
+        if (!may_be_better || config_.size_given || contours_.structures.size() < 2 || !known_.field)
             return std::nullopt;
         const std::optional<WallSize> walls =
             wall_size(contours_, first.size_mm, known_.field->slice_spacing());
@@ -131,21 +131,21 @@ class Tries {
 
     std::optional<Result<Model>> with_walls(const BuiltOnce& first, const WallSize& walls) {
         std::vector<Warning> warnings = context_.warnings;
-        const Trial before = trial_;
-        trial_.options.size_mm = walls.size_mm;
+        const RunConfig before = config_;
+        config_.options.size_mm = walls.size_mm;
         context_.warnings.resize(known_.warnings);
         BuiltOnce other = build(observer_);
         const bool is_cancelled = !other.model.ok() && other.model.error().kind == ErrorKind::cancelled;
         const bool is_better = first.model.ok()
-                                   ? other.model.ok() && other.outcome.unmet < first.outcome.unmet
+                                   ? other.model.ok() && other.score.unmet_clauses < first.score.unmet_clauses
                                    : other.model.ok() || walls.share >= most_of_all;
         if (!is_better && !is_cancelled) {
-            trial_ = before;
+            config_ = before;
             context_.warnings = std::move(warnings);
             shown_is_another_ = true;
             return std::nullopt;
         }
-        taken_ = {other.outcome, other.size_mm};
+        taken_ = {other.score, other.size_mm};
         context_.warn({"W-PIP-001",
                        "structures run about " + brief(walls.thickness_mm) +
                            " mm beside each other nearly everywhere, and edges of " + brief(first.size_mm) +
@@ -156,7 +156,7 @@ class Tries {
     }
 
     BuiltOnce build(const StageObserver& observer) {
-        BuiltOnce built = build_once(contours_, trial_, context_, observer, known_);
+        BuiltOnce built = build_once(contours_, config_, context_, observer, known_);
         known_ = built.known;
         work_.add(built.work);
         sizes_.push_back(built.size_mm);
@@ -164,13 +164,13 @@ class Tries {
         return built;
     }
 
-    // Of the next try. Slightly finer ones, and what comes after them, go by the first that conformed.
-    double next_size(NextTry next, std::size_t slightly_finer_tries, const BuiltOnce& built) {
-        if (!built.outcome.conformed || first_size_mm_ == 0) first_size_mm_ = built.size_mm;
+    // Of the next run. Slightly finer ones, and what comes after them, go by the first that conformed.
+    double next_size(NextRun next, std::size_t slightly_finer_runs, const BuiltOnce& built) {
+        if (!built.score.conformed || first_size_mm_ == 0) first_size_mm_ = built.size_mm;
         switch (next) {
-            case NextTry::slightly_finer:
-                return slightly_finer[slightly_finer_tries - 1] * first_size_mm_;
-            case NextTry::finer:
+            case NextRun::slightly_finer:
+                return slightly_finer[slightly_finer_runs - 1] * first_size_mm_;
+            case NextRun::finer:
                 first_size_mm_ = 0;
                 return finer * built.size_mm;
             default:
@@ -178,27 +178,27 @@ class Tries {
         }
     }
 
-    // Returns what is to be said of the next try.
-    Warning prepare(NextTry next, std::size_t slightly_finer_tries, BuiltOnce built) {
-        const bool conformed = built.outcome.conformed;
-        const double size_mm = next_size(next, slightly_finer_tries, built);
+    // Returns what is to be said of the next run.
+    Warning prepare(NextRun next, std::size_t slightly_finer_runs, BuiltOnce built) {
+        const bool conformed = built.score.conformed;
+        const double size_mm = next_size(next, slightly_finer_runs, built);
         const bool ill_shaped =
-            !built.outcome.kept_contract || built.outcome.over_bound > contract::share_over_bound;
+            !built.score.kept_contract || built.score.over_bound > contract::share_over_bound;
         const std::string error = built.model.ok() ? "" : built.model.error().message;
-        const Warning again = built_again(next, built.outcome, error, size_mm);
+        const Warning again = built_again(next, built.score, error, size_mm);
         if (built.model.ok() &&
-            !(kept_ && built.outcome.conformed_badly && is_worse(built.outcome, kept_->made.outcome))) {
+            !(kept_ && built.score.conformed_badly && is_worse(built.score, kept_->made.score))) {
             kept_.emplace(KeptModel{std::move(built.model.value()),
-                                    trial_,
+                                    config_,
                                     context_.warnings,
-                                    {built.outcome, built.size_mm},
-                                    sought_by(next, built.outcome)});
+                                    {built.score, built.size_mm},
+                                    sought_by(next, built.score)});
         }
-        if (conformed && next == NextTry::same_size) trial_.may_conform = false;
-        trial_.options.size_mm = size_mm;
+        if (conformed && next == NextRun::same_size) config_.may_conform = false;
+        config_.options.size_mm = size_mm;
         if (!conformed) {
-            ++trial_.before;
-            trial_.ill_shaped_before += ill_shaped;
+            ++config_.before;
+            config_.ill_shaped_before += ill_shaped;
         }
         if (!warnings_before_) warnings_before_ = known_.warnings;
         context_.warnings.resize(*warnings_before_);
@@ -208,7 +208,7 @@ class Tries {
     // Of those tried that split contour segments for each other's sake the least bad.
     Result<Model> conforming_one() {
         context_.warnings = std::move(kept_->warnings);
-        trial_ = kept_->trial;
+        config_ = kept_->config;
         taken_ = kept_->made;
         shown_is_another_ = count_ > 1;
         return std::move(kept_->model);
@@ -220,47 +220,47 @@ class Tries {
                        kept_->sought + " was tried, and was no better",
                        {},
                        "the model before it was kept"});
-        trial_ = kept_->trial;
+        config_ = kept_->config;
         taken_ = kept_->made;
         shown_is_another_ = true;
         return std::move(kept_->model);
     }
 
-    Result<Model> evened(BuiltOnce built) {
+    Result<Model> retried(BuiltOnce built) {
         const std::size_t warnings = built.known.warnings;
-        const auto build_even = [&](double even_mean) {
+        const auto build_again = [&](double target_mean_ratio) {
             context_.warnings.resize(warnings);
-            trial_.even_mean = even_mean;
+            config_.target_mean_ratio = target_mean_ratio;
             return build({}).model;
         };
-        const double first = trial_.even_mean;
-        ANATOMESH_TRY(EvenedModel even,
-                      even_out(std::move(built.model.value()), built.size_mm, build_even, context_));
-        trial_.even_mean = even.even_mean.value_or(first);
-        shown_is_another_ = even.even_mean.has_value();
+        const double first = config_.target_mean_ratio;
+        ANATOMESH_TRY(RetriedModel even, retry_for_mean_ratio(std::move(built.model.value()), built.size_mm,
+                                                              build_again, context_));
+        config_.target_mean_ratio = even.target_mean_ratio.value_or(first);
+        shown_is_another_ = even.target_mean_ratio.has_value();
         return std::move(even.model);
     }
 
     // Another one in its place, with slightly shorter edges, if that is joined more as drawn, or has the
     // contours that it lacks; until all clauses are met.
     Result<Model> slightly_shorter_one(Model model) {
-        const bool tangled = is_tangled(taken_.outcome);
-        const std::size_t tries = count_;
+        const bool tangled = is_tangled(taken_.score);
+        const std::size_t runs = count_;
         const double first_mm = taken_.size_mm;
-        KeptModel best{std::move(model), trial_, context_.warnings, taken_, ""};
+        KeptModel best{std::move(model), config_, context_.warnings, taken_, ""};
         for (std::size_t n = 0; n < slightly_shorter.size(); ++n) {
             const double share = slightly_shorter[n];
-            const bool is_worth_it = n < shorter_tries || best.made.outcome.cells < very_small_below;
-            const bool lacks_clauses = is_worth_it && may_meet_all_clauses(best.made.outcome, tries);
+            const bool is_worth_it = n < shorter_runs || best.made.score.cells < very_small_below;
+            const bool lacks_clauses = is_worth_it && may_meet_all_clauses(best.made.score, runs);
             const bool untangles = tangled && n == 0;
             if (!lacks_clauses && !untangles) break;
-            trial_.options.size_mm = untried(share * first_mm);
+            config_.options.size_mm = untried(share * first_mm);
             context_.warnings.resize(warnings_before_.value_or(known_.warnings));
             BuiltOnce other = build({});
             if (!other.model.ok() && other.model.error().kind == ErrorKind::cancelled)
                 return std::move(other.model);
-            const bool is_untangled = untangles && is_less_tangled(other.outcome, best.made.outcome);
-            if (!is_untangled && !(lacks_clauses && meets_more_clauses(other.outcome, best.made.outcome)))
+            const bool is_untangled = untangles && is_less_tangled(other.score, best.made.score);
+            if (!is_untangled && !(lacks_clauses && meets_more_clauses(other.score, best.made.score)))
                 continue;
             context_.warn(
                 {"W-PIP-001",
@@ -268,12 +268,12 @@ class Tries {
                      (is_untangled ? " mm the surface was joined otherwise than the contours show"
                                    : " mm single contour segments, cuts or cells were not as they may be"),
                  {},
-                 "built again with " + brief(trial_.options.size_mm) + " mm"});
+                 "built again with " + brief(config_.options.size_mm) + " mm"});
             shown_is_another_ = true;
-            taken_ = {other.outcome, other.size_mm};
-            best = {std::move(other.model.value()), trial_, context_.warnings, taken_, ""};
+            taken_ = {other.score, other.size_mm};
+            best = {std::move(other.model.value()), config_, context_.warnings, taken_, ""};
         }
-        trial_ = best.trial;
+        config_ = best.config;
         context_.warnings = std::move(best.warnings);
         return std::move(best.model);
     }
@@ -288,8 +288,8 @@ class Tries {
         return size_mm;
     }
 
-    // So that the stages tell the time of all tries.
-    void note_other_tries(ModelReport& report, double seconds_of_all) const {
+    // So that the stages tell the time of all runs.
+    void note_other_runs(ModelReport& report, double seconds_of_all) const {
         if (count_ < 2) return;
         for (const StageReport& stage : report.stages) seconds_of_all -= stage.seconds;
         StageReport others;
@@ -314,15 +314,15 @@ class Tries {
     const ContourSet& contours_;
     RunContext& context_;
     const StageObserver& observer_;
-    Trial trial_;
+    RunConfig config_;
     FieldAndVolumes known_;
     std::optional<std::size_t> warnings_before_;  // of the contours and their field
     std::optional<KeptModel> kept_;
     Made taken_;  // of the model to be returned
     std::size_t count_ = 0;
-    WorkReport work_;            // of all tries
-    std::vector<double> sizes_;  // of all tries
-    double first_size_mm_ = 0;   // of tries that conform, before slightly finer ones
+    WorkReport work_;            // of all runs
+    std::vector<double> sizes_;  // of all runs
+    double first_size_mm_ = 0;   // of runs that conform, before slightly finer ones
     bool shown_is_another_ = false;
 };
 
@@ -339,7 +339,7 @@ Result<Model> build_model(const ContourSet& contours, const ModelOptions& option
             {contours.source, "", "", "", ""},
             "give --caps half or rounded"};
     }
-    return Tries(contours, options, context, observer).run();
+    return RetryDriver(contours, options, context, observer).run();
 }
 
 }  // namespace anatomesh

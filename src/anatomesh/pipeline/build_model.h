@@ -1,4 +1,4 @@
-// build_model: from kept contours to a checked tetrahedral model, by as many tries as it takes.
+// build_model: from kept contours to a checked tetrahedral model, by as many runs as it takes.
 #pragma once
 
 #include <functional>
@@ -20,8 +20,8 @@ using StageObserver = std::function<void(const std::string& stage, const TetMesh
 // the result itself; a broken clause is an Error of kind internal or geometry and no model. With a default
 // size a model that fails for being too coarse, or one of a thin structure with holes torn into it, is built
 // again up to three times, each time finer, with a warning (W-PIP-001); one of planes that cross also
-// slightly finer, also where its surface is joined otherwise than drawn (attempts.h). A surface with handles
-// that the contours do not show is warned of (W-PIP-004).
+// slightly finer, also where its surface is joined otherwise than drawn (retry_policy.h). A surface with
+// handles that the contours do not show is warned of (W-PIP-004).
 Result<Model> build_model(const ContourSet& contours, const ModelOptions& options, RunContext& context,
                           const StageObserver& observer = {});
 

@@ -71,14 +71,14 @@ constexpr int relabel_rounds = 10;      // after the first, with points where a 
 constexpr double dense_growth = 2;  // of the edge length with the depth
 // Contour vertices nearer to each other than this may spoil cells, in sizes: more where planes are denser.
 constexpr double crowded_share = 0.08, most_crowded_share = 0.25;
-// Of the cells inside, so many may come above the bound for subsegments' sake at the first tries, and
+// Of the cells inside, so many may come above the bound for subsegments' sake at the first runs, and
 // cells of no worse shape (cavity.h) are made; after more that were ill-shaped none.
 struct RecoveryBounds {
     double most_more_bad, least_shape;
 };
 constexpr std::array<RecoveryBounds, 3> recovery_bounds{{{0.003, 0.01}, {0.001, 0.2}, {0.001, 0.4}}};
 constexpr double least_shape_across = 0.1;  // where planes cross: worse ones are not single there
-// Subsegments that the recovery leaves no shape untried for: about an axis, and elsewhere at the first try.
+// Subsegments that the recovery leaves no shape untried for: about an axis, and elsewhere at the first run.
 constexpr std::size_t few_subsegments = 10;
 // Of a label map, slices far apart against its voxels lack more subsegments, where structures meet.
 constexpr std::size_t last_few_of_labels = 40;
@@ -99,17 +99,17 @@ constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 class Builder {
   public:
     // `known`: of the run before, or empty. Requires: all outlive this.
-    Builder(const ContourSet& contours, const Trial& trial, RunContext& context,
+    Builder(const ContourSet& contours, const RunConfig& config, RunContext& context,
             const StageObserver& observer, FieldAndVolumes known)
         : source_(contours),
           origin_(contours.points.empty() ? Vec3{} : contours.box().low),
           contours_(relative_to(origin_, contours)),
-          options_(trial.options),
-          size_given_(trial.size_given),
-          may_conform_(trial.may_conform),
-          tries_before_(trial.before),
-          ill_shaped_before_(trial.ill_shaped_before),
-          even_mean_(trial.even_mean),
+          options_(config.options),
+          size_given_(config.size_given),
+          may_conform_(config.may_conform),
+          runs_before_(config.before),
+          ill_shaped_before_(config.ill_shaped_before),
+          target_mean_ratio_(config.target_mean_ratio),
           context_(context),
           observer_(observer),
           structures_(static_cast<std::uint32_t>(contours.structures.size())),
@@ -125,12 +125,12 @@ class Builder {
                 counted_field_ ? counted_field_->values() : 0};
     }
 
-    TryOutcome outcome(const Result<Model>& model) const {
+    RunScore score(const Result<Model>& model) const {
         RunFacts facts;
         facts.size_mm = size_mm();
         facts.cells = model.ok() ? model.value().mesh.cells.size() : cells_so_far();
         // The same size is to be tried again with all that can be done.
-        facts.spared_work = spared_ || recovered_ || (subsegments_ && subsegments_->are_short());
+        facts.reduced_effort = spared_ || recovered_ || (subsegments_ && subsegments_->are_short());
         facts.conformed = conforming_;
         facts.segments_missed = segments_missed_;
         facts.has_segments_beside = has_segments_beside_;
@@ -139,12 +139,12 @@ class Builder {
         facts.contradicted = !planes_.apart && (!planes_.meet_cuts || !contradicted_.empty());
         const ModelReport& report = model.ok() ? model.value().report : model_.report;
         if (model.ok()) {
-            facts.tore_walls = tore_a_structure();
-            facts.untold = untold_places(tears_);
-            facts.astray =
+            facts.torn = tore_a_structure();
+            facts.spurious_joints = untold_places(tears_);
+            facts.deviates =
                 conforming_ && planes_.dense && report.field_distance.max_mm > most_astray * size_mm();
         }
-        return outcome_of(model, report, facts);
+        return score_of(model, report, facts);
     }
 
     Result<Model> run() {
@@ -189,7 +189,7 @@ class Builder {
         warnings_of_field_ = context_.warnings.size();
         report().slice_spacing_mm = field_->slice_spacing();
         planes_ = how_planes_lie(contours_, *field_, options_.spare_dense_above);
-        spared_ = planes_.crammed && tries_before_ == 0 && !size_given_;
+        spared_ = planes_.crammed && runs_before_ == 0 && !size_given_;
         slices_ = slices_that_tell(contours_, field_->flat_ends());
         if (planes_.meet_cuts) contradicted_ = contradicted_places(contours_, slices_.weights, context_);
         conforming_ = may_conform_ && planes_.may_conform;
@@ -244,8 +244,8 @@ class Builder {
                 {vertices[subsegment.a], vertices[subsegment.b], subsegment.structure, subsegment.ball});
         }
         ContourSubsegmentOptions options{
-            sample_->stats.size_mm, spared_,           planes_.dense && !planes_.crammed, conforming_,
-            sample_->graded,        tries_before_ == 0};
+            sample_->stats.size_mm, spared_,          planes_.dense && !planes_.crammed, conforming_,
+            sample_->graded,        runs_before_ == 0};
         if (is_parallel(contours_) && contours_.exclusive) options.last_few = last_few_of_labels;
         subsegments_.emplace(*mesh_, sample_->protected_segments, *field_, std::move(subsegments), options);
         given_.assign(mesh_->points().size(), 0);
@@ -267,15 +267,9 @@ class Builder {
     Status refine_cells() {
         const double size_mm = sample_->stats.size_mm;
         const double deviation = conforming_ && planes_.dense ? dense_deviation : surface_deviation;
-        RefinementOptions options{size_mm,
-                                  options_.max_radius_edge,
-                                  0,
-                                  deviation * size_mm,
-                                  spared_,
-                                  conforming_,
-                                  sample_->graded,
-                                  even_mean_,
-                                  {}};
+        RefinementOptions options{
+            size_mm,         options_.max_radius_edge, 0, deviation * size_mm, spared_, conforming_,
+            sample_->graded, target_mean_ratio_,       {}};
         if (planes_.meet_cuts) options.slices = {crossing_planes(), slices_.weights, contradicted_};
         if (spared_) {
             const double share = crowded_share * planes_.density;
@@ -413,7 +407,7 @@ class Builder {
             held[vertices[n]] = 1;
         const RecoveryBounds& bounds = recovery_bounds[ill_shaped_before_];
         const double least_shape = std::max(bounds.least_shape, planes_.apart ? 0 : least_shape_across);
-        const bool may_cost_shape = sample_->has_pole || tries_before_ == 0;
+        const bool may_cost_shape = sample_->has_pole || runs_before_ == 0;
         RecoveredSubsegments recovered(
             model_.mesh, neighbors_, *mesh_, *field_,
             {contours_, vertices_of_contours(), owner_pairs_, subsegment_list_, std::move(held)},
@@ -759,9 +753,9 @@ class Builder {
     const ModelOptions& options_;
     const bool size_given_;
     const bool may_conform_;
-    const std::size_t tries_before_;       // that did not conform
+    const std::size_t runs_before_;        // that did not conform
     const std::size_t ill_shaped_before_;  // of these
-    const double even_mean_;
+    const double target_mean_ratio_;
     RunContext& context_;
     const StageObserver& observer_;
     std::uint32_t structures_;
@@ -778,7 +772,7 @@ class Builder {
     std::optional<RefinementRounds> refinement_;     // of mesh_
     HowPlanesLie planes_;
     bool conforming_ = false;  // where planes cross: see SampleOptions
-    bool spared_ = false;      // planes are crammed, and it is the first try with a default size
+    bool spared_ = false;      // planes are crammed, and it is the first run with a default size
     std::vector<Subsegment> subsegment_list_;  // those of subsegments_, and where the cut split them further
     std::vector<Subsegment> cut_subsegments_;  // of those that the last step of the cut split
     std::vector<FollowedContour> followed_;    // by contour
@@ -800,12 +794,12 @@ class Builder {
 
 }  // namespace
 
-BuiltOnce build_once(const ContourSet& contours, const Trial& trial, RunContext& context,
+BuiltOnce build_once(const ContourSet& contours, const RunConfig& config, RunContext& context,
                      const StageObserver& observer, FieldAndVolumes known) {
-    Builder builder(contours, trial, context, observer, std::move(known));
+    Builder builder(contours, config, context, observer, std::move(known));
     Result<Model> model = builder.run();
-    const TryOutcome outcome = builder.outcome(model);
-    return {std::move(model), outcome, builder.field_and_volumes(), builder.size_mm(), builder.work()};
+    const RunScore score = builder.score(model);
+    return {std::move(model), score, builder.field_and_volumes(), builder.size_mm(), builder.work()};
 }
 
 }  // namespace anatomesh

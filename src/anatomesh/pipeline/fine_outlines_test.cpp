@@ -98,7 +98,7 @@ TEST(FineOutlines, of_few_thick_slices_have_cells_as_good_in_the_mean_as_others)
     }
 }
 
-// Whatever else was tried: the stages shown last are the model's, and their time is that of all tries.
+// Whatever else was tried: the stages shown last are the model's, and their time is that of all runs.
 TEST(FineOutlines, of_few_thick_slices_show_the_stages_of_the_model_that_is_taken) {
     std::size_t evened = 0;
     for (std::uint32_t seed = 1; seed <= 3; ++seed) {

@@ -339,24 +339,23 @@ void warn_of_volumes(std::span<const StructureVolume> volumes, std::span<const S
     }
 }
 
-Warning built_again(NextTry next, const TryOutcome& outcome, const std::string& error, double size_mm) {
+Warning built_again(NextRun next, const RunScore& score, const std::string& error, double size_mm) {
     // Of a message up to the figures, which are of a model that nobody gets.
-    const std::string reason = !error.empty()       ? error.substr(0, error.find(" ("))
-                               : outcome.tore_walls ? "a thin wall had holes"
-                               : outcome.conformed_badly
-                                   ? "a tetrahedron that nothing forces was ill-shaped"
-                                   : "too many tetrahedra were above radius-edge ratio 2";
+    const std::string reason = !error.empty()          ? error.substr(0, error.find(" ("))
+                               : score.torn            ? "a thin wall had holes"
+                               : score.conformed_badly ? "a tetrahedron that nothing forces was ill-shaped"
+                                                       : "too many tetrahedra were above radius-edge ratio 2";
     return {"W-PIP-001",
-            (next != NextTry::finer ? "what was tried before did not keep the contract: "
+            (next != NextRun::finer ? "what was tried before did not keep the contract: "
                                     : "the default edge length was too coarse for the smallest parts: ") +
                 reason,
             {},
             "built again with " + brief(size_mm) + " mm"};
 }
 
-std::string sought_by(NextTry next, const TryOutcome& outcome) {
-    return std::string(next != NextTry::same_size ? "a shorter edge length" : "another way to build it") +
-           " for the sake of " + (outcome.tore_walls ? "torn walls" : "ill-shaped tetrahedra");
+std::string sought_by(NextRun next, const RunScore& score) {
+    return std::string(next != NextRun::same_size ? "a shorter edge length" : "another way to build it") +
+           " for the sake of " + (score.torn ? "torn walls" : "ill-shaped tetrahedra");
 }
 
 }  // namespace anatomesh

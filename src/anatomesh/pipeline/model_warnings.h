@@ -11,7 +11,7 @@
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/measure/report.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
-#include "anatomesh/pipeline/retry/attempts.h"
+#include "anatomesh/pipeline/retry/retry_policy.h"
 
 namespace anatomesh {
 
@@ -52,9 +52,9 @@ void warn_of_crowded_cells(const ModelReport& report, const std::string& file, R
 
 // Of a model that is built again, W-PIP-001: why, and with what edge length. `error`: its message where there
 // is no model, else empty. Requires: next is not none.
-Warning built_again(NextTry next, const TryOutcome& outcome, const std::string& error, double size_mm);
+Warning built_again(NextRun next, const RunScore& score, const std::string& error, double size_mm);
 
 // What is tried next and for what sake, of a model that keeps the contract.
-std::string sought_by(NextTry next, const TryOutcome& outcome);
+std::string sought_by(NextRun next, const RunScore& score);
 
 }  // namespace anatomesh

@@ -131,19 +131,19 @@ TEST(ModelWarnings, a_volume_between_slices_that_is_not_what_is_drawn) {
 }
 
 TEST(ModelWarnings, a_model_built_again_says_why_and_how) {
-    TryOutcome outcome;
-    const Warning refused = built_again(NextTry::finer, outcome, "clause 6 is broken (12 % of 3)", 1.5);
+    RunScore score;
+    const Warning refused = built_again(NextRun::finer, score, "clause 6 is broken (12 % of 3)", 1.5);
     EXPECT_EQ(refused.code, "W-PIP-001");
     EXPECT_NE(refused.message.find("too coarse for the smallest parts: clause 6 is broken"),
               std::string::npos);
     EXPECT_EQ(refused.message.find("12 %"), std::string::npos) << "figures of a model that nobody gets";
-    outcome.conformed_badly = true;
-    EXPECT_NE(built_again(NextTry::same_size, outcome, "", 1.5).message.find("nothing forces"),
+    score.conformed_badly = true;
+    EXPECT_NE(built_again(NextRun::same_size, score, "", 1.5).message.find("nothing forces"),
               std::string::npos);
-    EXPECT_EQ(sought_by(NextTry::same_size, outcome),
+    EXPECT_EQ(sought_by(NextRun::same_size, score),
               "another way to build it for the sake of ill-shaped tetrahedra");
-    outcome.tore_walls = true;
-    EXPECT_EQ(sought_by(NextTry::finer, outcome), "a shorter edge length for the sake of torn walls");
+    score.torn = true;
+    EXPECT_EQ(sought_by(NextRun::finer, score), "a shorter edge length for the sake of torn walls");
 }
 
 // Single tetrahedra in a row, each of a region.

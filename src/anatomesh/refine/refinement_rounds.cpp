@@ -183,12 +183,12 @@ Status RefinementRounds::improve_shapes(RunContext& context) {
 Status RefinementRounds::even_shapes(RunContext& context) {
     const double first = options_.max_radius_edge;
     const auto mean = [&] { return mean_ratio(mesh_, first, context.threads); };
-    const int steps = options_.even_mean < 1 ? bound_steps_below_1 : bound_steps;
+    const int steps = options_.target_mean_ratio < 1 ? bound_steps_below_1 : bound_steps;
     for (int step = 1; step <= steps; ++step) {
         const double bound = (1 - step * bound_step) * first;
         CellSearch search;
         for (int round = 0; round < even_rounds; ++round) {
-            if (mean() <= options_.even_mean) return Nothing{};
+            if (mean() <= options_.target_mean_ratio) return Nothing{};
             std::vector<Vec3> found;
             const RefineStats stats = find_shape_points(bound, 1, search, found, context);
             if (not_worth_a_round(found.size(), 800)) break;

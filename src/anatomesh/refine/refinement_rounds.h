@@ -28,7 +28,7 @@ struct RefinementOptions {
     bool graded = false;  // they were in their slices alone
     // Where the mean ratio of the cells inside, each at most the bound, is above this after the rounds for
     // their shape, further ones go on with lower bounds. What follows takes a twentieth off. [0.9, 2]
-    double even_mean = 1;
+    double target_mean_ratio = 1;
     CutSlices slices;  // whose planes cross; or none
 };
 

@@ -27,7 +27,7 @@ struct ModelOptions {
     // all stay where they are drawn
     double max_follow_mm = 0;
     // Of contour vertices on planes that lie closer than those, times the square of plane_density(): above,
-    // less is done for cells and contour segments at the first try with a default size (W-PIP-005). [0, any]
+    // less is done for cells and contour segments at the first run with a default size (W-PIP-005). [0, any]
     std::uint64_t spare_dense_above = 100'000;
 };
 

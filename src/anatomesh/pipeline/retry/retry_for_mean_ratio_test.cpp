@@ -1,4 +1,4 @@
-#include "anatomesh/pipeline/retry/even_out.h"
+#include "anatomesh/pipeline/retry/retry_for_mean_ratio.h"
 
 #include <gtest/gtest.h>
 
@@ -24,42 +24,42 @@ Warning warned(const std::string& code) {
 
 struct Outcome {
     Model model;
-    std::vector<double> tried;  // even_mean of each build
+    std::vector<double> tried;  // target_mean_ratio of each build
     std::vector<std::string> warnings;
     bool taken = false;  // another than the first
 };
 
-// Every try costs five cells and one of the means given.
+// Every run costs five cells and one of the means given.
 Outcome run(Model first, std::vector<double> means, const std::vector<std::string>& codes = {}) {
     Outcome done;
     RunContext context;
     context.warn(warned("first"));
     std::size_t cells = first.mesh.cells.size();
-    const auto build = [&](double even_mean) -> Result<Model> {
+    const auto build = [&](double target_mean_ratio) -> Result<Model> {
         const std::size_t n = done.tried.size();
-        done.tried.push_back(even_mean);
+        done.tried.push_back(target_mean_ratio);
         context.warnings.clear();
         if (n < codes.size()) context.warn(warned(codes[n]));
         if (n >= means.size()) return Error{ErrorKind::geometry, "E-PIP-002", "", {}, ""};
         return with_mean(means[n], cells += 5);
     };
-    Result<EvenedModel> evened = even_out(std::move(first), 1, build, context);
-    EXPECT_TRUE(evened.ok());
-    if (evened.ok()) {
-        done.model = std::move(evened.value().model);
-        done.taken = evened.value().even_mean.has_value();
-        EXPECT_EQ(evened.value().tries, done.tried.size());
+    Result<RetriedModel> retried = retry_for_mean_ratio(std::move(first), 1, build, context);
+    EXPECT_TRUE(retried.ok());
+    if (retried.ok()) {
+        done.model = std::move(retried.value().model);
+        done.taken = retried.value().target_mean_ratio.has_value();
+        EXPECT_EQ(retried.value().runs, done.tried.size());
     }
     for (const Warning& warning : context.warnings) done.warnings.push_back(warning.code);
     return done;
 }
 
-TEST(EvenOut, LeavesEvenAndLargeModels) {
+TEST(RetryForMeanRatio, LeavesEvenAndLargeModels) {
     EXPECT_TRUE(run(with_mean(0.95), {0.9}).tried.empty());
     EXPECT_TRUE(run(with_mean(0.99, 30000), {0.9}).tried.empty());
 }
 
-TEST(EvenOut, TakesTheFirstThatIsEven) {
+TEST(RetryForMeanRatio, TakesTheFirstThatIsEven) {
     const Outcome done = run(with_mean(0.97), {0.96, 0.945, 0.93}, {"first", "first"});
     EXPECT_EQ(done.tried.size(), 2U);
     EXPECT_GT(done.tried[0], done.tried[1]);
@@ -69,22 +69,22 @@ TEST(EvenOut, TakesTheFirstThatIsEven) {
 }
 
 // Bad cells are what the mean was bought with.
-TEST(EvenOut, OfSeveralEvenOnesTakesThatWithFewestBadCells) {
+TEST(RetryForMeanRatio, OfSeveralEvenOnesTakesThatWithFewestBadCells) {
     RunContext context;
     std::vector<std::uint64_t> bad{4, 3, 5};
-    std::size_t tries = 0;
+    std::size_t runs = 0;
     const auto build = [&](double) -> Result<Model> {
         Model model = with_mean(0.94, 20000);
-        model.report.listed_cells_total = bad[tries++];
+        model.report.listed_cells_total = bad[runs++];
         return model;
     };
-    const auto evened = even_out(with_mean(0.97, 15000), 1, build, context);
-    ASSERT_TRUE(evened.ok());
-    EXPECT_EQ(tries, 3U);
-    EXPECT_EQ(evened.value().model.report.listed_cells_total, 3U);
+    const auto retried = retry_for_mean_ratio(with_mean(0.97, 15000), 1, build, context);
+    ASSERT_TRUE(retried.ok());
+    EXPECT_EQ(runs, 3U);
+    EXPECT_EQ(retried.value().model.report.listed_cells_total, 3U);
 }
 
-TEST(EvenOut, ElseTheOneWithTheLeastMean) {
+TEST(RetryForMeanRatio, ElseTheOneWithTheLeastMean) {
     const Outcome done = run(with_mean(0.97), {0.955, 0.96, 0.965});
     EXPECT_EQ(done.tried.size(), 3U);
     EXPECT_EQ(done.model.report.quality.radius_edge_mean, 0.955);
@@ -92,7 +92,7 @@ TEST(EvenOut, ElseTheOneWithTheLeastMean) {
     EXPECT_EQ(run(with_mean(0.97), {0.96}).model.report.quality.radius_edge_mean, 0.96) << "then no models";
 }
 
-TEST(EvenOut, NoCellsAreGivenForNextToNothing) {
+TEST(RetryForMeanRatio, NoCellsAreGivenForNextToNothing) {
     const Outcome done = run(with_mean(0.97), {0.969, 0.968, 0.967});
     EXPECT_FALSE(done.taken);
     EXPECT_EQ(done.model.mesh.cells.size(), 1000U);
@@ -100,7 +100,7 @@ TEST(EvenOut, NoCellsAreGivenForNextToNothing) {
     EXPECT_TRUE(run(with_mean(0.951), {0.9499}).taken);
 }
 
-TEST(EvenOut, AWorseOneIsNotTakenNorAreItsWarnings) {
+TEST(RetryForMeanRatio, AWorseOneIsNotTakenNorAreItsWarnings) {
     const Outcome done = run(with_mean(0.97), {0.94, 0.94, 0.94}, {"one", "two", "three"});
     EXPECT_EQ(done.tried.size(), 3U);
     EXPECT_FALSE(done.taken);
@@ -108,12 +108,12 @@ TEST(EvenOut, AWorseOneIsNotTakenNorAreItsWarnings) {
     EXPECT_EQ(done.warnings, std::vector<std::string>{"first"});
 }
 
-TEST(EvenOut, EndsWhenItIsCancelled) {
+TEST(RetryForMeanRatio, EndsWhenItIsCancelled) {
     RunContext context;
     const auto build = [](double) -> Result<Model> {
         return Error{ErrorKind::cancelled, "E-RUN-001", "", {}, ""};
     };
-    const Result<EvenedModel> model = even_out(with_mean(0.97), 1, build, context);
+    const Result<RetriedModel> model = retry_for_mean_ratio(with_mean(0.97), 1, build, context);
     ASSERT_FALSE(model.ok());
     EXPECT_EQ(model.error().kind, ErrorKind::cancelled);
 }

@@ -1,4 +1,4 @@
-#include "anatomesh/pipeline/retry/even_out.h"
+#include "anatomesh/pipeline/retry/retry_for_mean_ratio.h"
 
 #include <array>
 #include <cstdint>
@@ -14,11 +14,11 @@ namespace {
 
 constexpr double most_mean = 0.95;         // of the radius-edge ratio
 constexpr double least_mean_gain = 0.005;  // of a model that does not get there
-constexpr std::array<double, 3> even_means{0.99, 0.98, 0.965};
+constexpr std::array<double, 3> target_mean_ratios{0.99, 0.98, 0.965};
 constexpr std::size_t small_model = 30000;  // cells
 constexpr double near_enough = 0.5;         // to the field, in sizes: farther off it is warned of
 
-bool is_uneven(const Model& model) {
+bool exceeds_mean_ratio(const Model& model) {
     return model.report.quality.radius_edge_mean > most_mean;
 }
 
@@ -38,10 +38,11 @@ bool is_better(const Model& model, const Model& other) {
 
 }  // namespace
 
-Result<EvenedModel> even_out(Model model, double size_mm, const std::function<Result<Model>(double)>& build,
-                             RunContext& context) {
-    EvenedModel result;
-    if (!is_uneven(model) || model.mesh.cells.size() >= small_model) {
+Result<RetriedModel> retry_for_mean_ratio(Model model, double size_mm,
+                                          const std::function<Result<Model>(double)>& build,
+                                          RunContext& context) {
+    RetriedModel result;
+    if (!exceeds_mean_ratio(model) || model.mesh.cells.size() >= small_model) {
         result.model = std::move(model);
         return result;
     }
@@ -51,10 +52,10 @@ Result<EvenedModel> even_out(Model model, double size_mm, const std::function<Re
     CompareOptions options;
     options.near_mm = near_enough * size_mm;
     std::optional<Model> taken;
-    for (const double mean : even_means) {
+    for (const double mean : target_mean_ratios) {
         const Model& best = taken ? *taken : model;
-        if (!is_uneven(best) && unforced(best) <= unforced(model)) break;
-        ++result.tries;
+        if (!exceeds_mean_ratio(best) && unforced(best) <= unforced(model)) break;
+        ++result.runs;
         Result<Model> even = build(mean);
         if (!even.ok() && even.error().kind == ErrorKind::cancelled) return even.error();
         if (!even.ok() || !is_no_worse({even.value().report, context.warnings}, first, options) ||
@@ -62,7 +63,7 @@ Result<EvenedModel> even_out(Model model, double size_mm, const std::function<Re
             continue;
         taken = std::move(even.value());
         warnings = context.warnings;
-        result.even_mean = mean;
+        result.target_mean_ratio = mean;
     }
     context.warnings = std::move(warnings);
     result.model = taken ? std::move(*taken) : std::move(model);
