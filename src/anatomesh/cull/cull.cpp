@@ -40,30 +40,30 @@ constexpr double deep = 0.25;
 constexpr double everywhere = std::numeric_limits<double>::infinity();  // as a reach
 
 // Finds the regions of cells and points; keeps scratch space, one per thread.
-class Judge {
+class CellClassifier {
   public:
-    Judge(const StructureField& field, std::uint32_t structures)
+    CellClassifier(const StructureField& field, std::uint32_t structures)
         : field_(field), probe_(field, structures), single_(structures == 1), all_(structures) {
         std::iota(all_.begin(), all_.end(), 0u);
     }
 
     // Which side of every structure the point lies on, within the tolerance.
     struct Side {
-        Members in, may;
+        Members interior_of, closure_of;
         double depth = 0;
     };
     const Side& side(Vec3 p, double tolerance) {
         const InterfaceProbe::Look there = single_ ? probe_.look(p, tolerance) : probe_.look(p);
         side_.depth = there.distance;
         if (there.distance > tolerance) {
-            side_.in = side_.may = there.members;
+            side_.interior_of = side_.closure_of = there.members;
             return side_;
         }
-        side_.in.clear();
-        side_.may.clear();
+        side_.interior_of.clear();
+        side_.closure_of.clear();
         side_.depth = field_.clamp();
         if (single_) {
-            side_.may = all_;
+            side_.closure_of = all_;
             if (field_.exclusive()) side_.depth = 0;
             return side_;
         }
@@ -71,12 +71,12 @@ class Judge {
         field_.values_near(p, near_);
         for (const StructureField::Near& near : near_) {
             if (std::abs(near.value) > tolerance) side_.depth = std::min(side_.depth, std::abs(near.value));
-            if (near.value < -tolerance) side_.in.push_back(near.structure);
-            if (near.value <= tolerance) side_.may.push_back(near.structure);
+            if (near.value < -tolerance) side_.interior_of.push_back(near.structure);
+            if (near.value <= tolerance) side_.closure_of.push_back(near.structure);
         }
         if (field_.exclusive()) {
             // Their surfaces meet in walls: cells of those that have theirs there may, or of outside.
-            side_.in.clear();
+            side_.interior_of.clear();
             const double all = field_.union_value(p);
             if (std::abs(all) > tolerance) side_.depth = std::min(side_.depth, std::abs(all));
         }
@@ -85,7 +85,7 @@ class Judge {
 
     // The winner is copied to `members`. `allowed`: whether all vertices may belong to a region.
     template <class Allowed>
-    void decide(const std::array<Vec3, 4>& p, bool one_allowed, const Allowed& allowed, Members& members) {
+    void classify(const std::array<Vec3, 4>& p, bool one_allowed, const Allowed& allowed, Members& members) {
         const Vec3 centroid = 0.25 * (p[0] + p[1] + p[2] + p[3]);
         if (one_allowed) {
             const Members& there = probe_.members(centroid);
@@ -179,13 +179,13 @@ struct Bounds {
     Region region = 0;         // which
 };
 
-Bounds bounds_of(const Cell& cell, const std::vector<VertexSide>& sides) {
+Bounds bounds_of(const Cell& cell, const std::vector<VertexMembership>& sides) {
     Bounds bounds;
     int off = 0;
     for (const std::uint32_t v : cell) {
         if (!sides[v].off_interfaces()) continue;
-        if (off > 0 && sides[v].in != bounds.region) return {};
-        bounds.region = sides[v].in;
+        if (off > 0 && sides[v].interior_of != bounds.region) return {};
+        bounds.region = sides[v].interior_of;
         ++off;
     }
     bounds.one_allowed = off > 0;
@@ -218,28 +218,29 @@ std::vector<double> tolerances_of(const std::vector<Vec3>& points, const std::ve
 
 void find_sides(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                 std::span<const std::uint32_t> chosen, const StructureField& field, std::uint32_t structures,
-                const SurfaceTolerance& tolerance, std::vector<VertexSide>& sides, RegionRegistry& registry,
-                RunContext& context) {
+                const SurfaceTolerance& tolerance, std::vector<VertexMembership>& sides,
+                RegionRegistry& registry, RunContext& context) {
     const std::size_t first_new = sides.size(), count = points.size() - first_new;
     const std::vector<double> tolerances = tolerances_of(points, cells, chosen, first_new, tolerance);
-    PieceNumbers in(count), may(count);
+    PieceNumbers interior_of(count), closure_of(count);
     std::vector<double> depth(count);
     parallel_for(count, grain, context.threads, [&](std::size_t first, std::size_t last) {
-        Judge judge(field, structures);
+        CellClassifier classifier(field, structures);
         for (std::size_t n = first; n < last; ++n) {
-            const Judge::Side& side = judge.side(points[first_new + n], tolerances[n]);
-            in.set(n, side.in);
-            may.set(n, side.may);
+            const CellClassifier::Side& side = classifier.side(points[first_new + n], tolerances[n]);
+            interior_of.set(n, side.interior_of);
+            closure_of.set(n, side.closure_of);
             depth[n] = side.depth;
         }
     });
-    in.join(registry);
-    may.join(registry);
-    for (std::size_t n = 0; n < count; ++n) sides.push_back({in.region(n), may.region(n), depth[n]});
+    interior_of.join(registry);
+    closure_of.join(registry);
+    for (std::size_t n = 0; n < count; ++n)
+        sides.push_back({interior_of.region(n), closure_of.region(n), depth[n]});
 }
 
 CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-               std::span<const std::uint32_t> chosen, const std::vector<VertexSide>& sides,
+               std::span<const std::uint32_t> chosen, const std::vector<VertexMembership>& sides,
                const StructureField& field, std::uint32_t structures, std::vector<Region>& regions,
                RegionRegistry& registry, RunContext& context) {
     assert(regions.size() == cells.size() && sides.size() == points.size());
@@ -247,7 +248,7 @@ CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
     PieceNumbers numbers(chosen.size());
     const RegionTable& table = registry.table();
     parallel_for(chosen.size(), grain, context.threads, [&](std::size_t first, std::size_t last) {
-        Judge judge(field, structures);
+        CellClassifier classifier(field, structures);
         Members members;
         for (std::size_t n = first; n < last; ++n) {
             const Cell& cell = cells[chosen[n]];
@@ -260,8 +261,8 @@ CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                 return std::all_of(cell.begin(), cell.end(),
                                    [&](std::uint32_t v) { return allows(table, sides[v], there); });
             };
-            judge.decide({points[cell[0]], points[cell[1]], points[cell[2]], points[cell[3]]},
-                         bounds.one_allowed, allowed, members);
+            classifier.classify({points[cell[0]], points[cell[1]], points[cell[2]], points[cell[3]]},
+                                bounds.one_allowed, allowed, members);
             numbers.set(n, members);
         }
     });

@@ -9,7 +9,7 @@
 #include "anatomesh/delaunay/tetrahedralize.h"
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/mesh/model/region_registry.h"
-#include "anatomesh/mesh/model/vertex_side.h"
+#include "anatomesh/mesh/model/vertex_membership.h"
 
 namespace anatomesh {
 
@@ -29,8 +29,8 @@ struct SurfaceTolerance {
 // field values a point; with `of_edge` also O(chosen), on one thread.
 void find_sides(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                 std::span<const std::uint32_t> chosen, const StructureField& field, std::uint32_t structures,
-                const SurfaceTolerance& tolerance, std::vector<VertexSide>& sides, RegionRegistry& registry,
-                RunContext& context);
+                const SurfaceTolerance& tolerance, std::vector<VertexMembership>& sides,
+                RegionRegistry& registry, RunContext& context);
 
 // Decides the regions of the cells with the indices `chosen`, each in this order:
 // 1. the region of all its vertices, if these are off the interfaces and lie in one;
@@ -44,7 +44,7 @@ void find_sides(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
 // any thread count. Complexity: at most five field values a cell. Follows: Archip et al., Comput. Methods
 // Programs Biomed. 82, 2006, section 2.4 (culling).
 CullStats cull(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
-               std::span<const std::uint32_t> chosen, const std::vector<VertexSide>& sides,
+               std::span<const std::uint32_t> chosen, const std::vector<VertexMembership>& sides,
                const StructureField& field, std::uint32_t structures, std::vector<Region>& regions,
                RegionRegistry& registry, RunContext& context);
 

@@ -80,10 +80,10 @@ TEST(Cull, sides_name_the_region_of_every_point_or_the_interface) {
     ASSERT_EQ(mesh.sides.size(), mesh.points().size());
     for (std::size_t n = 0; n < mesh.sides.size(); ++n) {
         const double distance = length(mesh.points()[n]) - 5;
-        const VertexSide& side = mesh.sides[n];
+        const VertexMembership& side = mesh.sides[n];
         EXPECT_EQ(side.off_interfaces(), std::abs(distance) > 0.02);
-        EXPECT_EQ(mesh.registry.table().members[side.in].size(), distance < -0.02 ? 1u : 0u);
-        EXPECT_EQ(mesh.registry.table().members[side.may].size(), distance <= 0.02 ? 1u : 0u);
+        EXPECT_EQ(mesh.registry.table().members[side.interior_of].size(), distance < -0.02 ? 1u : 0u);
+        EXPECT_EQ(mesh.registry.table().members[side.closure_of].size(), distance <= 0.02 ? 1u : 0u);
     }
 }
 
@@ -120,11 +120,11 @@ TEST(Cull, sides_tell_structures_that_overlap_apart) {
     const RegionTable& table = mesh.registry.table();
     std::size_t on_one = 0;
     for (std::size_t n = 0; n < mesh.sides.size(); ++n) {
-        const VertexSide& side = mesh.sides[n];
+        const VertexMembership& side = mesh.sides[n];
         for (std::uint32_t s = 0; s < 2; ++s) {
             const double distance = length(mesh.points()[n] - Vec3{s == 0 ? -2.0 : 2.0, 0, 0}) - 4;
-            EXPECT_EQ(table.contains(side.in, s), distance < -0.02);
-            EXPECT_EQ(table.contains(side.may, s), distance <= 0.02);
+            EXPECT_EQ(table.contains(side.interior_of, s), distance < -0.02);
+            EXPECT_EQ(table.contains(side.closure_of, s), distance <= 0.02);
         }
         on_one += !side.off_interfaces();
     }
@@ -144,18 +144,18 @@ TEST(Cull, sides_of_a_partition_know_whose_surface_a_vertex_is_on) {
     const RegionTable& table = mesh.registry.table();
     std::size_t of_one = 0, of_several = 0;
     for (std::size_t n = 0; n < mesh.sides.size(); ++n) {
-        const VertexSide& side = mesh.sides[n];
+        const VertexMembership& side = mesh.sides[n];
         if (side.off_interfaces()) continue;
         const Vec3 p = mesh.points()[n];
         for (std::uint32_t s = 0; s < 3; ++s) {
             const bool touches = field.value(s, p) <= tolerance;
-            EXPECT_EQ(table.contains(side.may, s), touches);
+            EXPECT_EQ(table.contains(side.closure_of, s), touches);
             EXPECT_EQ(allows(table, side, std::vector<std::uint32_t>{s}), touches);
             if (!touches) {
                 EXPECT_LE(side.depth_mm, field.value(s, p));
             }
         }
-        ++(table.members[side.may].size() > 1 ? of_several : of_one);
+        ++(table.members[side.closure_of].size() > 1 ? of_several : of_one);
     }
     EXPECT_GT(of_one, 300u);
     EXPECT_GT(of_several, 30u);
@@ -186,8 +186,8 @@ TEST(Cull, same_regions_for_any_number_of_threads) {
         const CulledMesh several = culled_mesh(field, 3, 0.6, threads);
         EXPECT_EQ(several.regions, one.regions);
         for (std::size_t v = 0; v < one.sides.size(); ++v) {
-            ASSERT_EQ(several.sides[v].in, one.sides[v].in);
-            ASSERT_EQ(several.sides[v].may, one.sides[v].may);
+            ASSERT_EQ(several.sides[v].interior_of, one.sides[v].interior_of);
+            ASSERT_EQ(several.sides[v].closure_of, one.sides[v].closure_of);
         }
         EXPECT_EQ(several.registry.table().members, one.registry.table().members);
     }

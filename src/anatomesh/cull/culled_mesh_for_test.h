@@ -18,7 +18,7 @@ namespace anatomesh::fixtures {
 struct CulledMesh {
     Tetrahedralization delaunay;
     DelaunaySnapshot cells;
-    std::vector<VertexSide> sides;
+    std::vector<VertexMembership> sides;
     std::vector<Region> regions;
     RegionRegistry registry;
     CullStats stats;

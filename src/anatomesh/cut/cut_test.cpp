@@ -242,11 +242,11 @@ TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_subsegments) {
         std::sort(subsegments.begin(), subsegments.end());
         subsegments.erase(std::unique(subsegments.begin(), subsegments.end()), subsegments.end());
         // Vertices of the surface may be on either side, the others on that of their cells.
-        std::vector<VertexSide> sides(mesh.points.size(), {1, 0, 1});
+        std::vector<VertexMembership> sides(mesh.points.size(), {1, 0, 1});
         for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
             for (const std::uint32_t v : mesh.cells[c]) {
-                sides[v].in = std::min(sides[v].in, mesh.regions[c]);
-                sides[v].may = std::max(sides[v].may, mesh.regions[c]);
+                sides[v].interior_of = std::min(sides[v].interior_of, mesh.regions[c]);
+                sides[v].closure_of = std::max(sides[v].closure_of, mesh.regions[c]);
             }
         }
         const auto count_wrong = [&] {
@@ -266,7 +266,7 @@ TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_subsegments) {
                 random.mesh.regions[c] = 1 - random.mesh.regions[c];
         }
         const std::vector<Region> noisy = mesh.regions;
-        const auto lost_by = [&](const std::vector<VertexSide>& known, const RelabelOptions& options) {
+        const auto lost_by = [&](const std::vector<VertexMembership>& known, const RelabelOptions& options) {
             random.mesh.regions = noisy;
             return relabel(mesh.points, mesh.cells, random.neighbors, stars,
                            {{}, mesh.points.size(), subsegments}, known, options, random.mesh.regions,
@@ -281,7 +281,7 @@ TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_subsegments) {
         wrong_with_sides += count_wrong();
         // Outside by no more than a hair, all of them: that is no reason against a subsegment where hairs do
         // not count.
-        const std::vector<VertexSide> hardly_outside(mesh.points.size(), {0, 0, 0.05});
+        const std::vector<VertexMembership> hardly_outside(mesh.points.size(), {0, 0, 0.05});
         lost_for_hairs += lost_by(hardly_outside, {0.1, 0.04, true});
         lost_with_hairs += lost_by(hardly_outside, {0.1, 0.06, true});
     }

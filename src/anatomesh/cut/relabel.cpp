@@ -46,9 +46,10 @@ bool nearly_flat(const std::vector<Vec3>& points, const Cell& cell) {
 class Relabeler {
   public:
     Relabeler(const std::vector<Cell>& cells, const std::vector<CellNeighbors>& neighbors,
-              const VertexStars& stars, const ContourOwners& owners, const std::vector<VertexSide>& sides,
-              const RelabelOptions& options, std::vector<Region>& regions, RegionRegistry& registry,
-              const std::vector<Vec3>& points, const SlicePlanes& slices)
+              const VertexStars& stars, const ContourOwners& owners,
+              const std::vector<VertexMembership>& sides, const RelabelOptions& options,
+              std::vector<Region>& regions, RegionRegistry& registry, const std::vector<Vec3>& points,
+              const SlicePlanes& slices)
         : cells_(cells),
           neighbors_(neighbors),
           stars_(stars),
@@ -469,7 +470,7 @@ class Relabeler {
     const std::vector<Cell>& cells_;
     const std::vector<CellNeighbors>& neighbors_;
     const VertexStars& stars_;
-    const std::vector<VertexSide>& sides_;
+    const std::vector<VertexMembership>& sides_;
     const double deep_mm_, near_mm_;
     std::optional<DrawnCuts> cuts_;
     const bool is_stack_;
@@ -589,7 +590,7 @@ std::vector<std::uint32_t> wrong_cells(const std::vector<Vec3>& points, const st
 
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-                     const ContourOwners& owners, const std::vector<VertexSide>& sides,
+                     const ContourOwners& owners, const std::vector<VertexMembership>& sides,
                      const RelabelOptions& options, std::vector<Region>& regions, RegionRegistry& registry,
                      std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look, int threads,
                      const SlicePlanes& slices) {

@@ -8,7 +8,7 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/cut/drawn_cuts.h"
 #include "anatomesh/mesh/model/region_registry.h"
-#include "anatomesh/mesh/model/vertex_side.h"
+#include "anatomesh/mesh/model/vertex_membership.h"
 #include "anatomesh/mesh/stars/star.h"
 
 namespace anatomesh {
@@ -74,7 +74,7 @@ struct RelabelOptions {
 // are wrong where a plane cuts them are given to what is drawn there if no defect rises.
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
-                     const ContourOwners& owners, const std::vector<VertexSide>& sides,
+                     const ContourOwners& owners, const std::vector<VertexMembership>& sides,
                      const RelabelOptions& options, std::vector<Region>& regions, RegionRegistry& registry,
                      std::vector<std::uint32_t>& unsound, const std::vector<std::uint32_t>& look = {},
                      int threads = 1, const SlicePlanes& slices = {});

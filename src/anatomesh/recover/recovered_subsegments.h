@@ -91,7 +91,7 @@ class RecoveredSubsegments {
     DrawnInMesh drawn_;
     RecoveryOptions options_;
     std::uint32_t structures_;
-    std::vector<VertexSide> sides_;  // by vertex, as find_sides() has them
+    std::vector<VertexMembership> sides_;  // by vertex, as find_sides() has them
     std::vector<std::uint32_t> vertices_;
     RecoverStats stats_;
 };

@@ -41,7 +41,7 @@ class LabelledMesh {
 
     const std::vector<Vec3>& points() const { return delaunay_.points(); }
     const DelaunaySnapshot& cells() const { return delaunay_.last_snapshot(); }
-    const std::vector<VertexSide>& sides() const { return sides_; }
+    const std::vector<VertexMembership>& sides() const { return sides_; }
     std::vector<Region>& regions() { return regions_; }
     const std::vector<Region>& regions() const { return regions_; }
     RegionRegistry& registry() { return registry_; }
@@ -56,7 +56,7 @@ class LabelledMesh {
     SurfaceTolerance tolerance_;
     std::vector<std::vector<std::uint32_t>> changes_;  // the cells that each update brought
     std::uint32_t updates_ = 0;
-    std::vector<VertexSide> sides_;
+    std::vector<VertexMembership> sides_;
     std::vector<Region> regions_;
     RegionRegistry registry_;
     PointGrid grid_;

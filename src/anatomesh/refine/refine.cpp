@@ -184,7 +184,7 @@ std::vector<Edge> crossing_edges(const DelaunaySnapshot& mesh, std::vector<std::
 
 // Where an edge from p to q, with ends of these sides, crosses what parts them.
 std::optional<Vec3> crossing_of(InterfaceProbe& probe, const RegionTable& table, bool exclusive, Vec3 p,
-                                Vec3 q, const VertexSide& from, const VertexSide& to) {
+                                Vec3 q, const VertexMembership& from, const VertexMembership& to) {
     const double span = length(q - p);
     const auto crossing_from = [&](Vec3 start, Vec3 end) {
         return probe.first_crossing(start, end, 0.25 * span, 1e-3 * span);
@@ -206,11 +206,12 @@ std::optional<Vec3> crossing_of(InterfaceProbe& probe, const RegionTable& table,
 }  // namespace
 
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<Region>& regions, const std::vector<VertexSide>& sides,
-                                   const StructureField& field, std::uint32_t structures,
-                                   const PointGrid& all_points, const ProtectedSegments& protected_segments,
-                                   const RefineOptions& options, std::vector<std::uint32_t>& look,
-                                   std::vector<Vec3>& found, RunContext& context) {
+                                   const std::vector<Region>& regions,
+                                   const std::vector<VertexMembership>& sides, const StructureField& field,
+                                   std::uint32_t structures, const PointGrid& all_points,
+                                   const ProtectedSegments& protected_segments, const RefineOptions& options,
+                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
+                                   RunContext& context) {
     RefineStats stats;
     // Pieces of a fixed size keep the mean the same at any thread count.
     struct Inside {
@@ -304,14 +305,15 @@ RefineStats find_refinement_points(const std::vector<Vec3>& points, const Delaun
 }
 
 CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<VertexSide>& sides, const RegionTable& table,
+                                   const std::vector<VertexMembership>& sides, const RegionTable& table,
                                    const StructureField& field, std::uint32_t structures,
                                    const PointGrid& all_points, const ProtectedSegments& protected_segments,
                                    const CrossingOptions& options, std::vector<std::uint32_t>& look,
                                    std::vector<Vec3>& found, RunContext& context) {
     CrossingStats stats;
     const auto crosses = [&](std::uint32_t a, std::uint32_t b) {
-        if (sides[a].off_interfaces() && sides[b].off_interfaces()) return sides[a].in != sides[b].in;
+        if (sides[a].off_interfaces() && sides[b].off_interfaces())
+            return sides[a].interior_of != sides[b].interior_of;
         return parted_by(table, sides[a], sides[b]).has_value() &&
                length(points[b] - points[a]) >= options.shortest_mm;
     };

@@ -15,7 +15,7 @@
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/geom/point_grid.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
-#include "anatomesh/mesh/model/vertex_side.h"
+#include "anatomesh/mesh/model/vertex_membership.h"
 #include "anatomesh/sample/protected_segments.h"
 
 namespace anatomesh {
@@ -58,11 +58,12 @@ struct RefineStats {
 // linear in the cells looked at. Same result at any thread count. Follows: Shewchuk, Delaunay refinement mesh
 // generation, 1997, chapter 4; Boissonnat and Oudot, Graph. Models 67, 2005.
 RefineStats find_refinement_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<Region>& regions, const std::vector<VertexSide>& sides,
-                                   const StructureField& field, std::uint32_t structures,
-                                   const PointGrid& all_points, const ProtectedSegments& protected_segments,
-                                   const RefineOptions& options, std::vector<std::uint32_t>& look,
-                                   std::vector<Vec3>& found, RunContext& context);
+                                   const std::vector<Region>& regions,
+                                   const std::vector<VertexMembership>& sides, const StructureField& field,
+                                   std::uint32_t structures, const PointGrid& all_points,
+                                   const ProtectedSegments& protected_segments, const RefineOptions& options,
+                                   std::vector<std::uint32_t>& look, std::vector<Vec3>& found,
+                                   RunContext& context);
 
 struct CrossingOptions {
     double min_spacing = 0.3;  // of a crossing point from others, in lengths of its edge. (0, 1]
@@ -88,7 +89,7 @@ struct CrossingStats {
 // find_sides() (cull/cull.h) gives them. Complexity: O(n log n) in the cells looked at. Same result at any
 // thread count.
 CrossingStats find_crossing_points(const std::vector<Vec3>& points, const DelaunaySnapshot& mesh,
-                                   const std::vector<VertexSide>& sides, const RegionTable& table,
+                                   const std::vector<VertexMembership>& sides, const RegionTable& table,
                                    const StructureField& field, std::uint32_t structures,
                                    const PointGrid& all_points, const ProtectedSegments& protected_segments,
                                    const CrossingOptions& options, std::vector<std::uint32_t>& look,
