@@ -3,9 +3,9 @@
 
 #include <random>
 
-#include "anatomesh/cut/crumbs.h"
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
+#include "anatomesh/cut/spurious_components.h"
 #include "anatomesh/delaunay/tetrahedralize.h"
 #include "anatomesh/geom/predicates.h"
 #include "anatomesh/mesh/check/topology.h"
@@ -211,7 +211,7 @@ TEST(Cut, subsegments_are_brought_onto_the_surface) {
 }
 
 // A plane surface through the ball, every edge of it a subsegment, and single cells on the wrong side: these
-// are given back, and not, where that mends more vertices at once, the cells between whose loss takes
+// are relabelled back, and not, where that mends more vertices at once, the cells between whose loss takes
 // subsegments along.
 TEST(Cut, labels_that_are_wrong_here_and_there_cost_few_subsegments) {
     std::uint64_t all_subsegments = 0, lost = 0, lost_with_sides = 0, lost_at_once = 0, lost_for_hairs = 0,
@@ -329,8 +329,8 @@ std::vector<Piece> pieces_of(const TetMesh& mesh, const std::vector<std::uint8_t
 
 // Specks and cavities of no contour go to what is round them; manifolds stay, and marked vertices keep
 // theirs.
-TEST(Cut, crumbs_are_given_away) {
-    std::uint64_t crumbs = 0, marked_crumbs = 0, between_several = 0;
+TEST(Cut, spurious_components_are_removed) {
+    std::uint64_t spurious = 0, marked_components = 0, between_several = 0;
     for (std::uint32_t seed = 1; seed <= 20; ++seed) {
         const bool two = seed % 2 == 0;
         Case random = two ? random_case(seed, 80, {{}, {}, {}, {0}, {0}, {0}, {0, 1}, {1}})
@@ -350,30 +350,31 @@ TEST(Cut, crumbs_are_given_away) {
         const std::vector<std::uint32_t> neighbors =
             cell_neighbors(random.mesh.cells, random.mesh.points.size());
         TetMesh by_threads = random.mesh;
-        give_crumbs_away(by_threads, neighbors, marks, {most}, 3);
-        const CrumbStats stats = give_crumbs_away(random.mesh, neighbors, marks, {most});
+        remove_spurious_components(by_threads, neighbors, marks, {most}, 3);
+        const SpuriousComponentStats stats =
+            remove_spurious_components(random.mesh, neighbors, marks, {most});
         EXPECT_EQ(by_threads.regions, random.mesh.regions) << seed;
         expect_manifold(random, two ? 2 : 1);
         if (!two) {
             EXPECT_EQ(small(false), 0) << seed;
-            EXPECT_EQ(stats.pieces, static_cast<std::uint64_t>(before)) << seed;
+            EXPECT_EQ(stats.components, static_cast<std::uint64_t>(before)) << seed;
         }
         EXPECT_EQ(small(true), marked_before) << seed;
         if (two) {  // those between several regions
             const auto left = small(false);
-            const CrumbStats more =
-                give_crumbs_away(random.mesh, neighbors, marks, {most}, 1, &random.registry.table());
+            const SpuriousComponentStats more = remove_spurious_components(
+                random.mesh, neighbors, marks, {most}, 1, &random.registry.table());
             expect_manifold(random, 2);
-            EXPECT_LE(small(false), left - static_cast<std::ptrdiff_t>(more.pieces)) << seed;
+            EXPECT_LE(small(false), left - static_cast<std::ptrdiff_t>(more.components)) << seed;
             EXPECT_EQ(small(true), marked_before) << seed;
-            between_several += more.pieces;
+            between_several += more.components;
         }
-        crumbs += stats.pieces;
-        marked_crumbs += static_cast<std::uint64_t>(marked_before);
+        spurious += stats.components;
+        marked_components += static_cast<std::uint64_t>(marked_before);
     }
-    EXPECT_GT(crumbs, 20u);
+    EXPECT_GT(spurious, 20u);
     EXPECT_GT(between_several, 5u);
-    EXPECT_GT(marked_crumbs, 5u);
+    EXPECT_GT(marked_components, 5u);
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ class Relabeler {
         find_best(vertex);
         if (!best_) return 0;
         for (const std::uint32_t c : best_->cells) {
-            give(c, best_->region);
+            relabel_cell(c, best_->region);
             touched.insert(touched.end(), cells_[c].begin(), cells_[c].end());
         }
         return best_->cells.size();
@@ -106,12 +106,13 @@ class Relabeler {
                     touched.insert(touched.end(), cells_[c].begin(), cells_[c].end());
                 return made_.size();
             }
-            for (auto made = made_.rbegin(); made != made_.rend(); ++made) give(made->first, made->second);
+            for (auto made = made_.rbegin(); made != made_.rend(); ++made)
+                relabel_cell(made->first, made->second);
         }
         return 0;
     }
 
-    // Gives a cell to a region beside it with which it shares two facets or more, if no defect rises.
+    // Relabels a cell to a region beside it with which it shares two facets or more, if no defect rises.
     bool peel(std::uint32_t cell) {
         for (int i = 0; i < 4; ++i) {
             const std::uint32_t n = neighbors_[cell][i];
@@ -121,13 +122,13 @@ class Relabeler {
                 shared += m != no_cell && regions_[m] == regions_[n];
             Move move{{cell}, regions_[n]};
             if (shared < 2 || change_of(move, 1) > 0) continue;
-            give(cell, regions_[n]);
+            relabel_cell(cell, regions_[n]);
             return true;
         }
         return false;
     }
 
-    // Gives a cell that is wrong in a slice's plane to what is drawn there, if no defect rises.
+    // Relabels a cell that is wrong in a slice's plane to what is drawn there, if no defect rises.
     // Its vertices are added to `touched`.
     bool mend(std::uint32_t cell, std::vector<std::uint32_t>& touched) {
         const std::vector<std::uint32_t>* drawn = cuts_ ? cuts_->wanted(cell) : nullptr;
@@ -135,7 +136,7 @@ class Relabeler {
         Move move{{cell}, registry_.intern(*drawn)};
         if (cuts_->change(move.cells, move.region) >= 0 || change_of(move, 1) > 0) return false;
         if (misplaced(cell, move.region) > misplaced(cell, regions_[cell]) || spikes(move) > 0) return false;
-        give(cell, move.region);
+        relabel_cell(cell, move.region);
         touched.insert(touched.end(), cells_[cell].begin(), cells_[cell].end());
         return true;
     }
@@ -152,7 +153,7 @@ class Relabeler {
         return known;
     }
 
-    void give(std::uint32_t cell, Region region) {
+    void relabel_cell(std::uint32_t cell, Region region) {
         regions_[cell] = region;
         for (const std::uint32_t v : cells_[cell]) known_[v].defect = -1;
     }
@@ -238,7 +239,7 @@ class Relabeler {
     void make(const Move& move, std::vector<std::uint32_t>& touched) {
         for (const std::uint32_t c : move.cells) {
             made_.emplace_back(c, regions_[c]);
-            give(c, move.region);
+            relabel_cell(c, move.region);
             touched.insert(touched.end(), cells_[c].begin(), cells_[c].end());
         }
     }

@@ -1,4 +1,4 @@
-// relabel: gives cells to other regions until the surface of every structure is a manifold through its
+// relabel: relabels cells until the surface of every structure is a manifold through its
 // contours.
 #pragma once
 
@@ -21,8 +21,8 @@ struct RelabelStats {
     std::uint64_t lost_subsegments_before = 0,
                   lost_subsegments_after = 0;  // of contour segments, off their structure's surface
     std::uint64_t cells_moved = 0;
-    std::uint64_t cells_mended = 0;       // given to what is drawn where a slice's plane cuts them
-    std::uint64_t flat_cells_peeled = 0;  // nearly flat cells given to the region beside them
+    std::uint64_t cells_mended = 0;       // relabelled to what is drawn where a slice's plane cuts them
+    std::uint64_t flat_cells_peeled = 0;  // nearly flat cells relabelled to the region beside them
 
     // A call after this one: what is left is what that left.
     void add(const RelabelStats& later) {
@@ -47,8 +47,8 @@ struct RelabelOptions {
 };
 
 // Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect, and the subsegments of
-// contour segments off their surface): at an unsound vertex a piece too many is given to the region beside
-// it, or, where a contour vertex is off its surface, one or two cells at it change sides, or, where a
+// contour segments off their surface): at an unsound vertex a piece too many is relabelled to the region
+// beside it, or, where a contour vertex is off its surface, one or two cells at it change sides, or, where a
 // subsegment of a contour segment is, one or two cells at that edge, whenever the sum falls. Of several moves
 // one that loses the fewest subsegments is made, then one by which the sum falls most: what else is amiss
 // beside it is mended by moves of its own. Vertices are taken in rising order, round by round, until nothing
@@ -71,7 +71,7 @@ struct RelabelOptions {
 // pieces of a side are joined, besides, by cells of the star that lie all above the slice's plane, or all
 // below it: where what is drawn touches itself in a point of the slice, that is the only way to a manifold
 // with the drawn cut, and is gone, through deep vertices too, before a cut is spoiled. At the end cells that
-// are wrong where a plane cuts them are given to what is drawn there if no defect rises.
+// are wrong where a plane cuts them are relabelled to what is drawn there if no defect rises.
 RelabelStats relabel(const std::vector<Vec3>& points, const std::vector<Cell>& cells,
                      const std::vector<CellNeighbors>& neighbors, const VertexStars& stars,
                      const ContourOwners& owners, const std::vector<VertexMembership>& sides,

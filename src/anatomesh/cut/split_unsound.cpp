@@ -20,7 +20,7 @@ namespace {
 
 using Edge = std::array<std::uint32_t, 2>;
 
-constexpr int most_gives = 20;  // passes that give pieces away
+constexpr int most_relabellings = 20;  // passes that relabel pieces
 
 // A part of the mesh round the unsound vertices, small enough to be rebuilt after every pass.
 struct Patch {
@@ -168,7 +168,7 @@ class Splitter {
 
     Result<SplitStats> run(const std::vector<std::uint32_t>& unsound) {
         cut_out_patch(unsound);
-        int gives = 0;
+        int relabellings = 0;
         for (int pass = 0; pass < options_.max_passes; ++pass) {
             find_unsound();
             if (unsound_.empty()) {
@@ -181,7 +181,7 @@ class Splitter {
             split_edges();
             if (stats_.edges_split + stats_.vertices_split == before) split_vertices();
             if (stats_.edges_split + stats_.vertices_split == before) {
-                if (gives++ == most_gives || !give_pieces()) break;
+                if (relabellings++ == most_relabellings || !relabel_pieces()) break;
                 continue;
             }
             apply_change();
@@ -198,8 +198,8 @@ class Splitter {
   private:
     // Where no split has room, beside a cell that is nearly flat: the smallest piece too many of each vertex goes
     // to the region round it. Says whether any did.
-    bool give_pieces() {
-        bool gave = false;
+    bool relabel_pieces() {
+        bool relabelled = false;
         std::vector<StarPiece> pieces;
         for (const std::uint32_t v : unsound_) {
             analyzer_->excess_pieces(v, pieces);
@@ -208,13 +208,13 @@ class Splitter {
             const StarPiece& least = *std::min_element(
                 pieces.begin(), pieces.end(),
                 [](const StarPiece& x, const StarPiece& y) { return x.cells.size() < y.cells.size(); });
-            gave = give_to_other_side(v, least) || gave;
+            relabelled = relabel_to_other_side(v, least) || relabelled;
         }
-        return gave;
+        return relabelled;
     }
 
     // To the region with which the piece shares the most facets at the vertex across its body's surface.
-    bool give_to_other_side(std::uint32_t vertex, const StarPiece& piece) {
+    bool relabel_to_other_side(std::uint32_t vertex, const StarPiece& piece) {
         std::map<Region, int> facets;
         for (const std::uint32_t c : piece.cells) {
             for (std::size_t i = 0; i < 4; ++i) {
@@ -230,7 +230,7 @@ class Splitter {
                 return x.second < y.second;
             })->first;
         for (const std::uint32_t c : piece.cells) patch_.regions[c] = region;
-        ++stats_.pieces_given;
+        ++stats_.pieces_relabelled;
         return true;
     }
 

@@ -14,14 +14,14 @@
 #include "anatomesh/improve/core/cell_judge.h"
 #include "anatomesh/improve/operations/operations.h"
 #include "anatomesh/improve/reroute/follow_surface.h"
-#include "anatomesh/improve/sections/lift_facets.h"
-#include "anatomesh/improve/sections/mend_cuts.h"
+#include "anatomesh/improve/sections/detach_facets_from_plane.h"
+#include "anatomesh/improve/sections/repair_section_locally.h"
 #include "anatomesh/improve/sections/section_areas.h"
 #include "anatomesh/improve/smooth/flip_surface_edges.h"
-#include "anatomesh/improve/surgery/bring_segments.h"
-#include "anatomesh/improve/surgery/carve_cuts.h"
-#include "anatomesh/improve/surgery/close_handles.h"
-#include "anatomesh/improve/surgery/lower_apexes.h"
+#include "anatomesh/improve/surgery/recover_on_surface.h"
+#include "anatomesh/improve/surgery/remove_spikes.h"
+#include "anatomesh/improve/surgery/remove_spurious_handles.h"
+#include "anatomesh/improve/surgery/repair_section_patch.h"
 #include "anatomesh/mesh/model/prefetch.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
 
@@ -44,8 +44,8 @@ constexpr std::size_t most_raised = 2000;
 
 // Tries on a bad cell that scouts make beforehand: its edges, facets and vertices.
 constexpr int edge_tries = 6, facet_tries = 10, scouted_tries = 14;
-// All: then it is given to the other side, an edge collapses from either end, an edge gets a vertex beside
-// it.
+// All: then it is relabelled to the other side, an edge collapses from either end, an edge gets a vertex
+// beside it.
 constexpr int collapse_tries = 12, all_tries = scouted_tries + 1 + collapse_tries + 6;
 constexpr double flat_sine = 1e-3;       // of a cell that no contours excuse: 0.06 degrees
 constexpr std::size_t most_flat = 1000;  // cells between contours that are looked at
@@ -89,8 +89,8 @@ class Climber {
     void run(RunContext& context) {
         for (const auto& [a, b, structure] : drawn_.subsegments_beside) bench_.keep_edge(a, b);
         drop_ears(context.threads);
-        lower_far_apexes(context.threads);
-        bring_subsegments(listed_degrees, 0);
+        remove_far_spikes(context.threads);
+        recover_subsegments(listed_degrees, 0);
         collect(bench_.mesh.alive_cells(), context.threads);
         bench_.stats.bad_before = queue_.size();
         bench_.stats.worst_before_degrees = worst_degrees();
@@ -100,38 +100,38 @@ class Climber {
         bench_.options.max_deviation_mm *= bench_.options.last_deviation;
         climb(context);
         drop_ears(context.threads);
-        LiftStats lifted =
-            lift_facets(bench_, drawn_, std::sin(listed_degrees * radians_per_degree), context.threads);
-        bench_.stats.facets_lifted = lifted.facets_lifted;
-        bench_.stats.facets_left = lifted.facets_left;
+        DetachmentStats detached = detach_facets_from_plane(
+            bench_, drawn_, std::sin(listed_degrees * radians_per_degree), context.threads);
+        bench_.stats.facets_detached = detached.facets_detached;
+        bench_.stats.facets_left = detached.facets_left;
         bench_.moves_junctions = true;
-        // Those that the climb left are bad still; others may be where facets were lifted.
-        MendStats mended = mend(context, nullptr);
-        std::vector<std::uint32_t> left = std::move(mended.changed);
-        left.insert(left.end(), lifted.changed.begin(), lifted.changed.end());
+        // Those that the climb left are bad still; others may be where facets were detached.
+        LocalRepairStats locally_repaired = repair_sections(context, nullptr);
+        std::vector<std::uint32_t> left = std::move(locally_repaired.changed);
+        left.insert(left.end(), detached.changed.begin(), detached.changed.end());
         for (; !queue_.empty(); queue_.pop()) left.push_back(queue_.top().cell);
         collect(std::move(left), context.threads);
         // From here on few cells change: those and the bad ones are all that may be bad in the end.
         for (auto queue = queue_; !queue.empty(); queue.pop()) watched_.push_back(queue.top().cell);
         climb_at_last(context);
         lower_ratios(context);
-        mend_blemishes(context);
+        repair_blemishes(context);
         // Where nothing was changed since there is nothing new.
-        mended.left.insert(mended.left.end(), watched_.begin(), watched_.end());
-        mended = mend(context, &mended.left);
-        watched_.insert(watched_.end(), mended.changed.begin(), mended.changed.end());
-        // What could not be brought at first, for no angle below the least there is.
+        locally_repaired.left.insert(locally_repaired.left.end(), watched_.begin(), watched_.end());
+        locally_repaired = repair_sections(context, &locally_repaired.left);
+        watched_.insert(watched_.end(), locally_repaired.changed.begin(), locally_repaired.changed.end());
+        // What could not be recovered at first, for no angle below the least there is.
         collect(watched_, context.threads);
         const double least = worst_degrees();
         queue_ = {};
-        bring_subsegments(std::max(least, listed_degrees), most_for_segment);
-        close_small_handles(std::max(least, listed_degrees), context);
-        mend_worst_cuts(context);
-        mended.left.insert(mended.left.end(), watched_.begin(), watched_.end());
-        bench_.release_edges();  // those that could not be brought would be in the way of cuts
-        carve(std::max(least, listed_degrees), mended.left, context);
+        recover_subsegments(std::max(least, listed_degrees), most_for_segment);
+        remove_small_handles(std::max(least, listed_degrees), context);
+        repair_worst_sections(context);
+        locally_repaired.left.insert(locally_repaired.left.end(), watched_.begin(), watched_.end());
+        bench_.release_edges();  // those that could not be recovered would be in the way of cuts
+        repair_patch(std::max(least, listed_degrees), locally_repaired.left, context);
         follow(std::max(least, listed_degrees), context);
-        mend_flat_cells(context);
+        repair_flat_cells(context);
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
         bench_.stats.worst_after_degrees = worst_degrees();
@@ -222,8 +222,8 @@ class Climber {
         bench_.lowers_ratios = true;
         bench_.least_needed_sine = least_sine;
         for (std::size_t n = 0; n < high.size() && !context.cancelled(); ++n) {
-            gives_cells_ =
-                bench_.options.gives_for_ratio || is_above(bench_.options.last_radius_edge, high[n]);
+            relabels_cells_ =
+                bench_.options.relabels_for_ratio || is_above(bench_.options.last_radius_edge, high[n]);
             if (!is_high(high[n]) || !better(high[n], nullptr)) continue;
             ++lowered.changes;
             watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());
@@ -232,7 +232,7 @@ class Climber {
         bench_.lowers_ratios = false;
         bench_.least_needed_sine = 0;
         bench_.options.max_radius_edge = before;
-        gives_cells_ = true;
+        relabels_cells_ = true;
         return lowered;
     }
 
@@ -250,7 +250,7 @@ class Climber {
 
     // Single cells that are left ill-shaped beside those that contours force to be, at the price of these: as
     // long as they keep within the bounds of those forced.
-    void mend_blemishes(RunContext& context) {
+    void repair_blemishes(RunContext& context) {
         if (drawn_.crowded.empty()) return;
         std::vector<std::uint32_t> cells =
             cells_that([&](std::uint32_t c) { return is_blemish(c); }, context.threads);
@@ -286,7 +286,7 @@ class Climber {
 
     // Cells that are left flat between contours that crowd them - vertices of two segments that meet, split
     // alike, lie in one plane -, where others do that are as good as cells there must be.
-    void mend_flat_cells(const RunContext& context) {
+    void repair_flat_cells(const RunContext& context) {
         if (drawn_.crowded.empty()) return;
         const std::vector<std::uint32_t> flat =
             cells_that([&](std::uint32_t c) { return is_flat(c); }, context.threads);
@@ -295,16 +295,16 @@ class Climber {
         thorough_ = bench_.moves_junctions = true;
         bench_.slices = &drawn_;
         for (std::size_t n = 0; n < std::min(flat.size(), most_flat) && !context.cancelled(); ++n)
-            mend_flat_cell(flat[n], judge);
+            repair_flat_cell(flat[n], judge);
         thorough_ = bench_.moves_junctions = false;
         bench_.slices = nullptr;
         bench_.options.max_radius_edge = most;
     }
 
     // With the first operation that makes good cells alone.
-    void mend_flat_cell(std::uint32_t cell, CellJudge& judge) {
+    void repair_flat_cell(std::uint32_t cell, CellJudge& judge) {
         for (int n = 0; n < all_tries && is_flat(cell); ++n) {
-            if (n == scouted_tries && !bench_.options.gives_for_ratio) continue;  // give_cell()
+            if (n == scouted_tries && !bench_.options.relabels_for_ratio) continue;  // relabel_cell()
             const DihedralStats stats = bench_.stats;
             bench_.mesh.begin_attempt();
             const auto is_good = [&](std::uint32_t c) { return judge.is_good(c) && judge.is_near(c); };
@@ -329,20 +329,20 @@ class Climber {
     }
 
     // Subsegments that lie beside their structure's surface; those found at first are kept, so
-    // that those which could not be brought may be when the cells are better.
-    void bring_subsegments(double least_degrees, double most_more_above_bound) {
+    // that those which could not be recovered may be when the cells are better.
+    void recover_subsegments(double least_degrees, double most_more_above_bound) {
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
-        const BringStats brought = bring_segments(
+        const SurfaceRecoveryStats recovered = recover_on_surface(
             bench_, drawn_, std::sin(least_degrees * radians_per_degree), most_more_above_bound,
             [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); });
-        bench_.stats.subsegments_found = std::max(bench_.stats.subsegments_found, brought.found);
-        bench_.stats.subsegments_brought += brought.brought;
+        bench_.stats.subsegments_found = std::max(bench_.stats.subsegments_found, recovered.found);
+        bench_.stats.subsegments_recovered += recovered.recovered;
         watched_ = std::move(watched);
-        watched_.insert(watched_.end(), brought.changed.begin(), brought.changed.end());
+        watched_.insert(watched_.end(), recovered.changed.begin(), recovered.changed.end());
     }
 
     // Cuts of which more is wrong than may be, where cuts are not looked at before.
-    void mend_worst_cuts(const RunContext& context) {
+    void repair_worst_sections(const RunContext& context) {
         if (at_last_.planes.empty()) return;
         SectionAreas areas(bench_, at_last_);
         areas.sum_cuts(bench_.mesh.alive_cells(), context.threads);
@@ -351,42 +351,45 @@ class Climber {
             if (areas.sums()[cut] <= at_last_.least_wrong) weights[cut] = 0;
         }
         const std::span<const double> before = std::exchange(at_last_.weights, weights);
-        const MendStats mended =
-            mend_cuts(bench_, at_last_, std::sin(listed_degrees * radians_per_degree), context);
-        bench_.stats.cuts_found += mended.places_found;
-        bench_.stats.cuts_mended += mended.vertices_moved + mended.cells_given + mended.edges_flipped +
-                                    mended.edges_collapsed + mended.vertices_inserted;
-        watched_.insert(watched_.end(), mended.changed.begin(), mended.changed.end());
+        const LocalRepairStats locally_repaired =
+            repair_section_locally(bench_, at_last_, std::sin(listed_degrees * radians_per_degree), context);
+        bench_.stats.cuts_found += locally_repaired.places_found;
+        bench_.stats.sections_repaired += locally_repaired.vertices_moved +
+                                          locally_repaired.cells_relabelled + locally_repaired.edges_flipped +
+                                          locally_repaired.edges_collapsed +
+                                          locally_repaired.vertices_inserted;
+        watched_.insert(watched_.end(), locally_repaired.changed.begin(), locally_repaired.changed.end());
         at_last_.weights = before;
     }
 
     // Those of the mesh's own making.
-    void close_small_handles(double least_degrees, const RunContext& context) {
+    void remove_small_handles(double least_degrees, const RunContext& context) {
         if (!(bench_.options.handle_mm > 0)) return;
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
-        const CloseStats closed = close_handles(
+        const HandleRemovalStats removed = remove_spurious_handles(
             bench_, at_last_.planes.empty() ? drawn_ : at_last_, bench_.options.handle_mm,
             std::sin(least_degrees * radians_per_degree),
             [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context);
-        bench_.stats.handles_found += closed.found;
-        bench_.stats.handles_closed += closed.closed;
+        bench_.stats.handles_found += removed.found;
+        bench_.stats.handles_removed += removed.removed;
         watched_ = std::move(watched);
-        watched_.insert(watched_.end(), closed.changed.begin(), closed.changed.end());
+        watched_.insert(watched_.end(), removed.changed.begin(), removed.changed.end());
     }
 
-    // What cuts that are still wrong have too much or too little: at these cells, where mend() looked at
-    // them.
-    void carve(double least_degrees, const std::vector<std::uint32_t>& look, const RunContext& context) {
+    // What cuts that are still wrong have too much or too little: at these cells, where repair_sections()
+    // looked at them.
+    void repair_patch(double least_degrees, const std::vector<std::uint32_t>& look,
+                      const RunContext& context) {
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
-        const CarveStats carved = carve_cuts(
+        const PatchRepairStats repaired = repair_section_patch(
             bench_, at_last_.planes.empty() ? drawn_ : at_last_, std::sin(least_degrees * radians_per_degree),
             [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context,
             at_last_.planes.empty() ? &look : nullptr);
-        bench_.stats.cuts_found += carved.patches_found;
-        bench_.stats.cuts_mended += carved.patches_carved;
-        bench_.stats.crumbs_given += carved.crumbs_given;
+        bench_.stats.cuts_found += repaired.patches_found;
+        bench_.stats.sections_repaired += repaired.patches_repaired;
+        bench_.stats.spurious_components_removed += repaired.spurious_components_removed;
         watched_ = std::move(watched);
-        watched_.insert(watched_.end(), carved.changed.begin(), carved.changed.end());
+        watched_.insert(watched_.end(), repaired.changed.begin(), repaired.changed.end());
     }
 
     // Contours whose segments no edges of the surface run along after all.
@@ -456,13 +459,15 @@ class Climber {
         bench_.lowers_ratios = false;
     }
 
-    MendStats mend(const RunContext& context, const std::vector<std::uint32_t>* look) {
-        MendStats mended =
-            mend_cuts(bench_, drawn_, std::sin(listed_degrees * radians_per_degree), context, look);
-        bench_.stats.cuts_found += mended.places_found;
-        bench_.stats.cuts_mended += mended.vertices_moved + mended.cells_given + mended.edges_flipped +
-                                    mended.edges_collapsed + mended.vertices_inserted;
-        return mended;
+    LocalRepairStats repair_sections(const RunContext& context, const std::vector<std::uint32_t>* look) {
+        LocalRepairStats locally_repaired = repair_section_locally(
+            bench_, drawn_, std::sin(listed_degrees * radians_per_degree), context, look);
+        bench_.stats.cuts_found += locally_repaired.places_found;
+        bench_.stats.sections_repaired += locally_repaired.vertices_moved +
+                                          locally_repaired.cells_relabelled + locally_repaired.edges_flipped +
+                                          locally_repaired.edges_collapsed +
+                                          locally_repaired.vertices_inserted;
+        return locally_repaired;
     }
 
     // Those of surfaces, for smaller angles between facets; cells that are bad now are queued.
@@ -498,10 +503,10 @@ class Climber {
         }
     }
 
-    void lower_far_apexes(int threads) {
+    void remove_far_spikes(int threads) {
         const double least_sine = std::sin(listed_degrees * radians_per_degree);
-        bench_.stats.apexes_lowered +=
-            lower_apexes(bench_, bench_.options.apex_mm, least_sine, threads).lowered;
+        bench_.stats.spikes_removed +=
+            remove_spikes(bench_, bench_.options.spike_mm, least_sine, threads).removed;
     }
 
     // Queues those of the cells that are bad.
@@ -631,7 +636,7 @@ class Climber {
     // All but those that are only for the last cells, in the order of their price.
     bool attempt_any(std::uint32_t cell, int n) {
         if (n < scouted_tries) return attempt(bench_, cell, n);
-        if (n == scouted_tries) return give_cell(bench_, cell);
+        if (n == scouted_tries) return relabel_cell(bench_, cell);
         n -= scouted_tries + 1;
         if (n < collapse_tries) return collapse_edge(bench_, cell, n / 2, n % 2 == 0);
         return insert_vertex(bench_, cell, n - collapse_tries);
@@ -647,7 +652,7 @@ class Climber {
         for (int n = first; n < scouted_tries; ++n) {
             if (attempt(bench_, cell, n)) return true;
         }
-        for (int n = gives_cells_ ? scouted_tries : scouted_tries + 1; n < all_tries; ++n) {
+        for (int n = relabels_cells_ ? scouted_tries : scouted_tries + 1; n < all_tries; ++n) {
             if (attempt_any(cell, n)) return true;
         }
         return thorough_ && better_at_last(cell);
@@ -669,9 +674,9 @@ class Climber {
     DrawnSlices drawn_;
     DrawnSlices at_last_;  // if any: of cuts that are looked at then alone
     double target_;
-    bool thorough_ = false;    // the last climb
-    bool is_raising_ = false;  // for a subsegment
-    bool gives_cells_ = true;  // to the other side of an interface
+    bool thorough_ = false;       // the last climb
+    bool is_raising_ = false;     // for a subsegment
+    bool relabels_cells_ = true;  // to the other side of an interface
     std::priority_queue<BadCell> queue_;
     std::vector<std::uint32_t> left_;
     std::vector<std::uint32_t> watched_;     // what may be bad in the end

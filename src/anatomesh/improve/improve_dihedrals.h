@@ -28,20 +28,20 @@ namespace anatomesh {
 // changed where that becomes lower by a tenth, at no angle below 10 degrees and below what it was; then those
 // above the bound likewise, at none below the target (and 10 degrees) and below what it was. Before and
 // after, spikes and pits of one cell are taken off the surfaces where the field has none, before that deep
-// ones of any number are lowered (lower_apexes.h); before and at last subsegments beside their surface are
-// brought to lie on it (bring_segments.h), until when they stay edges of the mesh; at last each chain of them
-// may cost one cell in 100,000 above `max_radius_edge`, and contours of `drawn.following` are led along the
-// surface where that does not help (follow_surface.h). In between, edges of surfaces are flipped for smaller
-// angles between facets (flip_surface_edges.h), where no angle inside falls below the target or what it was.
-// Near the end single cells below 10 degrees or above `last_radius_edge` beside those of `drawn.crowded` are
-// mended at the price of these. Guarantees: no cell inside with an angle below the least before and below 10
-// degrees, but for those crowded: these may come down to the bounds of cell_judge.h; all cells positive
-// by exact orientation; vertices with fixed[v] != 0 do not move and stay on their surfaces, but for those of
-// structures further away than `apex_mm`; `fixed_edges` (sorted, ends fixed) that lie on an interface stay
-// edges of it, or chains of edges on the same line, whose new vertices are fixed as well; the surfaces of all
-// structures keep their topology: each operation replaces a disc of a surface by a disc, but where a slice's
-// plane has a handle, a tunnel or a neck that the slice has not (carve_cuts.h), and where small handles are
-// closed near the end. No ratio above the
+// ones of any number are removed (remove_spikes.h); before and at last subsegments beside their surface are
+// recovered to lie on it (recover_on_surface.h), until when they stay edges of the mesh; at last each chain
+// of them may cost one cell in 100,000 above `max_radius_edge`, and contours of `drawn.following` are led
+// along the surface where that does not help (follow_surface.h). In between, edges of surfaces are flipped
+// for smaller angles between facets (flip_surface_edges.h), where no angle inside falls below the target or
+// what it was. Near the end single cells below 10 degrees or above `last_radius_edge` beside those of
+// `drawn.crowded` are repaired at the price of these. Guarantees: no cell inside with an angle below the
+// least before and below 10 degrees, but for those crowded: these may come down to the bounds of
+// cell_judge.h; all cells positive by exact orientation; vertices with fixed[v] != 0 do not move and stay on
+// their surfaces, but for those of structures further away than `spike_mm`; `fixed_edges` (sorted, ends
+// fixed) that lie on an interface stay edges of it, or chains of edges on the same line, whose new vertices
+// are fixed as well; the surfaces of all structures keep their topology: each operation replaces a disc of a
+// surface by a disc, but where a slice's plane has a handle, a tunnel or a neck that the slice has not
+// (repair_section_patch.h), and where small handles are closed near the end. No ratio above the
 // bound (at last the other one) arises but in the place of one as large, or of a crowded cell. Cells outside
 // serve as room; they stay positive, and none gets nearly flat but in the place of one as flat, or of a
 // crowded one. Same result every time. `fixed` grows with the points. Cells keep no order. Points no longer

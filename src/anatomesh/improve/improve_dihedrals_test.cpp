@@ -64,7 +64,7 @@ TEST(ImproveDihedrals, keeps_surfaces_volume_and_fixed_vertices_and_makes_nothin
         for (std::uint32_t s = 0; s < c.structures; ++s) {
             const auto before = on_surface(c.mesh, c.regions, s), after = on_surface(done.mesh, c.regions, s);
             for (std::size_t v = 0; v < c.fixed.size(); ++v) {
-                const bool near = std::abs(c.field.value(s, c.mesh.points[v])) <= DihedralOptions{}.apex_mm;
+                const bool near = std::abs(c.field.value(s, c.mesh.points[v])) <= DihedralOptions{}.spike_mm;
                 ASSERT_TRUE(!c.fixed[v] || before[v] == after[v] || (before[v] && !near));
             }
         }
@@ -81,7 +81,7 @@ TEST(ImproveDihedrals, keeps_surfaces_volume_and_fixed_vertices_and_makes_nothin
     }
 }
 
-// Most of the bad cells of a mesh whose vertices are free can be mended.
+// Most of the bad cells of a mesh whose vertices are free can be repaired.
 TEST(ImproveDihedrals, reaches_the_target_where_vertices_are_free) {
     const LabelledCase c = sampled_case("ball", AnalyticField({ball({}, 6)}, 7), 1, 1'000'000);
     const Improved done = improved(c);
@@ -127,7 +127,7 @@ TEST(ImproveDihedrals, repeats_bit_for_bit_and_leaves_what_is_good) {
     easy.flip_gain_degrees = 900;
     easy.last_radius_edge = 1e9;
     easy.ratio_passes = 0;
-    easy.apex_mm = 1e9;
+    easy.spike_mm = 1e9;
     const Improved untouched = improved(c, {}, easy);
     EXPECT_EQ(untouched.mesh.points, c.mesh.points);
     EXPECT_EQ(untouched.mesh.cells, c.mesh.cells);
@@ -194,7 +194,7 @@ TEST(ImproveDihedrals, lowers_ratios_above_the_bound_at_no_angle_below_the_targe
         angles_alone.ratio_passes = 0;
         const Improved before = improved(c, {}, angles_alone), done = improved(c);
         EXPECT_LE(above(done.mesh), above(before.mesh));
-        EXPECT_EQ(done.stats.cells_given, before.stats.cells_given);  // not by giving them away
+        EXPECT_EQ(done.stats.cells_relabelled, before.stats.cells_relabelled);  // not by giving them away
         EXPECT_GE(worst_sine(done.mesh),
                   std::min(worst_sine(before.mesh), std::sin(target * std::numbers::pi / 180)));
         left += above(before.mesh);
@@ -329,9 +329,9 @@ TEST(ImproveDihedrals, keeps_fixed_edges_on_the_surface) {
     EXPECT_GT(flipped.stats.surface_edges_flipped, 0u);
 }
 
-// So many that none is brought to the surface.
+// So many that none is recovered to the surface.
 TEST(ImproveDihedrals, keeps_subsegments_beside_their_surface) {
-    constexpr std::size_t every = 10, most_brought = 40;
+    constexpr std::size_t every = 10, most_recovered = 40;
     LabelledCase c = random_case("random", AnalyticField({ball({}, 7)}, 9), 1, 11);
     const std::vector<std::uint8_t> surface = on_surface(c.mesh, c.regions, 0);
     std::map<VertexPair, std::array<bool, 2>> sides;
@@ -347,7 +347,7 @@ TEST(ImproveDihedrals, keeps_subsegments_beside_their_surface) {
     for (const auto& [edge, side] : sides) {
         if (side[0] != side[1] && ++found % every == 0) subsegments.push_back({edge[0], edge[1], 0});
     }
-    ASSERT_GT(subsegments.size(), most_brought);
+    ASSERT_GT(subsegments.size(), most_recovered);
     std::vector<std::array<std::uint32_t, 2>> owned;
     for (const auto& [a, b, structure] : subsegments) {
         c.fixed[a] = c.fixed[b] = 1;
@@ -364,7 +364,7 @@ TEST(ImproveDihedrals, keeps_subsegments_beside_their_surface) {
     const DihedralStats stats =
         improve_dihedrals(c.mesh, neighbors, c.fixed, {}, c.field, 1, drawn, {}, context);
     EXPECT_GT(stats.edges_removed, 0u);
-    EXPECT_EQ(stats.subsegments_brought, 0u);
+    EXPECT_EQ(stats.subsegments_recovered, 0u);
     std::set<VertexPair> edges;
     for (const Cell& cell : c.mesh.cells) {
         for (const auto& [i, j] : cell_edges)

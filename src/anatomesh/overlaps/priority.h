@@ -33,15 +33,15 @@ struct PriorityResult {
 // an outline of its own (a chamber in its wall, a tumour in its organ), what was drawn stays beside
 // (`overlapping`): of two outlines that move from slice to slice each tells where it goes, but what is
 // between them may not meet itself again on the next slice. Of its outline 10 % may run along the other's:
-// where more does, both surfaces would be one there, and what is between them crumbs; and no structure may
-// give more than 2 % of its area to another one of these that does not lie in it. Its own slices alone count,
-// those that draw both, where it is on all of the other one's between its own first and last (a lesion drawn
-// more finely than its organ; where no slice draws both, which it lies in is told by the organ's next slices)
-// and no structures of one level have anything in common, unless these have slices of their own together
-// (telling_slices.h: neighbours drawn on the same ones). Where slices are not parallel all must lie one in
-// another: what lies side by side is led between them otherwise than what is alone. Errors: geometry
-// E-PRI-001 contours that cross too often, and those of clean_contours. A structure of which nothing is left
-// is left out and warned about (W-PRI-001). Complexity: O((n + k) log n) a slice, k crossings.
+// where more does, both surfaces would be one there, and what is between them spurious components; and no
+// structure may give more than 2 % of its area to another one of these that does not lie in it. Its own
+// slices alone count, those that draw both, where it is on all of the other one's between its own first and
+// last (a lesion drawn more finely than its organ; where no slice draws both, which it lies in is told by the
+// organ's next slices) and no structures of one level have anything in common, unless these have slices of
+// their own together (telling_slices.h: neighbours drawn on the same ones). Where slices are not parallel all
+// must lie one in another: what lies side by side is led between them otherwise than what is alone. Errors:
+// geometry E-PRI-001 contours that cross too often, and those of clean_contours. A structure of which nothing
+// is left is left out and warned about (W-PRI-001). Complexity: O((n + k) log n) a slice, k crossings.
 Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<std::uint32_t>& order,
                                      RunContext& context);
 

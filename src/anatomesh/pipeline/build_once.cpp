@@ -12,9 +12,9 @@
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/model/message_text.h"
-#include "anatomesh/cut/crumbs.h"
 #include "anatomesh/cut/relabel.h"
 #include "anatomesh/cut/split_unsound.h"
+#include "anatomesh/cut/spurious_components.h"
 #include "anatomesh/field/make_structure_field.h"
 #include "anatomesh/field/model/counted_field.h"
 #include "anatomesh/field/model/volume.h"
@@ -25,7 +25,7 @@
 #include "anatomesh/improve/smooth/balance_volumes.h"
 #include "anatomesh/improve/smooth/improve.h"
 #include "anatomesh/improve/smooth/smooth_vertices.h"
-#include "anatomesh/improve/surgery/untold_handles.h"
+#include "anatomesh/improve/surgery/spurious_handles.h"
 #include "anatomesh/measure/certificate.h"
 #include "anatomesh/measure/contour_fidelity.h"
 #include "anatomesh/measure/topology/tear_warnings.h"
@@ -61,11 +61,11 @@ constexpr double crossing_tolerance = 0.2;  // where planes cross also in shares
 constexpr double balance_reach = 0.1, further_reach = 0.15;
 constexpr double most_amiss = 0.0015;
 constexpr double surface_deviation =
-    0.06;                               // of the middle of an interface facet from the interface, in sizes
-constexpr double hardly_thicker = 1.3;  // than the size: a structure that a finer one may keep whole
-constexpr double highest_apex = 0.35;   // of a surface over the field's, in sizes
-constexpr double crumb_share = 0.003;   // of a cube of the size: less is no piece of a structure by itself
-constexpr int relabel_rounds = 10;      // after the first, with points where a subsegment was given up
+    0.06;                                 // of the middle of an interface facet from the interface, in sizes
+constexpr double hardly_thicker = 1.3;    // than the size: a structure that a finer one may keep whole
+constexpr double spike_height = 0.35;     // of a surface over the field's, in sizes
+constexpr double spurious_share = 0.003;  // of a cube of the size: less is no piece of a structure by itself
+constexpr int relabel_rounds = 10;        // after the first, with points where a subsegment was given up
 // Where freehand planes lie closer than the vertices along them, contours tell the surface without more
 // points.
 constexpr double dense_growth = 2;  // of the edge length with the depth
@@ -369,7 +369,7 @@ class Builder {
             cut_subsegments_.push_back({a, b, structure, 0});
         if (!unsound.empty()) find_neighbors(false);
         given_.resize(mesh.points.size(), 0);
-        const CrumbStats crumbs = give_crumbs(given_);
+        const SpuriousComponentStats spurious = drop_spurious_components(given_);
         model_.regions = mesh_->registry().table();
         figures_ = {{"unsound_vertices", static_cast<double>(relabelled.unsound_before)},
                     {"cells_moved", static_cast<double>(relabelled.cells_moved)},
@@ -384,19 +384,20 @@ class Builder {
                     {"edges_split", static_cast<double>(split.edges_split)},
                     {"vertices_split", static_cast<double>(split.vertices_split)},
                     {"vertices_joined", static_cast<double>(split.vertices_joined)},
-                    {"pieces_given", static_cast<double>(split.pieces_given)},
-                    {"crumbs_given_away", static_cast<double>(crumbs.pieces)}};
+                    {"pieces_given", static_cast<double>(split.pieces_relabelled)},
+                    {"crumbs_given_away", static_cast<double>(spurious.components)}};
         return end_stage("cut", 0.75);
     }
 
-    CrumbStats give_crumbs(std::span<const std::uint8_t> given) {
+    SpuriousComponentStats drop_spurious_components(std::span<const std::uint8_t> given) {
         // Of outlines beside each other on parallel planes, each with its own, what is between several is a
         // wedge, whose cells would be no better.
         const bool gave_overlaps = contours_.exclusive && contours_.drawn;
         const bool may_be_between = gave_overlaps || contours_.overlapping || !is_parallel(contours_);
         const RegionTable* table = may_be_between ? &mesh_->registry().table() : nullptr;
-        return give_crumbs_away(model_.mesh, neighbors_, given,
-                                {crumb_share * std::pow(sample_->stats.size_mm, 3)}, context_.threads, table);
+        return remove_spurious_components(model_.mesh, neighbors_, given,
+                                          {spurious_share * std::pow(sample_->stats.size_mm, 3)},
+                                          context_.threads, table);
     }
 
     // What the Delaunay mesh does not have, by exchanging cells.
@@ -469,7 +470,7 @@ class Builder {
         followed_ = std::move(dihedrals.followed);
         segments_missed_ = dihedrals.segments_missed;
         edited_cells_ = dihedrals.cells_made;
-        const CrumbStats crumbs = settle_followed();
+        const SpuriousComponentStats spurious = settle_followed();
         stars = find_stars();
         fix_ill_shaped(fixed);
         // About an axis too: what was mended at last would be undone.
@@ -494,20 +495,20 @@ class Builder {
             balanced.largest_offset_mm += first.largest_offset_mm;
             balanced.worst_before = first.worst_before;
         }
-        figures_ = improve_figures({improved, smoothed, dihedrals, followed_.size(), crumbs, balanced});
+        figures_ = improve_figures({improved, smoothed, dihedrals, followed_.size(), spurious, balanced});
         return end_stage("improve", 0.85);
     }
 
-    // Contours that follow the surface are sound where the model will lie, or stay as they are drawn; crumbs
-    // that they left go.
-    CrumbStats settle_followed() {
+    // Contours that follow the surface are sound where the model will lie, or stay as they are drawn;
+    // spurious components that they left go.
+    SpuriousComponentStats settle_followed() {
         if (followed_.empty()) return {};
         const std::vector<std::uint32_t> vertices = vertices_of_contours();
         std::vector<Vec3> points = model_.mesh.points;
         move_back(points);
         for (std::size_t n = 0; n < vertices.size(); ++n) points[vertices[n]] = source_.points[n];
         drop_unsound(source_, followed_, points);
-        return give_crumbs(kept_vertices(contours_, vertices, followed_, points.size()));
+        return drop_spurious_components(kept_vertices(contours_, vertices, followed_, points.size()));
     }
 
     // The vertices of ill-shaped cells: the rest at such a vertex is as it is for what forces them, and the
@@ -562,8 +563,8 @@ class Builder {
         options.max_radius_edge = options_.max_radius_edge;
         options.tolerance_mm = interface_tolerance * sample_->stats.size_mm;
         options.max_deviation_mm = surface_deviation * sample_->stats.size_mm;
-        options.apex_mm = highest_apex * sample_->stats.size_mm;
-        options.gives_for_ratio = is_parallel(contours_);  // elsewhere pits come of it
+        options.spike_mm = spike_height * sample_->stats.size_mm;
+        options.relabels_for_ratio = is_parallel(contours_);  // elsewhere pits come of it
         if (spared_) {
             options.target_degrees = dense_target_degrees;
             options.passes = 1;
@@ -595,7 +596,7 @@ class Builder {
         for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);
         const FollowingContours following{contours_.contours, contour_vertices, planes, contours_.exclusive,
                                           most_follow_mm(most_followed)};
-        if (!is_parallel(contours_)) options.handle_mm = untold_reach * sample_->stats.size_mm;
+        if (!is_parallel(contours_)) options.handle_mm = spurious_handle_reach * sample_->stats.size_mm;
         return improve_dihedrals(
             model_.mesh, neighbors_, fixed,
             edges_along(model_.mesh, neighbors_, segment_ends(contours_, vertices_of_contours())), *field_,

@@ -74,7 +74,7 @@ TEST(CutsOfLabelMaps, are_what_is_drawn) {
         SCOPED_TRACE(seed);
         add_cuts(random_labels(seed, static_cast<std::uint16_t>(1 + seed % 3), 16, 5), 0, cuts);
     }
-    // Where pieces of a structure that touch in a point are given away: 3 of 51, and a 2700th.
+    // Where pieces of a structure that touch in a point are relabelled: 3 of 51, and a 2700th.
     EXPECT_LE(25 * cuts.off, cuts.count);
     EXPECT_LT(3000 * cuts.wrong, cuts.drawn);
 }
@@ -115,7 +115,7 @@ LabelMap random_wall(std::uint32_t seed) {
     return map;
 }
 
-// Where edges are longer than the slices are apart, a cell that is given away for a cut's sake reaches far.
+// Where edges are longer than the slices are apart, a cell that is relabelled for a cut's sake reaches far.
 TEST(CutsOfLabelMaps, of_coarse_models_of_thin_walls_are_not_had_by_spikes) {
     for (std::uint32_t seed = 1; seed <= 40; ++seed) {
         SCOPED_TRACE(seed);

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/cut/crumbs.h"
+#include "anatomesh/cut/spurious_components.h"
 #include "anatomesh/improve/core/dihedral_options.h"
 #include "anatomesh/improve/smooth/balance_volumes.h"
 #include "anatomesh/improve/smooth/improve.h"
@@ -20,7 +20,7 @@ struct ImproveWork {
     const SmoothStats& smoothed;
     const DihedralStats& dihedrals;
     std::size_t contours_followed;
-    const CrumbStats& crumbs;
+    const SpuriousComponentStats& spurious;
     const BalanceStats& balanced;
 };
 

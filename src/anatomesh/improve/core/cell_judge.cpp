@@ -30,7 +30,7 @@ bool CellJudge::is_near(std::uint32_t c, double most_mm) {
 }
 
 double CellJudge::farthest_of(std::span<const std::uint32_t> cells) {
-    double farthest = apex_mm();
+    double farthest = spike_mm();
     for (const std::uint32_t c : cells) {
         any_distance(c, HUGE_VAL, [&](double mm) {
             farthest = std::max(farthest, mm);

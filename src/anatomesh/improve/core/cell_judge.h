@@ -27,14 +27,14 @@ class CellJudge {
     // Whether a cell inside has no angle whose sine is below the least and no ratio above the workbench's
     // last bound; where contours crowd it, the bounds above. Others are.
     bool is_good(std::uint32_t c) const;
-    // Whether what of the cell lies on interfaces lies within the workbench's `apex_mm` of the field's.
-    bool is_near(std::uint32_t c) { return is_near(c, bench_.options.apex_mm); }
+    // Whether what of the cell lies on interfaces lies within the workbench's `spike_mm` of the field's.
+    bool is_near(std::uint32_t c) { return is_near(c, bench_.options.spike_mm); }
     // The same of another length, mm.
     bool is_near(std::uint32_t c, double most_mm);
-    // How far from the field's what of these cells lies on interfaces, where that is above `apex_mm`; else
+    // How far from the field's what of these cells lies on interfaces, where that is above `spike_mm`; else
     // that. mm
     double farthest_of(std::span<const std::uint32_t> cells);
-    double apex_mm() const { return bench_.options.apex_mm; }
+    double spike_mm() const { return bench_.options.spike_mm; }
     // Of the cells those inside above the workbench's first bound that contours do not crowd.
     std::vector<std::uint32_t> those_above_bound(std::vector<std::uint32_t> cells) const;
 
@@ -57,7 +57,7 @@ class ShapesKept {
 
     // Whether the cells that a change made or reshaped are good and near (CellJudge), and no more cells above
     // the workbench's first bound than before, or than 0.3 % of those inside at first.
-    bool allow(std::span<const std::uint32_t> changed) { return allow(changed, judge_.apex_mm()); }
+    bool allow(std::span<const std::uint32_t> changed) { return allow(changed, judge_.spike_mm()); }
     // Near is what lies within that of the field's, mm.
     bool allow(std::span<const std::uint32_t> changed, double most_mm);
     double farthest_of(std::span<const std::uint32_t> cells) { return judge_.farthest_of(cells); }

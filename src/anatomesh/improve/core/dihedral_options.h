@@ -25,15 +25,16 @@ struct DihedralOptions {
     double last_radius_edge = contract::nearly_bad_radius_edge;
     double flip_gain_degrees = 2;  // edges of surfaces are flipped where that makes the angles at their
                                    // facets fall by more. (0, 900]
-    double apex_mm = 1;    // a vertex of a surface further from the field's is lowered (lower_apexes.h). > 0
+    // A vertex of a surface further from the field's is a spike (remove_spikes.h). > 0.
+    double spike_mm = 1;
     int passes = 4;        // over the cells that are still bad. [0, 100]
     int ratio_passes = 4;  // over the cells above max_radius_edge, after those. [0, 100]
     // Handles of surfaces within so little along them are closed, where no contour of `drawn.following` tells
-    // of them (close_handles.h); 0: none. >= 0
+    // of them (remove_spurious_handles.h); 0: none. >= 0
     double handle_mm = 0;
     // Whether cells between the bound and last_radius_edge may go to another side for their ratio, as those
     // above may: to the outside, it may leave pits.
-    bool gives_for_ratio = false;
+    bool relabels_for_ratio = false;
 };
 
 struct DihedralStats {
@@ -41,16 +42,20 @@ struct DihedralStats {
     double worst_before_degrees = 90, worst_after_degrees = 90;  // by the least sine
     // Operations that were applied.
     std::uint64_t vertices_moved = 0, surface_vertices_moved = 0, edges_removed = 0, facets_removed = 0,
-                  surface_edges_flipped = 0, surface_edges_smoothed = 0, cells_given = 0, ears_dropped = 0,
-                  edges_collapsed = 0, vertices_inserted = 0, facets_lifted = 0, apexes_lowered = 0,
-                  tries = 0;
-    std::uint64_t cuts_found = 0, cuts_mended = 0;        // visits and changes (mend_cuts.h, carve_cuts.h)
-    std::uint64_t crumbs_given = 0;                       // that came off where cuts were carved
-    std::uint64_t handles_found = 0, handles_closed = 0;  // that no contour tells of
-    std::uint64_t subsegments_found = 0, subsegments_brought = 0;  // of contour segments (bring_segments.h)
+                  surface_edges_flipped = 0, surface_edges_smoothed = 0, cells_relabelled = 0,
+                  ears_dropped = 0, edges_collapsed = 0, vertices_inserted = 0, facets_detached = 0,
+                  spikes_removed = 0, tries = 0;
+    std::uint64_t cuts_found = 0,
+                  sections_repaired =
+                      0;  // visits and changes (repair_section_locally.h, repair_section_patch.h)
+    // That came off where cuts were repaired.
+    std::uint64_t spurious_components_removed = 0;
+    std::uint64_t handles_found = 0, handles_removed = 0;  // that no contour tells of
+    // Of contour segments (recover_on_surface.h)
+    std::uint64_t subsegments_found = 0, subsegments_recovered = 0;
     std::uint64_t segments_missed = 0;  // of drawn.following, before follow_surface()
     std::vector<FollowedContour> followed;
-    std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (lift_facets.h)
+    std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (detach_facets_from_plane.h)
     std::uint64_t cells_made = 0;   // by all operations, those taken back included
 };
 

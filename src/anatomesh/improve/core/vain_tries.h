@@ -30,7 +30,7 @@ class VainTries {
 
     void add(const Name& name) { tried_[name] = changes_; }
 
-    // These cells were made or reshaped, or given to another region; no_cell and such that are gone allowed.
+    // These cells were made or reshaped, or relabelled; no_cell and such that are gone allowed.
     void note_change(const EditMesh& mesh, std::span<const std::uint32_t> cells) {
         ++changes_;
         changed_in_.resize(mesh.point_count(), 0);

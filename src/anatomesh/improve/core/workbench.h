@@ -69,7 +69,7 @@ class Workbench {
 
     void fix(std::uint32_t v) { fixed_[v] = 1; }
     void unfix(std::uint32_t v) { fixed_[v] = 0; }
-    // Fixed too, but for mend_cuts(), which may move it once more.
+    // Fixed too, but for repair_section_locally(), which may move it once more.
     void settle(std::uint32_t v) { fixed_[v] = settled_once; }
     bool settled(std::uint32_t v) const { return fixed_[v] == settled_once; }
     void fix_edge(std::uint32_t a, std::uint32_t b);

@@ -127,7 +127,7 @@ bool collapse_edge_within(Workbench& bench, std::uint32_t cell, int e, bool firs
         return m.least_sine() >= std::min(bar.sine, least_sine_inside) &&
                m.squared_ratio <= std::max(bar.squared_ratio, most_ratio * most_ratio);
     };
-    return collapse(bench, cell, e, first_onto_second, bench.options.apex_mm, good_enough);
+    return collapse(bench, cell, e, first_onto_second, bench.options.spike_mm, good_enough);
 }
 
 }  // namespace anatomesh

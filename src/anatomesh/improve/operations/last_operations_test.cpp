@@ -64,7 +64,7 @@ TEST(LastOperations, giving_cells_away_keeps_every_surface_and_the_fixed_vertice
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
         Bench bench(c);
-        EXPECT_GT(bench.try_all(give_cell), 10u);
+        EXPECT_GT(bench.try_all(relabel_cell), 10u);
         const TetMesh mesh = bench.take();
         EXPECT_EQ(mesh.cells, c.mesh.cells);
         expect_same_surfaces(mesh, c.mesh, c.regions, c.structures);
@@ -83,7 +83,7 @@ TEST(LastOperations, giving_cells_away_ends) {
         SCOPED_TRACE(c.name);
         Bench bench(c);
         int rounds = 0;
-        while (bench.try_all(give_cell) > 0) ASSERT_LT(++rounds, 200);
+        while (bench.try_all(relabel_cell) > 0) ASSERT_LT(++rounds, 200);
     }
 }
 
@@ -109,7 +109,7 @@ TEST(LastOperations, a_lone_cell_where_two_structures_overlap_goes_to_one_of_the
     ASSERT_NE(made, no_cell);
     c.mesh.regions[made] = both;
     Bench bench(c);
-    ASSERT_TRUE(give_cell(bench.bench, made));
+    ASSERT_TRUE(relabel_cell(bench.bench, made));
     EXPECT_NE(bench.mesh.region(made), both);
     EXPECT_NE(bench.mesh.region(made), 0);
     expect_same_surfaces(bench.take(), c.mesh, c.regions, 2);
@@ -123,9 +123,9 @@ TEST(LastOperations, giving_cells_away_leaves_the_cuts_by_slices) {
     const DrawnSlices slices{&c.regions, in_one_slice};
     Bench free(c), held(c);
     held.bench.slices = &slices;
-    const std::size_t given = held.try_all(give_cell);
-    EXPECT_GT(given, 0u);
-    EXPECT_GT(free.try_all(give_cell), given);
+    const std::size_t relabelled = held.try_all(relabel_cell);
+    EXPECT_GT(relabelled, 0u);
+    EXPECT_GT(free.try_all(relabel_cell), relabelled);
     const TetMesh mesh = held.take();
     const std::vector<std::uint32_t> neighbors = neighbors_of(mesh);
     for (std::size_t f = 0; f < neighbors.size(); ++f) {

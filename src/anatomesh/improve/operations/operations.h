@@ -30,23 +30,23 @@ bool remove_facet(Workbench& bench, std::uint32_t cell, int facet);
 // Moves a vertex uphill; on a surface between two regions along it.
 bool move_vertex(Workbench& bench, std::uint32_t v);
 
-// Gives a cell to a region beside it, where the surface of every structure concerned stays a disc and near
+// Relabels a cell to a region beside it, where the surface of every structure concerned stays a disc and near
 // the field's interface, or, where three regions meet, within the tolerance of where it was: to the outside,
 // or to where fewer of the cell's facets lie between two regions.
-bool give_cell(Workbench& bench, std::uint32_t cell);
+bool relabel_cell(Workbench& bench, std::uint32_t cell);
 
-// Whether a cell may be given to a region beside it so that the surface of every structure concerned stays a
-// disc with the contours that it must have: if it comes inside with this sine and no higher ratio, and no
-// facet of it that becomes one between two regions is further than `apex_mm`, and than those that were, from
-// the field's interface.
-bool may_give(Workbench& bench, std::uint32_t cell, Region to, const ContourOwners& owners,
-              double least_sine_inside, double most_ratio);
+// Whether a cell may be relabelled to a region beside it so that the surface of every structure concerned
+// stays a disc with the contours that it must have: if it comes inside with this sine and no higher ratio,
+// and no facet of it that becomes one between two regions is further than `spike_mm`, and than those that
+// were, from the field's interface.
+bool may_relabel(Workbench& bench, std::uint32_t cell, Region to, const ContourOwners& owners,
+                 double least_sine_inside, double most_ratio);
 
-// The same of cells of one region that are given together: also where one of them alone may not be.
-bool may_give_all(Workbench& bench, std::span<const std::uint32_t> cells, Region to,
-                  const ContourOwners& owners, double least_sine_inside, double most_ratio);
+// The same of cells of one region that are relabelled together: also where one of them alone may not be.
+bool may_relabel_all(Workbench& bench, std::span<const std::uint32_t> cells, Region to,
+                     const ContourOwners& owners, double least_sine_inside, double most_ratio);
 
-// Gives an ear - a cell with three facets on one surface, whose common vertex is free and off the field's
+// Relabels an ear - a cell with three facets on one surface, whose common vertex is free and off the field's
 // interface - to the region beyond, where the facet that comes to the surface in their place lies nearer to
 // the field's interface: the surface loses a spike, or a pit. A cell that comes inside must have at least
 // this sine.
@@ -58,7 +58,7 @@ bool is_ear(const Workbench& bench, std::uint32_t cell);
 bool collapse_edge(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second);
 
 // The same for another purpose than shape: where cells that come inside have at least this sine and no higher
-// ratio, or than there was, and where no facet of a surface comes further than `apex_mm`, or than it was,
+// ratio, or than there was, and where no facet of a surface comes further than `spike_mm`, or than it was,
 // from the field's interface.
 bool collapse_edge_within(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second,
                           double least_sine_inside, double most_ratio);

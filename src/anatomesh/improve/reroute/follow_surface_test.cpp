@@ -263,7 +263,7 @@ TEST(FollowSurface, cells_that_come_out_flat_are_taken_back) {
             EXPECT_EQ(fixtures::worst_sine(followed.mesh), fixtures::worst_sine(drawn.labelled.mesh));
             continue;
         }
-        // Forced ones may be as flat as bring_segments.h has it.
+        // Forced ones may be as flat as recover_on_surface.h has it.
         EXPECT_GE(fixtures::worst_sine(followed.mesh),
                   std::min(fixtures::worst_sine(drawn.labelled.mesh), least_crowded_sine));
     }

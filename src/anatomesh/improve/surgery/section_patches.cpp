@@ -97,22 +97,22 @@ class PatchFinder {
     const SectionAreas& areas_;
 };
 
-class SheetCutter {
+class MembraneCutter {
   public:
-    SheetCutter(Workbench& bench, const SectionAreas& areas, std::uint32_t plane)
+    MembraneCutter(Workbench& bench, const SectionAreas& areas, std::uint32_t plane)
         : bench_(bench), areas_(areas), sides_(bench), plane_(plane) {}
 
-    Sheet run(const SectionPatch& patch, double near) {
+    Membrane run(const SectionPatch& patch, double near) {
         std::vector<CellBefore> passed;
         std::vector<std::uint32_t> corners;
         std::vector<Ends> edges;
-        Sheet sheet;
+        Membrane membrane;
         for (const Section& section : patch.sections) {
             const Cell cell = bench_.mesh.cell(section.cell);
             if (section.facet < 4) {
                 const auto& f = facet_vertices[section.facet];
-                sheet.facets.push_back({cell[f[0]], cell[f[1]], cell[f[2]]});
-                std::sort(sheet.facets.back().begin(), sheet.facets.back().end());
+                membrane.facets.push_back({cell[f[0]], cell[f[1]], cell[f[2]]});
+                std::sort(membrane.facets.back().begin(), membrane.facets.back().end());
                 continue;
             }
             passed.push_back(CellBefore::of(bench_.mesh, section.cell));
@@ -135,8 +135,8 @@ class SheetCutter {
             if (v == no_cell) return {};
             corners.push_back(v);
         }
-        add_facets(sheet, corners, passed);
-        return sheet;
+        add_facets(membrane, corners, passed);
+        return membrane;
     }
 
   private:
@@ -151,7 +151,8 @@ class SheetCutter {
     }
 
     // Those between corners, with cells over and under them, in cells that the plane passed through.
-    void add_facets(Sheet& sheet, std::vector<std::uint32_t> corners, const std::vector<CellBefore>& passed) {
+    void add_facets(Membrane& membrane, std::vector<std::uint32_t> corners,
+                    const std::vector<CellBefore>& passed) {
         std::vector<std::uint32_t> cells;
         for (const std::uint32_t v : corners) {
             bench_.mesh.star(v, bench_.star);
@@ -172,11 +173,12 @@ class SheetCutter {
                 const std::uint32_t other = bench_.mesh.neighbor(c, i);
                 if (other == no_cell || over(cell[i]) == over(apex_across(other, facet))) continue;
                 std::sort(facet.begin(), facet.end());
-                sheet.facets.push_back(facet);
+                membrane.facets.push_back(facet);
             }
         }
-        std::sort(sheet.facets.begin(), sheet.facets.end());
-        sheet.facets.erase(std::unique(sheet.facets.begin(), sheet.facets.end()), sheet.facets.end());
+        std::sort(membrane.facets.begin(), membrane.facets.end());
+        membrane.facets.erase(std::unique(membrane.facets.begin(), membrane.facets.end()),
+                              membrane.facets.end());
     }
 
     double height_of(Vec3 p) const { return areas_.plane(plane_).signed_distance(p); }
@@ -204,8 +206,9 @@ std::vector<SectionPatch> find_patches(Workbench& bench, const SectionAreas& are
     return PatchFinder(bench, areas).run(std::move(wrong), structure, plane);
 }
 
-Sheet sheet_of_patch(Workbench& bench, const SectionAreas& areas, const SectionPatch& patch, double near) {
-    return SheetCutter(bench, areas, patch.plane).run(patch, near);
+Membrane membrane_of_patch(Workbench& bench, const SectionAreas& areas, const SectionPatch& patch,
+                           double near) {
+    return MembraneCutter(bench, areas, patch.plane).run(patch, near);
 }
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-// find_patches, sheet_of_patch: what a cut by a slice's plane has too much or too little of a structure.
+// find_patches, membrane_of_patch: what a cut by a slice's plane has too much or too little of a structure.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 #include "anatomesh/improve/core/workbench.h"
 #include "anatomesh/improve/sections/section_areas.h"
-#include "anatomesh/improve/surgery/surface_sheets.h"
+#include "anatomesh/improve/surgery/spanning_membranes.h"
 
 namespace anatomesh {
 
@@ -23,10 +23,11 @@ struct SectionPatch {
 std::vector<SectionPatch> find_patches(Workbench& bench, const SectionAreas& areas, std::uint32_t structure,
                                        std::uint32_t plane, int threads = 1);
 
-// Cuts the edges that pass through the patch, so that it is a sheet of facets (without a path). Where the
-// plane is nearer to a vertex than `near` of such an edge, that is a corner of the sheet. No facets where an
-// edge can't be cut: what was done to the mesh then, as before, is the caller's to take back. `near`: [0,
+// Cuts the edges that pass through the patch, so that it is a membrane of facets (without a path). Where the
+// plane is nearer to a vertex than `near` of such an edge, that is a corner of the membrane. No facets where
+// an edge can't be cut: what was done to the mesh then, as before, is the caller's to take back. `near`: [0,
 // 0.5).
-Sheet sheet_of_patch(Workbench& bench, const SectionAreas& areas, const SectionPatch& patch, double near);
+Membrane membrane_of_patch(Workbench& bench, const SectionAreas& areas, const SectionPatch& patch,
+                           double near);
 
 }  // namespace anatomesh

@@ -24,9 +24,9 @@ struct ComponentChange {
 // outwards in turns, until all ways but one have met or ended.
 class StructureComponents {
   public:
-    // Small: of at most `most_of_crumb` cells. Requires: both outlive this.
-    StructureComponents(Workbench& bench, const ContourOwners& owners, std::size_t most_of_crumb)
-        : bench_(bench), owners_(owners), most_of_crumb_(most_of_crumb) {}
+    // Small: of at most `most_of_component` cells. Requires: both outlive this.
+    StructureComponents(Workbench& bench, const ContourOwners& owners, std::size_t most_of_component)
+        : bench_(bench), owners_(owners), most_of_crumb_(most_of_component) {}
 
     // Of the attempt that is going on, and the cells of a structure, or all others. New are vertices from
     // `first_new` on, added since the attempt began. Complexity: n log n in the changed cells, and linear in

@@ -11,7 +11,7 @@ namespace {
 
 using fixtures::SectionedBricks;
 
-constexpr std::size_t most_of_crumb = 6;
+constexpr std::size_t most_of_component = 6;
 
 struct Counted {
     std::ptrdiff_t all = 0, bare = 0;
@@ -46,7 +46,7 @@ Counted count(Workbench& bench, const ContourOwners& owners, std::uint32_t struc
         ++found.all;
         found.bare += !drawn;
         std::sort(cells.begin(), cells.end());
-        if (!drawn && fresh && cells.size() <= most_of_crumb) found.crumbs.push_back(std::move(cells));
+        if (!drawn && fresh && cells.size() <= most_of_component) found.crumbs.push_back(std::move(cells));
     }
     std::sort(found.crumbs.begin(), found.crumbs.end());
     return found;
@@ -72,7 +72,7 @@ TEST(StructureComponents, their_change_by_an_attempt_is_that_of_all_cells) {
         EditMesh edited = parts.editable();
         Workbench bench(edited, parts.fixed, {}, parts.field, 1, {});
         bench.table = &parts.table;
-        StructureComponents components(bench, parts.owners, most_of_crumb);
+        StructureComponents components(bench, parts.owners, most_of_component);
         for (int attempt = 0; attempt < 20; ++attempt) {
             const auto first_new = static_cast<std::uint32_t>(edited.point_count());
             const auto counted = [&](bool inside) {
@@ -107,7 +107,7 @@ TEST(StructureComponents, a_slab_parts_what_is_on_its_sides) {
     EditMesh edited = bricks.editable();
     Workbench bench(edited, bricks.fixed, {}, bricks.field, 1, {});
     bench.table = &bricks.table;
-    StructureComponents components(bench, bricks.owners, most_of_crumb);
+    StructureComponents components(bench, bricks.owners, most_of_component);
     const auto first_new = static_cast<std::uint32_t>(edited.point_count());
     edited.begin_attempt();
     EXPECT_EQ(components.change(0, true, first_new), ComponentChange{});

@@ -12,7 +12,7 @@
 #include "anatomesh/contour/model/message_text.h"
 #include "anatomesh/improve/core/drawn_slices.h"
 #include "anatomesh/improve/operations/segment_edges.h"
-#include "anatomesh/improve/surgery/untold_handles.h"
+#include "anatomesh/improve/surgery/spurious_handles.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/sample/sample_points.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
@@ -131,8 +131,8 @@ std::vector<UntoldJoint> small_ones(const TornModel& model, std::span<const std:
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         if (surfaces[s].empty() || model.structures[model.structure_of[s]].genus <= 0) continue;
         for (const SmallHandles& part :
-             untold_handles(model.mesh.points, surfaces[s], s, {model.contours.contours, model.vertex_of},
-                            untold_reach * model.size_mm)) {
+             spurious_handles(model.mesh.points, surfaces[s], s, {model.contours.contours, model.vertex_of},
+                              spurious_handle_reach * model.size_mm)) {
             const Vec3 place = model.mesh.points[part.middle];
             joints.push_back({s, nearest_slice(model.contours, s, place), part.handles, place});
         }

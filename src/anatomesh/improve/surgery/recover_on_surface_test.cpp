@@ -1,4 +1,4 @@
-#include "anatomesh/improve/surgery/bring_segments.h"
+#include "anatomesh/improve/surgery/recover_on_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -21,9 +21,9 @@ using Subsegment = std::array<std::uint32_t, 3>;
 
 constexpr double any_shape = 1e-4, any_ratio = 1000;
 constexpr double least_within = 0.8;
-constexpr double least_brought = 0.95;  // share, where sheets may be in each other's way
+constexpr double least_recovered = 0.95;  // share, where membranes may be in each other's way
 
-// What a test does with the cells that a sheet changed; returns those that it made.
+// What a test does with the cells that a membrane changed; returns those that it made.
 using Improver =
     std::function<std::vector<std::uint32_t>(Workbench& bench, const std::vector<std::uint32_t>& cells)>;
 
@@ -35,7 +35,7 @@ struct Bricks {
     std::vector<Vec3> grid;
     std::vector<Subsegment> subsegments;
     std::vector<std::array<std::uint32_t, 2>> owned;
-    double max_radius_edge = any_ratio, most_more_share = 0;  // as bring_segments() has them
+    double max_radius_edge = any_ratio, most_more_share = 0;  // as recover_on_surface() has them
 
     explicit Bricks(const std::function<bool(Vec3)>& inside, double shaken = 0, unsigned seed = 1) {
         std::mt19937 random(seed);
@@ -153,7 +153,7 @@ struct Bricks {
             subsegments.push_back({vertices[n - 1], vertices[n], 0});
     }
 
-    BringStats bring(
+    SurfaceRecoveryStats recover(
         double least_sine = any_shape,
         const Improver& improve = [](Workbench&, const auto&) { return std::vector<std::uint32_t>{}; }) {
         const ContourOwners owners(owned, mesh.points.size(), subsegments);
@@ -171,9 +171,9 @@ struct Bricks {
         drawn.table = &table;
         drawn.owners = &owners;
         drawn.subsegments_beside = subsegments;
-        const BringStats stats =
-            bring_segments(bench, drawn, least_sine, most_more_share,
-                           [&](const std::vector<std::uint32_t>& cells) { return improve(bench, cells); });
+        const SurfaceRecoveryStats stats = recover_on_surface(
+            bench, drawn, least_sine, most_more_share,
+            [&](const std::vector<std::uint32_t>& cells) { return improve(bench, cells); });
         mesh = std::move(edited).take(neighbors);
         return stats;
     }
@@ -198,9 +198,9 @@ bool beside_trench(Vec3 p) {
     return p.x > 1 && p.x < 7 && p.y > 1 && p.y < 7 && p.z > 1 && p.z < 5 && !(p.x > 2 && p.x < 5 && p.z > 2);
 }
 
-// Whether all subsegments were brought that were off the surface; the others stay, and the surfaces are what
-// they were.
-bool brings_all(Bricks& bricks, std::uint32_t structures = 1) {
+// Whether all subsegments were recovered that were off the surface; the others stay, and the surfaces are
+// what they were.
+bool recovers_all(Bricks& bricks, std::uint32_t structures = 1) {
     const TetMesh before = bricks.mesh;
     const auto off_surface = [&] {
         return static_cast<std::size_t>(
@@ -208,53 +208,53 @@ bool brings_all(Bricks& bricks, std::uint32_t structures = 1) {
                           [&](const Subsegment& subsegment) { return !bricks.on_surface(subsegment); }));
     };
     const std::size_t off_before = off_surface();
-    const BringStats stats = bricks.bring();
+    const SurfaceRecoveryStats stats = bricks.recover();
     EXPECT_EQ(stats.found, off_before);
-    EXPECT_EQ(off_surface(), stats.found - stats.brought);
+    EXPECT_EQ(off_surface(), stats.found - stats.recovered);
     EXPECT_TRUE(std::equal(before.points.begin(), before.points.end(), bricks.mesh.points.begin()));
     EXPECT_EQ(bricks.neighbors, cell_neighbors(bricks.mesh.cells, bricks.mesh.points.size()));
     fixtures::expect_sound_mesh(bricks.mesh, before);
     fixtures::expect_same_surfaces(bricks.mesh, before, bricks.table, structures);
     fixtures::expect_sound_regions(bricks.mesh, bricks.table);
-    return stats.brought == off_before;
+    return stats.recovered == off_before;
 }
 
-void expect_brought(Bricks& bricks) {
+void expect_recovered(Bricks& bricks) {
     for (const Subsegment& subsegment : bricks.subsegments) ASSERT_FALSE(bricks.on_surface(subsegment));
-    EXPECT_TRUE(brings_all(bricks));
+    EXPECT_TRUE(recovers_all(bricks));
 }
 
 // An edge across the corner of a block, within it.
-TEST(BringSegments, a_slit_is_cut_to_a_subsegment_under_the_surface) {
+TEST(RecoverOnSurface, a_slit_is_cut_to_a_subsegment_under_the_surface) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Bricks bricks(in_block, seed ? 0.15 : 0, seed);
         bricks.draw({{1, 4, 3}, {2, 4, 4}});
-        expect_brought(bricks);
+        expect_recovered(bricks);
     }
 }
 
 // An edge from the floor of a trench to its wall.
-TEST(BringSegments, a_fin_is_built_to_a_subsegment_over_the_surface) {
+TEST(RecoverOnSurface, a_fin_is_built_to_a_subsegment_over_the_surface) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Bricks bricks(beside_trench, seed ? 0.15 : 0, seed);
         bricks.draw({{4, 4, 2}, {5, 4, 3}});
-        expect_brought(bricks);
+        expect_recovered(bricks);
     }
 }
 
-TEST(BringSegments, subsegments_with_a_vertex_under_the_surface_between_them_come_together) {
+TEST(RecoverOnSurface, subsegments_with_a_vertex_under_the_surface_between_them_come_together) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Bricks bricks(in_block, seed ? 0.1 : 0, seed);
         bricks.draw({{1, 4, 2}, {2, 4, 3}, {3, 4, 4}});
-        expect_brought(bricks);
+        expect_recovered(bricks);
     }
 }
 
-TEST(BringSegments, subsegments_near_each_other_are_brought_without_losing_one) {
+TEST(RecoverOnSurface, subsegments_near_each_other_are_recovered_without_losing_one) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Bricks bricks(in_block, seed ? 0.1 : 0, seed);
         for (int y = 2; y < 7; ++y) bricks.draw({{1, 1.0 * y, 3}, {2, 1.0 * y, 4}});
-        expect_brought(bricks);
+        expect_recovered(bricks);
     }
 }
 
@@ -288,13 +288,13 @@ std::vector<std::uint32_t> split_fixed_edge(Workbench& bench, std::uint32_t a, s
 }
 
 // Operations put vertices on fixed edges, and on the halves again.
-TEST(BringSegments, a_subsegment_that_improvement_splits_is_brought) {
+TEST(RecoverOnSurface, a_subsegment_that_improvement_splits_is_recovered) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Bricks bricks(in_block, seed ? 0.1 : 0, seed);
         bricks.draw({{1, 4, 2}, {2, 4, 3}, {3, 4, 4}});
         const TetMesh before = bricks.mesh;
         const double share = 0.3 + 0.04 * seed;
-        const BringStats stats = bricks.bring(any_shape, [&](Workbench& bench, const auto&) {
+        const SurfaceRecoveryStats stats = bricks.recover(any_shape, [&](Workbench& bench, const auto&) {
             std::vector<std::uint32_t> made;
             for (const Subsegment& subsegment : bricks.subsegments) {
                 const auto middle = static_cast<std::uint32_t>(bench.mesh.point_count());
@@ -306,31 +306,31 @@ TEST(BringSegments, a_subsegment_that_improvement_splits_is_brought) {
             return made;
         });
         EXPECT_EQ(stats.found, 2u);
-        EXPECT_EQ(stats.brought, 2u);
+        EXPECT_EQ(stats.recovered, 2u);
         fixtures::expect_same_surfaces(bricks.mesh, before, bricks.table, 1);
     }
 }
 
 // Cells that nothing improves are not accepted, and then all is as it was.
-TEST(BringSegments, what_would_leave_bad_cells_is_taken_back) {
+TEST(RecoverOnSurface, what_would_leave_bad_cells_is_taken_back) {
     Bricks bricks(beside_trench);
     bricks.draw({{4, 4, 2}, {5, 4, 3}});
     const TetMesh before = bricks.mesh;
     const std::vector<std::uint32_t> neighbors = bricks.neighbors;
-    const BringStats stats = bricks.bring(0.9);
+    const SurfaceRecoveryStats stats = bricks.recover(0.9);
     EXPECT_EQ(stats.found, 1u);
-    EXPECT_EQ(stats.brought, 0u);
+    EXPECT_EQ(stats.recovered, 0u);
     EXPECT_EQ(bricks.mesh.cells, before.cells);
     EXPECT_EQ(bricks.mesh.regions, before.regions);
     EXPECT_EQ(bricks.neighbors, neighbors);
     EXPECT_TRUE(std::equal(before.points.begin(), before.points.end(), bricks.mesh.points.begin()));
 }
 
-TEST(BringSegments, a_subsegment_on_the_surface_stays_as_it_is) {
+TEST(RecoverOnSurface, a_subsegment_on_the_surface_stays_as_it_is) {
     Bricks bricks(in_block);
     bricks.draw({{1, 4, 3}, {1, 4, 4}});
     const TetMesh before = bricks.mesh;
-    EXPECT_EQ(bricks.bring().found, 0u);
+    EXPECT_EQ(bricks.recover().found, 0u);
     EXPECT_EQ(bricks.mesh.cells, before.cells);
     EXPECT_EQ(bricks.mesh.regions, before.regions);
 }
@@ -355,19 +355,19 @@ std::size_t for_edges(const Bricks& bricks, std::size_t every, Body body) {
     return count;
 }
 
-// The sheets bend along a surface of random facets: at a vertex of it they part the cells on their side.
-TEST(BringSegments, an_edge_from_surface_to_surface_is_brought_whatever_cells_there_are) {
+// The membranes bend along a surface of random facets: at a vertex of it they part the cells on their side.
+TEST(RecoverOnSurface, an_edge_from_surface_to_surface_is_recovered_whatever_cells_there_are) {
     for (std::uint32_t seed = 1; seed <= 2; ++seed) {
         for_edges(random_ball(seed), 10, [](Bricks bricks, VertexPair edge) {
             bricks.draw({bricks.grid[edge[0]], bricks.grid[edge[1]]});
-            expect_brought(bricks);
+            expect_recovered(bricks);
         });
     }
 }
 
 // In the facet between a subsegment and two edges of the surface there is a vertex, and one nearer to the
-// subsegment: the sheet has both within it, unless another one is smaller.
-TEST(BringSegments, a_sheet_has_vertices_within_it) {
+// subsegment: the membrane has both within it, unless another one is smaller.
+TEST(RecoverOnSurface, a_membrane_has_vertices_within_it) {
     std::size_t within = 0, tried = 0;
     for_edges(random_ball(1), 3, [&](Bricks bricks, VertexPair edge) {
         const auto [a, b] = edge;
@@ -381,7 +381,7 @@ TEST(BringSegments, a_sheet_has_vertices_within_it) {
         const std::uint32_t nearer = bricks.split_facet({a, b, middle});
         const bool side = bricks.lies(true, middle);
         bricks.draw({bricks.grid[a], bricks.grid[b]});
-        expect_brought(bricks);
+        expect_recovered(bricks);
         within += bricks.lies(!side, middle) && bricks.lies(!side, nearer);
         ++tried;
     });
@@ -390,40 +390,40 @@ TEST(BringSegments, a_sheet_has_vertices_within_it) {
 }
 
 // Cells above the first bound may be the price where cells are parted.
-TEST(BringSegments, a_subsegment_that_parts_cells_costs_as_many_above_the_bound_as_it_may) {
+TEST(RecoverOnSurface, a_subsegment_that_parts_cells_costs_as_many_above_the_bound_as_it_may) {
     constexpr std::array shares{0.0, 0.005, 1.0};
-    std::array<std::size_t, 3> brought{};
+    std::array<std::size_t, 3> recovered{};
     const std::size_t tried = for_edges(random_ball(1), 10, [&](const Bricks& ball, VertexPair edge) {
         for (std::size_t k = 0; k < shares.size(); ++k) {
             Bricks bricks = ball;
             bricks.max_radius_edge = 2;
             bricks.most_more_share = shares[k];
             bricks.draw({bricks.grid[edge[0]], bricks.grid[edge[1]]});
-            brought[k] += bricks.bring().brought;
+            recovered[k] += bricks.recover().recovered;
         }
     });
-    EXPECT_LT(brought[0], brought[1]);
-    EXPECT_LT(brought[1], brought[2]);
-    EXPECT_EQ(brought[2], tried);
+    EXPECT_LT(recovered[0], recovered[1]);
+    EXPECT_LT(recovered[1], recovered[2]);
+    EXPECT_EQ(recovered[2], tried);
 }
 
-// Whatever way its sheet goes, it leaves one end of the subsegment along the next subsegment.
-TEST(BringSegments, a_sheet_has_the_next_subsegment_of_the_contour_on_its_rim) {
-    std::size_t brought = 0;
+// Whatever way its membrane goes, it leaves one end of the subsegment along the next subsegment.
+TEST(RecoverOnSurface, a_membrane_has_the_next_subsegment_of_the_contour_on_its_rim) {
+    std::size_t recovered = 0;
     const std::size_t tried = for_edges(random_ball(1), 10, [&](Bricks bricks, VertexPair edge) {
         const auto [a, b] = edge;
         bricks.draw({bricks.grid[a], bricks.grid[b]});
         for (const std::uint32_t w : bricks.joined_on_surface(a)) {
             bricks.draw({bricks.grid[a], bricks.grid[w]});
         }
-        brought += brings_all(bricks);
+        recovered += recovers_all(bricks);
     });
-    EXPECT_GE(brought, least_brought * tried);
+    EXPECT_GE(recovered, least_recovered * tried);
 }
 
-// Two structures that touch or overlap: the sheet takes nothing from the other.
-TEST(BringSegments, a_subsegment_beside_another_structure_is_brought) {
-    std::size_t brought = 0, tried = 0;
+// Two structures that touch or overlap: the membrane takes nothing from the other.
+TEST(RecoverOnSurface, a_subsegment_beside_another_structure_is_recovered) {
+    std::size_t recovered = 0, tried = 0;
     for (const bool overlap : {false, true}) {
         const double x = overlap ? 2 : 3.5;
         const fixtures::AnalyticField field({fixtures::ball({-x, 0, 0}, 6), fixtures::ball({x, 0, 0}, 6)}, 9,
@@ -431,10 +431,10 @@ TEST(BringSegments, a_subsegment_beside_another_structure_is_brought) {
         tried += for_edges(Bricks(fixtures::random_case("balls", field, 2, 1)), 10,
                            [&](Bricks bricks, VertexPair edge) {
                                bricks.draw({bricks.grid[edge[0]], bricks.grid[edge[1]]});
-                               brought += brings_all(bricks, 2);
+                               recovered += recovers_all(bricks, 2);
                            });
     }
-    EXPECT_GE(brought, least_brought * tried);
+    EXPECT_GE(recovered, least_recovered * tried);
 }
 
 }  // namespace

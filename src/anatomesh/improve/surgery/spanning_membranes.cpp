@@ -1,4 +1,4 @@
-#include "anatomesh/improve/surgery/surface_sheets.h"
+#include "anatomesh/improve/surgery/spanning_membranes.h"
 
 #include <map>
 #include <optional>
@@ -14,13 +14,13 @@ namespace anatomesh {
 namespace {
 
 constexpr std::size_t most_subsegments = 50;  // of a chain
-constexpr std::size_t most_facets = 8;        // of a sheet, beside one for each subsegment
-constexpr std::size_t most_looked_at = 4000, most_sheets = 16, most_across = 6;
+constexpr std::size_t most_facets = 8;        // of a membrane, beside one for each subsegment
+constexpr std::size_t most_looked_at = 4000, most_membranes = 16, most_across = 6;
 constexpr double edge_price = 0.43;  // of its square: the facets that an edge off the surface still needs
 constexpr double wrong_side = 5;     // price of a facet where the field has the side of the chain
 
 struct Dearer {
-    bool operator()(const Sheet& x, const Sheet& y) const {
+    bool operator()(const Membrane& x, const Membrane& y) const {
         const double here = x.price + x.to_come, there = y.price + y.to_come;
         return here != there ? here > there : x.facets > y.facets;
     }
@@ -69,20 +69,20 @@ class ChainSearch {
     std::vector<Chain> chains_;
 };
 
-// Sheets grown facet by facet from a chain, the cheapest first, until the rest of the rim lies on the
+// Membranes grown facet by facet from a chain, the cheapest first, until the rest of the rim lies on the
 // surface.
-class SheetSearch {
+class MembraneSearch {
   public:
-    SheetSearch(Workbench& bench, const Chain& chain, bool side)
+    MembraneSearch(Workbench& bench, const Chain& chain, bool side)
         : bench_(bench), chain_(chain), side_(side), sides_(bench) {}
 
-    std::vector<Sheet> run() {
+    std::vector<Membrane> run() {
         waiting_.push({{}, chain_.vertices, 0, 0});
-        return cheapest(most_sheets, [](const Sheet&) { return true; });
+        return cheapest(most_membranes, [](const Membrane&) { return true; });
     }
 
-    std::vector<Sheet> run_among(std::span<const std::uint32_t> vertices, const RimSides& sides_of_rim,
-                                 const std::function<bool(const Sheet&)>& wanted) {
+    std::vector<Membrane> run_among(std::span<const std::uint32_t> vertices, const RimSides& sides_of_rim,
+                                    const std::function<bool(const Membrane&)>& wanted) {
         among_ = vertices;
         rim_sides_ = &sides_of_rim;
         for (const std::uint32_t u : vertices) begin_at(u);
@@ -90,30 +90,30 @@ class SheetSearch {
     }
 
   private:
-    std::vector<Sheet> cheapest(std::size_t most, const std::function<bool(const Sheet&)>& wanted) {
-        std::vector<Sheet> found;
+    std::vector<Membrane> cheapest(std::size_t most, const std::function<bool(const Membrane&)>& wanted) {
+        std::vector<Membrane> found;
         for (std::size_t n = 0; n < most_looked_at && !waiting_.empty() && found.size() < most; ++n) {
-            Sheet sheet = waiting_.top();
+            Membrane membrane = waiting_.top();
             waiting_.pop();
-            const std::size_t open = first_off_surface(sheet);
-            if (open + 1 == sheet.path.size()) {
-                if (wanted(sheet)) found.push_back(std::move(sheet));
+            const std::size_t open = first_off_surface(membrane);
+            if (open + 1 == membrane.path.size()) {
+                if (wanted(membrane)) found.push_back(std::move(membrane));
                 continue;
             }
-            if (sheet.facets.size() == most_facets + chain_.vertices.size()) continue;
-            const EdgeRing& edge = ring_of(sheet.path[open], sheet.path[open + 1]);
+            if (membrane.facets.size() == most_facets + chain_.vertices.size()) continue;
+            const EdgeRing& edge = ring_of(membrane.path[open], membrane.path[open + 1]);
             if (!edge.closed) continue;
-            for (const std::uint32_t w : edge.vertices) push(grown(sheet, open, w));
+            for (const std::uint32_t w : edge.vertices) push(grown(membrane, open, w));
             // Elsewhere facets between two edges of the path alone: they may be all that the others wait for.
-            for (std::size_t k = open + 1; k + 2 < sheet.path.size(); ++k) {
-                if (is_facet(sheet.path[k], sheet.path[k + 1], sheet.path[k + 2]))
-                    push(grown(sheet, k, sheet.path[k + 2]));
+            for (std::size_t k = open + 1; k + 2 < membrane.path.size(); ++k) {
+                if (is_facet(membrane.path[k], membrane.path[k + 1], membrane.path[k + 2]))
+                    push(grown(membrane, k, membrane.path[k + 2]));
             }
         }
         return found;
     }
 
-    void push(std::optional<Sheet> more) {
+    void push(std::optional<Membrane> more) {
         if (!more || is_enclosed(*more) || !seen_.insert(more->facets).second) return;
         more->to_come = to_come(*more);
         waiting_.push(std::move(*more));
@@ -135,18 +135,18 @@ class SheetSearch {
                 std::array facet{u, v, w};
                 std::sort(facet.begin(), facet.end());
                 if (on_surface(u, v))
-                    push(Sheet{{facet}, {u, w, v}, price(facet), 0});
+                    push(Membrane{{facet}, {u, w, v}, price(facet), 0});
                 else if (on_surface(u, w))
-                    push(Sheet{{facet}, {u, v, w}, price(facet), 0});
+                    push(Membrane{{facet}, {u, v, w}, price(facet), 0});
             }
         }
     }
 
     // Whether the part of the rim that lies on the surface already has no side left.
-    bool is_enclosed(const Sheet& sheet) {
+    bool is_enclosed(const Membrane& membrane) {
         if (!rim_sides_) return false;
         std::array<bool, 2> taken{};
-        const std::vector<std::uint32_t>& path = sheet.path;
+        const std::vector<std::uint32_t>& path = membrane.path;
         bool on_before = true;  // the edge that joins its ends is
         for (std::size_t n = 0; n < path.size(); ++n) {
             const std::size_t next = (n + 1) % path.size();
@@ -183,29 +183,29 @@ class SheetSearch {
     bool on_surface(std::uint32_t a, std::uint32_t b) { return ring_of(a, b).on_surface; }
 
     // The first edge of the path that is off the surface.
-    std::size_t first_off_surface(const Sheet& sheet) {
+    std::size_t first_off_surface(const Membrane& membrane) {
         std::size_t n = 0;
-        while (n + 1 < sheet.path.size() && on_surface(sheet.path[n], sheet.path[n + 1])) ++n;
+        while (n + 1 < membrane.path.size() && on_surface(membrane.path[n], membrane.path[n + 1])) ++n;
         return n;
     }
 
-    // By the facet at the path's edge n and a vertex; nothing where the sheet would meet itself, or touch a
-    // surface within its rim.
-    std::optional<Sheet> grown(const Sheet& sheet, std::size_t n, std::uint32_t w) {
-        const std::uint32_t u = sheet.path[n], v = sheet.path[n + 1];
+    // By the facet at the path's edge n and a vertex; nothing where the membrane would meet itself, or touch
+    // a surface within its rim.
+    std::optional<Membrane> grown(const Membrane& membrane, std::size_t n, std::uint32_t w) {
+        const std::uint32_t u = membrane.path[n], v = membrane.path[n + 1];
         std::array facet{u, v, w};
         std::sort(facet.begin(), facet.end());
-        if (std::find(sheet.facets.begin(), sheet.facets.end(), facet) != sheet.facets.end())
+        if (std::find(membrane.facets.begin(), membrane.facets.end(), facet) != membrane.facets.end())
             return std::nullopt;
-        Sheet more = sheet;
+        Membrane more = membrane;
         const auto at = more.path.begin() + static_cast<std::ptrdiff_t>(n);
-        if (n > 0 && sheet.path[n - 1] == w) {
+        if (n > 0 && membrane.path[n - 1] == w) {
             if (!may_be_within(u)) return std::nullopt;
             more.path.erase(at);
-        } else if (n + 2 < sheet.path.size() && sheet.path[n + 2] == w) {
+        } else if (n + 2 < membrane.path.size() && membrane.path[n + 2] == w) {
             if (!may_be_within(v)) return std::nullopt;
             more.path.erase(at + 1);
-        } else if (sheet.has(w) || chain_.has(w) || !is_among(w)) {
+        } else if (membrane.has(w) || chain_.has(w) || !is_among(w)) {
             return std::nullopt;
         } else {
             more.path.insert(at + 1, w);
@@ -232,10 +232,10 @@ class SheetSearch {
         return place->second = 0.5 * length(cross(b - a, c - a)) * (wrong ? wrong_side : 1);
     }
 
-    double to_come(const Sheet& sheet) {
+    double to_come(const Membrane& membrane) {
         double sum = 0;
-        for (std::size_t n = 1; n < sheet.path.size(); ++n) {
-            const std::uint32_t a = sheet.path[n - 1], b = sheet.path[n];
+        for (std::size_t n = 1; n < membrane.path.size(); ++n) {
+            const std::uint32_t a = membrane.path[n - 1], b = membrane.path[n];
             if (!on_surface(a, b))
                 sum += edge_price * squared_length(bench_.mesh.point(b) - bench_.mesh.point(a));
         }
@@ -250,7 +250,7 @@ class SheetSearch {
     const RimSides* rim_sides_ = nullptr;
     std::map<std::array<std::uint32_t, 3>, std::array<bool, 2>> rim_sides_at_;
     std::set<std::vector<std::array<std::uint32_t, 3>>> seen_;
-    std::priority_queue<Sheet, std::vector<Sheet>, Dearer> waiting_;
+    std::priority_queue<Membrane, std::vector<Membrane>, Dearer> waiting_;
     std::map<std::pair<std::uint32_t, std::uint32_t>, EdgeRing> rings_;
     std::map<std::array<std::uint32_t, 3>, double> prices_;
 };
@@ -262,15 +262,16 @@ std::vector<Chain> find_chains(Workbench& bench, const ContourOwners& owners,
     return ChainSearch(bench, owners).run(subsegments);
 }
 
-std::vector<Sheet> find_sheets(Workbench& bench, const Chain& chain, bool side) {
-    return SheetSearch(bench, chain, side).run();
+std::vector<Membrane> find_membranes(Workbench& bench, const Chain& chain, bool side) {
+    return MembraneSearch(bench, chain, side).run();
 }
 
-std::vector<Sheet> find_sheets_across(Workbench& bench, std::uint32_t structure, bool side,
-                                      std::span<const std::uint32_t> vertices, const RimSides& rim_sides,
-                                      const std::function<bool(const Sheet&)>& wanted) {
+std::vector<Membrane> find_membranes_across(Workbench& bench, std::uint32_t structure, bool side,
+                                            std::span<const std::uint32_t> vertices,
+                                            const RimSides& rim_sides,
+                                            const std::function<bool(const Membrane&)>& wanted) {
     const Chain none{{}, structure};
-    return SheetSearch(bench, none, side).run_among(vertices, rim_sides, wanted);
+    return MembraneSearch(bench, none, side).run_among(vertices, rim_sides, wanted);
 }
 
 }  // namespace anatomesh

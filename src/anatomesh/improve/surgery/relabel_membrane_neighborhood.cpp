@@ -1,4 +1,4 @@
-#include "anatomesh/improve/surgery/thicken_sheet.h"
+#include "anatomesh/improve/surgery/relabel_membrane_neighborhood.h"
 
 #include <algorithm>
 #include <array>
@@ -12,50 +12,51 @@
 #include "anatomesh/improve/core/parts_at.h"
 #include "anatomesh/improve/core/sides_at.h"
 #include "anatomesh/improve/core/surface_count.h"
-#include "anatomesh/improve/surgery/join_sides.h"
+#include "anatomesh/improve/surgery/resolve_pinches.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr double middle = 0.5;  // where an edge between two vertices of a sheet is cut
+constexpr double middle = 0.5;  // where an edge between two vertices of a membrane is cut
 
-class Thickening {
+class MembraneNeighborhood {
   public:
-    Thickening(Workbench& bench, const ContourOwners& owners, const Chain& chain, const Sheet& sheet,
-               Region own, SheetReach reach, const SheetAcross* across)
+    MembraneNeighborhood(Workbench& bench, const ContourOwners& owners, const Chain& chain,
+                         const Membrane& membrane, Region own, MembraneReach reach,
+                         const MembraneAcross* across)
         : bench_(bench),
           owners_(owners),
           chain_(chain),
-          sheet_(sheet),
+          membrane_(membrane),
           own_(own),
           side_(bench.table->contains(own, chain.structure)),
           reach_(reach),
           across_(across),
           sides_(bench),
-          on_sheet_(sheet.vertices()),
+          on_membrane_(membrane.vertices()),
           first_new_(static_cast<std::uint32_t>(bench.mesh.point_count())) {}
 
-    std::optional<ThickenedSheet> run(double thickness, SectionAreas* areas) {
+    std::optional<RelabelledNeighborhood> run(double thickness, SectionAreas* areas) {
         find_cells();
         if (!cut_edges(thickness)) return std::nullopt;
-        std::vector<std::uint32_t> given = cells_between_cuts();
-        const std::optional<Region> to = across_ && across_->to ? across_->to : region_across(given);
-        if (!to || given.empty() || !leave_one_part(given, *to, thickness)) return std::nullopt;
+        std::vector<std::uint32_t> relabelled = cells_between_cuts();
+        const std::optional<Region> to = across_ && across_->to ? across_->to : region_across(relabelled);
+        if (!to || relabelled.empty() || !leave_one_part(relabelled, *to, thickness)) return std::nullopt;
         if (across_) {
-            auto joined = join_sides(
-                bench_,
-                {chain_.structure, own_, *to, reach_ == SheetReach::others, thickness, on_sheet_, first_new_},
-                std::move(given));
+            auto joined = resolve_pinches(bench_,
+                                          {chain_.structure, own_, *to, reach_ == MembraneReach::others,
+                                           thickness, on_membrane_, first_new_},
+                                          std::move(relabelled));
             if (!joined) return std::nullopt;
-            given = std::move(*joined);
+            relabelled = std::move(*joined);
         }
-        note_changed(given);
-        SurfaceCount count(bench_, owners_, given, *to);
+        note_changed(relabelled);
+        SurfaceCount count(bench_, owners_, relabelled, *to);
         const SurfaceCount::Figures before = count.figures();
-        if (areas) made_.wrong_of_cuts -= areas->wrong(given);
-        for (const std::uint32_t c : given) bench_.mesh.set_region(c, *to);
-        if (areas) made_.wrong_of_cuts += areas->wrong(given);
+        if (areas) made_.wrong_of_cuts -= areas->wrong(relabelled);
+        for (const std::uint32_t c : relabelled) bench_.mesh.set_region(c, *to);
+        if (areas) made_.wrong_of_cuts += areas->wrong(relabelled);
         const SurfaceCount::Figures after = count.figures();
         const bool sound = after.excess == 0 && may_become(count, before, after) && count.newly_lost() == 0 &&
                            sides_.on_surface(chain_.vertices, chain_.structure);
@@ -63,11 +64,11 @@ class Thickening {
     }
 
   private:
-    // A subsegment of the structure on the sheet's rim: of the chain, or of a contour that the surface has
+    // A subsegment of the structure on the membrane's rim: of the chain, or of a contour that the surface has
     // already; or, there, of an edge of a contour that was cut since the owners were made. The bench has the
     // edge's ring.
     bool is_rim_subsegment(std::uint32_t a, std::uint32_t b) const {
-        if (!sheet_.has_on_rim(a, b)) return false;
+        if (!membrane_.has_on_rim(a, b)) return false;
         bool known = false;
         for (const ContourOwners::Subsegment& subsegment : owners_.subsegments_at(a)) {
             if (subsegment.other != b) continue;
@@ -83,7 +84,7 @@ class Thickening {
         for (std::size_t n = 0; n < was.size(); ++n) {
             if (is[n] == was[n]) continue;
             const bool of_chain = count.structures()[n] == chain_.structure;
-            const bool both = across_ && across_->sides == SheetSides::both;
+            const bool both = across_ && across_->sides == MembraneSides::both;
             if (both && of_chain && is[n] == was[n] - 2) {
                 made_.joins = true;
                 continue;
@@ -97,17 +98,19 @@ class Thickening {
     // Those of other regions stay, for the sake of the surfaces of other structures.
     bool may_go(std::uint32_t c) const { return bench_.mesh.region(c) == own_; }
 
-    bool is_on(std::uint32_t v) const { return std::binary_search(on_sheet_.begin(), on_sheet_.end(), v); }
+    bool is_on(std::uint32_t v) const {
+        return std::binary_search(on_membrane_.begin(), on_membrane_.end(), v);
+    }
 
-    // Those that may go, and their edges that leave the sheet.
+    // Those that may go, and their edges that leave the membrane.
     void find_cells() {
-        const bool both = !across_ || across_->sides == SheetSides::both;
+        const bool both = !across_ || across_->sides == MembraneSides::both;
         for (const std::uint32_t c : both ? cells_at_edges() : cells_on_side()) {
             const Cell& cell = bench_.mesh.cell(c);
             cells_.push_back(CellBefore::of(bench_.mesh, c));
             for (const std::uint32_t d : cell) {
                 for (const std::uint32_t x : cell) {
-                    if (is_on(d) && (!is_on(x) || (d < x && !sheet_.has_edge(d, x))))
+                    if (is_on(d) && (!is_on(x) || (d < x && !membrane_.has_edge(d, x))))
                         edges_.push_back({d, x});
                 }
             }
@@ -115,10 +118,10 @@ class Thickening {
         sort_distinct(edges_);
     }
 
-    // Those with an edge of the sheet that is no subsegment of its rim.
+    // Those with an edge of the membrane that is no subsegment of its rim.
     std::vector<std::uint32_t> cells_at_edges() {
         std::vector<std::uint32_t> cells;
-        for (const auto& facet : sheet_.facets) {
+        for (const auto& facet : membrane_.facets) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t a = facet[k], b = facet[(k + 1) % 3];
                 if (!sides_.find_ring(a, b)) continue;
@@ -134,11 +137,11 @@ class Thickening {
         return cells;
     }
 
-    // Those that facets at vertices of the sheet, but none of it, join to one at its first facet; none, where
-    // that leads round it.
+    // Those that facets at vertices of the membrane, but none of it, join to one at its first facet; none,
+    // where that leads round it.
     std::vector<std::uint32_t> cells_on_side() {
         std::vector<std::uint32_t> ends;
-        const auto& [a, b, w] = sheet_.facets.front();
+        const auto& [a, b, w] = membrane_.facets.front();
         if (!sides_.find_ring(a, b)) return {};
         std::copy_if(bench_.ring.cells.begin(), bench_.ring.cells.end(), std::back_inserter(ends),
                      [&](std::uint32_t c) {
@@ -147,7 +150,7 @@ class Thickening {
                      });
         if (ends.size() != 2) return {};
         const auto [low, high] = std::minmax(ends[0], ends[1]);
-        const bool first = across_->sides == SheetSides::first;
+        const bool first = across_->sides == MembraneSides::first;
         std::vector<std::uint32_t> cells{first ? low : high};
         std::set<std::uint32_t> known{cells[0]};
         for (std::size_t n = 0; n < cells.size(); ++n) {
@@ -160,7 +163,7 @@ class Thickening {
                 if (std::none_of(facet.begin(), facet.end(), [&](std::uint32_t v) { return is_on(v); }))
                     continue;
                 std::sort(facet.begin(), facet.end());
-                if (std::binary_search(sheet_.facets.begin(), sheet_.facets.end(), facet)) continue;
+                if (std::binary_search(membrane_.facets.begin(), membrane_.facets.end(), facet)) continue;
                 if (known.insert(next).second) cells.push_back(next);
             }
         }
@@ -168,17 +171,17 @@ class Thickening {
         return cells;
     }
 
-    // Of the ring of a subsegment, from the sheet's facet to this vertex on both ways round: cells up to the
-    // other side of the structure, if that is reached before half a turn.
-    void add_beside(std::uint32_t sheet_vertex, std::vector<std::uint32_t>& cells) const {
+    // Of the ring of a subsegment, from the membrane's facet to this vertex on both ways round: cells up to
+    // the other side of the structure, if that is reached before half a turn.
+    void add_beside(std::uint32_t membrane_vertex, std::vector<std::uint32_t>& cells) const {
         const EdgeRing& ring = bench_.ring;
         const std::size_t count = ring.cells.size();
-        const auto at = static_cast<std::size_t>(std::find(ring.ring.begin(), ring.ring.end(), sheet_vertex) -
-                                                 ring.ring.begin());
+        const auto at = static_cast<std::size_t>(
+            std::find(ring.ring.begin(), ring.ring.end(), membrane_vertex) - ring.ring.begin());
         if (at == count) return;
         const Vec3 from = bench_.mesh.point(ring.a);
         const Vec3 in = cross(across_->normal, bench_.mesh.point(ring.b) - from);
-        const double inward = dot(in, bench_.mesh.point(sheet_vertex) - from);
+        const double inward = dot(in, bench_.mesh.point(membrane_vertex) - from);
         for (const bool onward : {true, false}) {
             std::vector<std::uint32_t> part;
             bool over = false;
@@ -207,7 +210,7 @@ class Thickening {
         for (const auto& [d, x] : edges_) {
             if (!sides_.find_ring(d, x)) return false;
             if (sides_.ring_is_mixed(chain_.structure) &&
-                (reach_ < SheetReach::near || bench_.fixed_edge(d, x))) {
+                (reach_ < MembraneReach::near || bench_.fixed_edge(d, x))) {
                 if (!is_on(x)) beside_.push_back(x);
                 continue;
             }
@@ -224,31 +227,31 @@ class Thickening {
         return bench_.split_ring(from + share * (bench_.mesh.point(b) - from)) != no_cell;
     }
 
-    // Of all at vertices of the sheet and new ones.
+    // Of all at vertices of the membrane and new ones.
     std::vector<std::uint32_t> cells_between_cuts() {
-        std::vector<std::uint32_t> look = on_sheet_, given;
+        std::vector<std::uint32_t> look = on_membrane_, relabelled;
         for (auto v = first_new_; v < bench_.mesh.point_count(); ++v) look.push_back(v);
         for (const std::uint32_t v : look) {
             bench_.mesh.star(v, bench_.star);
-            std::copy_if(bench_.star.begin(), bench_.star.end(), std::back_inserter(given),
+            std::copy_if(bench_.star.begin(), bench_.star.end(), std::back_inserter(relabelled),
                          [&](std::uint32_t c) { return may_go(c); });
         }
-        sort_distinct(given);
-        std::erase_if(given, [&](std::uint32_t c) { return !lies_between_cuts(c); });
-        return given;
+        sort_distinct(relabelled);
+        std::erase_if(relabelled, [&](std::uint32_t c) { return !lies_between_cuts(c); });
+        return relabelled;
     }
 
-    // Where what is given parts the cells left of the chain's region at a vertex of the sheet - on its rim,
-    // between cells that have no edge of it -, one part stays there; near the vertex the others are given
-    // too. False where a cell would not be positive.
-    bool leave_one_part(std::vector<std::uint32_t>& given, Region to, double thickness) {
+    // Where what is relabelled parts the cells left of the chain's region at a vertex of the membrane - on
+    // its rim, between cells that have no edge of it -, one part stays there; near the vertex the others are
+    // relabelled too. False where a cell would not be positive.
+    bool leave_one_part(std::vector<std::uint32_t>& relabelled, Region to, double thickness) {
         std::vector<Region> before;
-        const auto give = [&](std::uint32_t c) {
+        const auto relabel = [&](std::uint32_t c) {
             before.push_back(bench_.mesh.region(c));
             bench_.mesh.set_region(c, to);
         };
-        std::for_each(given.begin(), given.end(), give);
-        for (const std::uint32_t v : on_sheet_) {
+        std::for_each(relabelled.begin(), relabelled.end(), relabel);
+        for (const std::uint32_t v : on_membrane_) {
             const auto parts = parts_at(bench_, v, [&](std::uint32_t c) { return may_go(c); });
             if (parts.size() < 2) continue;
             made_.parts_cells = true;
@@ -258,11 +261,11 @@ class Thickening {
             }
             for (const auto& part : parts_at(bench_, v, [&](std::uint32_t c) { return may_go(c); })) {
                 if (std::find(part.begin(), part.end(), stays->front()) != part.end()) continue;
-                given.insert(given.end(), part.begin(), part.end());
-                std::for_each(part.begin(), part.end(), give);
+                relabelled.insert(relabelled.end(), part.begin(), part.end());
+                std::for_each(part.begin(), part.end(), relabel);
             }
         }
-        for (std::size_t n = 0; n < given.size(); ++n) bench_.mesh.set_region(given[n], before[n]);
+        for (std::size_t n = 0; n < relabelled.size(); ++n) bench_.mesh.set_region(relabelled[n], before[n]);
         return true;
     }
 
@@ -278,8 +281,8 @@ class Thickening {
         });
     }
 
-    void note_changed(const std::vector<std::uint32_t>& given) {
-        made_.changed = given;
+    void note_changed(const std::vector<std::uint32_t>& relabelled) {
+        made_.changed = relabelled;
         for (auto v = first_new_; v < bench_.mesh.point_count(); ++v) {
             bench_.mesh.star(v, bench_.star);
             made_.changed.insert(made_.changed.end(), bench_.star.begin(), bench_.star.end());
@@ -299,19 +302,20 @@ class Thickening {
     // That in which a cell lies.
     const CellBefore* cell_before(std::uint32_t c) const { return find_before(cells_, bench_.mesh, c); }
 
-    // Whether what is given reaches to a vertex beside the sheet.
+    // Whether what is relabelled reaches to a vertex beside the membrane.
     bool stays(const CellBefore& was, std::uint32_t v) const {
         if (!std::binary_search(beside_.begin(), beside_.end(), v)) return false;
-        return reach_ != SheetReach::joined ||
+        return reach_ != MembraneReach::joined ||
                std::none_of(was.cell.begin(), was.cell.end(), [&](std::uint32_t d) {
                    return is_on(d) && std::binary_search(cut_.begin(), cut_.end(), std::array{d, v});
                });
     }
 
     // Of those at the chain's ends on the other side the one most like that of the cells.
-    std::optional<Region> region_across(const std::vector<std::uint32_t>& given) {
-        if (given.empty()) return std::nullopt;
-        const std::vector<std::uint32_t>& here = bench_.table->members[bench_.mesh.region(given.front())];
+    std::optional<Region> region_across(const std::vector<std::uint32_t>& relabelled) {
+        if (relabelled.empty()) return std::nullopt;
+        const std::vector<std::uint32_t>& here =
+            bench_.table->members[bench_.mesh.region(relabelled.front())];
         std::optional<std::pair<std::size_t, Region>> best;
         for (const std::uint32_t end : {chain_.vertices.front(), chain_.vertices.back()}) {
             bench_.mesh.star(end, bench_.star);
@@ -332,26 +336,25 @@ class Thickening {
     Workbench& bench_;
     const ContourOwners& owners_;
     const Chain& chain_;
-    const Sheet& sheet_;
+    const Membrane& membrane_;
     Region own_;
     bool side_;
-    SheetReach reach_;
-    const SheetAcross* across_;
+    MembraneReach reach_;
+    const MembraneAcross* across_;
     SidesAt sides_;
-    std::vector<std::uint32_t> on_sheet_, beside_;           // vertices
-    std::vector<std::array<std::uint32_t, 2>> edges_, cut_;  // from a vertex of the sheet on
+    std::vector<std::uint32_t> on_membrane_, beside_;        // vertices
+    std::vector<std::array<std::uint32_t, 2>> edges_, cut_;  // from a vertex of the membrane on
     std::vector<CellBefore> cells_;
     std::uint32_t first_new_;  // vertex
-    ThickenedSheet made_;
+    RelabelledNeighborhood made_;
 };
 
 }  // namespace
 
-std::optional<ThickenedSheet> thicken_sheet(Workbench& bench, const ContourOwners& owners, const Chain& chain,
-                                            const Sheet& sheet, Region own, SheetReach reach,
-                                            double thickness, SectionAreas* areas,
-                                            const SheetAcross* across) {
-    return Thickening(bench, owners, chain, sheet, own, reach, across).run(thickness, areas);
+std::optional<RelabelledNeighborhood> relabel_membrane_neighborhood(
+    Workbench& bench, const ContourOwners& owners, const Chain& chain, const Membrane& membrane, Region own,
+    MembraneReach reach, double thickness, SectionAreas* areas, const MembraneAcross* across) {
+    return MembraneNeighborhood(bench, owners, chain, membrane, own, reach, across).run(thickness, areas);
 }
 
 }  // namespace anatomesh

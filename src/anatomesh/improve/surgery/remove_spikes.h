@@ -1,4 +1,4 @@
-// lower_apexes: spikes and pits of surfaces, of any number of cells, come down to where the field has the
+// remove_spikes: spikes and pits of surfaces, of any number of cells, come down to where the field has the
 // surface.
 #pragma once
 
@@ -8,14 +8,14 @@
 
 namespace anatomesh {
 
-struct ApexStats {
-    std::uint64_t found = 0, lowered = 0;
+struct SpikeStats {
+    std::uint64_t found = 0, removed = 0;
 };
 
-// A surface may have a vertex deep inside a region: where a cell was given away to make the surface a
+// A surface may have a vertex deep inside a region: where a cell was relabelled to make the surface a
 // manifold, or to have a contour segment on it, or where it reaches a contour vertex of another structure.
 // Such an apex - the cells of one region at it cut a disc out of a small sphere round it, and every surface
-// that bounds them there and not the region in which the field is is further off in the field than `apex_mm`
+// that bounds them there and not the region in which the field is is further off in the field than `spike_mm`
 // - can't be moved down: these cells, which stand on contours, would get flat. Instead they let go of it: a
 // new vertex, near their base, takes its place in them, and each facet of their surface at the apex makes a
 // cell with the new vertex, in the region that the field is in. That is an isotopy of the surfaces between
@@ -24,7 +24,7 @@ struct ApexStats {
 // concerned. Done where the new vertex is nearer to the field's surface by a quarter and no facet further
 // from it, and where cells inside have at least `least_sine` and no ratio above the workbench's bound, or,
 // where that fails, its last one. Guarantees: no vertex moves; all cells positive (checked exactly).
-// Complexity: O(cells), and the stars of the apexes.
-ApexStats lower_apexes(Workbench& bench, double apex_mm, double least_sine, int threads);
+// Complexity: O(cells), and the stars of the spikes.
+SpikeStats remove_spikes(Workbench& bench, double spike_mm, double least_sine, int threads);
 
 }  // namespace anatomesh

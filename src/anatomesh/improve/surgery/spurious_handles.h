@@ -1,4 +1,4 @@
-// untold_handles: small handles of a structure's surface that no contour of it is drawn beside.
+// spurious_handles: small handles of a structure's surface that no contour of it is drawn beside.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace anatomesh {
 
 // In edge lengths: a handle within so little is the mesh's own where no contour tells of it.
-inline constexpr double untold_reach = 1.5;
+inline constexpr double spurious_handle_reach = 1.5;
 
 // Contours with the mesh vertices of all their points, or no_cell.
 struct ContourVertices {
@@ -23,8 +23,8 @@ struct ContourVertices {
 // Of the small handles (mesh/check/small_handles.h) of the structure's surface those that are more than the
 // contours of the structure that lie wholly among their vertices, for these are drawings of them; less by
 // that many. Requires, and complexity: as small_handles(); and linear in the contours for each part found.
-std::vector<SmallHandles> untold_handles(std::span<const Vec3> points, std::span<const Triangle> surface,
-                                         std::uint32_t structure, const ContourVertices& drawn,
-                                         double reach_mm);
+std::vector<SmallHandles> spurious_handles(std::span<const Vec3> points, std::span<const Triangle> surface,
+                                           std::uint32_t structure, const ContourVertices& drawn,
+                                           double reach_mm);
 
 }  // namespace anatomesh

@@ -1,4 +1,5 @@
-// join_sides: cells that are to go to the other side of a structure meet it in facets wherever they meet it.
+// resolve_pinches: cells that are to go to the other side of a structure meet it in facets wherever they meet
+// it.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +11,14 @@
 
 namespace anatomesh {
 
-struct SidesToJoin {
+struct PinchedSides {
     std::uint32_t structure = 0;
-    Region own = 0, to = 0;                // of cells that go; of the side where they go
-    bool others_may_go = false;            // at vertices cells of other regions too
-    double thickness = 0.5;                // of what goes besides, as a share of edges. (0, 1)
-    std::span<const std::uint32_t> sheet;  // vertices of the sheet that they are the neighbourhood of; rising
-    std::uint32_t first_new = 0;           // vertices from here on were made for them
+    Region own = 0, to = 0;      // of cells that go; of the side where they go
+    bool others_may_go = false;  // at vertices cells of other regions too
+    double thickness = 0.5;      // of what goes besides, as a share of edges. (0, 1)
+    // Vertices of the membrane that they are the neighbourhood of; rising.
+    std::span<const std::uint32_t> membrane;
+    std::uint32_t first_new = 0;  // vertices from here on were made for them
 };
 
 // Where they meet the other side in an edge or a vertex alone, it would be no manifold: cells between them go
@@ -28,7 +30,7 @@ struct SidesToJoin {
 // rising; nothing where a cell would not be positive: what was done to the mesh is the caller's to take
 // back then. Whether all is a manifold is not checked. Same result every time. Complexity: O(cells there,
 // squared). Errors: none.
-std::optional<std::vector<std::uint32_t>> join_sides(Workbench& bench, const SidesToJoin& sides,
-                                                     std::vector<std::uint32_t> given);
+std::optional<std::vector<std::uint32_t>> resolve_pinches(Workbench& bench, const PinchedSides& sides,
+                                                          std::vector<std::uint32_t> relabelled);
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/surgery/close_handles.h"
+#include "anatomesh/improve/surgery/remove_spurious_handles.h"
 
 #include <algorithm>
 #include <array>
@@ -12,17 +12,18 @@
 #include "anatomesh/base/disjoint_sets.h"
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/sections/section_areas.h"
-#include "anatomesh/improve/surgery/surface_sheets.h"
-#include "anatomesh/improve/surgery/thicken_sheet.h"
+#include "anatomesh/improve/surgery/relabel_membrane_neighborhood.h"
+#include "anatomesh/improve/surgery/spanning_membranes.h"
 #include "anatomesh/mesh/check/topology.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr std::size_t most_closed_in_vain = 60;  // sheets and thicknesses whose cells are worked on in vain
-constexpr std::size_t most_handles = 200;        // where more are found, cells do not fit the contours
-constexpr std::array handle_reaches{SheetReach::near, SheetReach::joined, SheetReach::wide};
+// Membranes and thicknesses whose cells are worked on in vain.
+constexpr std::size_t most_closed_in_vain = 60;
+constexpr std::size_t most_handles = 200;  // where more are found, cells do not fit the contours
+constexpr std::array handle_reaches{MembraneReach::near, MembraneReach::joined, MembraneReach::wide};
 
 // What lies on the two sides of loops of edges on a closed oriented surface.
 class SurfaceSides {
@@ -91,10 +92,10 @@ class SurfaceSides {
     std::vector<std::array<std::uint32_t, 3>> sides_;  // of every triangle: from, to, and itself
 };
 
-class Closer {
+class HandleRemoval {
   public:
-    Closer(Workbench& bench, const DrawnSlices& drawn, double reach_mm, double least_sine,
-           const ImproveCells& improve, const RunContext& context)
+    HandleRemoval(Workbench& bench, const DrawnSlices& drawn, double reach_mm, double least_sine,
+                  const ImproveCells& improve, const RunContext& context)
         : bench_(bench),
           drawn_(drawn),
           reach_mm_(reach_mm),
@@ -104,7 +105,7 @@ class Closer {
         if (!drawn.planes.empty()) areas_.emplace(bench, drawn);
     }
 
-    CloseStats run() {
+    HandleRemovalStats run() {
         for (const std::vector<std::uint32_t>& members : bench_.table->members) {
             if (!members.empty()) structures_ = std::max(structures_, members.back() + 1);
         }
@@ -133,19 +134,19 @@ class Closer {
                 for (const std::uint32_t v : t) points[v] = bench_.mesh.point(v);
             }
             const std::vector<SmallHandles> parts =
-                untold_handles(points, surface, structure_,
-                               {drawn_.following.contours, drawn_.following.vertices}, reach_mm_);
+                spurious_handles(points, surface, structure_,
+                                 {drawn_.following.contours, drawn_.following.vertices}, reach_mm_);
             std::uint64_t found = 0;
             for (const SmallHandles& part : parts) found += part.handles;
             if (first) stats_.found += found;
             if (found > most_handles) return;
             const SurfaceSides sides(surface);
-            const bool closed = std::any_of(parts.begin(), parts.end(), [&](const SmallHandles& part) {
+            const bool removed = std::any_of(parts.begin(), parts.end(), [&](const SmallHandles& part) {
                 return !is_enough() && in_vain.insert(part.vertices).second && close(part.vertices, sides);
             });
-            if (!closed) return;
+            if (!removed) return;
             parts_before_.clear();
-            ++stats_.closed;
+            ++stats_.removed;
         }
     }
 
@@ -164,32 +165,32 @@ class Closer {
         return surface;
     }
 
-    // One handle among the vertices, by the cheapest sheet that does it.
+    // One handle among the vertices, by the cheapest membrane that does it.
     bool close(const std::vector<std::uint32_t>& vertices, const SurfaceSides& sides) {
         const auto is_subsegment = [&](std::uint32_t a, std::uint32_t b) { return bench_.fixed_edge(a, b); };
         const RimSides rim_sides = [&](std::uint32_t before, std::uint32_t v, std::uint32_t next) {
             return sides.taken_at(before, v, next, is_subsegment);
         };
-        const auto closes_a_handle = [&](const Sheet& sheet) {
-            return sheet.path.size() > 2 && !sides.are_parted_by(sheet.path);
+        const auto closes_a_handle = [&](const Membrane& membrane) {
+            return membrane.path.size() > 2 && !sides.are_parted_by(membrane.path);
         };
-        std::vector<std::pair<Sheet, Region>> sheets;
+        std::vector<std::pair<Membrane, Region>> membranes;
         for (const bool side : {false, true}) {
-            for (Sheet& sheet :
-                 find_sheets_across(bench_, structure_, side, vertices, rim_sides, closes_a_handle)) {
-                if (const std::optional<Region> own = region_of(sheet))
-                    sheets.push_back({std::move(sheet), *own});
+            for (Membrane& membrane :
+                 find_membranes_across(bench_, structure_, side, vertices, rim_sides, closes_a_handle)) {
+                if (const std::optional<Region> own = region_of(membrane))
+                    membranes.push_back({std::move(membrane), *own});
             }
         }
-        std::stable_sort(sheets.begin(), sheets.end(),
+        std::stable_sort(membranes.begin(), membranes.end(),
                          [](const auto& x, const auto& y) { return x.first.price < y.first.price; });
-        return std::any_of(sheets.begin(), sheets.end(),
-                           [&](const auto& sheet) { return thicken(sheet.first, sheet.second); });
+        return std::any_of(membranes.begin(), membranes.end(),
+                           [&](const auto& membrane) { return relabel(membrane.first, membrane.second); });
     }
 
-    // Of the cells at the sheet's first facet, if it is one.
-    std::optional<Region> region_of(const Sheet& sheet) {
-        const auto& [a, b, c] = sheet.facets.front();
+    // Of the cells at the membrane's first facet, if it is one.
+    std::optional<Region> region_of(const Membrane& membrane) {
+        const auto& [a, b, c] = membrane.facets.front();
         bench_.mesh.star(a, bench_.star);
         std::optional<Region> found;
         for (const std::uint32_t cell : bench_.star) {
@@ -216,9 +217,9 @@ class Closer {
         return parts;
     }
 
-    // Of the structures of regions at the sheet: no other one changes.
-    void note_parts_at(const Sheet& sheet) {
-        for (const std::uint32_t v : sheet.vertices()) {
+    // Of the structures of regions at the membrane: no other one changes.
+    void note_parts_at(const Membrane& membrane) {
+        for (const std::uint32_t v : membrane.vertices()) {
             bench_.mesh.star(v, bench_.star);
             for (const std::uint32_t c : bench_.star) {
                 for (const std::uint32_t s : bench_.table->members[bench_.mesh.region(c)]) {
@@ -228,13 +229,13 @@ class Closer {
         }
     }
 
-    bool thicken(const Sheet& sheet, Region own) {
-        note_parts_at(sheet);
-        for (const SheetSides side : {SheetSides::first, SheetSides::second}) {
-            for (const SheetReach reach : handle_reaches) {
+    bool relabel(const Membrane& membrane, Region own) {
+        note_parts_at(membrane);
+        for (const MembraneSides side : {MembraneSides::first, MembraneSides::second}) {
+            for (const MembraneReach reach : handle_reaches) {
                 for (const double thickness : membrane_thicknesses) {
                     if (is_enough()) return false;
-                    const Outcome outcome = attempt(sheet, own, {side, reach, thickness});
+                    const Outcome outcome = attempt(membrane, own, {side, reach, thickness});
                     if (outcome == Outcome::done) return true;
                     if (outcome == Outcome::unsound) break;
                 }
@@ -244,28 +245,28 @@ class Closer {
     }
 
     struct Way {
-        SheetSides side;
-        SheetReach reach;
+        MembraneSides side;
+        MembraneReach reach;
         double thickness;
     };
 
     enum class Outcome { done, unsound, bad };
 
-    Outcome attempt(const Sheet& sheet, Region own, const Way& way) {
+    Outcome attempt(const Membrane& membrane, Region own, const Way& way) {
         const DihedralStats stats = bench_.stats;
         bench_.mesh.begin_attempt();
-        const Outcome outcome = change(sheet, own, way);
+        const Outcome outcome = change(membrane, own, way);
         bench_.mesh.end_attempt(outcome == Outcome::done);
         if (outcome != Outcome::done) bench_.stats = stats;
         return outcome;
     }
 
-    Outcome change(const Sheet& sheet, Region own, const Way& way) {
-        const Chain chain{{vertex_of_contour(sheet)}, structure_};
-        const SheetAcross across{way.side, {}, {}};
-        std::optional<ThickenedSheet> made =
-            thicken_sheet(bench_, *drawn_.owners, chain, sheet, own, way.reach, way.thickness,
-                          areas_ ? &*areas_ : nullptr, &across);
+    Outcome change(const Membrane& membrane, Region own, const Way& way) {
+        const Chain chain{{vertex_of_contour(membrane)}, structure_};
+        const MembraneAcross across{way.side, {}, {}};
+        std::optional<RelabelledNeighborhood> made =
+            relabel_membrane_neighborhood(bench_, *drawn_.owners, chain, membrane, own, way.reach,
+                                          way.thickness, areas_ ? &*areas_ : nullptr, &across);
         const auto is_whole = [&](std::uint32_t s) { return parts_of(s) == parts_before_.at(s); };
         if (!made || std::find(made->parted.begin(), made->parted.end(), structure_) == made->parted.end() ||
             !std::all_of(made->parted.begin(), made->parted.end(), is_whole))
@@ -284,10 +285,10 @@ class Closer {
     }
 
     // On the rim, one of a contour if there is one.
-    std::uint32_t vertex_of_contour(const Sheet& sheet) const {
-        const auto found = std::find_if(sheet.path.begin(), sheet.path.end(),
+    std::uint32_t vertex_of_contour(const Membrane& membrane) const {
+        const auto found = std::find_if(membrane.path.begin(), membrane.path.end(),
                                         [&](std::uint32_t v) { return drawn_.owners->has(v, structure_); });
-        return found == sheet.path.end() ? sheet.path.front() : *found;
+        return found == membrane.path.end() ? membrane.path.front() : *found;
     }
 
     Workbench& bench_;
@@ -300,15 +301,16 @@ class Closer {
     std::uint32_t structures_ = 0, structure_ = 0;
     std::map<std::uint32_t, Parts> parts_before_;  // by structure, before a handle is closed
     std::size_t improved_ = 0;                     // in vain
-    CloseStats stats_;
+    HandleRemovalStats stats_;
 };
 
 }  // namespace
 
-CloseStats close_handles(Workbench& bench, const DrawnSlices& drawn, double reach_mm, double least_sine,
-                         const ImproveCells& improve, const RunContext& context) {
+HandleRemovalStats remove_spurious_handles(Workbench& bench, const DrawnSlices& drawn, double reach_mm,
+                                           double least_sine, const ImproveCells& improve,
+                                           const RunContext& context) {
     if (!drawn.table || !drawn.owners) return {};
-    return Closer(bench, drawn, reach_mm, least_sine, improve, context).run();
+    return HandleRemoval(bench, drawn, reach_mm, least_sine, improve, context).run();
 }
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/sections/mend_cuts.h"
+#include "anatomesh/improve/sections/repair_section_locally.h"
 
 #include <gtest/gtest.h>
 
@@ -73,7 +73,7 @@ struct Wall {
     }
 
     // With the share of the cuts that is wrong before and after.
-    std::array<double, 2> mend(MendStats& stats) {
+    std::array<double, 2> repair(LocalRepairStats& stats) {
         EditMesh edited(std::move(mesh), neighbors);
         Workbench bench(edited, fixed, {}, field, 2, {});
         bench.table = &table;
@@ -82,7 +82,7 @@ struct Wall {
         SectionAreas areas(bench, slices);
         const auto wrong = [&] { return areas.wrong(edited.alive_cells()); };
         std::array<double, 2> shares{wrong(), 0};
-        stats = mend_cuts(bench, slices, 0.17, {});
+        stats = repair_section_locally(bench, slices, 0.17, {});
         shares[1] = wrong();
         mesh = std::move(edited).take(neighbors);
         return shares;
@@ -107,18 +107,18 @@ struct Wall {
     }
 };
 
-TEST(MendCuts, what_is_drawn_is_left_as_it_is) {
+TEST(RepairSectionLocally, what_is_drawn_is_left_as_it_is) {
     Wall wall;
     wall.draw(width);
     const TetMesh before = wall.mesh;
-    MendStats stats;
-    EXPECT_EQ(wall.mend(stats), (std::array{0.0, 0.0}));
+    LocalRepairStats stats;
+    EXPECT_EQ(wall.repair(stats), (std::array{0.0, 0.0}));
     EXPECT_EQ(stats.places_found, 0u);
     EXPECT_EQ(wall.mesh.points, before.points);
     EXPECT_EQ(wall.mesh.regions, before.regions);
 }
 
-TEST(MendCuts, cells_on_the_wrong_side_of_a_slice_go_back) {
+TEST(RepairSectionLocally, cells_on_the_wrong_side_of_a_slice_go_back) {
     std::mt19937 random(3);
     double all_before = 0, all_after = 0;
     for (int n = 0; n < 20; ++n) {
@@ -139,8 +139,8 @@ TEST(MendCuts, cells_on_the_wrong_side_of_a_slice_go_back) {
             wall.mesh.regions[c] = wall.mesh.regions[c] == 1 ? Region{2} : Region{1};
             touched.insert(touched.end(), wall.mesh.cells[c].begin(), wall.mesh.cells[c].end());
         }
-        MendStats stats;
-        const auto [before, after] = wall.mend(stats);
+        LocalRepairStats stats;
+        const auto [before, after] = wall.repair(stats);
         EXPECT_LE(after, before);
         all_before += before;
         all_after += after;
@@ -152,7 +152,7 @@ TEST(MendCuts, cells_on_the_wrong_side_of_a_slice_go_back) {
 
 // The wall has a step in a slice: over it the one structure rests with free vertices on the plane beside what
 // is drawn of it there.
-TEST(MendCuts, free_vertices_leave_the_plane_and_fixed_ones_stay) {
+TEST(RepairSectionLocally, free_vertices_leave_the_plane_and_fixed_ones_stay) {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> shift(-0.15, 0.15);
     for (int n = 0; n < 20; ++n) {
@@ -173,8 +173,8 @@ TEST(MendCuts, free_vertices_leave_the_plane_and_fixed_ones_stay) {
         wall.weights.resize(2 * wall.planes.size());
         const std::vector<Vec3> points = wall.mesh.points;
         const std::vector<std::uint8_t> fixed = wall.fixed;
-        MendStats stats;
-        const auto [before, after] = wall.mend(stats);
+        LocalRepairStats stats;
+        const auto [before, after] = wall.repair(stats);
         EXPECT_GT(before, 0.4);  // of the slice half is drawn, and half as much beside it
         EXPECT_LT(after, 0.35 * before);
         EXPECT_GT(stats.vertices_moved, 0u);
@@ -187,8 +187,8 @@ TEST(MendCuts, free_vertices_leave_the_plane_and_fixed_ones_stay) {
     }
 }
 
-// What an earlier mending put beside a plane may be in the way when cells round it have changed.
-TEST(MendCuts, what_was_put_beside_a_plane_may_cross_it_once_more) {
+// What an earlier repairing put beside a plane may be in the way when cells round it have changed.
+TEST(RepairSectionLocally, what_was_put_beside_a_plane_may_cross_it_once_more) {
     for (const bool settled : {false, true}) {
         Wall wall;
         wall.draw(width);
@@ -213,7 +213,7 @@ TEST(MendCuts, what_was_put_beside_a_plane_may_cross_it_once_more) {
             for (const std::uint32_t v : astray) bench.settle(v);
         }
         const DrawnSlices slices = wall.drawn();
-        const MendStats stats = mend_cuts(bench, slices, 0.17, {});
+        const LocalRepairStats stats = repair_section_locally(bench, slices, 0.17, {});
         EXPECT_EQ(stats.vertices_moved, settled ? astray.size() : 0);
         for (const std::uint32_t v : astray) {
             EXPECT_TRUE(bench.fixed(v));
@@ -241,7 +241,7 @@ void scatter(Wall& wall, std::mt19937& random) {
 
 // Vertices of the wall that stray from it, over and under the slices, where cells round them may leave no
 // straight way back.
-TEST(MendCuts, a_vertex_that_cannot_cross_a_slice_goes_along_an_edge_that_does) {
+TEST(RepairSectionLocally, a_vertex_that_cannot_cross_a_slice_goes_along_an_edge_that_does) {
     std::mt19937 random(11);
     double all_before = 0, all_after = 0;
     std::uint64_t collapsed = 0;
@@ -249,8 +249,8 @@ TEST(MendCuts, a_vertex_that_cannot_cross_a_slice_goes_along_an_edge_that_does) 
         Wall wall;
         wall.draw(0);
         scatter(wall, random);
-        MendStats stats;
-        const auto [before, after] = wall.mend(stats);
+        LocalRepairStats stats;
+        const auto [before, after] = wall.repair(stats);
         EXPECT_LE(after, before);
         all_before += before;
         all_after += after;
@@ -261,7 +261,7 @@ TEST(MendCuts, a_vertex_that_cannot_cross_a_slice_goes_along_an_edge_that_does) 
     EXPECT_LT(all_after, 0.2 * all_before);
 }
 
-TEST(MendCuts, parallel_planes_are_planes_like_others) {
+TEST(RepairSectionLocally, parallel_planes_are_planes_like_others) {
     std::mt19937 random(12);
     for (int n = 0; n < 5; ++n) {
         Wall stack;
@@ -269,9 +269,9 @@ TEST(MendCuts, parallel_planes_are_planes_like_others) {
         scatter(stack, random);
         Wall any = stack;
         any.give_extents(everywhere);
-        MendStats of_stack, of_any;
-        EXPECT_GT(stack.mend(of_stack)[0], 0);
-        any.mend(of_any);
+        LocalRepairStats of_stack, of_any;
+        EXPECT_GT(stack.repair(of_stack)[0], 0);
+        any.repair(of_any);
         EXPECT_GT(of_stack.vertices_moved, 0u);
         EXPECT_EQ(of_any.places_found, of_stack.places_found);
         EXPECT_EQ(of_any.vertices_moved, of_stack.vertices_moved);
@@ -283,7 +283,7 @@ TEST(MendCuts, parallel_planes_are_planes_like_others) {
     }
 }
 
-TEST(MendCuts, planes_that_cross_are_looked_at_where_they_say_something) {
+TEST(RepairSectionLocally, planes_that_cross_are_looked_at_where_they_say_something) {
     std::mt19937 random(13);
     double all_before = 0, all_after = 0;
     for (int n = 0; n < 20; ++n) {
@@ -294,11 +294,11 @@ TEST(MendCuts, planes_that_cross_are_looked_at_where_they_say_something) {
         scatter(wall, random);
         Wall silent = wall;
         silent.give_extents({{-99, -99}, {-98, -98}});
-        MendStats stats;
-        EXPECT_EQ(silent.mend(stats), (std::array{0.0, 0.0}));
+        LocalRepairStats stats;
+        EXPECT_EQ(silent.repair(stats), (std::array{0.0, 0.0}));
         EXPECT_EQ(stats.places_found, 0u);
         wall.give_extents(everywhere);
-        const auto [before, after] = wall.mend(stats);
+        const auto [before, after] = wall.repair(stats);
         EXPECT_LE(after, before);
         all_before += before;
         all_after += after;
@@ -309,12 +309,12 @@ TEST(MendCuts, planes_that_cross_are_looked_at_where_they_say_something) {
 }
 
 // The middles of its facets are a third of the way.
-TEST(MendCuts, a_cell_whose_far_vertex_would_come_to_the_surface_is_not_given) {
-    for (const double apex_mm : {0.3, 1.5}) {
+TEST(RepairSectionLocally, a_cell_whose_far_vertex_would_come_to_the_surface_is_not_given) {
+    for (const double spike_mm : {0.3, 1.5}) {
         Wall wall;
         EditMesh edited(std::move(wall.mesh), wall.neighbors);
         DihedralOptions options;
-        options.apex_mm = apex_mm;
+        options.spike_mm = spike_mm;
         Workbench bench(edited, wall.fixed, {}, wall.field, 2, options);
         bench.table = &wall.table;
         std::size_t on_wall = 0, given = 0;
@@ -324,10 +324,10 @@ TEST(MendCuts, a_cell_whose_far_vertex_would_come_to_the_surface_is_not_given) {
                                           [&](std::uint32_t v) { return edited.point(v).x == 4; });
             if (on != 3 || edited.region(c) != 1) continue;
             ++on_wall;
-            given += may_give(bench, c, 2, wall.owners, 0.1, 4);
+            given += may_relabel(bench, c, 2, wall.owners, 0.1, 4);
         }
         EXPECT_GT(on_wall, 20u);
-        if (apex_mm < 1) {
+        if (spike_mm < 1) {
             EXPECT_EQ(given, 0u);
         } else {
             EXPECT_GT(given, on_wall / 2);
@@ -336,7 +336,7 @@ TEST(MendCuts, a_cell_whose_far_vertex_would_come_to_the_surface_is_not_given) {
 }
 
 // A cell that rests in a slice on one that leans out from under it: a vertex between them must stay low.
-TEST(MendCuts, cells_that_rest_in_a_slice_on_leaning_ones_are_lifted) {
+TEST(RepairSectionLocally, cells_that_rest_in_a_slice_on_leaning_ones_are_lifted) {
     constexpr double z = 3, listed_sine = 0.1736;  // of 10 degrees
     for (const double depth : {0.1, 0.12, 0.15, 0.2, 0.3, 0.5, 1.0}) {
         SCOPED_TRACE(depth);
@@ -364,17 +364,18 @@ TEST(MendCuts, cells_that_rest_in_a_slice_on_leaning_ones_are_lifted) {
         Workbench bench(edited, fixed, {}, above, 1, {});
         bench.table = &table;
         bench.goal = 0.3;
-        const MendStats stats =
-            mend_cuts(bench, {&table, slice_of, &owners, planes, {}, weights, 1e-9}, listed_sine, {});
+        const LocalRepairStats stats = repair_section_locally(
+            bench, {&table, slice_of, &owners, planes, {}, weights, 1e-9}, listed_sine, {});
         EXPECT_EQ(stats.vertices_inserted, 1u);
-        const TetMesh mended = std::move(edited).take(neighbors);
-        for (std::size_t c = 0; c < mended.cells.size(); ++c) {
-            const Cell& v = mended.cells[c];
-            const auto at = [&](std::size_t i) { return mended.points[v[i]]; };
+        const TetMesh repaired = std::move(edited).take(neighbors);
+        for (std::size_t c = 0; c < repaired.cells.size(); ++c) {
+            const Cell& v = repaired.cells[c];
+            const auto at = [&](std::size_t i) { return repaired.points[v[i]]; };
             ASSERT_EQ(orient3d(at(0), at(1), at(2), at(3)), 1);
-            if (mended.regions[c] == 0) continue;
+            if (repaired.regions[c] == 0) continue;
             EXPECT_GE(least_sine(at(0), at(1), at(2), at(3)), listed_sine);
-            EXPECT_LT(std::count_if(v.begin(), v.end(), [&](auto u) { return mended.points[u].z == z; }), 3);
+            EXPECT_LT(std::count_if(v.begin(), v.end(), [&](auto u) { return repaired.points[u].z == z; }),
+                      3);
         }
     }
 }
@@ -382,7 +383,7 @@ TEST(MendCuts, cells_that_rest_in_a_slice_on_leaning_ones_are_lifted) {
 // A vertex under a drawn slice, which cannot rise through it, for a cell of three corners there and one
 // hardly over it would be turned inside out; nor may cells be given, for their far corners are too far from
 // the surface.
-TEST(MendCuts, the_surface_leaves_a_vertex_that_cannot_cross_a_slice) {
+TEST(RepairSectionLocally, the_surface_leaves_a_vertex_that_cannot_cross_a_slice) {
     constexpr double listed_sine = 0.1736;  // of 10 degrees
     for (const double up : {1.0, -1.0}) {
         for (const double depth : {0.25, 0.3, 0.4}) {
@@ -425,21 +426,22 @@ TEST(MendCuts, the_surface_leaves_a_vertex_that_cannot_cross_a_slice) {
             const fixtures::AnalyticField field({[&](Vec3 p) { return up * p.z - 0.1; }}, 10);
             EditMesh edited(std::move(mesh), neighbors);
             DihedralOptions options;
-            options.apex_mm = 0.08;
+            options.spike_mm = 0.08;
             Workbench bench(edited, fixed, {}, field, 1, options);
             bench.table = &table;
             bench.goal = 0.3;
             const DrawnSlices slices{&table, slice_of, &owners, planes, {}, weights, 1e-9};
-            const MendStats stats = mend_cuts(bench, slices, listed_sine, {});
+            const LocalRepairStats stats = repair_section_locally(bench, slices, listed_sine, {});
             EXPECT_EQ(stats.vertices_inserted, 1u);
-            EXPECT_EQ(stats.vertices_moved + stats.cells_given + stats.edges_flipped + stats.edges_collapsed,
-                      0u);
+            EXPECT_EQ(
+                stats.vertices_moved + stats.cells_relabelled + stats.edges_flipped + stats.edges_collapsed,
+                0u);
             EXPECT_EQ(SectionAreas(bench, slices).wrong(edited.alive_cells()), 0);
-            const TetMesh mended = std::move(edited).take(neighbors);
-            for (std::size_t c = 0; c < mended.cells.size(); ++c) {
-                const auto at = [&](std::size_t i) { return mended.points[mended.cells[c][i]]; };
+            const TetMesh repaired = std::move(edited).take(neighbors);
+            for (std::size_t c = 0; c < repaired.cells.size(); ++c) {
+                const auto at = [&](std::size_t i) { return repaired.points[repaired.cells[c][i]]; };
                 ASSERT_EQ(orient3d(at(0), at(1), at(2), at(3)), 1);
-                if (mended.regions[c] == 1) {
+                if (repaired.regions[c] == 1) {
                     EXPECT_GE(least_sine(at(0), at(1), at(2), at(3)), listed_sine);
                 }
             }
@@ -449,7 +451,7 @@ TEST(MendCuts, the_surface_leaves_a_vertex_that_cannot_cross_a_slice) {
 
 // Near a vertex just under a drawn slice nearly all that is wrong lies in cells that are not at a facet which
 // passes through the slice, nor beside one that is: they count for what the cut is worth.
-TEST(MendCuts, a_cut_is_worth_a_price_for_what_is_wrong_beside_its_facets_too) {
+TEST(RepairSectionLocally, a_cut_is_worth_a_price_for_what_is_wrong_beside_its_facets_too) {
     constexpr double listed_sine = 0.1736;  // of 10 degrees
     constexpr std::uint32_t rim = 8, pit = 8, low = 9, high = 10;
     for (const double weight : {2e-3, 2e-4}) {  // of all 1.6 mm2 3.2e-3, or too little to matter
@@ -487,15 +489,15 @@ TEST(MendCuts, a_cut_is_worth_a_price_for_what_is_wrong_beside_its_facets_too) {
         Workbench bench(edited, fixed, {}, field, 1, options);
         bench.table = &table;
         bench.goal = 0.7;
-        const MendStats stats =
-            mend_cuts(bench, {&table, slice_of, &owners, planes, {}, weights, 1e-9}, listed_sine, {});
+        const LocalRepairStats stats = repair_section_locally(
+            bench, {&table, slice_of, &owners, planes, {}, weights, 1e-9}, listed_sine, {});
         EXPECT_EQ(stats.vertices_moved, weight > 1e-3 ? 1u : 0u);
         EXPECT_EQ(edited.point(pit).z > 0, weight > 1e-3);
     }
 }
 
 // Those over and under a facet in a slice, beside the wall: neither alone takes the facet out of the cut.
-TEST(MendCuts, pairs_of_cells_on_the_wrong_side_of_a_facet_in_a_slice_go_back) {
+TEST(RepairSectionLocally, pairs_of_cells_on_the_wrong_side_of_a_facet_in_a_slice_go_back) {
     int tried = 0;
     for (std::uint32_t c = 0; c < Wall().mesh.cells.size(); ++c) {
         Wall wall;
@@ -517,17 +519,17 @@ TEST(MendCuts, pairs_of_cells_on_the_wrong_side_of_a_facet_in_a_slice_go_back) {
         if (!wall.is_sound()) continue;
         SCOPED_TRACE(c);
         ++tried;
-        MendStats stats;
-        const auto [before, after] = wall.mend(stats);
+        LocalRepairStats stats;
+        const auto [before, after] = wall.repair(stats);
         EXPECT_GT(before, 0);
         EXPECT_EQ(after, 0);
-        EXPECT_EQ(stats.cells_given, 2u);
+        EXPECT_EQ(stats.cells_relabelled, 2u);
         wall.expect_sound();
     }
     EXPECT_GE(tried, 10);
 }
 
-TEST(MendCuts, without_planes_or_where_slices_do_not_tell_nothing_is_done) {
+TEST(RepairSectionLocally, without_planes_or_where_slices_do_not_tell_nothing_is_done) {
     for (const bool planes : {false, true}) {
         Wall wall;
         for (std::size_t c = 0; c < wall.mesh.cells.size(); ++c) {
@@ -539,11 +541,11 @@ TEST(MendCuts, without_planes_or_where_slices_do_not_tell_nothing_is_done) {
             wall.planes.clear();
         }
         const std::vector<Region> before = wall.mesh.regions;
-        MendStats stats;
+        LocalRepairStats stats;
         EditMesh edited(std::move(wall.mesh), wall.neighbors);
         Workbench bench(edited, wall.fixed, {}, wall.field, 2, {});
         bench.table = &wall.table;
-        stats = mend_cuts(bench, wall.drawn(), 0.17, {});
+        stats = repair_section_locally(bench, wall.drawn(), 0.17, {});
         EXPECT_EQ(stats.places_found, 0u);
         EXPECT_TRUE(stats.changed.empty());
         EXPECT_EQ(std::move(edited).take(wall.neighbors).regions, before);

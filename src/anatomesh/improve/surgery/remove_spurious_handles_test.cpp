@@ -1,4 +1,4 @@
-#include "anatomesh/improve/surgery/close_handles.h"
+#include "anatomesh/improve/surgery/remove_spurious_handles.h"
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ struct Grid {
     std::vector<Contour> contours;
     ContourOwners owners;
     fixtures::AnalyticField field{{[](Vec3 p) { return p.x - wall; }, [](Vec3 p) { return p.x - wall; }}, 10};
-    CloseStats stats;
+    HandleRemovalStats stats;
 
     // `structures`: which cubes, by their middles, are theirs. `drawn`: loops of grid points, of the first.
     explicit Grid(const std::vector<std::function<bool(Vec3)>>& structures, unsigned seed = 1,
@@ -99,7 +99,7 @@ struct Grid {
         const TetMesh before = mesh;
         EditMesh edited(std::move(mesh), neighbors);
         DihedralOptions options;
-        options.apex_mm = 10;
+        options.spike_mm = 10;
         options.max_radius_edge = options.last_radius_edge = 100;
         Workbench bench(edited, fixed, edges, field, 2, options);
         bench.table = &table;
@@ -108,7 +108,7 @@ struct Grid {
             drawn.following.contours = contours;
             drawn.following.vertices = contour_vertices;
         }
-        stats = close_handles(bench, drawn, reach_mm, least_sine, improve, {});
+        stats = remove_spurious_handles(bench, drawn, reach_mm, least_sine, improve, {});
         mesh = std::move(edited).take(neighbors);
         fixtures::expect_sound_mesh(mesh, before);
         expect_contours();
@@ -158,33 +158,33 @@ bool in_arch(Vec3 p) {
                         (p.x > 5 && p.x < 6 && p.z > 2 && p.z < 5)));
 }
 
-TEST(CloseHandles, a_hole_that_nothing_tells_of_is_filled) {
+TEST(RemoveSpuriousHandles, a_hole_that_nothing_tells_of_is_filled) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Grid grid({first_plate}, seed);
         ASSERT_EQ(grid.topology().genus, 1);
         const double before = grid.volume();
         grid.close(true);
         EXPECT_EQ(grid.stats.found, 1u);
-        EXPECT_EQ(grid.stats.closed, 1u);
+        EXPECT_EQ(grid.stats.removed, 1u);
         EXPECT_FALSE(grid.stats.changed.empty());
         EXPECT_GT(grid.volume(), before);
         grid.expect_one_ball();
     }
 }
 
-TEST(CloseHandles, a_bridge_where_the_field_has_none_is_cut) {
+TEST(RemoveSpuriousHandles, a_bridge_where_the_field_has_none_is_cut) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Grid grid({in_arch}, seed);
         ASSERT_EQ(grid.topology().genus, 1);
         const double before = grid.volume();
         grid.close(true, 5);
-        EXPECT_EQ(grid.stats.closed, 1u);
+        EXPECT_EQ(grid.stats.removed, 1u);
         EXPECT_LT(grid.volume(), before);
         grid.expect_one_ball();
     }
 }
 
-TEST(CloseHandles, what_is_larger_than_the_reach_or_drawn_is_left_as_it_is) {
+TEST(RemoveSpuriousHandles, what_is_larger_than_the_reach_or_drawn_is_left_as_it_is) {
     const std::vector<Vec3> round_the_hole{{3, 3, 3}, {3, 4, 3}, {3, 4, 4}, {3, 3, 4}};
     for (const bool drawn : {false, true}) {
         Grid grid({first_plate}, 1, std::vector<std::vector<Vec3>>(drawn ? 1 : 0, round_the_hole));
@@ -198,7 +198,7 @@ TEST(CloseHandles, what_is_larger_than_the_reach_or_drawn_is_left_as_it_is) {
 }
 
 // Through the hole and round the plate's edge: whatever would close the hole would bury a part of it.
-TEST(CloseHandles, what_a_contour_runs_through_is_left_open) {
+TEST(RemoveSpuriousHandles, what_a_contour_runs_through_is_left_open) {
     std::vector<Vec3> through;
     for (int x = 2; x < 4; ++x) through.push_back({double(x), 3, 3});
     for (int y = 3; y > 1; --y) through.push_back({4, double(y), 3});
@@ -207,23 +207,23 @@ TEST(CloseHandles, what_a_contour_runs_through_is_left_open) {
     Grid grid({first_plate}, 1, {through});
     grid.close(false);
     EXPECT_EQ(grid.stats.found, 1u);
-    EXPECT_EQ(grid.stats.closed, 0u);
+    EXPECT_EQ(grid.stats.removed, 0u);
     EXPECT_EQ(grid.topology().genus, 1);
 }
 
 // A contour that comes to the hole's rim from one side, and turns there, stays on the surface.
-TEST(CloseHandles, contours_beside_a_hole_stay_on_the_surface) {
+TEST(RemoveSpuriousHandles, contours_beside_a_hole_stay_on_the_surface) {
     const std::vector<Vec3> beside{{4, 3, 3}, {4, 4, 3}, {4, 4, 2}, {4, 3, 2}};
-    int closed = 0;
+    int removed = 0;
     for (unsigned seed = 0; seed < 10; ++seed) {
         Grid grid({first_plate}, seed, {beside});
         grid.close(false);
-        closed += grid.topology().genus == 0;
+        removed += grid.topology().genus == 0;
     }
-    EXPECT_EQ(closed, 10);
+    EXPECT_EQ(removed, 10);
 }
 
-TEST(CloseHandles, holes_through_neighbours_and_through_what_lies_in_another_are_filled) {
+TEST(RemoveSpuriousHandles, holes_through_neighbours_and_through_what_lies_in_another_are_filled) {
     for (unsigned seed = 0; seed < 5; ++seed) {
         for (const bool nested : {false, true}) {
             const auto second = [&](Vec3 p) {
@@ -239,7 +239,7 @@ TEST(CloseHandles, holes_through_neighbours_and_through_what_lies_in_another_are
     }
 }
 
-TEST(CloseHandles, all_is_as_it_was_where_cells_are_too_flat) {
+TEST(RemoveSpuriousHandles, all_is_as_it_was_where_cells_are_too_flat) {
     Grid grid({first_plate});
     const TetMesh before = grid.mesh;
     std::size_t asked = 0;
@@ -249,14 +249,14 @@ TEST(CloseHandles, all_is_as_it_was_where_cells_are_too_flat) {
     });
     EXPECT_GT(asked, 0u);
     EXPECT_EQ(grid.stats.found, 1u);
-    EXPECT_EQ(grid.stats.closed, 0u);
+    EXPECT_EQ(grid.stats.removed, 0u);
     EXPECT_EQ(grid.mesh.cells, before.cells);
     EXPECT_EQ(grid.mesh.regions, before.regions);
 }
 
 // A plate with holes and arches on it: surfaces stay manifolds of as many shells, and lose the handles that
 // are said to be closed.
-TEST(CloseHandles, of_many_holes_and_bridges_nothing_else_goes) {
+TEST(RemoveSpuriousHandles, of_many_holes_and_bridges_nothing_else_goes) {
     for (unsigned seed = 0; seed < 20; ++seed) {
         std::mt19937 random(seed);
         std::array<unsigned, 9> kind{};
@@ -285,7 +285,7 @@ TEST(CloseHandles, of_many_holes_and_bridges_nothing_else_goes) {
         EXPECT_TRUE(after.closed_manifold());
         EXPECT_EQ(after.components, before.components);
         EXPECT_EQ(grid.stats.found, static_cast<std::uint64_t>(before.genus));
-        EXPECT_EQ(grid.stats.closed, grid.stats.found);
+        EXPECT_EQ(grid.stats.removed, grid.stats.found);
         EXPECT_EQ(after.genus, 0);
     }
 }

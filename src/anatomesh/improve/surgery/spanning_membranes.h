@@ -1,5 +1,5 @@
-// find_chains, find_sheets: subsegments that run beside their structure's surface, and facets between them
-// and it; find_sheets_across: facets between parts of a surface.
+// find_chains, find_membranes: subsegments that run beside their structure's surface, and facets between them
+// and it; find_membranes_across: facets between parts of a surface.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ struct Chain {
 };
 
 // Facets between a chain and its structure's surface.
-struct Sheet {
+struct Membrane {
     std::vector<std::array<std::uint32_t, 3>> facets;  // corners rising
     // The rest of its rim, from end to end of the chain; without one all but the edge from end to end.
     std::vector<std::uint32_t> path;
@@ -58,21 +58,22 @@ struct Sheet {
 std::vector<Chain> find_chains(Workbench& bench, const ContourOwners& owners,
                                std::span<const std::array<std::uint32_t, 3>> subsegments);
 
-// Up to 16 sheets of a chain, grown facet by facet, the cheapest first, until the rest of the rim lies on the
-// surface: by area, more where the field has the side that the chain is on. None has more than 8 facets
+// Up to 16 membranes of a chain, grown facet by facet, the cheapest first, until the rest of the rim lies on
+// the surface: by area, more where the field has the side that the chain is on. None has more than 8 facets
 // beside one for each subsegment, none meets itself or touches a surface within its rim. `side`: of the
-// structure, on which the chain lies. Same result every time. Complexity: O(4,000 sheets) at most.
-std::vector<Sheet> find_sheets(Workbench& bench, const Chain& chain, bool side);
+// structure, on which the chain lies. Same result every time. Complexity: O(4,000 membranes) at most.
+std::vector<Membrane> find_membranes(Workbench& bench, const Chain& chain, bool side);
 
 // Of a rim that runs over a surface from one vertex to the next and on to a third: on which of its two sides
 // there is something that must stay there.
 using RimSides = std::function<std::array<bool, 2>(std::uint32_t, std::uint32_t, std::uint32_t)>;
 
-// The same among some vertices (rising) alone and without a chain: up to 6 sheets on one side of a structure,
-// all of the rim of which lies on its surface, with a side on which nothing must stay, and which are
-// `wanted`.
-std::vector<Sheet> find_sheets_across(Workbench& bench, std::uint32_t structure, bool side,
-                                      std::span<const std::uint32_t> vertices, const RimSides& rim_sides,
-                                      const std::function<bool(const Sheet&)>& wanted);
+// The same among some vertices (rising) alone and without a chain: up to 6 membranes on one side of a
+// structure, all of the rim of which lies on its surface, with a side on which nothing must stay, and which
+// are `wanted`.
+std::vector<Membrane> find_membranes_across(Workbench& bench, std::uint32_t structure, bool side,
+                                            std::span<const std::uint32_t> vertices,
+                                            const RimSides& rim_sides,
+                                            const std::function<bool(const Membrane&)>& wanted);
 
 }  // namespace anatomesh

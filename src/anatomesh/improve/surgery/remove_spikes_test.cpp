@@ -1,4 +1,4 @@
-#include "anatomesh/improve/surgery/lower_apexes.h"
+#include "anatomesh/improve/surgery/remove_spikes.h"
 
 #include <cmath>
 #include <numbers>
@@ -14,18 +14,18 @@ using namespace fixtures;
 
 const double ten_degrees = std::sin(10 * std::numbers::pi / 180);
 
-struct Lowered {
+struct Removed {
     TetMesh mesh;
-    ApexStats stats;
+    SpikeStats stats;
     std::vector<std::uint8_t> fixed;
 };
 
-Lowered lowered(const LabelledCase& c, double apex_mm, int threads = 1) {
+Removed removed(const LabelledCase& c, double spike_mm, int threads = 1) {
     std::vector<std::uint8_t> fixed = c.fixed;
     EditMesh mesh(c.mesh, cell_neighbors(c.mesh.cells, c.mesh.points.size()));
     Workbench bench(mesh, fixed, {}, c.field, c.structures, {});
     bench.table = &c.regions;
-    const ApexStats stats = lower_apexes(bench, apex_mm, ten_degrees, threads);
+    const SpikeStats stats = remove_spikes(bench, spike_mm, ten_degrees, threads);
     std::vector<std::uint32_t> neighbors;
     TetMesh taken = std::move(mesh).take(neighbors);
     EXPECT_EQ(neighbors, cell_neighbors(taken.cells, taken.points.size()));
@@ -46,17 +46,17 @@ double far_off(const TetMesh& mesh, const LabelledCase& c, double beyond) {
     return sum;
 }
 
-TEST(LowerApexes, surfaces_come_nearer_to_the_field_and_stay_what_they_are) {
+TEST(RemoveSpikes, surfaces_come_nearer_to_the_field_and_stay_what_they_are) {
     std::uint64_t lowered_in_all = 0;
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
-        for (const double apex_mm : {0.3, 0.8}) {
-            const Lowered done = lowered(c, apex_mm);
+        for (const double spike_mm : {0.3, 0.8}) {
+            const Removed done = removed(c, spike_mm);
             expect_sound_mesh(done.mesh, c.mesh);
             expect_same_surfaces(done.mesh, c.mesh, c.regions, c.structures);
             expect_sound_regions(done.mesh, c.regions);
-            EXPECT_LE(done.stats.lowered, done.stats.found);
-            lowered_in_all += done.stats.lowered;
+            EXPECT_LE(done.stats.removed, done.stats.found);
+            lowered_in_all += done.stats.removed;
             // Every point is where it was, and what is fixed is on the surfaces that it was on if it lies
             // there.
             ASSERT_TRUE(std::equal(c.mesh.points.begin(), c.mesh.points.end(), done.mesh.points.begin()));
@@ -65,7 +65,7 @@ TEST(LowerApexes, surfaces_come_nearer_to_the_field_and_stay_what_they_are) {
                 const auto before = on_surface(c.mesh, c.regions, s),
                            after = on_surface(done.mesh, c.regions, s);
                 for (std::size_t v = 0; v < before.size(); ++v) {
-                    const bool near = std::abs(c.field.value(s, c.mesh.points[v])) <= apex_mm;
+                    const bool near = std::abs(c.field.value(s, c.mesh.points[v])) <= spike_mm;
                     EXPECT_TRUE(near ? before[v] == after[v] : before[v] >= after[v]) << v;
                 }
             }
@@ -73,16 +73,16 @@ TEST(LowerApexes, surfaces_come_nearer_to_the_field_and_stay_what_they_are) {
             EXPECT_GE(worst_sine(done.mesh), std::min(worst_sine(c.mesh), ten_degrees));
             EXPECT_LE(worst_ratio(done.mesh),
                       std::max(worst_ratio(c.mesh), DihedralOptions{}.last_radius_edge));
-            if (done.stats.lowered == 0) continue;
-            EXPECT_LT(far_off(done.mesh, c, apex_mm), far_off(c.mesh, c, apex_mm));
+            if (done.stats.removed == 0) continue;
+            EXPECT_LT(far_off(done.mesh, c, spike_mm), far_off(c.mesh, c, spike_mm));
         }
     }
     EXPECT_GT(lowered_in_all, 100u);
 }
 
-TEST(LowerApexes, the_same_for_any_number_of_threads) {
+TEST(RemoveSpikes, the_same_for_any_number_of_threads) {
     for (const LabelledCase& c : labelled_cases()) {
-        const Lowered one = lowered(c, 0.3), four = lowered(c, 0.3, 4);
+        const Removed one = removed(c, 0.3), four = removed(c, 0.3, 4);
         EXPECT_EQ(one.mesh.points, four.mesh.points);
         EXPECT_EQ(one.mesh.cells, four.mesh.cells);
         EXPECT_EQ(one.mesh.regions, four.mesh.regions);
@@ -90,11 +90,11 @@ TEST(LowerApexes, the_same_for_any_number_of_threads) {
 }
 
 // A cell beside the surface of a ball, the fourth vertex of which is off it, goes to the other side.
-std::vector<std::uint32_t> make_apexes(LabelledCase& c, Region taken) {
+std::vector<std::uint32_t> make_spikes(LabelledCase& c, Region taken) {
     const auto on = on_surface(c.mesh, c.regions, 0);
     const std::vector<std::uint32_t> neighbors = cell_neighbors(c.mesh.cells, c.mesh.points.size());
     std::vector<std::uint8_t> touched(c.mesh.points.size(), 0);
-    std::vector<std::uint32_t> apexes, cells;
+    std::vector<std::uint32_t> spikes, cells;
     for (std::uint32_t cell = 0; cell < c.mesh.cells.size(); ++cell) {
         const Cell& v = c.mesh.cells[cell];
         if (c.mesh.regions[cell] != taken || sine_of(c.mesh, v) < 0.4 ||
@@ -104,40 +104,40 @@ std::vector<std::uint32_t> make_apexes(LabelledCase& c, Region taken) {
             const std::uint32_t n = neighbors[4 * std::size_t{cell} + i];
             if (n == no_cell || c.mesh.regions[n] == taken || on[v[i]]) continue;
             for (const std::uint32_t p : v) touched[p] = 1;
-            apexes.push_back(v[i]);
+            spikes.push_back(v[i]);
             cells.push_back(cell);
             break;
         }
     }
     for (const std::uint32_t cell : cells) c.mesh.regions[cell] = taken == 0 ? Region{1} : Region{0};
     c.fixed = on;
-    return apexes;
+    return spikes;
 }
 
-TEST(LowerApexes, a_cell_that_stands_on_fixed_vertices_is_cut_off_near_them) {
+TEST(RemoveSpikes, a_cell_that_stands_on_fixed_vertices_is_cut_off_near_them) {
     for (const Region taken : {Region{0}, Region{1}}) {
         LabelledCase c = sampled_case("ball", AnalyticField({ball({}, 6)}, 7), 1, 1'000'000);
-        const std::vector<std::uint32_t> apexes = make_apexes(c, taken);
-        ASSERT_GT(apexes.size(), 8u);
-        const Lowered done = lowered(c, 0.2);
-        EXPECT_GE(done.stats.lowered, apexes.size() * 3 / 4);
+        const std::vector<std::uint32_t> spikes = make_spikes(c, taken);
+        ASSERT_GT(spikes.size(), 8u);
+        const Removed done = removed(c, 0.2);
+        EXPECT_GE(done.stats.removed, spikes.size() * 3 / 4);
         expect_same_surfaces(done.mesh, c.mesh, c.regions, 1);
         const auto after = on_surface(done.mesh, c.regions, 0);
-        EXPECT_LE(std::count_if(apexes.begin(), apexes.end(), [&](std::uint32_t v) { return after[v] != 0; }),
-                  static_cast<std::ptrdiff_t>(apexes.size() / 4));
+        EXPECT_LE(std::count_if(spikes.begin(), spikes.end(), [&](std::uint32_t v) { return after[v] != 0; }),
+                  static_cast<std::ptrdiff_t>(spikes.size() / 4));
         EXPECT_LT(far_off(done.mesh, c, 0.3), 0.3 * far_off(c.mesh, c, 0.3));
     }
 }
 
 // Two slabs with a gap; cells of the upper one reach over it to fixed vertices of the lower one's surface.
 // These leave the upper one's surface and stay on their own.
-TEST(LowerApexes, a_cell_that_reaches_a_fixed_vertex_of_another_structure_lets_go_of_it) {
+TEST(RemoveSpikes, a_cell_that_reaches_a_fixed_vertex_of_another_structure_lets_go_of_it) {
     const auto lower = [](Vec3 p) { return p.z - 2; };
     const auto upper = [](Vec3 p) { return 3 - p.z; };
     LabelledCase c{"slabs", AnalyticField({lower, upper}, 9, true), 2, {}, RegionTable{{{}, {0}, {1}}}, {}};
     c.mesh = testing::brick_mesh({7, 7, 5}, [](int, int, int) { return Region{1}; });
     std::uint32_t reaching = 0;
-    std::vector<std::uint32_t> apexes;
+    std::vector<std::uint32_t> spikes;
     for (std::size_t n = 0; n < c.mesh.cells.size(); ++n) {
         const Cell& cell = c.mesh.cells[n];
         Vec3 middle;
@@ -151,23 +151,23 @@ TEST(LowerApexes, a_cell_that_reaches_a_fixed_vertex_of_another_structure_lets_g
         // Three corners in the upper one's surface, one in the lower one's.
         if (middle.z < 2 || middle.z > 3 || low.size() != 1 || reaching > 20) continue;
         const Vec3 p = c.mesh.points[low[0]];
-        if (!inner(p.x) || !inner(p.y) || std::find(apexes.begin(), apexes.end(), low[0]) != apexes.end())
+        if (!inner(p.x) || !inner(p.y) || std::find(spikes.begin(), spikes.end(), low[0]) != spikes.end())
             continue;
         c.mesh.regions[n] = 2;
-        apexes.push_back(low[0]);
+        spikes.push_back(low[0]);
         ++reaching;
     }
-    ASSERT_EQ(apexes.size(), 9u);
+    ASSERT_EQ(spikes.size(), 9u);
     c.fixed.assign(c.mesh.points.size(), 1);
-    for (const std::uint32_t v : apexes) EXPECT_TRUE(on_surface(c.mesh, c.regions, 1)[v]);
-    const Lowered done = lowered(c, 0.5);
-    EXPECT_EQ(done.stats.lowered, apexes.size());
+    for (const std::uint32_t v : spikes) EXPECT_TRUE(on_surface(c.mesh, c.regions, 1)[v]);
+    const Removed done = removed(c, 0.5);
+    EXPECT_EQ(done.stats.removed, spikes.size());
     expect_sound_mesh(done.mesh, c.mesh);
     expect_same_surfaces(done.mesh, c.mesh, c.regions, 2);
     expect_sound_regions(done.mesh, c.regions);
     EXPECT_EQ(structure_surface(done.mesh, c.regions, 0).size(),
               structure_surface(c.mesh, c.regions, 0).size());
-    for (const std::uint32_t v : apexes) {
+    for (const std::uint32_t v : spikes) {
         EXPECT_TRUE(on_surface(done.mesh, c.regions, 0)[v]);
         EXPECT_FALSE(on_surface(done.mesh, c.regions, 1)[v]);
     }

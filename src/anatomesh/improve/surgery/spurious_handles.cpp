@@ -1,12 +1,12 @@
-#include "anatomesh/improve/surgery/untold_handles.h"
+#include "anatomesh/improve/surgery/spurious_handles.h"
 
 #include <algorithm>
 
 namespace anatomesh {
 
-std::vector<SmallHandles> untold_handles(std::span<const Vec3> points, std::span<const Triangle> surface,
-                                         std::uint32_t structure, const ContourVertices& drawn,
-                                         double reach_mm) {
+std::vector<SmallHandles> spurious_handles(std::span<const Vec3> points, std::span<const Triangle> surface,
+                                           std::uint32_t structure, const ContourVertices& drawn,
+                                           double reach_mm) {
     std::vector<SmallHandles> parts = small_handles(points, surface, reach_mm);
     for (SmallHandles& part : parts) {
         const auto lies_within = [&](const Contour& contour) {

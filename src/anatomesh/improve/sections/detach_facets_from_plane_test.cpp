@@ -1,4 +1,4 @@
-#include "anatomesh/improve/sections/lift_facets.h"
+#include "anatomesh/improve/sections/detach_facets_from_plane.h"
 
 #include <gtest/gtest.h>
 
@@ -37,12 +37,12 @@ struct Block {
         neighbors = cell_neighbors(mesh.cells, mesh.points.size());
     }
     // With the least sine of the cells inside that new ones may have.
-    LiftStats lift(const StructureField& field, double needed = 0.17) {
+    DetachmentStats detach(const StructureField& field, double needed = 0.17) {
         std::vector<std::uint8_t> fixed(mesh.points.size(), 1);
         EditMesh edited(std::move(mesh), neighbors);
         Workbench bench(edited, fixed, {}, field, 2, {});
         bench.goal = 0.3;
-        const LiftStats stats = lift_facets(bench, {&table, slice_of}, needed, 1);
+        const DetachmentStats stats = detach_facets_from_plane(bench, {&table, slice_of}, needed, 1);
         mesh = std::move(edited).take(neighbors);
         return stats;
     }
@@ -97,13 +97,13 @@ fixtures::AnalyticField drawn_up_to_3() {
     return fixtures::AnalyticField({[](Vec3 p) { return p.x - 3; }, [](Vec3) { return 1.0; }}, 10);
 }
 
-TEST(LiftFacets, those_beside_what_is_drawn_leave_the_plane_and_those_in_it_stay) {
+TEST(DetachFacetsFromPlane, those_beside_what_is_drawn_leave_the_plane_and_those_in_it_stay) {
     Block block;
     EXPECT_EQ(block.resting().size(), 32u);
     const double before = block.volume(0);
     const std::vector<Vec3> points = block.mesh.points;
-    const LiftStats stats = block.lift(drawn_up_to_3());
-    EXPECT_EQ(stats.facets_lifted, 16u);
+    const DetachmentStats stats = block.detach(drawn_up_to_3());
+    EXPECT_EQ(stats.facets_detached, 16u);
     EXPECT_EQ(stats.facets_left, 0u);
     const std::vector<double> resting = block.resting();
     EXPECT_EQ(resting.size(), 16u);
@@ -115,12 +115,12 @@ TEST(LiftFacets, those_beside_what_is_drawn_leave_the_plane_and_those_in_it_stay
     EXPECT_TRUE(std::equal(points.begin(), points.end(), block.mesh.points.begin()));
 }
 
-TEST(LiftFacets, shapes_of_cells_keep_their_bound) {
+TEST(DetachFacetsFromPlane, shapes_of_cells_keep_their_bound) {
     std::uint64_t most = 0;
     for (const double needed : {0.05, 0.17, 0.3, 0.6}) {
         Block block;
         const auto before = block.worst();
-        const LiftStats stats = block.lift(drawn_up_to_3(), needed);
+        const DetachmentStats stats = block.detach(drawn_up_to_3(), needed);
         EXPECT_EQ(block.resting().size(), 16u + stats.facets_left);
         EXPECT_GE(block.worst()[0], std::min(before[0], needed));
         EXPECT_LE(block.worst()[1], std::max(before[1], 3.9));
@@ -130,11 +130,11 @@ TEST(LiftFacets, shapes_of_cells_keep_their_bound) {
     EXPECT_GT(most, 0u);  // where the bound asks too much
 }
 
-TEST(LiftFacets, the_part_below_goes_to_the_structure_that_is_drawn_there) {
+TEST(DetachFacetsFromPlane, the_part_below_goes_to_the_structure_that_is_drawn_there) {
     Block block(2);
     const double above = block.volume(0), below = block.volume(1);
     const fixtures::AnalyticField field({[](Vec3 p) { return p.x - 3; }, [](Vec3 p) { return 3 - p.x; }}, 10);
-    const LiftStats stats = block.lift(field, 0.05);
+    const DetachmentStats stats = block.detach(field, 0.05);
     EXPECT_EQ(stats.facets_left, 0u);
     EXPECT_TRUE(block.resting().empty());
     block.expect_sound();
@@ -143,17 +143,17 @@ TEST(LiftFacets, the_part_below_goes_to_the_structure_that_is_drawn_there) {
     EXPECT_NEAR(block.volume(0), above, 1);
 }
 
-TEST(LiftFacets, without_a_slice_or_with_another_region_across_nothing_is_done) {
+TEST(DetachFacetsFromPlane, without_a_slice_or_with_another_region_across_nothing_is_done) {
     Block block;
     const std::vector<Region> before = block.mesh.regions;
     std::fill(block.slice_of.begin(), block.slice_of.end(), no_slice);
-    EXPECT_EQ(block.lift(drawn_up_to_3()).facets_lifted, 0u);
+    EXPECT_EQ(block.detach(drawn_up_to_3()).facets_detached, 0u);
     EXPECT_EQ(block.mesh.regions, before);
-    // Below lies structure 1, which is not drawn anywhere: it is lifted off where structure 0 is drawn, and
+    // Below lies structure 1, which is not drawn anywhere: it is detached off where structure 0 is drawn, and
     // beyond that neither side has what is drawn, which is nothing.
     Block other(2);
     const double above = other.volume(0);
-    EXPECT_EQ(other.lift(drawn_up_to_3(), 0.05).facets_left, 0u);
+    EXPECT_EQ(other.detach(drawn_up_to_3(), 0.05).facets_left, 0u);
     EXPECT_GT(other.volume(0), above);
     other.expect_sound();
 }

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/surgery/bring_segments.h"
+#include "anatomesh/improve/surgery/recover_on_surface.h"
 
 #include <algorithm>
 #include <array>
@@ -10,8 +10,8 @@
 #include "anatomesh/improve/core/cell_judge.h"
 #include "anatomesh/improve/core/sides_at.h"
 #include "anatomesh/improve/sections/section_areas.h"
-#include "anatomesh/improve/surgery/surface_sheets.h"
-#include "anatomesh/improve/surgery/thicken_sheet.h"
+#include "anatomesh/improve/surgery/relabel_membrane_neighborhood.h"
+#include "anatomesh/improve/surgery/spanning_membranes.h"
 
 namespace anatomesh {
 
@@ -19,23 +19,23 @@ namespace {
 
 constexpr std::size_t most_chains =
     40;  // where more are off their surface, the size does not fit the contours
-constexpr std::size_t most_improved = 12;          // sheets and thicknesses whose cells are worked on
+constexpr std::size_t most_improved = 12;          // membranes and thicknesses whose cells are worked on
 constexpr std::size_t most_improved_at_last = 36;  // where some of these may be above the first bound
 constexpr std::size_t most_improved_in_all = 100;
-constexpr std::size_t most_tried_in_all = 1000;  // sheets and thicknesses, sound or not
+constexpr std::size_t most_tried_in_all = 1000;  // membranes and thicknesses, sound or not
 constexpr std::size_t no_limit = static_cast<std::size_t>(-1);
 constexpr int rounds = 4;  // over the chains: one may need that beside it
 
 struct TriedChain : Chain {
     // When it was tried last:
-    std::vector<std::uint32_t> reach = {};  // its vertices and those of its sheets; rising
+    std::vector<std::uint32_t> reach = {};  // its vertices and those of its membranes; rising
     std::size_t changed_before = 0;         // cells, before it
 };
 
-class Bringer {
+class SurfaceRecovery {
   public:
-    Bringer(Workbench& bench, const DrawnSlices& drawn, double least_sine, double most_more,
-            const ImproveCells& improve)
+    SurfaceRecovery(Workbench& bench, const DrawnSlices& drawn, double least_sine, double most_more,
+                    const ImproveCells& improve)
         : bench_(bench),
           owners_(*drawn.owners),
           sides_(bench),
@@ -45,13 +45,13 @@ class Bringer {
         if (!drawn.planes.empty()) areas_.emplace(bench, drawn);
     }
 
-    BringStats run(std::span<const std::array<std::uint32_t, 3>> subsegments) {
+    SurfaceRecoveryStats run(std::span<const std::array<std::uint32_t, 3>> subsegments) {
         std::vector<TriedChain> chains;
         for (Chain& chain : find_chains(bench_, owners_, subsegments)) chains.push_back({std::move(chain)});
-        BringStats stats;
+        SurfaceRecoveryStats stats;
         for (const TriedChain& chain : chains) stats.found += chain.vertices.size() - 1;
         if (chains.size() > most_chains) return stats;
-        stats.brought = stats.found;
+        stats.recovered = stats.found;
         if (chains.empty()) return stats;
         std::vector<std::uint32_t> all = bench_.mesh.alive_cells();
         std::erase_if(all, [&](std::uint32_t c) { return bench_.mesh.region(c) == 0; });
@@ -63,11 +63,11 @@ class Bringer {
                 if (sides_.on_surface(chain.vertices, chain.structure)) return true;
                 if (is_enough() || (round > 0 && !has_changed(chain))) return false;
                 chain.changed_before = changed_.size();
-                return bring(chain);
+                return recover(chain);
             });
             if (chains.size() == before) break;
         }
-        for (const TriedChain& chain : chains) stats.brought -= chain.vertices.size() - 1;
+        for (const TriedChain& chain : chains) stats.recovered -= chain.vertices.size() - 1;
         stats.changed = std::move(changed_);
         return stats;
     }
@@ -75,7 +75,7 @@ class Bringer {
   private:
     enum class Outcome { done, unsound, bad_cut, bad_cells };
 
-    // Whether cells at one of its sheets have, since it was tried.
+    // Whether cells at one of its membranes have, since it was tried.
     bool has_changed(const TriedChain& chain) const {
         return std::any_of(changed_.begin() + static_cast<std::ptrdiff_t>(chain.changed_before),
                            changed_.end(), [&](std::uint32_t c) {
@@ -86,37 +86,38 @@ class Bringer {
                            });
     }
 
-    bool bring(TriedChain& chain) {
+    bool recover(TriedChain& chain) {
         for (std::size_t n = chain.vertices.size() - 1; n > 0; --n) {
             if (!sides_.beside_surface(chain.vertices[n - 1], chain.vertices[n], chain.structure))
                 return false;
         }
         // The ring is now that of the first subsegment.
         const Region own = bench_.mesh.region(bench_.ring.cells.front());
-        const std::vector<Sheet> sheets =
-            find_sheets(bench_, chain, bench_.table->contains(own, chain.structure));
+        const std::vector<Membrane> membranes =
+            find_membranes(bench_, chain, bench_.table->contains(own, chain.structure));
         chain.reach = chain.vertices;
-        for (const Sheet& sheet : sheets) {
-            const std::vector<std::uint32_t> more = sheet.vertices();
+        for (const Membrane& membrane : membranes) {
+            const std::vector<std::uint32_t> more = membrane.vertices();
             chain.reach.insert(chain.reach.end(), more.begin(), more.end());
         }
         sort_distinct(chain.reach);
         least_more_ = no_limit;
-        if (try_all(chain, sheets, own, 0)) return true;
+        if (try_all(chain, membranes, own, 0)) return true;
         const std::size_t least = least_more_;
-        return least <= most_more_ && try_all(chain, sheets, own, least);
+        return least <= most_more_ && try_all(chain, membranes, own, least);
     }
 
     bool is_enough() const { return improved_ >= most_improved_in_all || tried_ >= most_tried_in_all; }
 
     // `most_more`: cells above the first bound that may come of it where cells are parted.
-    bool try_all(const Chain& chain, const std::vector<Sheet>& sheets, Region own, std::size_t most_more) {
+    bool try_all(const Chain& chain, const std::vector<Membrane>& membranes, Region own,
+                 std::size_t most_more) {
         const std::size_t improved_before = improved_,
                           most_here = most_more_ > 0 ? most_improved_at_last : most_improved;
-        for (const Sheet& sheet : sheets) {
-            for (const SheetReach reach : {SheetReach::wide, SheetReach::joined}) {
+        for (const Membrane& membrane : membranes) {
+            for (const MembraneReach reach : {MembraneReach::wide, MembraneReach::joined}) {
                 for (const double thickness : membrane_thicknesses) {
-                    const Outcome outcome = attempt(chain, sheet, own, reach, thickness, most_more);
+                    const Outcome outcome = attempt(chain, membrane, own, reach, thickness, most_more);
                     ++tried_;
                     if (outcome == Outcome::done) return true;
                     if (outcome == Outcome::unsound) break;
@@ -128,12 +129,12 @@ class Bringer {
         return false;
     }
 
-    Outcome attempt(const Chain& chain, const Sheet& sheet, Region own, SheetReach reach, double thickness,
-                    std::size_t most_more) {
+    Outcome attempt(const Chain& chain, const Membrane& membrane, Region own, MembraneReach reach,
+                    double thickness, std::size_t most_more) {
         const DihedralStats stats = bench_.stats;
         bench_.mesh.begin_attempt();
-        std::optional<ThickenedSheet> made =
-            thicken_sheet(bench_, owners_, chain, sheet, own, reach, thickness, areas_ ? &*areas_ : nullptr);
+        std::optional<RelabelledNeighborhood> made = relabel_membrane_neighborhood(
+            bench_, owners_, chain, membrane, own, reach, thickness, areas_ ? &*areas_ : nullptr);
         if (!made || made->wrong_of_cuts > most_worse_sections) {
             bench_.mesh.end_attempt(false);
             return made ? Outcome::bad_cut : Outcome::unsound;
@@ -181,16 +182,16 @@ class Bringer {
     std::size_t most_more_ = 0;               // cells above the first bound that a chain may cost
     std::size_t least_more_ = no_limit;       // that it did
     std::vector<std::uint32_t> above_bound_;  // cells inside; rising
-    std::vector<std::uint32_t> changed_;      // cells, for the chains that were brought
+    std::vector<std::uint32_t> changed_;      // cells, for the chains that were recovered
     const ImproveCells& improve_;
 };
 
 }  // namespace
 
-BringStats bring_segments(Workbench& bench, const DrawnSlices& drawn, double least_sine, double most_more,
-                          const ImproveCells& improve) {
+SurfaceRecoveryStats recover_on_surface(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+                                        double most_more, const ImproveCells& improve) {
     if (!drawn.table || !drawn.owners || drawn.subsegments_beside.empty()) return {};
-    return Bringer(bench, drawn, least_sine, most_more, improve).run(drawn.subsegments_beside);
+    return SurfaceRecovery(bench, drawn, least_sine, most_more, improve).run(drawn.subsegments_beside);
 }
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/surgery/carve_cuts.h"
+#include "anatomesh/improve/surgery/repair_section_patch.h"
 
 #include <algorithm>
 #include <array>
@@ -9,47 +9,47 @@
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/core/cell_judge.h"
 #include "anatomesh/improve/core/sides_at.h"
-#include "anatomesh/improve/surgery/structure_components.h"
 #include "anatomesh/improve/core/surface_count.h"
 #include "anatomesh/improve/sections/cross_section_errors.h"
 #include "anatomesh/improve/sections/section_areas.h"
+#include "anatomesh/improve/surgery/relabel_membrane_neighborhood.h"
 #include "anatomesh/improve/surgery/section_patches.h"
-#include "anatomesh/improve/surgery/thicken_sheet.h"
+#include "anatomesh/improve/surgery/structure_components.h"
 
 namespace anatomesh {
 
 namespace {
 
-constexpr double worth_a_patch = 5e-5;            // share of what is drawn that is wrong
-constexpr double enough_less = 0.5;               // of a patch
-constexpr std::size_t most_cuts = 60;             // where more are wrong, slices contradict each other
-constexpr std::size_t most_carved_in_vain = 100;  // ways to carve whose cells are worked on in vain
+constexpr double worth_a_patch = 5e-5;              // share of what is drawn that is wrong
+constexpr double enough_less = 0.5;                 // of a patch
+constexpr std::size_t most_cuts = 60;               // where more are wrong, slices contradict each other
+constexpr std::size_t most_repaired_in_vain = 100;  // ways to repair whose cells are worked on in vain
 // Cells worked on where planes cross, of one cut and of all: much more would be in vain.
 constexpr std::size_t most_cells_of_cut = 5'000, most_cells_across = 20'000;
-constexpr std::size_t most_tried = 1000;   // ways, sound or not
-constexpr std::size_t most_of_crumb = 64;  // cells, as in crumbs.h
-constexpr std::array nearness{0.25, 0.0};  // of a vertex that is taken for one of the patch, in edges
-// Of a sheet, as shares of the edges that lead off it; the last one not where planes cross, for there all
+constexpr std::size_t most_tried = 1000;       // ways, sound or not
+constexpr std::size_t most_of_component = 64;  // cells, as in spurious_components.h
+constexpr std::array nearness{0.25, 0.0};      // of a vertex that is taken for one of the patch, in edges
+// Of a membrane, as shares of the edges that lead off it; the last one not where planes cross, for there all
 // cuts together have only so many tries.
-constexpr std::array carved_thicknesses{0.5, 0.3, 0.15, 0.7};
+constexpr std::array repaired_thicknesses{0.5, 0.3, 0.15, 0.7};
 
-constexpr std::array carved_reaches{SheetReach::wide, SheetReach::joined, SheetReach::near,
-                                    SheetReach::others};
+constexpr std::array repaired_reaches{MembraneReach::wide, MembraneReach::joined, MembraneReach::near,
+                                      MembraneReach::others};
 
-class Carver {
+class SectionPatchRepair {
   public:
-    Carver(Workbench& bench, const DrawnSlices& drawn, double least_sine, const ImproveCells& improve,
-           const RunContext& context)
+    SectionPatchRepair(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+                       const ImproveCells& improve, const RunContext& context)
         : bench_(bench),
           context_(context),
           drawn_(drawn),
           areas_(bench, drawn),
-          components_(bench, *drawn.owners, most_of_crumb),
+          components_(bench, *drawn.owners, most_of_component),
           sides_(bench),
           least_sine_(least_sine),
           improve_(improve) {}
 
-    CarveStats run(const std::vector<std::uint32_t>* look) {
+    PatchRepairStats run(const std::vector<std::uint32_t>* look) {
         if (!look) {
             errors_.emplace(bench_, areas_, bench_.mesh.alive_cells(), context_.threads);
         } else if (!find_errors_from(*look)) {
@@ -64,16 +64,16 @@ class Carver {
         std::stable_sort(cuts.begin(), cuts.end(),
                          [&](std::size_t a, std::size_t b) { return sums[a] > sums[b]; });
         shapes_.emplace(bench_, drawn_, least_sine_);
-        for (const std::size_t cut : cuts) carve_cut(cut);
+        for (const std::size_t cut : cuts) repair_section(cut);
         return std::move(stats_);
     }
 
   private:
-    // How a patch is carved: the share of edges within which a vertex is taken for one of the patch, and as
-    // thicken_sheet() has it.
+    // How a patch is repaired: the share of edges within which a vertex is taken for one of the patch, and as
+    // relabel_membrane_neighborhood() has it.
     struct Way {
         double near;
-        SheetReach reach;
+        MembraneReach reach;
         double thickness;
     };
 
@@ -92,23 +92,23 @@ class Carver {
     }
 
     // First what leaves the structure in one part.
-    void carve_cut(std::size_t cut) {
+    void repair_section(std::size_t cut) {
         before_cut_ = worked_on_;
-        while (errors_->sums()[cut] > much_of_cut && carve_one(cut, false)) {
+        while (errors_->sums()[cut] > much_of_cut && repair_one(cut, false)) {
         }
-        while (errors_->sums()[cut] > most_of_cut && carve_one(cut, true)) {
+        while (errors_->sums()[cut] > most_of_cut && repair_one(cut, true)) {
         }
     }
 
     // One patch: that changes the cells of others.
-    bool carve_one(std::size_t cut, bool may_part) {
+    bool repair_one(std::size_t cut, bool may_part) {
         const auto structure = static_cast<std::uint32_t>(cut / drawn_.planes.size()),
                    plane = static_cast<std::uint32_t>(cut % drawn_.planes.size());
         for (const SectionPatch& patch : find_patches(bench_, areas_, structure, plane, context_.threads)) {
             if (patch.wrong < worth_a_patch || is_enough()) break;
             ++stats_.patches_found;
-            if (!carve(patch, cut, may_part)) continue;
-            ++stats_.patches_carved;
+            if (!repair_patch(patch, cut, may_part)) continue;
+            ++stats_.patches_repaired;
             return true;
         }
         return false;
@@ -123,13 +123,13 @@ class Carver {
     // too, if it is small, near the field's surface and of no other region; false where more came off than
     // may.
     bool may_be_parted(const SectionPatch& patch, bool may_part, std::uint32_t first_new,
-                       std::vector<std::uint32_t>& changed, std::uint64_t& crumbs) {
+                       std::vector<std::uint32_t>& changed, std::uint64_t& spurious) {
         ComponentChange parts = components_.change(patch.structure, is_inside(patch), first_new);
-        for (const std::vector<std::uint32_t>& crumb : parts.crumbs) {
+        for (const std::vector<std::uint32_t>& component : parts.spurious) {
             if (parts.bare <= 0) break;
-            if (!give_crumb(crumb, patch)) return false;
-            changed.insert(changed.end(), crumb.begin(), crumb.end());
-            ++crumbs;
+            if (!relabel_component(component, patch)) return false;
+            changed.insert(changed.end(), component.begin(), component.end());
+            ++spurious;
             --parts.bare;
             --parts.all;
         }
@@ -141,32 +141,32 @@ class Carver {
         return components_.change(patch.structure, !is_inside(patch), first_new).all == -1;
     }
 
-    bool give_crumb(const std::vector<std::uint32_t>& crumb, const SectionPatch& patch) {
-        const double most = bench_.options.apex_mm;
+    bool relabel_component(const std::vector<std::uint32_t>& component, const SectionPatch& patch) {
+        const double most = bench_.options.spike_mm;
         bench_.look_between(patch.own, patch.to);
-        for (const std::uint32_t c : crumb) {
+        for (const std::uint32_t c : component) {
             if (bench_.mesh.region(c) != patch.own) return false;
             for (const std::uint32_t v : bench_.mesh.cell(c)) {
                 if (bench_.probe.distance(bench_.mesh.point(v), most) > most) return false;
             }
         }
-        SurfaceCount count(bench_, *drawn_.owners, crumb, patch.to);
-        for (const std::uint32_t c : crumb) bench_.mesh.set_region(c, patch.to);
+        SurfaceCount count(bench_, *drawn_.owners, component, patch.to);
+        for (const std::uint32_t c : component) bench_.mesh.set_region(c, patch.to);
         return count.figures().excess == 0 && count.newly_lost() == 0;
     }
 
     bool is_enough() const {
-        return context_.cancelled() || improved_ >= most_carved_in_vain || tried_ >= most_tried ||
+        return context_.cancelled() || improved_ >= most_repaired_in_vain || tried_ >= most_tried ||
                (!drawn_.extents.empty() &&
                 (worked_on_ >= most_cells_across || worked_on_ - before_cut_ >= most_cells_of_cut));
     }
 
-    bool carve(const SectionPatch& patch, std::size_t cut, bool may_part) {
-        const std::size_t count = carved_thicknesses.size() - (drawn_.extents.empty() ? 0 : 1);
+    bool repair_patch(const SectionPatch& patch, std::size_t cut, bool may_part) {
+        const std::size_t count = repaired_thicknesses.size() - (drawn_.extents.empty() ? 0 : 1);
         farthest_mm_ = farthest_round(patch);
         for (const double near : nearness) {
-            for (const SheetReach reach : carved_reaches) {
-                for (const double thickness : std::span(carved_thicknesses).first(count)) {
+            for (const MembraneReach reach : repaired_reaches) {
+                for (const double thickness : std::span(repaired_thicknesses).first(count)) {
                     const Outcome outcome = attempt(patch, cut, {near, reach, thickness}, may_part);
                     ++tried_;
                     if (outcome == Outcome::done) return true;
@@ -189,18 +189,18 @@ class Carver {
     }
 
     Outcome change(const SectionPatch& patch, std::size_t cut, const Way& way, bool may_part) {
-        std::uint64_t crumbs = 0;
+        std::uint64_t spurious = 0;
         const auto first_new = static_cast<std::uint32_t>(bench_.mesh.point_count());
-        const Sheet sheet = sheet_of_patch(bench_, areas_, patch, way.near);
-        const std::optional<std::uint32_t> end = vertex_on_surface(sheet, patch.structure);
+        const Membrane membrane = membrane_of_patch(bench_, areas_, patch, way.near);
+        const std::optional<std::uint32_t> end = vertex_on_surface(membrane, patch.structure);
         if (!end) return Outcome::unsound;
         const Chain chain{{*end}, patch.structure};
-        const SheetAcross across{SheetSides::both, areas_.plane(patch.plane).normal, patch.to};
-        std::optional<ThickenedSheet> made = thicken_sheet(bench_, *drawn_.owners, chain, sheet, patch.own,
-                                                           way.reach, way.thickness, nullptr, &across);
+        const MembraneAcross across{MembraneSides::both, areas_.plane(patch.plane).normal, patch.to};
+        std::optional<RelabelledNeighborhood> made = relabel_membrane_neighborhood(
+            bench_, *drawn_.owners, chain, membrane, patch.own, way.reach, way.thickness, nullptr, &across);
         if (!made) return Outcome::unsound;
         std::vector<std::uint32_t> changed = std::move(made->changed);
-        if (!made->parted.empty() && !may_be_parted(patch, may_part, first_new, changed, crumbs))
+        if (!made->parted.empty() && !may_be_parted(patch, may_part, first_new, changed, spurious))
             return Outcome::unsound;
         if (made->joins && (!may_part || !joins_parts(patch, first_new))) return Outcome::unsound;
         // Those round the edges that pass through the patch too.
@@ -215,7 +215,7 @@ class Carver {
         worked_on_ += changed.size();
         if (!shapes_->allow(changed, farthest_mm_)) return Outcome::bad;
         if (!lessens(patch, cut)) return Outcome::bad;
-        stats_.crumbs_given += crumbs;
+        stats_.spurious_components_removed += spurious;
         shapes_->keep();
         errors_->keep();
         stats_.changed.insert(stats_.changed.end(), changed.begin(), changed.end());
@@ -253,10 +253,10 @@ class Carver {
         return shapes_->farthest_of(cells);
     }
 
-    // One of the sheet's, of a contour if there is one.
-    std::optional<std::uint32_t> vertex_on_surface(const Sheet& sheet, std::uint32_t structure) {
+    // One of the membrane's, of a contour if there is one.
+    std::optional<std::uint32_t> vertex_on_surface(const Membrane& membrane, std::uint32_t structure) {
         std::optional<std::uint32_t> found;
-        for (const std::uint32_t v : sheet.vertices()) {
+        for (const std::uint32_t v : membrane.vertices()) {
             if (!sides_.on_surface(v, structure)) continue;
             if (drawn_.owners->has(v, structure)) return v;
             if (!found) found = v;
@@ -277,16 +277,16 @@ class Carver {
     double farthest_mm_ = 0;                      // from the field's, that surfaces of this patch may be
     std::size_t improved_ = 0, tried_ = 0;        // ways, the first in vain
     std::size_t worked_on_ = 0, before_cut_ = 0;  // cells; those before this cut
-    CarveStats stats_;
+    PatchRepairStats stats_;
 };
 
 }  // namespace
 
-CarveStats carve_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine,
-                      const ImproveCells& improve, const RunContext& context,
-                      const std::vector<std::uint32_t>* look) {
+PatchRepairStats repair_section_patch(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+                                      const ImproveCells& improve, const RunContext& context,
+                                      const std::vector<std::uint32_t>* look) {
     if (!drawn.table || !drawn.owners || drawn.planes.empty()) return {};
-    return Carver(bench, drawn, least_sine, improve, context).run(look);
+    return SectionPatchRepair(bench, drawn, least_sine, improve, context).run(look);
 }
 
 }  // namespace anatomesh

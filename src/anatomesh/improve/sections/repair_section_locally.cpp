@@ -1,4 +1,4 @@
-#include "anatomesh/improve/sections/mend_cuts.h"
+#include "anatomesh/improve/sections/repair_section_locally.h"
 
 #include <algorithm>
 #include <array>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr double enough_less = 0.5;               // of the wrong share
 constexpr std::uint64_t most_vain = 10'000;       // places: so many are of slices that contradict each other
-constexpr double least_wrong_of_crossing = 1e-6;  // share of what is drawn: less is not mended there
+constexpr double least_wrong_of_crossing = 1e-6;  // share of what is drawn: less is not repaired there
 constexpr std::array height_shares{0.05, -0.05, 0.1,  -0.1, 0.2,
                                    -0.2, 0.35,  -0.35};  // of a moved vertex over the plane, in edges at it
 constexpr std::array lifts{0.1, 0.2, 0.3, 0.45, 0.06, 0.03};  // of a new vertex, in heights of the cell
@@ -31,9 +31,10 @@ constexpr double before_moving = 0.5;  // of the least sine that an edge may be 
 constexpr int moves_after_collapse = 3;
 constexpr double most_turned = 0.5;  // cosine of a facet's turning
 
-class Mender {
+class LocalSectionRepair {
   public:
-    Mender(Workbench& bench, const DrawnSlices& drawn, double least_sine, const RunContext& context)
+    LocalSectionRepair(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+                       const RunContext& context)
         : bench_(bench),
           context_(context),
           areas_(bench, drawn),
@@ -45,14 +46,14 @@ class Mender {
                {least_sine, bench.options.last_radius_edge}}} {}
 
     // From these cells on, rising.
-    MendStats run(std::vector<std::uint32_t> waiting) {
-        mend_all(waiting, 1);
+    LocalRepairStats run(std::vector<std::uint32_t> waiting) {
+        repair_all(waiting, 1);
         // Those of cuts that still are further from what is drawn are worth worse cells. What a surface that
         // just passes through a plane makes wrong may lie in any cell that has a vertex of it.
         std::vector<std::uint32_t> passed = waiting;
         std::erase_if(passed, [&](std::uint32_t c) { return suspect_facet(c, 0) == 4; });
         areas_.sum_cuts_round(passed, context_.threads);
-        mend_all(waiting, bounds_.size());
+        repair_all(waiting, bounds_.size());
         std::erase_if(waiting, [&](std::uint32_t c) { return suspect_facet(c, 0) == 4; });
         stats_.left = std::move(waiting);
         return stats_;
@@ -97,7 +98,7 @@ class Mender {
     };
 
     // Within the first so many bounds; `waiting` grows by the cells to be looked at again.
-    void mend_all(std::vector<std::uint32_t>& waiting, std::size_t count) {
+    void repair_all(std::vector<std::uint32_t>& waiting, std::size_t count) {
         std::uint64_t vain = 0;
         for (std::size_t n = 0; n < waiting.size() && vain < most_vain; ++n) {
             if (context_.cancelled()) return;
@@ -106,7 +107,7 @@ class Mender {
                 if (!(wrong_at(c, i) > least_wrong_)) continue;
                 ++stats_.places_found;
                 if (count > 1 && areas_.largest_cut_at(c, i) < much_of_cut) continue;
-                if (!mend(c, i, count)) {
+                if (!repair(c, i, count)) {
                     ++vain;
                     continue;
                 }
@@ -127,11 +128,11 @@ class Mender {
                                                                   : areas_.wrong_at(c, i);
     }
 
-    bool mend(std::uint32_t c, int i, std::size_t count) {
+    bool repair(std::uint32_t c, int i, std::size_t count) {
         const std::uint32_t other = bench_.mesh.neighbor(c, i);
         if (bench_.mesh.region(other) == bench_.mesh.region(c)) {
             return std::any_of(bounds_.begin(), bounds_.begin() + static_cast<std::ptrdiff_t>(count),
-                               [&](const Bounds& bounds) { return give_both(c, other, bounds); });
+                               [&](const Bounds& bounds) { return relabel_both(c, other, bounds); });
         }
         std::vector<std::uint32_t> vertices(bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
         for (const std::uint32_t v : bench_.mesh.cell(other)) {
@@ -142,13 +143,13 @@ class Mender {
         return std::any_of(bounds_.begin(), last, [&](const Bounds& bounds) {
             return std::any_of(vertices.begin(), vertices.end(),
                                [&](std::uint32_t v) { return move_unless_tried(v, bounds); }) ||
-                   give_unless_tried(c, there, bounds) || give_unless_tried(other, here, bounds) ||
+                   relabel_unless_tried(c, there, bounds) || relabel_unless_tried(other, here, bounds) ||
                    flip(c, i, bounds) || collapse(c, i, bounds) || fill(c, i, bounds) ||
                    (count > 1 && (lift_off(c, there, bounds) || lift_off(other, here, bounds)));
         });
     }
 
-    enum class Operation : std::uint32_t { move, lift_off, collapse, give, flip };
+    enum class Operation : std::uint32_t { move, lift_off, collapse, relabel, flip };
 
     // Unless it was in vain since the cells at these vertices have changed; cells at several facets share
     // vertices, edges and cells.
@@ -167,9 +168,9 @@ class Mender {
         return try_anew(Operation::move, bounds, {v, 0, 0}, std::array{v}, [&] { return move(v, bounds); });
     }
 
-    bool give_unless_tried(std::uint32_t c, Region to, const Bounds& bounds) {
-        return try_anew(Operation::give, bounds, {c, to, 0}, bench_.mesh.cell(c),
-                        [&] { return give(c, to, bounds); });
+    bool relabel_unless_tried(std::uint32_t c, Region to, const Bounds& bounds) {
+        return try_anew(Operation::relabel, bounds, {c, to, 0}, bench_.mesh.cell(c),
+                        [&] { return relabel(c, to, bounds); });
     }
 
     struct Facet {
@@ -247,7 +248,7 @@ class Mender {
                 bench_.look_between(here, there);
                 const Vec3 b = bench_.mesh.point(u), d = bench_.mesh.point(w);
                 facets.push_back(
-                    {b, d, here, there, std::max(bench_.facet_distance(p, b, d), bench_.options.apex_mm)});
+                    {b, d, here, there, std::max(bench_.facet_distance(p, b, d), bench_.options.spike_mm)});
             }
         }
         return facets;
@@ -262,16 +263,16 @@ class Mender {
         });
     }
 
-    bool give(std::uint32_t c, Region to, const Bounds& bounds) {
+    bool relabel(std::uint32_t c, Region to, const Bounds& bounds) {
         const Region own = bench_.mesh.region(c);
         const std::array cells{c};
         const double before = areas_.wrong(cells);
-        if (!(before > 0) || !may_give(bench_, c, to, owners_, bounds.sine, bounds.ratio)) return false;
+        if (!(before > 0) || !may_relabel(bench_, c, to, owners_, bounds.sine, bounds.ratio)) return false;
         bench_.mesh.set_region(c, to);
         if (areas_.wrong(cells) <= enough_less * before) {
             bench_.changed.assign(1, c);
             for (int i = 0; i < 4; ++i) bench_.changed.push_back(bench_.mesh.neighbor(c, i));
-            ++stats_.cells_given;
+            ++stats_.cells_relabelled;
             return true;
         }
         bench_.mesh.set_region(c, own);
@@ -279,7 +280,7 @@ class Mender {
     }
 
     // The cells on both sides of a facet in a plane, to a region beside them.
-    bool give_both(std::uint32_t c, std::uint32_t other, const Bounds& bounds) {
+    bool relabel_both(std::uint32_t c, std::uint32_t other, const Bounds& bounds) {
         const Region own = bench_.mesh.region(c);
         const std::array cells{c, other};
         const double before = areas_.wrong(cells);
@@ -287,18 +288,19 @@ class Mender {
             for (int i = 0; i < 4; ++i) {
                 if (bench_.mesh.neighbor(side, i) == no_cell) return false;
                 const Region to = bench_.mesh.region(bench_.mesh.neighbor(side, i));
-                if (to == own || !may_give_all(bench_, cells, to, owners_, bounds.sine, bounds.ratio))
+                if (to == own || !may_relabel_all(bench_, cells, to, owners_, bounds.sine, bounds.ratio))
                     continue;
-                for (const std::uint32_t given : cells) bench_.mesh.set_region(given, to);
+                for (const std::uint32_t relabelled : cells) bench_.mesh.set_region(relabelled, to);
                 if (areas_.wrong(cells) <= enough_less * before) {
                     bench_.changed.assign(cells.begin(), cells.end());
-                    for (const std::uint32_t given : cells) {
-                        for (int k = 0; k < 4; ++k) bench_.changed.push_back(bench_.mesh.neighbor(given, k));
+                    for (const std::uint32_t relabelled : cells) {
+                        for (int k = 0; k < 4; ++k)
+                            bench_.changed.push_back(bench_.mesh.neighbor(relabelled, k));
                     }
-                    stats_.cells_given += cells.size();
+                    stats_.cells_relabelled += cells.size();
                     return true;
                 }
-                for (const std::uint32_t given : cells) bench_.mesh.set_region(given, own);
+                for (const std::uint32_t relabelled : cells) bench_.mesh.set_region(relabelled, own);
             }
         }
         return false;
@@ -506,7 +508,7 @@ class Mender {
         const Region own = bench_.mesh.region(cells.front()),
                      to = bench_.mesh.region(
                          bench_.mesh.neighbor(at_surface.front().first, at_surface.front().second));
-        const double most = bench_.options.apex_mm;
+        const double most = bench_.options.spike_mm;
         const auto may_lie = [&](Vec3& q) {
             bench_.look_between(own, to);
             return over * areas_.plane(k).signed_distance(q) > 0 && bench_.probe.distance(q, most) <= most;
@@ -542,21 +544,21 @@ class Mender {
     const ContourOwners& owners_;
     double least_wrong_;
     std::array<Bounds, 3> bounds_;
-    MendStats stats_;
+    LocalRepairStats stats_;
     VainTries vain_;
 };
 
 }  // namespace
 
-MendStats mend_cuts(Workbench& bench, const DrawnSlices& drawn, double least_sine, const RunContext& context,
-                    const std::vector<std::uint32_t>* look) {
+LocalRepairStats repair_section_locally(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+                                        const RunContext& context, const std::vector<std::uint32_t>* look) {
     if (!drawn.table || !drawn.owners || drawn.planes.empty()) return {};
-    Mender mender(bench, drawn, least_sine, context);
-    if (!look) return mender.run(mender.suspects(context.threads));
+    LocalSectionRepair section_repair(bench, drawn, least_sine, context);
+    if (!look) return section_repair.run(section_repair.suspects(context.threads));
     std::vector<std::uint32_t> cells = *look;
     std::sort(cells.begin(), cells.end());
     cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-    return mender.run(std::move(cells));
+    return section_repair.run(std::move(cells));
 }
 
 }  // namespace anatomesh

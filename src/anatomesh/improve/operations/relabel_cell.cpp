@@ -195,9 +195,9 @@ bool may_be_of(const Workbench& bench, std::span<const std::uint32_t> cells, dou
 }
 
 bool lies_near(Workbench& bench, std::span<const std::uint32_t> cells, Region to) {
-    return keeps_near(bench, cells, to, bench.options.apex_mm) &&
+    return keeps_near(bench, cells, to, bench.options.spike_mm) &&
            std::all_of(cells.begin(), cells.end(), [&](std::uint32_t c) {
-               return has_near_vertices(bench, c, to, bench.options.apex_mm);
+               return has_near_vertices(bench, c, to, bench.options.spike_mm);
            });
 }
 
@@ -217,20 +217,20 @@ bool keeps_surfaces(Workbench& bench, std::span<const std::uint32_t> cells, Regi
 
 }  // namespace
 
-bool may_give(Workbench& bench, std::uint32_t cell, Region to, const ContourOwners& owners,
-              double least_sine_inside, double most_ratio) {
+bool may_relabel(Workbench& bench, std::uint32_t cell, Region to, const ContourOwners& owners,
+                 double least_sine_inside, double most_ratio) {
     const std::array cells{cell};
     return may_be_of(bench, cells, least_sine_inside, most_ratio) &&
            keeps_surfaces(bench, cell, bench.mesh.region(cell), to, &owners) && lies_near(bench, cells, to);
 }
 
-bool may_give_all(Workbench& bench, std::span<const std::uint32_t> cells, Region to,
-                  const ContourOwners& owners, double least_sine_inside, double most_ratio) {
+bool may_relabel_all(Workbench& bench, std::span<const std::uint32_t> cells, Region to,
+                     const ContourOwners& owners, double least_sine_inside, double most_ratio) {
     return may_be_of(bench, cells, least_sine_inside, most_ratio) && lies_near(bench, cells, to) &&
            keeps_surfaces(bench, cells, to, owners);
 }
 
-bool give_cell(Workbench& bench, std::uint32_t cell) {
+bool relabel_cell(Workbench& bench, std::uint32_t cell) {
     const Region own = bench.mesh.region(cell);
     if (ends_the_mesh(bench, cell)) return false;
     const int now = facets_between_regions(bench, cell, own);
@@ -243,7 +243,7 @@ bool give_cell(Workbench& bench, std::uint32_t cell) {
             continue;
         bench.mesh.set_region(cell, to);
         bench.changed.assign(1, cell);
-        ++bench.stats.cells_given;
+        ++bench.stats.cells_relabelled;
         return true;
     }
     return false;

@@ -1,4 +1,4 @@
-#include "anatomesh/cut/crumbs.h"
+#include "anatomesh/cut/spurious_components.h"
 
 #include <algorithm>
 #include <array>
@@ -16,39 +16,40 @@ namespace {
 
 constexpr std::size_t most_cells = 64;
 
-class CrumbSearch {
+class SpuriousComponentSearch {
   public:
-    CrumbSearch(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                std::span<const std::uint8_t> given, double most_mm3)
+    SpuriousComponentSearch(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
+                            std::span<const std::uint8_t> given, double most_mm3)
         : mesh_(mesh),
           neighbors_(neighbors),
           given_(given),
           most_mm3_(most_mm3),
           state_(mesh.cells.size(), State::unknown) {}
 
-    // Whether the piece at the cell, not looked at yet, is a crumb: piece() and beyond() then.
+    // Whether the component at the cell, not looked at yet, is a spurious component: component() and beyond()
+    // then.
     bool found(std::uint32_t cell) {
         if (state_[cell] != State::unknown || !may_be_in_one(cell)) return false;
-        piece_ = {cell};
-        state_[cell] = State::in_piece;
+        component_ = {cell};
+        state_[cell] = State::in_component;
         const bool whole = grow();
-        for (const std::uint32_t c : piece_) state_[c] = State::known;
+        for (const std::uint32_t c : component_) state_[c] = State::known;
         if (whole) find_beyond();
         return whole && !beyond_.empty();
     }
 
-    // Whether the cell alone does not rule a crumb that begins with it out.
+    // Whether the cell alone does not rule a spurious component that begins with it out.
     bool may_be_in_one(std::uint32_t c) const {
         return on_interface(c) && !is_drawn(c) && volume(c) <= most_mm3_;
     }
 
-    const std::vector<std::uint32_t>& piece() const { return piece_; }
+    const std::vector<std::uint32_t>& component() const { return component_; }
 
-    // The regions round the piece, that with the largest area in common first.
+    // The regions round the component, that with the largest area in common first.
     const std::vector<Region>& beyond() const { return beyond_; }
 
   private:
-    enum class State : std::uint8_t { unknown, in_piece, known };
+    enum class State : std::uint8_t { unknown, in_component, known };
 
     bool on_interface(std::uint32_t c) const {
         return std::any_of(neighbors_.begin() + 4 * std::size_t{c},
@@ -66,21 +67,21 @@ class CrumbSearch {
         return signed_volume(mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]], mesh_.points[v[3]]);
     }
 
-    // Over facets, until the piece ends; not where it is too large, has a contour's vertex, reaches the end
-    // of the mesh, or joins what was found to.
+    // Over facets, until the component ends; not where it is too large, has a contour's vertex, reaches the
+    // end of the mesh, or joins what was found to.
     bool grow() {
         double total = 0;
-        for (std::size_t n = 0; n < piece_.size(); ++n) {
-            const std::uint32_t c = piece_[n];
+        for (std::size_t n = 0; n < component_.size(); ++n) {
+            const std::uint32_t c = component_[n];
             total += volume(c);
-            if (total > most_mm3_ || piece_.size() > most_cells || is_drawn(c)) return false;
+            if (total > most_mm3_ || component_.size() > most_cells || is_drawn(c)) return false;
             for (int i = 0; i < 4; ++i) {
                 const std::uint32_t next = neighbors_[4 * std::size_t{c} + i];
                 if (next == no_cell) return false;
-                if (differs(next, c) || state_[next] == State::in_piece) continue;
+                if (differs(next, c) || state_[next] == State::in_component) continue;
                 if (state_[next] == State::known) return false;
-                state_[next] = State::in_piece;
-                piece_.push_back(next);
+                state_[next] = State::in_component;
+                component_.push_back(next);
             }
         }
         return true;
@@ -88,7 +89,7 @@ class CrumbSearch {
 
     void find_beyond() {
         std::vector<std::pair<Region, double>> areas;
-        for (const std::uint32_t c : piece_) {
+        for (const std::uint32_t c : component_) {
             for (int i = 0; i < 4; ++i) {
                 const std::uint32_t next = neighbors_[4 * std::size_t{c} + i];
                 if (!differs(next, c)) continue;
@@ -122,7 +123,7 @@ class CrumbSearch {
     std::span<const std::uint8_t> given_;
     double most_mm3_;
     std::vector<State> state_;
-    std::vector<std::uint32_t> piece_;
+    std::vector<std::uint32_t> component_;
     std::vector<Region> beyond_;
 };
 
@@ -137,7 +138,7 @@ struct Stars {
     }
     std::vector<CellNeighbors> neighbors;
     VertexStars at;
-    ContourOwners owners;  // no crumb has their vertices
+    ContourOwners owners;  // no spurious component has their vertices
     StarAnalyzer analyzer;
 };
 
@@ -148,28 +149,29 @@ bool are_sound(const TetMesh& mesh, const std::vector<std::uint32_t>& cells, Sta
     });
 }
 
-// Whether the piece took one of the regions round it.
-bool is_given(TetMesh& mesh, const std::vector<std::uint32_t>& piece, const std::vector<Region>& beyond,
-              StarAnalyzer* stars) {
+// Whether the component took one of the regions round it.
+bool is_relabelled(TetMesh& mesh, const std::vector<std::uint32_t>& component,
+                   const std::vector<Region>& beyond, StarAnalyzer* stars) {
     if (beyond.size() > 1 && stars == nullptr) return false;
-    const Region own = mesh.regions[piece.front()];
+    const Region own = mesh.regions[component.front()];
     for (const Region region : beyond) {
-        for (const std::uint32_t c : piece) mesh.regions[c] = region;
-        if (beyond.size() == 1 || are_sound(mesh, piece, *stars)) return true;
+        for (const std::uint32_t c : component) mesh.regions[c] = region;
+        if (beyond.size() == 1 || are_sound(mesh, component, *stars)) return true;
     }
-    for (const std::uint32_t c : piece) mesh.regions[c] = own;
+    for (const std::uint32_t c : component) mesh.regions[c] = own;
     return false;
 }
 
 }  // namespace
 
-CrumbStats give_crumbs_away(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                            std::span<const std::uint8_t> given, const CrumbOptions& options, int threads,
-                            const RegionTable* regions) {
+SpuriousComponentStats remove_spurious_components(TetMesh& mesh, std::span<const std::uint32_t> neighbors,
+                                                  std::span<const std::uint8_t> given,
+                                                  const SpuriousComponentOptions& options, int threads,
+                                                  const RegionTable* regions) {
     std::optional<Stars> stars;
     if (regions != nullptr) stars.emplace(mesh, neighbors, *regions, threads);
-    CrumbStats stats;
-    CrumbSearch search(mesh, neighbors, given, options.most_mm3);
+    SpuriousComponentStats stats;
+    SpuriousComponentSearch search(mesh, neighbors, given, options.most_mm3);
     const std::vector<std::uint32_t> cells = parallel_collect<std::uint32_t>(
         mesh.cells.size(), 16384, threads,
         [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& small) {
@@ -180,9 +182,10 @@ CrumbStats give_crumbs_away(TetMesh& mesh, std::span<const std::uint32_t> neighb
         });
     for (const std::uint32_t c : cells) {
         if (!search.found(c)) continue;
-        if (!is_given(mesh, search.piece(), search.beyond(), stars ? &stars->analyzer : nullptr)) continue;
-        ++stats.pieces;
-        stats.cells += search.piece().size();
+        if (!is_relabelled(mesh, search.component(), search.beyond(), stars ? &stars->analyzer : nullptr))
+            continue;
+        ++stats.components;
+        stats.cells += search.component().size();
     }
     return stats;
 }

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/surgery/carve_cuts.h"
+#include "anatomesh/improve/surgery/repair_section_patch.h"
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ struct Block {
     ContourOwners owners;
     double back;
     fixtures::AnalyticField field{{[this](Vec3 p) { return std::max(p.x - wall, back - p.x); }}, 10};
-    CarveStats stats;
+    PatchRepairStats stats;
 
     // `inside`: of the middles of the grid's cubes. `also`: a vertex that a contour of another slice has.
     explicit Block(const std::function<bool(Vec3)>& inside, unsigned seed = 1, double shaken = 0.25,
@@ -79,12 +79,12 @@ struct Block {
     }
 
     // With the share of the slice that is wrong before and after.
-    std::array<double, 2> carve(
+    std::array<double, 2> repair_patch(
         const ImproveCells& improve = [](auto) { return std::vector<std::uint32_t>{}; },
         double least_sine = any_shape) {
         EditMesh edited(std::move(mesh), neighbors);
         DihedralOptions options;
-        options.apex_mm = 10;
+        options.spike_mm = 10;
         options.max_radius_edge = options.last_radius_edge = 100;
         Workbench bench(edited, fixed, contour, field, 1, options);
         bench.table = &table;
@@ -95,7 +95,7 @@ struct Block {
             return areas.sums()[0];
         };
         std::array<double, 2> shares{wrong(), 0};
-        stats = carve_cuts(bench, drawn, least_sine, improve, {});
+        stats = repair_section_patch(bench, drawn, least_sine, improve, {});
         shares[1] = wrong();
         mesh = std::move(edited).take(neighbors);
         return shares;
@@ -138,10 +138,10 @@ bool in_hook(Vec3 p) {
            ((p.z > 4 && p.z < 5 && p.x < 6) || (p.x > 5 && p.x < 6 && p.z > 2 && p.z < 5));
 }
 
-TEST(CarveCuts, a_cut_that_is_as_drawn_is_left_as_it_is) {
+TEST(RepairSectionPatch, a_cut_that_is_as_drawn_is_left_as_it_is) {
     Block block(left_of_wall);
     const TetMesh before = block.mesh;
-    EXPECT_EQ(block.carve(), (std::array{0.0, 0.0}));
+    EXPECT_EQ(block.repair_patch(), (std::array{0.0, 0.0}));
     EXPECT_EQ(block.stats.patches_found, 0u);
     EXPECT_EQ(block.mesh.points, before.points);
     EXPECT_EQ(block.mesh.regions, before.regions);
@@ -149,13 +149,13 @@ TEST(CarveCuts, a_cut_that_is_as_drawn_is_left_as_it_is) {
 
 // What comes of these cubes by ten ways to shake them, `also` as a block has it: nothing of the cut is wrong
 // any more.
-void expect_carved(const std::function<bool(Vec3)>& inside, std::optional<Vec3> also, std::int64_t genus,
-                   std::uint32_t shells) {
+void expect_repaired(const std::function<bool(Vec3)>& inside, std::optional<Vec3> also, std::int64_t genus,
+                     std::uint32_t shells) {
     for (unsigned seed = 0; seed < 10; ++seed) {
         Block block(inside, seed, 0.25, also);
         ASSERT_EQ(block.topology().components, 1u);
         ASSERT_EQ(block.topology().genus, genus);
-        const auto [before, after] = block.carve();
+        const auto [before, after] = block.repair_patch();
         EXPECT_GT(before, 0.02);
         EXPECT_LT(after, 1e-3);
         block.expect_sound();
@@ -168,35 +168,35 @@ bool wall_with_hook(Vec3 p) {
     return left_of_wall(p) || in_hook(p);
 }
 
-TEST(CarveCuts, what_hangs_through_a_slice_beside_what_is_drawn_is_cut_through) {
-    expect_carved(wall_with_hook, Vec3{6, 4, 2}, 0, 2);  // the slice has nothing between them
+TEST(RepairSectionPatch, what_hangs_through_a_slice_beside_what_is_drawn_is_cut_through) {
+    expect_repaired(wall_with_hook, Vec3{6, 4, 2}, 0, 2);  // the slice has nothing between them
 }
 
-TEST(CarveCuts, what_is_cut_off_and_no_contour_has_goes_too) {
-    expect_carved(wall_with_hook, std::nullopt, 0, 1);
+TEST(RepairSectionPatch, what_is_cut_off_and_no_contour_has_goes_too) {
+    expect_repaired(wall_with_hook, std::nullopt, 0, 1);
 }
 
-TEST(CarveCuts, a_handle_round_a_slice_goes) {
+TEST(RepairSectionPatch, a_handle_round_a_slice_goes) {
     const auto and_back = [](Vec3 p) {
         return wall_with_hook(p) || (p.y > 3 && p.y < 5 && p.z > 1 && p.z < 2 && p.x < 6);
     };
-    expect_carved(and_back, std::nullopt, 1, 1);
+    expect_repaired(and_back, std::nullopt, 1, 1);
 }
 
-TEST(CarveCuts, a_pit_through_what_is_drawn_is_filled_at_the_slice) {
+TEST(RepairSectionPatch, a_pit_through_what_is_drawn_is_filled_at_the_slice) {
     const auto with_pit = [](Vec3 p) {
         return left_of_wall(p) && p.z > 1 && !(p.x > 1 && p.x < 2 && p.y > 3 && p.y < 4 && p.z < 5);
     };
-    expect_carved(with_pit, Vec3{2, 4, 4}, 0, 2);  // what is left of the pit over the slice is a void
+    expect_repaired(with_pit, Vec3{2, 4, 4}, 0, 2);  // what is left of the pit over the slice is a void
 }
 
 // Between two parts, which the slice has as one.
-TEST(CarveCuts, a_gap_through_what_is_drawn_is_bridged_at_the_slice) {
+TEST(RepairSectionPatch, a_gap_through_what_is_drawn_is_bridged_at_the_slice) {
     for (unsigned seed = 0; seed < 3; ++seed) {
         Block block([](Vec3 p) { return left_of_wall(p) && p.x > 1 && p.z > 1 && !(p.y > 3 && p.y < 5); },
                     seed, 0.25, std::nullopt, 1);
         ASSERT_EQ(block.topology().components, 2u);
-        const auto [before, after] = block.carve();
+        const auto [before, after] = block.repair_patch();
         EXPECT_GT(before, 0.1);
         EXPECT_LT(after, 1e-3);
         block.expect_sound();
@@ -206,12 +206,12 @@ TEST(CarveCuts, a_gap_through_what_is_drawn_is_bridged_at_the_slice) {
 }
 
 // It would be a handle: the two legs are one over the slice.
-TEST(CarveCuts, what_is_joined_beside_a_slice_is_not_joined_twice) {
+TEST(RepairSectionPatch, what_is_joined_beside_a_slice_is_not_joined_twice) {
     for (unsigned seed = 0; seed < 3; ++seed) {
         Block block(
             [](Vec3 p) { return left_of_wall(p) && p.x > 1 && p.z > 1 && !(p.y > 3 && p.y < 5 && p.z < 5); },
             seed, 0.25, std::nullopt, 1);
-        const auto [before, after] = block.carve();
+        const auto [before, after] = block.repair_patch();
         EXPECT_GT(before, 0.1);
         EXPECT_EQ(before, after);
         EXPECT_EQ(block.topology().components, 1u);
@@ -219,15 +219,15 @@ TEST(CarveCuts, what_is_joined_beside_a_slice_is_not_joined_twice) {
     }
 }
 
-// More than a crumb: it stays, and the cut as it is.
-TEST(CarveCuts, much_that_no_contour_has_is_not_cut_off) {
+// More than a spurious component: it stays, and the cut as it is.
+TEST(RepairSectionPatch, much_that_no_contour_has_is_not_cut_off) {
     for (unsigned seed = 0; seed < 3; ++seed) {
         Block block(
             [](Vec3 p) {
                 return wall_with_hook(p) || (p.x > 5 && p.x < 7 && p.y > 1 && p.y < 7 && p.z < 2 && p.z > 0);
             },
             seed);
-        const auto [before, after] = block.carve();
+        const auto [before, after] = block.repair_patch();
         EXPECT_GT(before, 0.05);
         EXPECT_EQ(before, after);
         EXPECT_EQ(block.topology().components, 1u);
@@ -236,7 +236,7 @@ TEST(CarveCuts, much_that_no_contour_has_is_not_cut_off) {
 
 // Cubes that rest on the slice beside the contour, with the facets in it, and such that hang through it at
 // the contour: of both the contour's own cells stay.
-TEST(CarveCuts, what_begins_at_the_contour_goes_and_the_contour_stays) {
+TEST(RepairSectionPatch, what_begins_at_the_contour_goes_and_the_contour_stays) {
     int tried = 0;
     for (unsigned seed = 0; seed < 20; ++seed) {
         std::mt19937 random(seed);
@@ -253,7 +253,7 @@ TEST(CarveCuts, what_begins_at_the_contour_goes_and_the_contour_stays) {
         Block block([&](Vec3 p) { return left_of_wall(p) || rests(p); }, seed, 0.2);
         if (block.topology().components != 1 || !block.is_sound()) continue;
         ++tried;
-        const auto [before, after] = block.carve();
+        const auto [before, after] = block.repair_patch();
         EXPECT_LE(after, std::max(0.5 * before, 1e-3));
         block.expect_sound();
         EXPECT_EQ(block.topology().components, 1u);
@@ -264,7 +264,7 @@ TEST(CarveCuts, what_begins_at_the_contour_goes_and_the_contour_stays) {
 
 // Any cubes beside the wall, as long as the surface is a manifold: what goes may meet the other side in
 // vertices and edges alone.
-TEST(CarveCuts, patches_among_any_cubes_go) {
+TEST(RepairSectionPatch, patches_among_any_cubes_go) {
     double all_before = 0, all_after = 0;
     int tried = 0;
     for (unsigned seed = 0; seed < 400; ++seed) {
@@ -282,7 +282,7 @@ TEST(CarveCuts, patches_among_any_cubes_go) {
             seed, 0.15);
         if (!block.is_sound()) continue;
         ++tried;
-        const auto [before, after] = block.carve();
+        const auto [before, after] = block.repair_patch();
         EXPECT_LE(after, std::max(before, much_of_cut));
         all_before += before;
         all_after += after;
@@ -292,21 +292,21 @@ TEST(CarveCuts, patches_among_any_cubes_go) {
     EXPECT_LT(all_after, 0.05 * all_before);
 }
 
-TEST(CarveCuts, all_is_as_it_was_where_cells_are_too_flat) {
+TEST(RepairSectionPatch, all_is_as_it_was_where_cells_are_too_flat) {
     Block block(wall_with_hook, 1, 0.25, Vec3{6, 4, 2});
     const TetMesh before = block.mesh;
-    const auto [wrong, after] = block.carve([](auto) { return std::vector<std::uint32_t>{}; }, 0.99);
+    const auto [wrong, after] = block.repair_patch([](auto) { return std::vector<std::uint32_t>{}; }, 0.99);
     EXPECT_EQ(wrong, after);
-    EXPECT_EQ(block.stats.patches_carved, 0u);
+    EXPECT_EQ(block.stats.patches_repaired, 0u);
     EXPECT_GT(block.stats.patches_found, 0u);
     EXPECT_EQ(block.mesh.cells, before.cells);
     EXPECT_EQ(block.mesh.regions, before.regions);
 }
 
-TEST(CarveCuts, the_shapes_of_what_changed_are_worked_on) {
+TEST(RepairSectionPatch, the_shapes_of_what_changed_are_worked_on) {
     Block block(wall_with_hook, 1, 0.25, Vec3{6, 4, 2});
     std::size_t asked = 0;
-    const auto [before, after] = block.carve([&](std::vector<std::uint32_t> cells) {
+    const auto [before, after] = block.repair_patch([&](std::vector<std::uint32_t> cells) {
         asked += cells.size();
         return std::vector<std::uint32_t>{};
     });
@@ -316,9 +316,9 @@ TEST(CarveCuts, the_shapes_of_what_changed_are_worked_on) {
 }
 
 // Planes at any height through meshes whose cells are on one side or the other: nearly all sections at the
-// surface are wrong, and most patches can't be carved.
-TEST(CarveCuts, surfaces_stay_manifolds_and_no_cut_gets_worse_whatever_is_carved) {
-    std::uint64_t carved = 0;
+// surface are wrong, and most patches can't be repaired.
+TEST(RepairSectionPatch, surfaces_stay_manifolds_and_no_cut_gets_worse_whatever_is_repaired) {
+    std::uint64_t repaired = 0;
     std::vector<fixtures::LabelledCase> cases = fixtures::labelled_cases();
     for (std::size_t n = 1; n < cases.size(); n += 3) {  // shell, overlapping balls, random tori and overlaps
         fixtures::LabelledCase& made = cases[n];
@@ -331,7 +331,7 @@ TEST(CarveCuts, surfaces_stay_manifolds_and_no_cut_gets_worse_whatever_is_carved
         std::vector<std::uint32_t> neighbors = cell_neighbors(made.mesh.cells, made.mesh.points.size());
         EditMesh edited(std::move(made.mesh), neighbors);
         DihedralOptions options;
-        options.apex_mm = 10;
+        options.spike_mm = 10;
         options.max_radius_edge = options.last_radius_edge = 100;
         Workbench bench(edited, made.fixed, {}, made.field, made.structures, options);
         bench.table = &made.regions;
@@ -342,10 +342,10 @@ TEST(CarveCuts, surfaces_stay_manifolds_and_no_cut_gets_worse_whatever_is_carved
             return std::vector<double>(areas.sums().begin(), areas.sums().end());
         };
         const std::vector<double> wrong = sums();
-        const CarveStats stats =
-            carve_cuts(bench, drawn, any_shape, [](auto) { return std::vector<std::uint32_t>{}; }, {});
+        const PatchRepairStats stats = repair_section_patch(
+            bench, drawn, any_shape, [](auto) { return std::vector<std::uint32_t>{}; }, {});
         const std::vector<double> after = sums();
-        carved += stats.patches_carved;
+        repaired += stats.patches_repaired;
         for (std::size_t cut = 0; cut < wrong.size(); ++cut)
             EXPECT_LE(after[cut], std::max(wrong[cut], much_of_cut));
         made.mesh = std::move(edited).take(neighbors);
@@ -354,7 +354,7 @@ TEST(CarveCuts, surfaces_stay_manifolds_and_no_cut_gets_worse_whatever_is_carved
             EXPECT_TRUE(surface_topology(structure_surface(made.mesh, made.regions, s)).closed_manifold())
                 << made.name;
     }
-    EXPECT_GT(carved, 5u);
+    EXPECT_GT(repaired, 5u);
 }
 
 }  // namespace

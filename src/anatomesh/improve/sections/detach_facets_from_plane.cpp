@@ -1,4 +1,4 @@
-#include "anatomesh/improve/sections/lift_facets.h"
+#include "anatomesh/improve/sections/detach_facets_from_plane.h"
 
 #include <algorithm>
 #include <array>
@@ -18,16 +18,16 @@ constexpr double first_height = 0.2,
                  height_factor = 1.5;  // of the new vertex, as a share of the cell's height
 constexpr int heights_tried = 4;
 constexpr double flat_end = 1e-3;  // of a facet's longest edge: nearer to an interface its middle lies on it
-constexpr std::size_t most_round_edge = 12;  // cells between two facets that are lifted together
+constexpr std::size_t most_round_edge = 12;  // cells between two facets that are detached together
 constexpr double last_radius_edge =
     contract::nearly_bad_radius_edge;  // of cells for the sake of what is drawn
 
-class Lifter {
+class FacetDetachment {
   public:
-    Lifter(Workbench& bench, const DrawnSlices& drawn, double least_sine)
+    FacetDetachment(Workbench& bench, const DrawnSlices& drawn, double least_sine)
         : bench_(bench), drawn_(drawn), least_sine_(least_sine) {}
 
-    LiftStats run(int threads) {
+    DetachmentStats run(int threads) {
         std::vector<std::uint32_t> waiting = parallel_collect<std::uint32_t>(
             bench_.mesh.cell_count(), 16384, threads,
             [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& cells) {
@@ -36,16 +36,16 @@ class Lifter {
                         cells.push_back(static_cast<std::uint32_t>(c));
                 }
             });
-        LiftStats stats;
+        DetachmentStats stats;
         for (std::size_t n = 0; n < waiting.size(); ++n) {
             const std::uint32_t c = waiting[n];
             if (!bench_.mesh.alive(c)) continue;
             int i = 0;
             while (i < 4 && !rests(c, i)) ++i;
             if (i == 4) continue;
-            const std::size_t lifted = lift(c, i);
-            stats.facets_lifted += lifted;
-            if (lifted == 0) {
+            const std::size_t detached = detach(c, i);
+            stats.facets_detached += detached;
+            if (detached == 0) {
                 ++stats.facets_left;
                 continue;
             }
@@ -135,7 +135,7 @@ class Lifter {
 
     // Lifts it with another one beside it if there is one, else, or if that can't be done, alone. How many
     // then.
-    std::size_t lift(std::uint32_t c, int i) {
+    std::size_t detach(std::uint32_t c, int i) {
         const Hole::CellFacet facet{c, i};
         std::vector<std::uint32_t> cells;
         for (int n = 0; n < 3; ++n) {
@@ -180,9 +180,10 @@ class Lifter {
 
 }  // namespace
 
-LiftStats lift_facets(Workbench& bench, const DrawnSlices& drawn, double least_sine, int threads) {
+DetachmentStats detach_facets_from_plane(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+                                         int threads) {
     if (!drawn.table || drawn.slice_of.empty()) return {};
-    return Lifter(bench, drawn, least_sine).run(threads);
+    return FacetDetachment(bench, drawn, least_sine).run(threads);
 }
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/surgery/lower_apexes.h"
+#include "anatomesh/improve/surgery/remove_spikes.h"
 
 #include <algorithm>
 #include <array>
@@ -80,7 +80,7 @@ std::vector<std::uint32_t> suspects(const Workbench& bench, int threads) {
 // Those of the vertices that are not near the field's surface. Where a mesh has one structure alone it is
 // this surface that would move: the others, nearly all, need no look at their cells.
 std::vector<std::uint32_t> far_ones(const Workbench& bench, const std::vector<std::uint32_t>& vertices,
-                                    double apex_mm, int threads) {
+                                    double spike_mm, int threads) {
     const auto& members = bench.table->members;
     if (members.size() != 2 || members[1].size() != 1) return vertices;
     return parallel_collect<std::uint32_t>(
@@ -89,7 +89,7 @@ std::vector<std::uint32_t> far_ones(const Workbench& bench, const std::vector<st
             InterfaceProbe probe = bench.probe;
             probe.focus(members[1]);
             for (std::size_t n = first; n < last; ++n) {
-                if (probe.distance(bench.mesh.point(vertices[n]), apex_mm) > apex_mm)
+                if (probe.distance(bench.mesh.point(vertices[n]), spike_mm) > spike_mm)
                     far.push_back(vertices[n]);
             }
         });
@@ -108,10 +108,10 @@ bool is_circle(const Rim& rim) {
     return met == rim.size();
 }
 
-class ApexLowering {
+class SpikeRemoval {
   public:
-    ApexLowering(Workbench& bench, double apex_mm, double least_sine)
-        : bench_(bench), apex_mm_(apex_mm), least_sine_(least_sine) {}
+    SpikeRemoval(Workbench& bench, double spike_mm, double least_sine)
+        : bench_(bench), apex_mm_(spike_mm), least_sine_(least_sine) {}
 
     // Lowers the cells of each region at the vertex that stand out there, and those at the new vertices.
     void lower(std::uint32_t vertex) {
@@ -126,10 +126,10 @@ class ApexLowering {
         }
     }
 
-    ApexStats stats;
+    SpikeStats stats;
 
   private:
-    // The new vertex in its place, if it is an apex of cells of that region and can be lowered.
+    // The new vertex in its place, if it is an apex of cells of that region and can be removed.
     std::optional<std::uint32_t> lower(std::uint32_t apex, Region receding) {
         if (!look_at(apex, receding)) return std::nullopt;
         ++stats.found;
@@ -143,7 +143,7 @@ class ApexLowering {
         if (!keeps_regions_whole(apex)) return std::nullopt;
         const std::uint32_t v = bench_.add_point(*to);
         if (!bench_.commit(receding_, bench_.cells, bench_.regions)) return std::nullopt;
-        ++stats.lowered;
+        ++stats.removed;
         return v;
     }
 
@@ -345,10 +345,10 @@ class ApexLowering {
 
 }  // namespace
 
-ApexStats lower_apexes(Workbench& bench, double apex_mm, double least_sine, int threads) {
+SpikeStats remove_spikes(Workbench& bench, double spike_mm, double least_sine, int threads) {
     if (!bench.table) return {};
-    ApexLowering lowering(bench, apex_mm, least_sine);
-    for (const std::uint32_t v : far_ones(bench, suspects(bench, threads), apex_mm, threads))
+    SpikeRemoval lowering(bench, spike_mm, least_sine);
+    for (const std::uint32_t v : far_ones(bench, suspects(bench, threads), spike_mm, threads))
         lowering.lower(v);
     return lowering.stats;
 }

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/surgery/join_sides.h"
+#include "anatomesh/improve/surgery/resolve_pinches.h"
 
 #include <gtest/gtest.h>
 
@@ -60,26 +60,27 @@ struct Pitted {
 
     // Puts a cube outside, alone or with what joins it. Returns how many cells went besides.
     std::size_t put_outside(Cube cube, bool joined, double thickness = 0.4) {
-        std::vector<std::uint32_t> given = cells_of[index(cube)], sheet;
-        for (const std::uint32_t c : given)
-            sheet.insert(sheet.end(), mesh.cells[c].begin(), mesh.cells[c].end());
-        sort_distinct(sheet);
-        const std::size_t alone = given.size();
+        std::vector<std::uint32_t> relabelled = cells_of[index(cube)], membrane;
+        for (const std::uint32_t c : relabelled)
+            membrane.insert(membrane.end(), mesh.cells[c].begin(), mesh.cells[c].end());
+        sort_distinct(membrane);
+        const std::size_t alone = relabelled.size();
         EditMesh edited(std::move(mesh), neighbors);
         Workbench bench(edited, fixed, {}, field, 1, {});
         bench.table = &table;
         if (joined) {
-            auto all = join_sides(
-                bench, {0, 1, 0, false, thickness, sheet, static_cast<std::uint32_t>(edited.point_count())},
-                given);
+            auto all = resolve_pinches(
+                bench,
+                {0, 1, 0, false, thickness, membrane, static_cast<std::uint32_t>(edited.point_count())},
+                relabelled);
             EXPECT_TRUE(all);
-            given = std::move(*all);
+            relabelled = std::move(*all);
             // They have the regions they had.
-            for (const std::uint32_t c : given) EXPECT_EQ(edited.region(c), 1);
+            for (const std::uint32_t c : relabelled) EXPECT_EQ(edited.region(c), 1);
         }
-        for (const std::uint32_t c : given) edited.set_region(c, 0);
+        for (const std::uint32_t c : relabelled) edited.set_region(c, 0);
         mesh = std::move(edited).take(neighbors);
-        return given.size() - std::min(given.size(), alone);
+        return relabelled.size() - std::min(relabelled.size(), alone);
     }
 
     double outside_volume() const {
@@ -96,13 +97,13 @@ struct Pitted {
     }
 };
 
-TEST(JoinSides, what_meets_the_other_side_in_facets_stays_alone) {
+TEST(ResolvePinches, what_meets_the_other_side_in_facets_stays_alone) {
     Pitted block({{2, 2, 2}}, 1);
     EXPECT_EQ(block.put_outside({3, 2, 2}, true), 0u);
     EXPECT_TRUE(block.is_manifold());
 }
 
-TEST(JoinSides, cubes_that_meet_in_an_edge_or_a_vertex_are_joined) {
+TEST(ResolvePinches, cubes_that_meet_in_an_edge_or_a_vertex_are_joined) {
     for (const Cube cube : {Cube{3, 3, 2}, Cube{3, 2, 3}, Cube{2, 3, 3}, Cube{3, 3, 3}, Cube{1, 3, 3}}) {
         for (unsigned seed = 0; seed < 5; ++seed) {
             Pitted alone({{2, 2, 2}}, seed), joined({{2, 2, 2}}, seed);
@@ -116,7 +117,7 @@ TEST(JoinSides, cubes_that_meet_in_an_edge_or_a_vertex_are_joined) {
     }
 }
 
-TEST(JoinSides, the_thinner_the_less_goes) {
+TEST(ResolvePinches, the_thinner_the_less_goes) {
     double last = 1e9;
     for (const double thickness : {0.5, 0.3, 0.15}) {
         Pitted block({{2, 2, 2}}, 3);
@@ -128,7 +129,7 @@ TEST(JoinSides, the_thinner_the_less_goes) {
 }
 
 // Several cubes outside already: most are joined, and no cell is turned over.
-TEST(JoinSides, cubes_among_any_others_are_joined_mostly) {
+TEST(ResolvePinches, cubes_among_any_others_are_joined_mostly) {
     int tried = 0, done = 0;
     for (unsigned seed = 0; seed < 300; ++seed) {
         std::mt19937 random(seed);

@@ -1,4 +1,5 @@
-// lift_facets: no facet of a structure's surface stays in a slice's plane beside what is drawn there.
+// detach_facets_from_plane: no facet of a structure's surface stays in a slice's plane beside what is drawn
+// there.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +8,9 @@
 
 namespace anatomesh {
 
-struct LiftStats {
-    std::uint64_t facets_lifted = 0, facets_left = 0;  // the latter for the sake of the cells' shapes
-    std::vector<std::uint32_t> changed;                // cells that were made; some may be gone again
+struct DetachmentStats {
+    std::uint64_t facets_detached = 0, facets_left = 0;  // the latter for the sake of the cells' shapes
+    std::vector<std::uint32_t> changed;                  // cells that were made; some may be gone again
 };
 
 // A cell in a structure that rests with a facet on the plane of a slice, between contour vertices and outside
@@ -18,10 +19,11 @@ struct LiftStats {
 // itself. Such a cell is taken out, with those behind it where that makes better cells, and the hole is
 // filled from a new vertex over the facet; the cell on the facet goes to the region across. Only where that
 // region is the one drawn there: the surface stays a manifold, with the facet's edges on it. Two side by side
-// are lifted together if they can be and the edge between them is not in `fixed_edges`. A facet stays where
+// are detached together if they can be and the edge between them is not in `fixed_edges`. A facet stays where
 // cells inside would get an angle below `least_sine` or a ratio above the workbench's bound, and above what
 // was there. Guarantees: no vertex moves, all cells positive (checked exactly). Complexity: O(cells). Errors:
 // none.
-LiftStats lift_facets(Workbench& bench, const DrawnSlices& drawn, double least_sine, int threads);
+DetachmentStats detach_facets_from_plane(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+                                         int threads);
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/surgery/join_sides.h"
+#include "anatomesh/improve/surgery/resolve_pinches.h"
 
 #include <algorithm>
 #include <array>
@@ -20,22 +20,23 @@ constexpr std::size_t most_rounds = 3;  // over the edges and vertices
 // On a way between cells at a vertex, in cells: of each edge of a contour, of a cell of another region.
 constexpr std::size_t price_of_contours = 4, price_of_others = 3;
 
-class Joiner {
+class PinchResolution {
   public:
-    Joiner(Workbench& bench, const SidesToJoin& joined) : bench_(bench), joined_(joined), sides_(bench) {}
+    PinchResolution(Workbench& bench, const PinchedSides& joined)
+        : bench_(bench), joined_(joined), sides_(bench) {}
 
-    std::optional<std::vector<std::uint32_t>> run(std::vector<std::uint32_t> given) {
-        for (const std::uint32_t c : given) go(c);
+    std::optional<std::vector<std::uint32_t>> run(std::vector<std::uint32_t> relabelled) {
+        for (const std::uint32_t c : relabelled) go(c);
         for (std::size_t round = 0, before = 0; round < most_rounds && gone_.size() > before; ++round) {
             before = gone_.size();
-            if (!join_at_edges(given)) return std::nullopt;
-            given = cells_gone();
-            if (!join_at_vertices(given)) return std::nullopt;
-            given = cells_gone();
+            if (!join_at_edges(relabelled)) return std::nullopt;
+            relabelled = cells_gone();
+            if (!join_at_vertices(relabelled)) return std::nullopt;
+            relabelled = cells_gone();
         }
-        for (const std::uint32_t c : given)
+        for (const std::uint32_t c : relabelled)
             bench_.mesh.set_region(c, find_before(gone_, bench_.mesh, c)->region);
-        return given;
+        return relabelled;
     }
 
   private:
@@ -50,9 +51,9 @@ class Joiner {
         bench_.mesh.set_region(c, joined_.to);
     }
 
-    // All of them, at vertices of the sheet, new ones, and those near which more went.
+    // All of them, at vertices of the membrane, new ones, and those near which more went.
     std::vector<std::uint32_t> cells_gone() {
-        std::vector<std::uint32_t> look(joined_.sheet.begin(), joined_.sheet.end()), found;
+        std::vector<std::uint32_t> look(joined_.membrane.begin(), joined_.membrane.end()), found;
         for (auto v = joined_.first_new; v < bench_.mesh.point_count(); ++v) look.push_back(v);
         look.insert(look.end(), near_.begin(), near_.end());
         sort_distinct(look);
@@ -66,9 +67,9 @@ class Joiner {
         return found;
     }
 
-    bool join_at_edges(const std::vector<std::uint32_t>& given) {
+    bool join_at_edges(const std::vector<std::uint32_t>& relabelled) {
         std::vector<std::array<std::uint32_t, 2>> edges;
-        for (const std::uint32_t c : given) {
+        for (const std::uint32_t c : relabelled) {
             const Cell& cell = bench_.mesh.cell(c);
             for (const auto& [i, j] : cell_edges)
                 edges.push_back({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
@@ -77,7 +78,7 @@ class Joiner {
         return std::all_of(edges.begin(), edges.end(), [&](const auto& edge) {
             if (!sides_.find_ring(edge[0], edge[1])) return true;
             const std::vector<std::uint32_t> between = fewest_between();
-            return between.empty() || give_near({edge[0], edge[1]}, between);
+            return between.empty() || relabel_near({edge[0], edge[1]}, between);
         });
     }
 
@@ -109,9 +110,9 @@ class Joiner {
                                  [](const auto& x, const auto& y) { return x.size() < y.size(); });
     }
 
-    bool join_at_vertices(const std::vector<std::uint32_t>& given) {
+    bool join_at_vertices(const std::vector<std::uint32_t>& relabelled) {
         std::vector<std::uint32_t> vertices;
-        for (const std::uint32_t c : given)
+        for (const std::uint32_t c : relabelled)
             vertices.insert(vertices.end(), bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
         sort_distinct(vertices);
         return std::all_of(vertices.begin(), vertices.end(), [&](std::uint32_t v) { return join_at(v); });
@@ -123,7 +124,7 @@ class Joiner {
             return std::any_of(part.begin(), part.end(), [&](std::uint32_t c) { return has_gone(c); });
         });
         if (first == parts.end()) return true;
-        if (parts.size() > 1 && !give_near({v}, way_between(v, *first))) return false;
+        if (parts.size() > 1 && !relabel_near({v}, way_between(v, *first))) return false;
         for (const Region region : regions_at(v)) {
             const auto is_of = [&](std::uint32_t c) { return bench_.mesh.region(c) == region; };
             if (region != joined_.to && !leave_one_part(v, is_of)) return false;
@@ -139,13 +140,14 @@ class Joiner {
         const std::vector<std::vector<std::uint32_t>> parts = parts_at(bench_, v, is);
         const auto stays = worthiest_at(bench_, v, parts);
         for (auto part = parts.begin(); part != parts.end(); ++part) {
-            if (part != stays && !give_near({v}, *part)) return false;
+            if (part != stays && !relabel_near({v}, *part)) return false;
         }
         return true;
     }
 
     // What of the cells is near their vertex, or their edge. False where a cell would not be positive.
-    bool give_near(std::initializer_list<std::uint32_t> vertices, const std::vector<std::uint32_t>& cells) {
+    bool relabel_near(std::initializer_list<std::uint32_t> vertices,
+                      const std::vector<std::uint32_t>& cells) {
         std::vector<CellBefore> were;
         std::vector<std::uint32_t> ends, star;
         for (const std::uint32_t c : cells) {
@@ -227,7 +229,7 @@ class Joiner {
     }
 
     Workbench& bench_;
-    const SidesToJoin& joined_;
+    const PinchedSides& joined_;
     SidesAt sides_;
     std::vector<CellBefore> gone_;     // whatever they are cut into
     std::vector<std::uint32_t> near_;  // vertices
@@ -235,9 +237,9 @@ class Joiner {
 
 }  // namespace
 
-std::optional<std::vector<std::uint32_t>> join_sides(Workbench& bench, const SidesToJoin& sides,
-                                                     std::vector<std::uint32_t> given) {
-    return Joiner(bench, sides).run(std::move(given));
+std::optional<std::vector<std::uint32_t>> resolve_pinches(Workbench& bench, const PinchedSides& sides,
+                                                          std::vector<std::uint32_t> relabelled) {
+    return PinchResolution(bench, sides).run(std::move(relabelled));
 }
 
 }  // namespace anatomesh
