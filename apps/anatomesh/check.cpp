@@ -205,7 +205,7 @@ bool has_all(const ModelFile& model, const ContourSet& contours) {
                        [&](Vec3 p) { return std::binary_search(points.begin(), points.end(), p, before); });
 }
 
-// Contours that a model was made of lack points that crowd; those that follow its surface may have some.
+// Contours that a model was made of lack points that crowd; those re-routed on its surface may have some.
 Result<InputContours> contours_to_check(OpenedInput opened, const InputOptions& given, const ModelFile& model,
                                         RunContext& context) {
     RunContext usual, exact;
@@ -264,7 +264,7 @@ Status run_check(CheckOptions options, Session& session) {
                                         options.contours.input, session.context));
         contours->kept = std::move(both.drawn);
         on_surface = std::move(both.on_surface);
-        report.followed_contours = std::move(both.followed);
+        report.routed_contours = std::move(both.routed);
         report.inputs = contours->files;
     }
     CertificateInput input{model.mesh, model.description.regions, model.description.structures};

@@ -13,7 +13,7 @@
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/improve/core/cell_judge.h"
 #include "anatomesh/improve/operations/operations.h"
-#include "anatomesh/improve/reroute/follow_surface.h"
+#include "anatomesh/improve/reroute/reroute_on_section.h"
 #include "anatomesh/improve/sections/detach_facets_from_plane.h"
 #include "anatomesh/improve/sections/repair_section_locally.h"
 #include "anatomesh/improve/sections/section_areas.h"
@@ -130,7 +130,7 @@ class Climber {
         locally_repaired.left.insert(locally_repaired.left.end(), watched_.begin(), watched_.end());
         bench_.release_edges();  // those that could not be recovered would be in the way of cuts
         repair_patch(std::max(least, listed_degrees), locally_repaired.left, context);
-        follow(std::max(least, listed_degrees), context);
+        reroute(std::max(least, listed_degrees), context);
         repair_flat_cells(context);
         collect(std::move(watched_), context.threads);
         bench_.stats.bad_after = queue_.size();
@@ -393,14 +393,14 @@ class Climber {
     }
 
     // Contours whose segments no edges of the surface run along after all.
-    void follow(double least_degrees, const RunContext& context) {
+    void reroute(double least_degrees, const RunContext& context) {
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
-        FollowStats stats = follow_surface(
+        RerouteStats stats = reroute_on_section(
             bench_, drawn_, crowded_, std::sin(least_degrees * radians_per_degree),
             std::sin(listed_degrees * radians_per_degree),
             [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context);
         bench_.stats.segments_missed = stats.missed;
-        bench_.stats.followed = std::move(stats.followed);
+        bench_.stats.routed = std::move(stats.routed);
         watched_ = std::move(watched);
         watched_.insert(watched_.end(), stats.changed.begin(), stats.changed.end());
     }
@@ -670,7 +670,7 @@ class Climber {
     }
 
     Workbench& bench_;
-    std::vector<std::uint8_t> crowded_;  // those of drawn_, from which contours that are led take some
+    std::vector<std::uint8_t> crowded_;  // those of drawn_, from which contours that are re-routed take some
     DrawnSlices drawn_;
     DrawnSlices at_last_;  // if any: of cuts that are looked at then alone
     double target_;

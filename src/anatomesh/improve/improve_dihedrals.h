@@ -30,11 +30,11 @@ namespace anatomesh {
 // after, spikes and pits of one cell are taken off the surfaces where the field has none, before that deep
 // ones of any number are removed (remove_spikes.h); before and at last subsegments beside their surface are
 // recovered to lie on it (recover_on_surface.h), until when they stay edges of the mesh; at last each chain
-// of them may cost one cell in 100,000 above `max_radius_edge`, and contours of `drawn.following` are led
-// along the surface where that does not help (follow_surface.h). In between, edges of surfaces are flipped
-// for smaller angles between facets (flip_surface_edges.h), where no angle inside falls below the target or
-// what it was. Near the end single cells below 10 degrees or above `last_radius_edge` beside those of
-// `drawn.crowded` are repaired at the price of these. Guarantees: no cell inside with an angle below the
+// of them may cost one cell in 100,000 above `max_radius_edge`, and contours of `drawn.routable` are
+// re-routed along the surface where that does not help (reroute_on_section.h). In between, edges of surfaces
+// are flipped for smaller angles between facets (flip_surface_edges.h), where no angle inside falls below the
+// target or what it was. Near the end single cells below 10 degrees or above `last_radius_edge` beside those
+// of `drawn.crowded` are repaired at the price of these. Guarantees: no cell inside with an angle below the
 // least before and below 10 degrees, but for those crowded: these may come down to the bounds of
 // cell_judge.h; all cells positive by exact orientation; vertices with fixed[v] != 0 do not move and stay on
 // their surfaces, but for those of structures further away than `spike_mm`; `fixed_edges` (sorted, ends

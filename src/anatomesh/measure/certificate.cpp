@@ -378,15 +378,15 @@ std::string cuts_text(const ModelReport& report, std::size_t& above) {
     return text;
 }
 
-std::string followed_text(const ModelReport& report) {
-    if (report.followed_contours.empty()) return {};
+std::string routed_text(const ModelReport& report) {
+    if (report.routed_contours.empty()) return {};
     std::uint64_t segments = 0;
     double farthest_mm = 0;
-    for (const FollowedContourReport& contour : report.followed_contours) {
+    for (const RoutedContourReport& contour : report.routed_contours) {
         segments += contour.segments;
         farthest_mm = std::max(farthest_mm, contour.farthest_mm);
     }
-    return ", " + std::to_string(report.followed_contours.size()) +
+    return ", " + std::to_string(report.routed_contours.size()) +
            " of the contours as they follow the surface in place of " + std::to_string(segments) +
            " segments of what was drawn, at most " + fixed_text(farthest_mm, 3) + " mm from it";
 }
@@ -396,7 +396,7 @@ std::string segments_text(const ContourFindings& findings, const ModelReport& re
     std::string text =
         count_of(all.segments_on_surface, all.segments) + " contour segments (" +
         percent_text(static_cast<double>(all.segments_on_surface), static_cast<double>(all.segments), 2) +
-        ") are chains of surface edges" + followed_text(report);
+        ") are chains of surface edges" + routed_text(report);
     if (all.segments_on_surface == all.segments) return text;
     const auto missed = [](const SliceCutReport& cut) { return cut.segments_missed; };
     text += " (missed most in " +

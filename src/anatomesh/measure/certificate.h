@@ -36,7 +36,7 @@ struct CertificateInput {
     const StructureField* field = nullptr;  // at p - field_origin that of the model at p; of the contours
     Vec3 field_origin{};
     std::string_view field_note{};  // how the field came about, or why there is none: for clause 6
-    // The contours as some of them follow the surface in their slices; null: none does. Vertices and segments are
+    // The contours as some of them are re-routed in their slices; null: none does. Vertices and segments are
     // looked for as they are here, cuts and what forces cells go by what is drawn.
     const ContourSet* on_surface = nullptr;
 };
@@ -49,7 +49,7 @@ std::size_t matching_structure(std::span<const Structure> contours, std::size_t 
 // Fills, and only these: vertices, tetrahedra, surface_triangles, structures, regions, quality, certificate,
 // listed_cells, listed_cells_total, listed_cells_forced; with contours also slices, contours,
 // contour_vertices, cuts, cuts_not_drawn and, of parallel slices, slice_spacing_mm; with a field
-// field_distance and field_difference. Of what is there already it reads followed_contours. Structures are
+// field_distance and field_difference. Of what is there already it reads routed_contours. Structures are
 // matched by matching_structure(); the vertices of a structure that the model lacks are not on its surface.
 // Requires: mesh.regions.size() == mesh.cells.size(), every region in the table, members below
 // structures.size(). Warnings of the context that tell of vertices moved by cleaning stand in the evidence of

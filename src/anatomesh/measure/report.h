@@ -92,7 +92,7 @@ struct SliceCutReport {
 };
 
 // A contour that leaves what is drawn to lie on the surface, where no edges of that run along it.
-struct FollowedContourReport {
+struct RoutedContourReport {
     std::string structure, slice;
     std::uint64_t segments = 0,  // drawn, that were missed
         vertices_left = 0;       // drawn, that it passes by
@@ -212,7 +212,7 @@ struct ModelReport {
     // the model has it.
     std::vector<SliceCutReport> cuts;
     std::uint64_t cuts_not_drawn = 0;  // measured on slices where a structure is not drawn
-    std::vector<FollowedContourReport> followed_contours;
+    std::vector<RoutedContourReport> routed_contours;
     FieldDistanceReport field_distance;
     FieldDifferenceReport field_difference;
     CrossingReport crossing;

@@ -20,8 +20,8 @@
 #include "anatomesh/field/model/volume.h"
 #include "anatomesh/improve/improve_dihedrals.h"
 #include "anatomesh/improve/operations/segment_edges.h"
-#include "anatomesh/improve/reroute/follow_edges.h"
-#include "anatomesh/improve/reroute/followed_contours.h"
+#include "anatomesh/improve/reroute/routed_contours.h"
+#include "anatomesh/improve/reroute/snap_round_segments.h"
 #include "anatomesh/improve/smooth/balance_volumes.h"
 #include "anatomesh/improve/smooth/improve.h"
 #include "anatomesh/improve/smooth/smooth_vertices.h"
@@ -90,7 +90,7 @@ constexpr double most_astray = 0.3;
 constexpr double smooth_mean = 0.947;
 // Of a contour segment along the surface, from its place, in sizes; and where no planes cross, of which none
 // comes too near to another one.
-constexpr double most_followed = 0.5, most_followed_parallel = 0.1;
+constexpr double most_routed = 0.5, most_routed_parallel = 0.1;
 constexpr double dense_target_degrees = 2.5;  // of dihedral angles
 
 // Everything that one run of the method carries from stage to stage. The stages work relative to the low
@@ -467,10 +467,10 @@ class Builder {
         parallel_tasks(context_.threads,
                        {[&] { dihedrals = improve_angles(fixed); }, [&] { volumes = find_volumes(); }});
         ANATOMESH_CHECK_STATUS(volumes);
-        followed_ = std::move(dihedrals.followed);
+        routed_ = std::move(dihedrals.routed);
         segments_missed_ = dihedrals.segments_missed;
         edited_cells_ = dihedrals.cells_made;
-        const SpuriousComponentStats spurious = settle_followed();
+        const SpuriousComponentStats spurious = settle_routed();
         stars = find_stars();
         fix_ill_shaped(fixed);
         // About an axis too: what was mended at last would be undone.
@@ -495,20 +495,20 @@ class Builder {
             balanced.largest_offset_mm += first.largest_offset_mm;
             balanced.worst_before = first.worst_before;
         }
-        figures_ = improve_figures({improved, smoothed, dihedrals, followed_.size(), spurious, balanced});
+        figures_ = improve_figures({improved, smoothed, dihedrals, routed_.size(), spurious, balanced});
         return end_stage("improve", 0.85);
     }
 
-    // Contours that follow the surface are sound where the model will lie, or stay as they are drawn;
+    // Re-routed contours are sound where the model will lie, or stay as they are drawn;
     // spurious components that they left go.
-    SpuriousComponentStats settle_followed() {
-        if (followed_.empty()) return {};
+    SpuriousComponentStats settle_routed() {
+        if (routed_.empty()) return {};
         const std::vector<std::uint32_t> vertices = vertices_of_contours();
         std::vector<Vec3> points = model_.mesh.points;
         move_back(points);
         for (std::size_t n = 0; n < vertices.size(); ++n) points[vertices[n]] = source_.points[n];
-        drop_unsound(source_, followed_, points);
-        return drop_spurious_components(kept_vertices(contours_, vertices, followed_, points.size()));
+        drop_unsound(source_, routed_, points);
+        return drop_spurious_components(kept_vertices(contours_, vertices, routed_, points.size()));
     }
 
     // The vertices of ill-shaped cells: the rest at such a vertex is as it is for what forces them, and the
@@ -594,15 +594,15 @@ class Builder {
         const std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
         std::vector<Plane> planes;
         for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);
-        const FollowingContours following{contours_.contours, contour_vertices, planes, contours_.exclusive,
-                                          most_follow_mm(most_followed)};
+        const RoutableContours routable{contours_.contours, contour_vertices, planes, contours_.exclusive,
+                                        most_reroute_mm(most_routed)};
         if (!is_parallel(contours_)) options.handle_mm = spurious_handle_reach * sample_->stats.size_mm;
         return improve_dihedrals(
             model_.mesh, neighbors_, fixed,
             edges_along(model_.mesh, neighbors_, segment_ends(contours_, vertices_of_contours())), *field_,
             structures_,
             {&model_.regions, slice_of, &owners, slices.planes, slices.extents, slices.weights,
-             slices.on_plane_mm, worst_alone ? contract::section_tolerance : 0.0, beside, crowded, following},
+             slices.on_plane_mm, worst_alone ? contract::section_tolerance : 0.0, beside, crowded, routable},
             options, context_);
     }
 
@@ -622,10 +622,10 @@ class Builder {
         std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
         for (std::uint32_t& v : contour_vertices) v = vertex[v];
         // With a vertex that was lost, a contour stays as it is drawn.
-        std::erase_if(followed_, [&](FollowedContour& followed) {
-            for (std::uint32_t& v : followed.vertices) v = vertex[v];
-            return std::find(followed.vertices.begin(), followed.vertices.end(), no_cell) !=
-                   followed.vertices.end();
+        std::erase_if(routed_, [&](RoutedContour& routed) {
+            for (std::uint32_t& v : routed.vertices) v = vertex[v];
+            return std::find(routed.vertices.begin(), routed.vertices.end(), no_cell) !=
+                   routed.vertices.end();
         });
         compact_regions(mesh, model_.regions);
         move_back(mesh.points);
@@ -635,31 +635,31 @@ class Builder {
             if (v != no_cell)
                 mesh.points[v] = source_.points[n];  // one that was lost is the certificate's to find
         }
-        follow_edges_beside(contour_vertices);
-        ContoursOfMesh kept = follow_contours(source_, contour_vertices, followed_, mesh.points);
+        snap_round_beside(contour_vertices);
+        ContoursOfMesh kept = route_contours(source_, contour_vertices, routed_, mesh.points);
         model_.contours = std::move(kept.contours);
         model_.contour_vertices = std::move(kept.vertices);
-        report().followed_contours = followed_contours(source_, contour_vertices, followed_, mesh.points);
-        model_.followed = std::move(followed_);
+        report().routed_contours = routed_contour_reports(source_, contour_vertices, routed_, mesh.points);
+        model_.routed = std::move(routed_);
         model_.structures = contours_.structures;
         model_.field = known_field_;
         model_.field_origin = origin_;
     }
 
     // Where all that was done left segments that are no edges of the surface.
-    void follow_edges_beside(const std::vector<std::uint32_t>& contour_vertices) {
-        const double most_mm = most_follow_mm(most_sizes_beside);
+    void snap_round_beside(const std::vector<std::uint32_t>& contour_vertices) {
+        const double most_mm = most_reroute_mm(most_sizes_beside);
         if (segments_missed_ == 0 || !(most_mm > 0)) return;
-        const std::vector<FollowedContour> before = followed_;
-        followed_ = follow_edges(model_.mesh, neighbors_, model_.regions, source_, contour_vertices,
-                                 std::move(followed_), {most_mm, context_.threads});
-        has_segments_beside_ = followed_ != before;
+        const std::vector<RoutedContour> before = routed_;
+        routed_ = snap_round_segments(model_.mesh, neighbors_, model_.regions, source_, contour_vertices,
+                                      std::move(routed_), {most_mm, context_.threads});
+        has_segments_beside_ = routed_ != before;
     }
 
     // `most`: where planes cross, in sizes.
-    double most_follow_mm(double most) const {
-        if (is_parallel(contours_)) most = most_followed_parallel;
-        return std::min(options_.max_follow_mm, most * sample_->stats.size_mm);
+    double most_reroute_mm(double most) const {
+        if (is_parallel(contours_)) most = most_routed_parallel;
+        return std::min(options_.max_reroute_mm, most * sample_->stats.size_mm);
     }
 
     void move_back(std::vector<Vec3>& points) const {
@@ -669,7 +669,7 @@ class Builder {
     Status certify() {
         CertificateInput input{model_.mesh, model_.regions, model_.structures};
         input.contours = &source_;
-        if (!model_.followed.empty()) input.on_surface = &model_.contours;
+        if (!model_.routed.empty()) input.on_surface = &model_.contours;
         input.field_volumes_mm3 = volumes_mm3_;
         input.field = field_.get();
         input.field_origin = origin_;
@@ -776,7 +776,7 @@ class Builder {
     bool spared_ = false;      // planes are crammed, and it is the first run with a default size
     std::vector<Subsegment> subsegment_list_;  // those of subsegments_, and where the cut split them further
     std::vector<Subsegment> cut_subsegments_;  // of those that the last step of the cut split
-    std::vector<FollowedContour> followed_;    // by contour
+    std::vector<RoutedContour> routed_;        // by contour
     std::uint64_t segments_missed_ = 0;        // before that
     bool has_segments_beside_ = false;         // over edges beside them
     std::uint64_t edited_cells_ = 0;           // made by improvement

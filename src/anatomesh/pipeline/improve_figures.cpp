@@ -26,7 +26,7 @@ std::vector<std::pair<std::string, double>> improve_figures(const ImproveWork& w
             {"pieces_brought", static_cast<double>(work.dihedrals.subsegments_recovered)},
             {"apexes_lowered", static_cast<double>(work.dihedrals.spikes_removed)},
             {"segments_missed", static_cast<double>(work.dihedrals.segments_missed)},
-            {"contours_followed", static_cast<double>(work.contours_followed)},
+            {"contours_followed", static_cast<double>(work.contours_routed)},
             {"crumbs_given_away",
              static_cast<double>(work.spurious.components + work.dihedrals.spurious_components_removed)},
             {"small_handles", static_cast<double>(work.dihedrals.handles_found)},

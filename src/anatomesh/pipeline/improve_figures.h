@@ -19,7 +19,7 @@ struct ImproveWork {
     const ImproveStats& improved;
     const SmoothStats& smoothed;
     const DihedralStats& dihedrals;
-    std::size_t contours_followed;
+    std::size_t contours_routed;
     const SpuriousComponentStats& spurious;
     const BalanceStats& balanced;
 };

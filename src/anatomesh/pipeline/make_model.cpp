@@ -58,7 +58,7 @@ ModelOptions model_options(const MakeModelOptions& options) {
     building.max_radius_edge = options.max_radius_edge;
     building.max_tetrahedra = options.max_tetrahedra;
     building.spare_dense_above = options.spare_dense_above;
-    building.max_follow_mm = prepare.reconcile.reconcile ? prepare.reconcile.max_disagreement_mm : 0;
+    building.max_reroute_mm = prepare.reconcile.reconcile ? prepare.reconcile.max_disagreement_mm : 0;
     return building;
 }
 

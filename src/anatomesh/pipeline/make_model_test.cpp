@@ -26,7 +26,7 @@ void expect_same_mesh(const Model& a, const Model& b) {
     EXPECT_EQ(a.mesh.regions, b.mesh.regions);
     EXPECT_EQ(a.regions.members, b.regions.members);
     EXPECT_EQ(a.contours.points, b.contours.points);
-    EXPECT_EQ(a.followed, b.followed);
+    EXPECT_EQ(a.routed, b.routed);
 }
 
 std::vector<std::string> values_of(const std::vector<std::pair<std::string, std::string>>& options,
@@ -217,14 +217,14 @@ TEST(PrepareContours, kept_as_drawn_where_slices_need_not_agree) {
     const DrawnSet drawn = set_of("crossing");
     MakeModelOptions options;
     options.prepare.reconcile.reconcile = false;
-    EXPECT_EQ(model_options(options).max_follow_mm, 0);
+    EXPECT_EQ(model_options(options).max_reroute_mm, 0);
     const PreparedContours measured = prepared(drawn.raw, options.prepare);
     options.prepare.until = PrepareUntil::walls;
     EXPECT_EQ(measured.kept.points, prepared(drawn.raw, options.prepare).kept.points);
     EXPECT_FALSE(measured.crossing.reconciled);
     EXPECT_GT(measured.crossing.pairs.size(), 0u);
     options = {};
-    EXPECT_EQ(model_options(options).max_follow_mm, ReconcileOptions{}.max_disagreement_mm);
+    EXPECT_EQ(model_options(options).max_reroute_mm, ReconcileOptions{}.max_disagreement_mm);
 }
 
 TEST(PrepareContours, cleaning_is_told_where_it_is_not_the_usual_one) {

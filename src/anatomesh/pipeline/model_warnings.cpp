@@ -90,12 +90,12 @@ void warn_of_segments(const ModelReport& report, const std::string& file, RunCon
              : "kept; how far cuts by the slices are from what is drawn is in the report"});
 }
 
-void warn_of_followed(const ModelReport& report, const std::string& file, RunContext& context) {
-    const std::vector<FollowedContourReport>& contours = report.followed_contours;
+void warn_of_routed(const ModelReport& report, const std::string& file, RunContext& context) {
+    const std::vector<RoutedContourReport>& contours = report.routed_contours;
     if (contours.empty()) return;
     std::uint64_t segments = 0, left = 0;
-    const FollowedContourReport* farthest = &contours.front();
-    for (const FollowedContourReport& contour : contours) {
+    const RoutedContourReport* farthest = &contours.front();
+    for (const RoutedContourReport& contour : contours) {
         segments += contour.segments;
         left += contour.vertices_left;
         if (contour.farthest_mm > farthest->farthest_mm) farthest = &contour;
@@ -223,7 +223,7 @@ void warn_of_flat_cells(const ModelReport& report, const std::string& file, RunC
 void warn_of_model(const ModelReport& report, double size_mm, const std::string& file, RunContext& context) {
     warn_of_cuts(report, file, context);
     warn_of_segments(report, file, context);
-    warn_of_followed(report, file, context);
+    warn_of_routed(report, file, context);
     for (const StructureReport& structure : report.structures) warn_of_shells(structure, file, context);
     warn_of_distance(report, size_mm, file, context);
     warn_of_joints(report, size_mm, file, context);

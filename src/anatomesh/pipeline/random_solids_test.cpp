@@ -220,16 +220,16 @@ double farthest_from_drawn(const ContourSet& kept, const ContourSet& drawn) {
     return farthest;
 }
 
-// Contours that follow the surface are simple and apart from each other, and nowhere further from their
+// Re-routed contours are simple and apart from each other, and nowhere further from their
 // planes and from what is drawn, nor that from them, than is reported; all others lie in their planes.
 void expect_near_drawn(const Model& model, const ContourSet& drawn, double most_mm, double off_plane_mm) {
     const ContourSet& kept = model.contours;
     ASSERT_EQ(kept.contours.size(), drawn.contours.size());
     double reported = 0;
     std::map<std::string, double> reported_in;  // slices
-    for (const FollowedContourReport& followed : model.report.followed_contours) {
-        reported = std::max(reported, followed.farthest_mm);
-        reported_in[followed.slice] = std::max(reported_in[followed.slice], followed.farthest_mm);
+    for (const RoutedContourReport& routed : model.report.routed_contours) {
+        reported = std::max(reported, routed.farthest_mm);
+        reported_in[routed.slice] = std::max(reported_in[routed.slice], routed.farthest_mm);
     }
     EXPECT_LE(reported, most_mm);
     constexpr double rounding = 1e-9;
@@ -241,8 +241,9 @@ void expect_near_drawn(const Model& model, const ContourSet& drawn, double most_
             for (const Vec3 p : kept.points_of(contour))
                 farthest = std::max(farthest, std::abs(slice.plane.signed_distance(p)));
         }
-        const auto led = reported_in.find(slice.name);
-        EXPECT_LT(farthest, off_plane_mm + (led == reported_in.end() ? 0 : led->second)) << slice.name;
+        const auto rerouted = reported_in.find(slice.name);
+        EXPECT_LT(farthest, off_plane_mm + (rerouted == reported_in.end() ? 0 : rerouted->second))
+            << slice.name;
         EXPECT_TRUE(slice_faults(plane_rings(kept, slice), kept.exclusive).empty()) << slice.name;
     }
 }
@@ -388,7 +389,7 @@ void check_case(std::uint32_t number, bool printed, Segments& segments) {
         std::fflush(stdout);
     }
     ModelOptions options;
-    options.max_follow_mm = ReconcileOptions{}.max_disagreement_mm;
+    options.max_reroute_mm = ReconcileOptions{}.max_disagreement_mm;
     if (drawn.planes == Planes::uneven) options.max_gap_spacings = 5;  // gaps are meant to be uneven
     const auto model = build_model(kept, options, context);
     if (printed) {

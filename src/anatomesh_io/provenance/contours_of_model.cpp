@@ -21,8 +21,8 @@
 #include "anatomesh/overlaps/priority.h"
 #include "anatomesh/reconcile/reconcile.h"
 #include "anatomesh_io/provenance/field_of_model.h"
-#include "anatomesh_io/provenance/followed_notes.h"
 #include "anatomesh_io/provenance/model_description.h"
+#include "anatomesh_io/provenance/routed_contour_notes.h"
 
 namespace anatomesh {
 
@@ -305,8 +305,7 @@ Result<ContoursOfModel> contours_of_model(ContourSet kept, const ModelFile& mode
     }
     std::optional<BothContours> both = both_contours(best, model.description);
     if (both)
-        return ContoursOfModel{std::move(both->drawn), std::move(both->on_surface),
-                               std::move(both->followed)};
+        return ContoursOfModel{std::move(both->drawn), std::move(both->on_surface), std::move(both->routed)};
     return ContoursOfModel{std::move(best), std::nullopt, {}};
 }
 

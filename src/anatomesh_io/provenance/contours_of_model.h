@@ -16,8 +16,8 @@ namespace anatomesh {
 
 struct ContoursOfModel {
     ContourSet drawn;
-    std::optional<ContourSet> on_surface;         // where some follow the surface, as the model's file says
-    std::vector<FollowedContourReport> followed;  // those
+    std::optional<ContourSet> on_surface;     // where some are re-routed, as the model's file says
+    std::vector<RoutedContourReport> routed;  // those
 };
 
 // Of contours on more slices than the model was made of, as its file says (every, offset), those on its own

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "anatomesh_io/provenance/followed_notes.h"
+#include "anatomesh_io/provenance/routed_contour_notes.h"
 
 namespace anatomesh {
 
@@ -21,7 +21,7 @@ MeshDescription description_of(const Model& model) {
     for (const Warning& warning : report.warnings) ++warnings[warning.code];
     for (const auto& [code, times] : warnings)
         description.notes.emplace_back("warning", code + " " + std::to_string(times));
-    add_followed_notes(model, description);
+    add_routed_contour_notes(model, description);
     return description;
 }
 

@@ -12,7 +12,7 @@ namespace anatomesh {
 
 // Structures, regions, axes, and the notes of where the model is from: ("version", that of the library),
 // ("option", name and value) of each option in its report, ("warning", code and how many times) of each
-// warning there, and contours that follow the surface (followed_notes.h). Nothing of it differs between two
+// warning there, and re-routed contours (routed_contour_notes.h). Nothing of it differs between two
 // runs on the same contours; the rest (command, input files and their hashes, every warning in full) stands
 // in the report.
 MeshDescription description_of(const Model& model);

@@ -7,7 +7,7 @@
 #include "anatomesh/base/version.h"
 #include "anatomesh/pipeline/drawn_balls_for_test.h"
 #include "anatomesh/pipeline/make_model.h"
-#include "anatomesh_io/provenance/followed_notes.h"
+#include "anatomesh_io/provenance/routed_contour_notes.h"
 
 namespace anatomesh {
 namespace {
@@ -47,7 +47,7 @@ TEST_P(ModelDescription, tells_options_and_warnings) {
     EXPECT_EQ(warnings, context.warnings.size());
 }
 
-// Contours that follow the surface are read back from the notes as they were drawn, and as they lie on it.
+// Re-routed contours are read back from the notes as they were drawn, and as they lie on it.
 TEST_P(ModelDescription, gives_back_contours_that_follow_the_surface) {
     MakeModelOptions options;
     options.size_mm = 2.5;
@@ -57,11 +57,11 @@ TEST_P(ModelDescription, gives_back_contours_that_follow_the_surface) {
     ASSERT_TRUE(made.ok()) << to_line(made.error());
     const Model& model = made.value();
     const auto both = both_contours(model.drawn, description_of(model));
-    EXPECT_EQ(both.has_value(), !model.followed.empty());
+    EXPECT_EQ(both.has_value(), !model.routed.empty());
     if (!both) return;
     EXPECT_EQ(both->drawn.points, model.drawn.points);
     EXPECT_EQ(both->on_surface.points, model.contours.points);
-    EXPECT_EQ(both->followed.size(), model.followed.size());
+    EXPECT_EQ(both->routed.size(), model.routed.size());
 }
 
 INSTANTIATE_TEST_SUITE_P(sets, ModelDescription, ::testing::ValuesIn(fixtures::drawn_sets()),

@@ -167,17 +167,17 @@ Json cuts_json(const ModelReport& report) {
     return cuts;
 }
 
-Json followed_contours_json(const ModelReport& report) {
-    Json followed = Json::array();
-    for (const FollowedContourReport& contour : report.followed_contours) {
-        followed.push_back({{"structure", contour.structure},
-                            {"slice", contour.slice},
-                            {"segments", contour.segments},
-                            {"vertices_left", contour.vertices_left},
-                            {"farthest_mm", number(contour.farthest_mm)},
-                            {"difference_mm2", number(contour.difference_mm2)}});
+Json routed_contours_json(const ModelReport& report) {
+    Json routed = Json::array();
+    for (const RoutedContourReport& contour : report.routed_contours) {
+        routed.push_back({{"structure", contour.structure},
+                          {"slice", contour.slice},
+                          {"segments", contour.segments},
+                          {"vertices_left", contour.vertices_left},
+                          {"farthest_mm", number(contour.farthest_mm)},
+                          {"difference_mm2", number(contour.difference_mm2)}});
     }
-    return followed;
+    return routed;
 }
 
 Json field_distance_json(const FieldDistanceReport& distance) {
@@ -318,7 +318,7 @@ std::string report_json(const ModelReport& report) {
         {"warnings", warnings_json(report)},
         {"contour_log", contour_log_json(report)},
         {"cuts", cuts_json(report)},
-        {"followed_contours", followed_contours_json(report)},
+        {"followed_contours", routed_contours_json(report)},
         {"field_distance", field_distance_json(report.field_distance)},
         {"field_difference", field_difference_json(report.field_difference)},
         {"stages", stages_json(report)},

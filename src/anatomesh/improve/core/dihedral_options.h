@@ -29,7 +29,7 @@ struct DihedralOptions {
     double spike_mm = 1;
     int passes = 4;        // over the cells that are still bad. [0, 100]
     int ratio_passes = 4;  // over the cells above max_radius_edge, after those. [0, 100]
-    // Handles of surfaces within so little along them are closed, where no contour of `drawn.following` tells
+    // Handles of surfaces within so little along them are closed, where no contour of `drawn.routable` tells
     // of them (remove_spurious_handles.h); 0: none. >= 0
     double handle_mm = 0;
     // Whether cells between the bound and last_radius_edge may go to another side for their ratio, as those
@@ -53,8 +53,8 @@ struct DihedralStats {
     std::uint64_t handles_found = 0, handles_removed = 0;  // that no contour tells of
     // Of contour segments (recover_on_surface.h)
     std::uint64_t subsegments_found = 0, subsegments_recovered = 0;
-    std::uint64_t segments_missed = 0;  // of drawn.following, before follow_surface()
-    std::vector<FollowedContour> followed;
+    std::uint64_t segments_missed = 0;  // of drawn.routable, before reroute_on_section()
+    std::vector<RoutedContour> routed;
     std::uint64_t facets_left = 0;  // in slices, beside what is drawn there (detach_facets_from_plane.h)
     std::uint64_t cells_made = 0;   // by all operations, those taken back included
 };

@@ -19,8 +19,8 @@ using VertexPair = std::array<std::uint32_t, 2>;  // smaller vertex first
 
 inline constexpr std::uint32_t no_slice = 0xFFFFFFFFu;
 
-// All contours, which may leave where they are drawn for where the surface is (follow_surface.h).
-struct FollowingContours {
+// All contours, which may leave where they are drawn for where the surface is (reroute_on_section.h).
+struct RoutableContours {
     std::span<const Contour> contours = {};        // those of a slice and structure one after the other
     std::span<const std::uint32_t> vertices = {};  // of the mesh, of every point of theirs
     std::span<const Plane> planes = {};            // by slice
@@ -29,12 +29,12 @@ struct FollowingContours {
 };
 
 // One that did.
-struct FollowedContour {
+struct RoutedContour {
     std::uint32_t contour = 0;            // its index
     std::vector<std::uint32_t> vertices;  // all, in order
     std::uint64_t segments = 0;           // drawn, missed before and not any more
     double farthest_mm = 0;               // of it from what was drawn, and of that from it
-    friend bool operator==(const FollowedContour&, const FollowedContour&) = default;
+    friend bool operator==(const RoutedContour&, const RoutedContour&) = default;
 };
 
 // What is drawn on slices, for the facets in their planes.
@@ -49,8 +49,8 @@ struct DrawnSlices {
     std::span<const double> weights = {};     // at structure * planes + slice: 1 / mm^2 drawn; 0 where the
                                               // slice does not tell where the structure is
     double on_plane_mm = 0;                   // a vertex this near to a plane lies in it. >= 0
-    // Above 0: of cuts those alone are looked at, and at last, before contours are led, of which so large a
-    // share of what is drawn is wrong then. Others beside them may get a little worse.
+    // Above 0: of cuts those alone are looked at, and at last, before contours are re-routed, of which so
+    // large a share of what is drawn is wrong then. Others beside them may get a little worse.
     double least_wrong = 0;
     // Subsegments, known to the owners, with cells on one side of their structure alone: two
     // vertices and the structure.
@@ -58,7 +58,7 @@ struct DrawnSlices {
     std::span<const std::uint8_t> crowded =
         {};  // by vertex: contours force the shapes of its cells; or empty
 
-    FollowingContours following = {};
+    RoutableContours routable = {};
 
     // Whether one of these vertices, of a cell or a facet, is.
     bool are_crowded(std::span<const std::uint32_t> vertices) const {

@@ -1,4 +1,4 @@
-// ContourLoop: a contour that is led, stretch by stretch, away from where it is drawn.
+// ContourLoop: a contour that is re-routed, stretch by stretch, away from where it is drawn.
 #pragma once
 
 #include <cstdint>

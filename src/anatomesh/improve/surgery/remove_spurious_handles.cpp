@@ -133,9 +133,8 @@ class HandleRemoval {
             for (const Triangle& t : surface) {
                 for (const std::uint32_t v : t) points[v] = bench_.mesh.point(v);
             }
-            const std::vector<SmallHandles> parts =
-                spurious_handles(points, surface, structure_,
-                                 {drawn_.following.contours, drawn_.following.vertices}, reach_mm_);
+            const std::vector<SmallHandles> parts = spurious_handles(
+                points, surface, structure_, {drawn_.routable.contours, drawn_.routable.vertices}, reach_mm_);
             std::uint64_t found = 0;
             for (const SmallHandles& part : parts) found += part.handles;
             if (first) stats_.found += found;

@@ -27,7 +27,7 @@ struct HandleRemovalStats {
 // leaves the surface of its structure, if cuts by slices get worse, if an interface there is farther than the
 // workbench's `spike_mm` from the field's, if a changed cell inside is worse than cell_judge.h allows, or if
 // more cells than before, and than 0.3 % of those inside, are above the workbench's first bound.
-// `drawn.following`: of all contours. Guarantees: all cells positive (checked exactly); no vertex moves but
+// `drawn.routable`: of all contours. Guarantees: all cells positive (checked exactly); no vertex moves but
 // by `improve`. Same result every time. Complexity: as small_handles() and O(cells) for each handle removed,
 // and the shapes of the cells of 60 membranes tried in vain at most. Errors: none; a cancelled run stops.
 // Requires: reach_mm > 0; surfaces of structures that are closed manifolds.

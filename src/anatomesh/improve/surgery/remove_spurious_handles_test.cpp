@@ -105,8 +105,8 @@ struct Grid {
         bench.table = &table;
         DrawnSlices drawn{&table, slice_of, &owners};
         if (told) {
-            drawn.following.contours = contours;
-            drawn.following.vertices = contour_vertices;
+            drawn.routable.contours = contours;
+            drawn.routable.vertices = contour_vertices;
         }
         stats = remove_spurious_handles(bench, drawn, reach_mm, least_sine, improve, {});
         mesh = std::move(edited).take(neighbors);

@@ -22,10 +22,10 @@ struct ModelOptions {
     double max_radius_edge = contract::max_radius_edge;         // aimed at for every cell. [1.2, 10]
     std::uint64_t max_tetrahedra = 1'000'000'000;               // refused above, before the work
     // Where planes cross, segments of contours that no edges of the surface run along follow it, if they need
-    // not leave their place by more than this, mm, half an edge length (follow_surface.h) or, over
-    // edges beside them, 0.6 of it (follow_edges.h). [0, 1000]; 0:
+    // not leave their place by more than this, mm, half an edge length (reroute_on_section.h) or, over
+    // edges beside them, 0.6 of it (snap_round_segments.h). [0, 1000]; 0:
     // all stay where they are drawn
-    double max_follow_mm = 0;
+    double max_reroute_mm = 0;
     // Of contour vertices on planes that lie closer than those, times the square of plane_density(): above,
     // less is done for cells and contour segments at the first run with a default size (W-PIP-005). [0, any]
     std::uint64_t spare_dense_above = 100'000;
@@ -37,7 +37,7 @@ struct Model {
     std::vector<Structure> structures;  // as in the contour set
     ContourSet drawn;                   // the contours given
     ContourSet contours;  // the same, and where segments followed the surface the points of that
-    std::vector<FollowedContour> followed;        // those, by the numbers of the contours given
+    std::vector<RoutedContour> routed;            // those, by the numbers of the contours given
     std::vector<std::uint32_t> contour_vertices;  // mesh vertex of every point of `contours`
     ModelReport report;  // everything the core can know; inputs and command are the caller's
     std::shared_ptr<const StructureField>

@@ -43,7 +43,7 @@ struct RunFacts {
     bool deviates = false;
     bool contradicted = false;
     std::size_t spurious_joints = 0;
-    // Contour segments that were no chains of edges, whether their contours follow the surface now or not,
+    // Contour segments that were no chains of edges, whether their contours are re-routed now or not,
     // and whether some of these have edges beside them in their place.
     std::uint64_t segments_missed = 0;
     bool has_segments_beside = false;

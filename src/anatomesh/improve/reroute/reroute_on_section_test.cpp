@@ -1,4 +1,4 @@
-#include "anatomesh/improve/reroute/follow_surface.h"
+#include "anatomesh/improve/reroute/reroute_on_section.h"
 
 #include <gtest/gtest.h>
 
@@ -86,14 +86,14 @@ struct Drawn {
     }
 };
 
-struct Followed {
+struct Routed {
     TetMesh mesh;
-    FollowStats stats;
+    RerouteStats stats;
     std::vector<std::uint8_t> fixed;
 };
 
-Followed follow(const Drawn& drawn, double most_mm, double least_sine = any_sine, double last_sine = 1) {
-    Followed result;
+Routed reroute(const Drawn& drawn, double most_mm, double least_sine = any_sine, double last_sine = 1) {
+    Routed result;
     result.fixed = drawn.labelled.fixed;
     EditMesh mesh(drawn.labelled.mesh, drawn.neighbors);
     DihedralOptions options;
@@ -103,11 +103,11 @@ Followed follow(const Drawn& drawn, double most_mm, double least_sine = any_sine
     DrawnSlices slices;
     slices.table = &drawn.labelled.regions;
     slices.owners = &drawn.owners;
-    slices.following = {drawn.contours, drawn.vertices, drawn.planes, false, most_mm};
+    slices.routable = {drawn.contours, drawn.vertices, drawn.planes, false, most_mm};
     std::vector<std::uint8_t> crowded(drawn.labelled.mesh.points.size(), 0);
     slices.crowded = crowded;
     const auto as_they_are = [](const std::vector<std::uint32_t>&) { return std::vector<std::uint32_t>{}; };
-    result.stats = follow_surface(bench, slices, crowded, least_sine, last_sine, as_they_are, {});
+    result.stats = reroute_on_section(bench, slices, crowded, least_sine, last_sine, as_they_are, {});
     std::vector<std::uint32_t> neighbors = drawn.neighbors;
     result.mesh = std::move(mesh).take(neighbors);
     return result;
@@ -171,16 +171,16 @@ std::vector<Drawn> drawn_cases() {
     return cases;
 }
 
-TEST(FollowSurface, contours_are_edges_of_the_surface_in_their_planes) {
-    std::size_t missed_before = 0, missed_after = 0, led = 0;
+TEST(RerouteOnSection, contours_are_edges_of_the_surface_in_their_planes) {
+    std::size_t missed_before = 0, missed_after = 0, rerouted = 0;
     for (const Drawn& drawn : drawn_cases()) {
-        const Followed followed = follow(drawn, 3);
-        fixtures::expect_sound_mesh(followed.mesh, drawn.labelled.mesh);
-        fixtures::expect_same_surfaces(followed.mesh, drawn.labelled.mesh, drawn.labelled.regions, 1);
+        const Routed routed = reroute(drawn, 3);
+        fixtures::expect_sound_mesh(routed.mesh, drawn.labelled.mesh);
+        fixtures::expect_same_surfaces(routed.mesh, drawn.labelled.mesh, drawn.labelled.regions, 1);
         const Edges before = edges_of_surface(drawn.labelled.mesh, drawn.labelled.regions),
-                    after = edges_of_surface(followed.mesh, drawn.labelled.regions);
-        std::map<std::uint32_t, const FollowedContour*> by_contour;
-        for (const FollowedContour& contour : followed.stats.followed) by_contour[contour.contour] = &contour;
+                    after = edges_of_surface(routed.mesh, drawn.labelled.regions);
+        std::map<std::uint32_t, const RoutedContour*> by_contour;
+        for (const RoutedContour& contour : routed.stats.routed) by_contour[contour.contour] = &contour;
         std::size_t missed_here = 0;
         for (std::uint32_t c = 0; c < drawn.contours.size(); ++c) {
             const auto was = std::span(drawn.vertices)
@@ -191,12 +191,12 @@ TEST(FollowSurface, contours_are_edges_of_the_surface_in_their_planes) {
                 missed_after += missed_of(after, was);
                 continue;
             }
-            const FollowedContour& now = *found->second;
+            const RoutedContour& now = *found->second;
             missed_after += missed_of(after, now.vertices);
-            led += now.segments;
+            rerouted += now.segments;
             EXPECT_GT(now.segments, 0u);
             // In the plane, near what was drawn - as near as is said - and never twice at one vertex.
-            const std::vector<Vec3> row = row_of(followed.mesh, now.vertices),
+            const std::vector<Vec3> row = row_of(routed.mesh, now.vertices),
                                     drawn_row = row_of(drawn.labelled.mesh, was);
             for (const Vec3 p : row) EXPECT_LT(std::abs(drawn.planes[c].signed_distance(p)), 1e-9);
             EXPECT_LE(now.farthest_mm, 3);
@@ -205,81 +205,82 @@ TEST(FollowSurface, contours_are_edges_of_the_surface_in_their_planes) {
             std::vector<std::uint32_t> distinct = now.vertices;
             sort_distinct(distinct);
             EXPECT_EQ(distinct.size(), now.vertices.size());
-            for (const std::uint32_t v : now.vertices) EXPECT_TRUE(followed.fixed[v]);
+            for (const std::uint32_t v : now.vertices) EXPECT_TRUE(routed.fixed[v]);
         }
-        EXPECT_EQ(followed.stats.missed, missed_here);
+        EXPECT_EQ(routed.stats.missed, missed_here);
         missed_before += missed_here;
     }
     EXPECT_GT(missed_before, 100u);
     // Shapes are not improved here: some would be too flat, and ways may cross others that are.
     EXPECT_LE(missed_after, missed_before / 3);
-    EXPECT_EQ(led, missed_before - missed_after);
+    EXPECT_EQ(rerouted, missed_before - missed_after);
 }
 
-TEST(FollowSurface, only_free_vertices_of_the_surface_move_and_not_far) {
+TEST(RerouteOnSection, only_free_vertices_of_the_surface_move_and_not_far) {
     constexpr double most_mm = 1;
     for (const Drawn& drawn : drawn_cases()) {
-        const Followed followed = follow(drawn, most_mm);
+        const Routed routed = reroute(drawn, most_mm);
         const TetMesh& before = drawn.labelled.mesh;
         std::vector<double> longest(before.points.size(), 0);
         for (const auto& [a, b] : edges_of_surface(before, drawn.labelled.regions))
             longest[a] = std::max(longest[a], length(before.points[b] - before.points[a]));
         // Along an edge, and then towards what is drawn.
         for (std::size_t v = 0; v < before.points.size(); ++v) {
-            const double moved = length(followed.mesh.points[v] - before.points[v]);
+            const double moved = length(routed.mesh.points[v] - before.points[v]);
             const bool may_move = !drawn.labelled.fixed[v] && longest[v] > 0;
             EXPECT_LE(moved, may_move ? longest[v] + most_mm : 0.0);
         }
     }
 }
 
-TEST(FollowSurface, none_goes_further_than_it_may) {
+TEST(RerouteOnSection, none_goes_further_than_it_may) {
     const Drawn drawn = std::move(drawn_cases()[1]);
-    std::uint64_t led = 0;
+    std::uint64_t rerouted = 0;
     for (const double most_mm : {0.05, 0.2, 0.5, 1.0, 3.0}) {
-        const Followed followed = follow(drawn, most_mm);
+        const Routed routed = reroute(drawn, most_mm);
         std::uint64_t segments = 0;
-        for (const FollowedContour& contour : followed.stats.followed) {
+        for (const RoutedContour& contour : routed.stats.routed) {
             EXPECT_LE(contour.farthest_mm, most_mm);
             segments += contour.segments;
         }
-        EXPECT_GE(segments + 2, led) << most_mm;  // more room, more ways
-        led = segments;
+        EXPECT_GE(segments + 2, rerouted) << most_mm;  // more room, more ways
+        rerouted = segments;
     }
-    EXPECT_GT(led, 0u);
+    EXPECT_GT(rerouted, 0u);
     // Where nothing may move nothing does.
-    const Followed none = follow(drawn, 0);
-    EXPECT_TRUE(none.stats.followed.empty());
+    const Routed none = reroute(drawn, 0);
+    EXPECT_TRUE(none.stats.routed.empty());
     EXPECT_EQ(none.mesh.cells, drawn.labelled.mesh.cells);
 }
 
-TEST(FollowSurface, cells_that_come_out_flat_are_taken_back) {
+TEST(RerouteOnSection, cells_that_come_out_flat_are_taken_back) {
     for (const Drawn& drawn : drawn_cases()) {
         const double least = 0.02;
-        const Followed followed = follow(drawn, 3, least);
-        std::vector<std::uint32_t> changed = followed.stats.changed;
+        const Routed routed = reroute(drawn, 3, least);
+        std::vector<std::uint32_t> changed = routed.stats.changed;
         sort_distinct(changed);
-        if (followed.stats.followed.empty()) {
-            EXPECT_EQ(fixtures::worst_sine(followed.mesh), fixtures::worst_sine(drawn.labelled.mesh));
+        if (routed.stats.routed.empty()) {
+            EXPECT_EQ(fixtures::worst_sine(routed.mesh), fixtures::worst_sine(drawn.labelled.mesh));
             continue;
         }
         // Forced ones may be as flat as recover_on_surface.h has it.
-        EXPECT_GE(fixtures::worst_sine(followed.mesh),
+        EXPECT_GE(fixtures::worst_sine(routed.mesh),
                   std::min(fixtures::worst_sine(drawn.labelled.mesh), least_crowded_sine));
     }
 }
 
-// No more than ten segments are left by these contours: what strict shapes refuse is led at last by others.
-TEST(FollowSurface, the_last_segments_may_ask_for_worse_shapes) {
+// No more than ten segments are left by these contours: what strict shapes refuse is re-routed at last by
+// others.
+TEST(RerouteOnSection, the_last_segments_may_ask_for_worse_shapes) {
     constexpr double strict = 0.3;
     std::size_t gained = 0, few = 0;
     for (Drawn& drawn : drawn_cases()) {
         if (drawn.contours.size() > 1) continue;
         const auto missed_after = [&](double last_sine) {
-            const Followed followed = follow(drawn, 3, strict, last_sine);
-            const Edges edges = edges_of_surface(followed.mesh, drawn.labelled.regions);
-            return followed.stats.followed.empty() ? missed_of(edges, drawn.vertices)
-                                                   : missed_of(edges, followed.stats.followed[0].vertices);
+            const Routed routed = reroute(drawn, 3, strict, last_sine);
+            const Edges edges = edges_of_surface(routed.mesh, drawn.labelled.regions);
+            return routed.stats.routed.empty() ? missed_of(edges, drawn.vertices)
+                                               : missed_of(edges, routed.stats.routed[0].vertices);
         };
         const std::size_t kept = missed_after(1), at_last = missed_after(any_sine);
         EXPECT_LE(at_last, kept);
@@ -294,15 +295,15 @@ TEST(FollowSurface, the_last_segments_may_ask_for_worse_shapes) {
     EXPECT_GT(gained, 0u);
 }
 
-TEST(FollowSurface, contours_that_are_edges_already_stay_as_they_are) {
+TEST(RerouteOnSection, contours_that_are_edges_already_stay_as_they_are) {
     // What came of one run, as far as it is whole, is given to the next.
     std::size_t whole = 0;
     for (Drawn& drawn : drawn_cases()) {
-        Followed followed = follow(drawn, 3);
-        const Edges edges = edges_of_surface(followed.mesh, drawn.labelled.regions);
+        Routed routed = reroute(drawn, 3);
+        const Edges edges = edges_of_surface(routed.mesh, drawn.labelled.regions);
         std::vector<Contour> contours;
         std::vector<std::uint32_t> vertices;
-        for (const FollowedContour& contour : followed.stats.followed) {
+        for (const RoutedContour& contour : routed.stats.routed) {
             if (missed_of(edges, contour.vertices) > 0) continue;
             const Contour& was = drawn.contours[contour.contour];
             contours.push_back({was.structure, was.slice, static_cast<std::uint32_t>(vertices.size()),
@@ -310,16 +311,16 @@ TEST(FollowSurface, contours_that_are_edges_already_stay_as_they_are) {
             vertices.insert(vertices.end(), contour.vertices.begin(), contour.vertices.end());
         }
         whole += contours.size();
-        drawn.labelled.mesh = followed.mesh;
-        drawn.labelled.fixed = followed.fixed;
-        drawn.neighbors = cell_neighbors(followed.mesh.cells, followed.mesh.points.size());
+        drawn.labelled.mesh = routed.mesh;
+        drawn.labelled.fixed = routed.fixed;
+        drawn.neighbors = cell_neighbors(routed.mesh.cells, routed.mesh.points.size());
         drawn.contours = contours;
         drawn.vertices = vertices;
-        const Followed again = follow(drawn, 3);
+        const Routed again = reroute(drawn, 3);
         EXPECT_EQ(again.stats.missed, 0u);
-        EXPECT_TRUE(again.stats.followed.empty());
-        EXPECT_EQ(again.mesh.points, followed.mesh.points);
-        EXPECT_EQ(again.mesh.cells, followed.mesh.cells);
+        EXPECT_TRUE(again.stats.routed.empty());
+        EXPECT_EQ(again.mesh.points, routed.mesh.points);
+        EXPECT_EQ(again.mesh.cells, routed.mesh.cells);
     }
     EXPECT_GT(whole, 2u);
 }

@@ -1,4 +1,4 @@
-#include "anatomesh_io/provenance/followed_notes.h"
+#include "anatomesh_io/provenance/routed_contour_notes.h"
 
 #include <fmt/format.h>
 
@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "anatomesh/contour/overlay/slice_soundness.h"
-#include "anatomesh/improve/reroute/follow_edges.h"
-#include "anatomesh/improve/reroute/followed_contours.h"
+#include "anatomesh/improve/reroute/routed_contours.h"
+#include "anatomesh/improve/reroute/snap_round_segments.h"
 #include "anatomesh_io/provenance/model_description.h"
 
 namespace anatomesh {
@@ -24,7 +24,7 @@ namespace anatomesh {
 namespace {
 
 constexpr const char *contour_key = "followed_contour", *point_key = "followed_point";
-// What ModelOptions::max_follow_mm allows at most; and what distances may be rounded by.
+// What ModelOptions::max_reroute_mm allows at most; and what distances may be rounded by.
 constexpr double widest_mm = 1000, rounded_mm = 0.01;
 
 // The next word of the text as a number, which is taken off it.
@@ -135,28 +135,28 @@ class RingFinder {
 
 // With other rings in the place of some. `by_contour`: number and ring, rising.
 ContourSet with_rings(const ContourSet& contours, const std::map<std::uint32_t, const Ring*>& by_contour) {
-    std::vector<FollowedContour> followed;
+    std::vector<RoutedContour> routed;
     std::vector<Vec3> points;
     for (const auto& [contour, ring] : by_contour) {
-        FollowedContour& one = followed.emplace_back(FollowedContour{contour, {}, 0, 0});
+        RoutedContour& one = routed.emplace_back(RoutedContour{contour, {}, 0, 0});
         for (const Vec3 p : *ring) {
             one.vertices.push_back(static_cast<std::uint32_t>(points.size()));
             points.push_back(p);
         }
     }
     const std::vector<std::uint32_t> vertex_of(contours.points.size(), 0);
-    return follow_contours(contours, vertex_of, followed, points).contours;
+    return route_contours(contours, vertex_of, routed, points).contours;
 }
 
 // Of contours as they are drawn.
-std::vector<FollowedContourReport> reports_of(const ContourSet& drawn, const std::vector<Note>& notes) {
-    std::vector<FollowedContour> followed;
+std::vector<RoutedContourReport> reports_of(const ContourSet& drawn, const std::vector<Note>& notes) {
+    std::vector<RoutedContour> routed;
     std::vector<Vec3> points = drawn.points;
     std::vector<std::uint32_t> vertex_of(drawn.points.size());
     std::iota(vertex_of.begin(), vertex_of.end(), 0u);
     for (const Note& note : notes) {
         const Contour& contour = drawn.contours[note.contour];
-        FollowedContour& one = followed.emplace_back(FollowedContour{note.contour, {}, note.segments, 0});
+        RoutedContour& one = routed.emplace_back(RoutedContour{note.contour, {}, note.segments, 0});
         for (const Vec3 p : note.on_surface) {
             const std::span<const Vec3> was = drawn.points_of(contour);
             const auto at = std::find(was.begin(), was.end(), p);
@@ -166,7 +166,7 @@ std::vector<FollowedContourReport> reports_of(const ContourSet& drawn, const std
             if (at == was.end()) points.push_back(p);
         }
     }
-    return followed_contours(drawn, vertex_of, followed, points);
+    return routed_contour_reports(drawn, vertex_of, routed, points);
 }
 
 // Whether the contours of a slice are what those of kept sets are.
@@ -174,7 +174,7 @@ bool is_sound(const ContourSet& contours, const Slice& slice) {
     return slice_faults(plane_rings(contours, slice), contours.exclusive).empty();
 }
 
-// A file may say anything: contours that no model can have led there are nothing.
+// A file may say anything: contours that no model can have re-routed there are nothing.
 std::optional<BothContours> checked(BothContours both, const std::vector<Note>& notes,
                                     const MeshDescription& description) {
     const double most_mm =
@@ -182,7 +182,7 @@ std::optional<BothContours> checked(BothContours both, const std::vector<Note>& 
                  most_sizes_beside * number_of(description, "size_mm").value_or(widest_mm));
     for (std::size_t n = 0; n < notes.size(); ++n) {
         if (notes[n].segments > both.drawn.contours[notes[n].contour].point_count ||
-            both.followed[n].farthest_mm > most_mm + rounded_mm)
+            both.routed[n].farthest_mm > most_mm + rounded_mm)
             return std::nullopt;
     }
     if (!std::ranges::all_of(both.on_surface.slices,
@@ -193,8 +193,8 @@ std::optional<BothContours> checked(BothContours both, const std::vector<Note>& 
 
 }  // namespace
 
-void add_followed_notes(const Model& model, MeshDescription& description) {
-    for (const FollowedContour& contour : model.followed) {
+void add_routed_contour_notes(const Model& model, MeshDescription& description) {
+    for (const RoutedContour& contour : model.routed) {
         const std::span<const Vec3> drawn = model.drawn.points_of(model.drawn.contours[contour.contour]);
         description.notes.emplace_back(
             contour_key, fmt::format("{} {} {} {}", contour.contour, contour.segments, drawn.size(),
@@ -211,7 +211,7 @@ std::optional<BothContours> both_contours(const ContourSet& contours, const Mesh
     std::optional<std::vector<Note>> notes = notes_of(description);
     if (!notes || notes->empty()) return std::nullopt;
     const RingFinder given(contours);
-    std::map<std::uint32_t, const Ring*> to_led, to_drawn;
+    std::map<std::uint32_t, const Ring*> to_rerouted, to_drawn;
     for (Note& note : *notes) {
         // A plane that was read again may look the other way, and its contours run so.
         if (!given.find(note.drawn) && !given.find(note.on_surface)) {
@@ -219,9 +219,9 @@ std::optional<BothContours> both_contours(const ContourSet& contours, const Mesh
             std::ranges::reverse(note.on_surface);
         }
         if (const auto as_drawn = given.find(note.drawn))
-            to_led[*as_drawn] = &note.on_surface;
-        else if (const auto as_led = given.find(note.on_surface))
-            to_drawn[*as_led] = &note.drawn;
+            to_rerouted[*as_drawn] = &note.on_surface;
+        else if (const auto as_rerouted = given.find(note.on_surface))
+            to_drawn[*as_rerouted] = &note.drawn;
         else
             return std::nullopt;
     }
@@ -233,8 +233,9 @@ std::optional<BothContours> both_contours(const ContourSet& contours, const Mesh
         if (!number) return std::nullopt;
         note.contour = *number;
     }
-    std::vector<FollowedContourReport> reports = reports_of(drawn, *notes);
-    return checked({std::move(drawn), with_rings(contours, to_led), std::move(reports)}, *notes, description);
+    std::vector<RoutedContourReport> reports = reports_of(drawn, *notes);
+    return checked({std::move(drawn), with_rings(contours, to_rerouted), std::move(reports)}, *notes,
+                   description);
 }
 
 }  // namespace anatomesh

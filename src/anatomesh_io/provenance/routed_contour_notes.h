@@ -1,4 +1,4 @@
-// Contours that follow the surface, as notes in the model's file: written, and read back.
+// Re-routed contours, as notes in the model's file: written, and read back.
 #pragma once
 
 #include <optional>
@@ -15,12 +15,12 @@ namespace anatomesh {
 // segments of it were missed, how many points it had there and has now), then of these points and of those,
 // in turn, ("followed_point", coordinates, so that they are read back as the same doubles). Lines are short,
 // for readers that know no long ones.
-void add_followed_notes(const Model& model, MeshDescription& description);
+void add_routed_contour_notes(const Model& model, MeshDescription& description);
 
-// Contours as they are drawn, and as they follow the surface.
+// Contours as they are drawn, and as they are re-routed.
 struct BothContours {
     ContourSet drawn, on_surface;
-    std::vector<FollowedContourReport> followed;
+    std::vector<RoutedContourReport> routed;
 };
 
 // Both, of either: of contours with each of those that the notes tell of as it is drawn, or as it follows the

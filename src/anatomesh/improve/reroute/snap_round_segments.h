@@ -1,4 +1,5 @@
-// follow_edges: contours with segments that no edges of the surface run along take the edges beside these.
+// snap_round_segments: contours with segments that no edges of the surface run along take the edges beside
+// these.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +12,11 @@
 
 namespace anatomesh {
 
-// How far models let contours be led over edges, in edge lengths: as far as it is round the facets at one
-// that is longer than most.
+// How far models let contours be re-routed over edges, in edge lengths: as far as it is round the facets at
+// one that is longer than most.
 inline constexpr double most_sizes_beside = 0.6;
 
-struct FollowEdgesOptions {
+struct SnapRoundingOptions {
     double most_mm = 0;  // no way is further from what it replaces, nor that from it. > 0
     int threads = 1;
 };
@@ -29,16 +30,16 @@ struct FollowEdgesOptions {
 // its place where that is edges of both; those that exclude each other keep out of each other elsewhere.
 // Where ways make contours of a slice touch, cross or turn over, projected along its normal, others are
 // sought, or segments stay missed; so do all of a slice of which the mesh has lost a vertex. The mesh stays
-// as it is. `vertex_of`: the vertex of every point of the set, or no_cell; `followed`: contours that were led
-// already, in the order of the contours (follow_surface.h). Returns these and those that are led now, in that
-// order. Requires: as region_facets(). Same result at any number of threads. Complexity: O(cells) a
-// structure, and for each segment missed O(n log n) in the surface's vertices within `most_mm` of it.
-// Follows: Dijkstra, Numer. Math. 1, 1959; that lines too near for cells between them share one is snap
-// rounding (Hobby, Computational Geometry 13, 1999), here onto edges that are there.
-std::vector<FollowedContour> follow_edges(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                                          const RegionTable& regions, const ContourSet& set,
-                                          std::span<const std::uint32_t> vertex_of,
-                                          std::vector<FollowedContour> followed,
-                                          const FollowEdgesOptions& options);
+// as it is. `vertex_of`: the vertex of every point of the set, or no_cell; `routed`: contours that were
+// re-routed already, in the order of the contours (reroute_on_section.h). Returns these and those that are
+// re-routed now, in that order. Requires: as region_facets(). Same result at any number of threads.
+// Complexity: O(cells) a structure, and for each segment missed O(n log n) in the surface's vertices within
+// `most_mm` of it. Follows: Dijkstra, Numer. Math. 1, 1959; that lines too near for cells between them share
+// one is snap rounding (Hobby, Computational Geometry 13, 1999), here onto edges that are there.
+std::vector<RoutedContour> snap_round_segments(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
+                                               const RegionTable& regions, const ContourSet& set,
+                                               std::span<const std::uint32_t> vertex_of,
+                                               std::vector<RoutedContour> routed,
+                                               const SnapRoundingOptions& options);
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-// follow_surface: contours whose segments no edges of the surface run along follow it in their slices.
+// reroute_on_section: contours whose segments no edges of the surface run along follow it in their slices.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace anatomesh {
 
-struct FollowStats {
-    std::uint64_t missed = 0;               // segments that were no chains of edges of the surface
-    std::vector<FollowedContour> followed;  // contours that were led along it, by index
-    std::vector<std::uint32_t> changed;     // cells that were made or reshaped, some of which may be gone
+struct RerouteStats {
+    std::uint64_t missed = 0;            // segments that were no chains of edges of the surface
+    std::vector<RoutedContour> routed;   // contours that were re-routed along it, by index
+    std::vector<std::uint32_t> changed;  // cells that were made or reshaped, some of which may be gone
 };
 
-// Where a segment of drawn.following is no chain of edges of its structure's surface, its contour is led
+// Where a segment of drawn.routable is no chain of edges of its structure's surface, its contour is re-routed
 // along the section of that surface by the slice's plane instead: the shortest way from a vertex that it has
 // on the surface before that place to one after it, which stays off all other vertices of the slice's
 // contours of the structure; the way and what is drawn there are nowhere further than `most_mm` from each
@@ -29,10 +29,10 @@ struct FollowStats {
 // Vertices of contours stay where they are, on the surface, though their contour may pass them by.
 // Guarantees: all cells positive (checked exactly); surfaces keep their topology; vertices of the new
 // contours are fixed, and so are their edges. Same result every time. Complexity: O(segments), and ms for
-// each that is missed. Errors: none; what cannot be led stays as it is drawn, and so does all where more than
-// 1,000 segments are missed.
-FollowStats follow_surface(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded,
-                           double least_sine, double last_sine, const ImproveCells& improve,
-                           const RunContext& context);
+// each that is missed. Errors: none; what cannot be re-routed stays as it is drawn, and so does all where
+// more than 1,000 segments are missed.
+RerouteStats reroute_on_section(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded,
+                                double least_sine, double last_sine, const ImproveCells& improve,
+                                const RunContext& context);
 
 }  // namespace anatomesh

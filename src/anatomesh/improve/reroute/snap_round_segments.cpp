@@ -1,4 +1,4 @@
-#include "anatomesh/improve/reroute/follow_edges.h"
+#include "anatomesh/improve/reroute/snap_round_segments.h"
 
 #include <algorithm>
 #include <array>
@@ -30,26 +30,26 @@ constexpr double least_distance = 1e-3;    // in most_mm: of ways as near, the s
 constexpr double backwards_price = 100;
 constexpr int most_repairs = 200;  // ways at fault in a slice that are replaced; what is more goes
 
-// How a missed segment is led, in turn: with so many segments before and after it; over what edges.
+// How a missed segment is re-routed, in turn: with so many segments before and after it; over what edges.
 enum class Over : std::uint8_t {
     all,
     onwards,  // that lead on along it: such a way crosses itself nowhere
     clear     // that cross no contour of the slice, and backwards at a high price: it may cross itself
 };
-struct Manner {
+struct Routing {
     std::uint32_t before, after;
     Over over;
 };
 constexpr int rounds = 3;  // over the missed segments of a slice
-constexpr std::array<Manner, 9> manners{{{0, 0, Over::all},
-                                         {0, 0, Over::onwards},
-                                         {0, 0, Over::clear},
-                                         {0, 1, Over::clear},
-                                         {1, 0, Over::clear},
-                                         {1, 1, Over::clear},
-                                         {0, 2, Over::clear},
-                                         {2, 0, Over::clear},
-                                         {2, 2, Over::clear}}};
+constexpr std::array<Routing, 9> routings{{{0, 0, Over::all},
+                                           {0, 0, Over::onwards},
+                                           {0, 0, Over::clear},
+                                           {0, 1, Over::clear},
+                                           {1, 0, Over::clear},
+                                           {1, 1, Over::clear},
+                                           {0, 2, Over::clear},
+                                           {2, 0, Over::clear},
+                                           {2, 2, Over::clear}}};
 
 // In the place of some segments of a ring, one after the other.
 struct Way {
@@ -68,7 +68,7 @@ struct Ring {
     std::uint32_t size() const { return static_cast<std::uint32_t>(vertices.size()); }
     // How far segment n is after the first one of a way.
     std::uint32_t steps(const Way& way, std::uint32_t n) const { return (n + size() - way.first) % size(); }
-    bool is_led(std::uint32_t n) const {
+    bool is_rerouted(std::uint32_t n) const {
         return std::any_of(ways.begin(), ways.end(),
                            [&](const Way& way) { return steps(way, n) < way.count; });
     }
@@ -105,11 +105,11 @@ RingWithWays with_ways(const Ring& ring) {
 }
 
 // Leads the contours of one structure in one slice.
-class SliceLeader {
+class SliceSnapRounding {
   public:
     // `rings`: of all contours of the slice.
-    SliceLeader(std::span<const Vec3> points, const SurfaceGraph& graph, const ContourSet& set,
-                const Slice& slice, std::uint32_t structure, std::span<Ring> rings, double most_mm)
+    SliceSnapRounding(std::span<const Vec3> points, const SurfaceGraph& graph, const ContourSet& set,
+                      const Slice& slice, std::uint32_t structure, std::span<Ring> rings, double most_mm)
         : points_(points), graph_(graph), set_(set), slice_(slice), rings_(rings), most_mm_(most_mm) {
         const std::span<const Contour> contours = set.contours_of(slice);
         for (std::uint32_t n = 0; n < contours.size(); ++n) {
@@ -126,7 +126,7 @@ class SliceLeader {
         for (const std::uint32_t r : own_)
             taken_.insert(rings_[r].vertices.begin(), rings_[r].vertices.end());
         look_at_others();
-        // What stood in the way of others may be led otherwise after a round.
+        // What stood in the way of others may be re-routed otherwise after a round.
         for (int round = 0; round < rounds && lead_missed(); ++round) {
             while (const std::optional<RingAndWay> worst = worst_at_fault()) {
                 const Way before = take_out(worst->ring, worst->way);
@@ -135,7 +135,7 @@ class SliceLeader {
             // Ways that are sound stay.
             tried_.clear();
             for (const std::uint32_t r : own_) {
-                for (const Way& way : rings_[r].ways) tried_[{r, way.missed}] = manners.size();
+                for (const Way& way : rings_[r].ways) tried_[{r, way.missed}] = routings.size();
             }
         }
     }
@@ -166,32 +166,36 @@ class SliceLeader {
         });
     }
 
-    // Whether any was led.
+    // Whether any was re-routed.
     bool lead_missed() {
         bool any = false;
         for (const std::uint32_t r : own_) {
             for (std::uint32_t n = 0; n < rings_[r].size(); ++n) {
-                if (rings_[r].is_led(n) || !is_missed(r, n)) continue;
-                lead(r, n);
-                any |= rings_[r].is_led(n);
+                if (rings_[r].is_rerouted(n) || !is_missed(r, n)) continue;
+                route(r, n);
+                any |= rings_[r].is_rerouted(n);
             }
         }
         return any;
     }
 
     // In the first manner that was not tried in vain.
-    void lead(std::uint32_t r, std::uint32_t n) {
-        for (std::size_t& tried = tried_[{r, n}]; tried < manners.size() && !rings_[r].is_led(n);) {
-            if (lead(r, n, manners[tried])) return;
+    void route(std::uint32_t r, std::uint32_t n) {
+        for (std::size_t& tried = tried_[{r, n}]; tried < routings.size() && !rings_[r].is_rerouted(n);) {
+            if (route(r, n, routings[tried])) return;
             ++tried;
         }
     }
 
     // Whether it has a way now. Those that are in its place give way to it.
-    bool lead(std::uint32_t r, std::uint32_t n, const Manner& manner) {
+    bool route(std::uint32_t r, std::uint32_t n, const Routing& routing) {
         Ring& ring = rings_[r];
-        Way way{
-            (n + ring.size() - manner.before) % ring.size(), 1 + manner.before + manner.after, n, 0, {}, 0};
+        Way way{(n + ring.size() - routing.before) % ring.size(),
+                1 + routing.before + routing.after,
+                n,
+                0,
+                {},
+                0};
         if (way.count + 2 > ring.size()) return false;
         stretch_.clear();
         for (std::uint32_t k = 0; k <= way.count; ++k)
@@ -209,8 +213,8 @@ class SliceLeader {
             }
         }
         if (way.count > 1 || !take_twin(way)) {
-            if (manner.over == Over::clear) find_beside(r, way);
-            if (!find(manner.over)) return false;
+            if (routing.over == Over::clear) find_beside(r, way);
+            if (!find(routing.over)) return false;
             for (std::uint32_t v = reached_.at(stretch_.back()).from; v != stretch_.front();
                  v = reached_.at(v).from)
                 way.between.push_back(v);
@@ -446,10 +450,10 @@ class SliceLeader {
 
     void lead_otherwise(std::uint32_t r, const Way& before) {
         ++tried_[{r, before.missed}];
-        lead(r, before.missed);
+        route(r, before.missed);
         for (std::uint32_t k = 0; k < before.count; ++k) {
             const std::uint32_t n = (before.first + k) % rings_[r].size();
-            if (!rings_[r].is_led(n) && is_missed(r, n)) lead(r, n);
+            if (!rings_[r].is_rerouted(n) && is_missed(r, n)) route(r, n);
         }
     }
 
@@ -491,47 +495,47 @@ class SliceLeader {
 };
 
 std::vector<Ring> rings_of(const ContourSet& set, std::span<const std::uint32_t> vertex_of,
-                           const std::vector<FollowedContour>& followed) {
+                           const std::vector<RoutedContour>& routed) {
     std::vector<Ring> rings(set.contours.size());
     for (std::size_t c = 0; c < rings.size(); ++c) {
         const Contour& contour = set.contours[c];
         const auto first = vertex_of.begin() + contour.first_point;
         rings[c].vertices.assign(first, first + contour.point_count);
     }
-    for (const FollowedContour& one : followed) rings[one.contour].vertices = one.vertices;
+    for (const RoutedContour& one : routed) rings[one.contour].vertices = one.vertices;
     return rings;
 }
 
 }  // namespace
 
-std::vector<FollowedContour> follow_edges(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
-                                          const RegionTable& regions, const ContourSet& set,
-                                          std::span<const std::uint32_t> vertex_of,
-                                          std::vector<FollowedContour> followed,
-                                          const FollowEdgesOptions& options) {
+std::vector<RoutedContour> snap_round_segments(const TetMesh& mesh, std::span<const std::uint32_t> neighbors,
+                                               const RegionTable& regions, const ContourSet& set,
+                                               std::span<const std::uint32_t> vertex_of,
+                                               std::vector<RoutedContour> routed,
+                                               const SnapRoundingOptions& options) {
     assert(vertex_of.size() == set.points.size() && options.most_mm > 0);
-    std::vector<Ring> rings = rings_of(set, vertex_of, followed);
+    std::vector<Ring> rings = rings_of(set, vertex_of, routed);
     for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
         const SurfaceGraph graph(mesh.points,
                                  structure_surface(mesh, neighbors, regions, s, options.threads));
         parallel_for(set.slices.size(), 1, options.threads, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {
                 const Slice& slice = set.slices[k];
-                SliceLeader(mesh.points, graph, set, slice, s,
-                            {rings.data() + slice.first_contour, slice.contour_count}, options.most_mm)
+                SliceSnapRounding(mesh.points, graph, set, slice, s,
+                                  {rings.data() + slice.first_contour, slice.contour_count}, options.most_mm)
                     .run();
             }
         });
     }
-    std::vector<FollowedContour> all;
-    auto next = followed.begin();
+    std::vector<RoutedContour> all;
+    auto next = routed.begin();
     for (std::uint32_t c = 0; c < rings.size(); ++c) {
-        const bool was_led = next != followed.end() && next->contour == c;
-        if (!was_led && rings[c].ways.empty()) continue;
-        FollowedContour& one = all.emplace_back(was_led ? std::move(*next) : FollowedContour{c, {}, 0, 0});
-        next += was_led;
+        const bool was_rerouted = next != routed.end() && next->contour == c;
+        if (!was_rerouted && rings[c].ways.empty()) continue;
+        RoutedContour& one = all.emplace_back(was_rerouted ? std::move(*next) : RoutedContour{c, {}, 0, 0});
+        next += was_rerouted;
         for (const Way& way : rings[c].ways) one.segments += way.replaced;
-        // Where a stretch that was led is led once more, its segment counts once.
+        // Where a stretch that was re-routed is re-routed once more, its segment counts once.
         one.segments = std::min<std::uint64_t>(one.segments, set.contours[c].point_count);
         for (const Way& way : rings[c].ways) one.farthest_mm = std::max(one.farthest_mm, way.farthest_mm);
         one.vertices = with_ways(rings[c]).vertices;

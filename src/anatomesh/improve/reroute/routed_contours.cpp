@@ -1,4 +1,4 @@
-#include "anatomesh/improve/reroute/followed_contours.h"
+#include "anatomesh/improve/reroute/routed_contours.h"
 
 #include <algorithm>
 #include <array>
@@ -33,17 +33,17 @@ struct DrawnRing {
 
 }  // namespace
 
-ContoursOfMesh follow_contours(const ContourSet& set, std::span<const std::uint32_t> vertex_of,
-                               std::span<const FollowedContour> followed, std::span<const Vec3> points) {
+ContoursOfMesh route_contours(const ContourSet& set, std::span<const std::uint32_t> vertex_of,
+                              std::span<const RoutedContour> routed, std::span<const Vec3> points) {
     assert(vertex_of.size() == set.points.size());
     ContoursOfMesh result{set, {}};
-    if (followed.empty()) {
+    if (routed.empty()) {
         result.vertices.assign(vertex_of.begin(), vertex_of.end());
         return result;
     }
     result.contours.points.clear();
     result.contours.contours.clear();
-    auto next = followed.begin();
+    auto next = routed.begin();
     for (std::uint32_t s = 0; s < set.slices.size(); ++s) {
         std::vector<DrawnRing> rings;
         const Slice& slice = set.slices[s];
@@ -51,7 +51,7 @@ ContoursOfMesh follow_contours(const ContourSet& set, std::span<const std::uint3
             const Contour& contour = set.contours[c];
             DrawnRing& ring = rings.emplace_back();
             ring.structure = contour.structure;
-            if (next != followed.end() && next->contour == c) {
+            if (next != routed.end() && next->contour == c) {
                 ring.vertices = next->vertices;
                 for (const std::uint32_t v : ring.vertices) ring.points.push_back(points[v]);
                 ring.turn();
@@ -76,58 +76,58 @@ ContoursOfMesh follow_contours(const ContourSet& set, std::span<const std::uint3
             result.vertices.insert(result.vertices.end(), ring.vertices.begin(), ring.vertices.end());
         }
     }
-    assert(next == followed.end());
+    assert(next == routed.end());
     return result;
 }
 
-void drop_unsound(const ContourSet& set, std::vector<FollowedContour>& followed,
-                  std::span<const Vec3> points) {
-    const std::vector<FollowedContour> all = followed;
+void drop_unsound(const ContourSet& set, std::vector<RoutedContour>& routed, std::span<const Vec3> points) {
+    const std::vector<RoutedContour> all = routed;
     for (auto first = all.begin(); first != all.end();) {
         const std::uint32_t s = set.contours[first->contour].slice;
         const auto last =
             std::find_if(first, all.end(), [&](const auto& f) { return set.contours[f.contour].slice != s; });
         const Slice& slice = set.slices[s];
-        std::vector<const FollowedContour*> led(slice.contour_count, nullptr);
-        for (auto f = first; f != last; ++f) led[f->contour - slice.first_contour] = &*f;
+        std::vector<const RoutedContour*> rerouted(slice.contour_count, nullptr);
+        for (auto f = first; f != last; ++f) rerouted[f->contour - slice.first_contour] = &*f;
         // Each time one at least stays as it is drawn.
         for (bool sound = false; !sound;) {
             std::vector<PlaneRing> rings = plane_rings(set, slice);
-            for (std::size_t n = 0; n < led.size(); ++n) {
-                if (led[n] == nullptr) continue;
+            for (std::size_t n = 0; n < rerouted.size(); ++n) {
+                if (rerouted[n] == nullptr) continue;
                 rings[n].at.clear();
-                for (const std::uint32_t v : led[n]->vertices)
+                for (const std::uint32_t v : rerouted[n]->vertices)
                     rings[n].at.push_back(slice.plane.to_plane(points[v]));
             }
             const std::vector<RingSegment> faults = slice_faults(rings, set.exclusive);
             sound = faults.empty();
             bool any = false;
-            for (const RingSegment& fault : faults) any |= std::exchange(led[fault.ring], nullptr) != nullptr;
+            for (const RingSegment& fault : faults)
+                any |= std::exchange(rerouted[fault.ring], nullptr) != nullptr;
             // Those that are as drawn are at fault with others.
             if (!sound && !any) {
-                sound = std::all_of(led.begin(), led.end(), [](const auto* one) { return one == nullptr; });
-                std::fill(led.begin(), led.end(), nullptr);
+                sound = std::all_of(rerouted.begin(), rerouted.end(),
+                                    [](const auto* one) { return one == nullptr; });
+                std::fill(rerouted.begin(), rerouted.end(), nullptr);
             }
         }
-        std::erase_if(followed, [&](const FollowedContour& f) {
-            return set.contours[f.contour].slice == s && led[f.contour - slice.first_contour] == nullptr;
+        std::erase_if(routed, [&](const RoutedContour& f) {
+            return set.contours[f.contour].slice == s && rerouted[f.contour - slice.first_contour] == nullptr;
         });
         first = last;
     }
 }
 
 std::vector<std::uint8_t> kept_vertices(const ContourSet& set, std::span<const std::uint32_t> vertex_of,
-                                        std::span<const FollowedContour> followed, std::size_t vertex_count) {
+                                        std::span<const RoutedContour> routed, std::size_t vertex_count) {
     std::vector<std::uint8_t> kept(vertex_count, 0);
-    auto next = followed.begin();
+    auto next = routed.begin();
     for (std::uint32_t c = 0; c < set.contours.size(); ++c) {
-        const bool is_followed = next != followed.end() && next->contour == c;
+        const bool is_routed = next != routed.end() && next->contour == c;
         const Contour& contour = set.contours[c];
-        for (const std::uint32_t v : is_followed
-                                         ? std::span<const std::uint32_t>(next->vertices)
-                                         : vertex_of.subspan(contour.first_point, contour.point_count))
+        for (const std::uint32_t v : is_routed ? std::span<const std::uint32_t>(next->vertices)
+                                               : vertex_of.subspan(contour.first_point, contour.point_count))
             kept[v] = 1;
-        next += is_followed;
+        next += is_routed;
     }
     return kept;
 }
@@ -136,28 +136,29 @@ namespace {
 
 constexpr int parts = 16;  // of a segment, to measure distances between
 
-// Places in the ring that is drawn, and in that which was led, between two vertices that both have; these
-// included.
+// Places in the ring that is drawn, and in that which was re-routed, between two vertices that both have;
+// these included.
 struct Stretch {
-    std::vector<std::size_t> drawn, led;
+    std::vector<std::size_t> drawn, rerouted;
 
-    bool is_same_segment() const { return drawn.size() == 2 && led.size() == 2; }
+    bool is_same_segment() const { return drawn.size() == 2 && rerouted.size() == 2; }
 };
 
 // From one common vertex to the next, if they come in one order; else, and where there are none, the whole
 // rings as one, closed.
-std::vector<Stretch> stretches_of(std::span<const std::uint32_t> drawn, std::span<const std::uint32_t> led) {
-    std::unordered_map<std::uint32_t, std::size_t> place_in_led;
-    for (std::size_t n = 0; n < led.size(); ++n) place_in_led[led[n]] = n;
+std::vector<Stretch> stretches_of(std::span<const std::uint32_t> drawn,
+                                  std::span<const std::uint32_t> rerouted) {
+    std::unordered_map<std::uint32_t, std::size_t> place_in_rerouted;
+    for (std::size_t n = 0; n < rerouted.size(); ++n) place_in_rerouted[rerouted[n]] = n;
     std::vector<std::array<std::size_t, 2>> common;  // places in both, from the first
     for (std::size_t n = 0; n < drawn.size(); ++n) {
-        if (const auto found = place_in_led.find(drawn[n]); found != place_in_led.end())
+        if (const auto found = place_in_rerouted.find(drawn[n]); found != place_in_rerouted.end())
             common.push_back({n, found->second});
     }
     bool in_order = !common.empty();
     for (std::size_t k = 0; k < common.size(); ++k) {
         const auto after = [&](std::size_t n) {
-            return (common[n % common.size()][1] + led.size() - common[0][1]) % led.size();
+            return (common[n % common.size()][1] + rerouted.size() - common[0][1]) % rerouted.size();
         };
         in_order = in_order && (k + 1 == common.size() || after(k) < after(k + 1));
     }
@@ -172,7 +173,7 @@ std::vector<Stretch> stretches_of(std::span<const std::uint32_t> drawn, std::spa
     for (std::size_t k = 0; k < common.size(); ++k) {
         const auto [d, l] = common[k];
         const auto [next_d, next_l] = common[(k + 1) % common.size()];
-        stretches.push_back({between(drawn.size(), d, next_d), between(led.size(), l, next_l)});
+        stretches.push_back({between(drawn.size(), d, next_d), between(rerouted.size(), l, next_l)});
     }
     return stretches;
 }
@@ -200,16 +201,16 @@ void add_segments(const std::vector<Vec3>& row, const Plane& plane, std::vector<
 
 }  // namespace
 
-std::vector<FollowedContourReport> followed_contours(const ContourSet& set,
-                                                     std::span<const std::uint32_t> vertex_of,
-                                                     std::span<const FollowedContour> followed,
-                                                     std::span<const Vec3> points) {
-    std::vector<FollowedContourReport> reports;
-    for (const FollowedContour& one : followed) {
+std::vector<RoutedContourReport> routed_contour_reports(const ContourSet& set,
+                                                        std::span<const std::uint32_t> vertex_of,
+                                                        std::span<const RoutedContour> routed,
+                                                        std::span<const Vec3> points) {
+    std::vector<RoutedContourReport> reports;
+    for (const RoutedContour& one : routed) {
         const Contour& contour = set.contours[one.contour];
         const Slice& slice = set.slices[contour.slice];
         const Structure& structure = set.structures[contour.structure];
-        FollowedContourReport& report = reports.emplace_back();
+        RoutedContourReport& report = reports.emplace_back();
         report.structure = structure.name.empty() ? std::to_string(structure.number) : structure.name;
         report.slice = slice.name.empty() ? std::to_string(contour.slice) : slice.name;
         report.segments = one.segments;
@@ -225,7 +226,7 @@ std::vector<FollowedContourReport> followed_contours(const ContourSet& set,
             if (stretch.is_same_segment()) continue;
             std::vector<Vec3> was, is;
             for (const std::size_t n : stretch.drawn) was.push_back(set.points_of(contour)[n]);
-            for (const std::size_t n : stretch.led) is.push_back(points[one.vertices[n]]);
+            for (const std::size_t n : stretch.rerouted) is.push_back(points[one.vertices[n]]);
             report.farthest_mm = std::max({report.farthest_mm, farthest(was, is), farthest(is, was)});
             add_segments(was, slice.plane, segments, box);
             add_segments(is, slice.plane, segments, box);

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/reroute/follow_surface.h"
+#include "anatomesh/improve/reroute/reroute_on_section.h"
 
 #include <algorithm>
 #include <array>
@@ -32,11 +32,11 @@ constexpr std::array nearness{0.3, 0.5, 0.1};
 constexpr std::array steps{1.0, 0.5, 0.25};  // towards what is drawn
 
 // A contour, and what came of it.
-struct Led {
+struct ReroutedContour {
     std::uint32_t number = 0;
     Contour contour;
     ContourLoop loop;
-    bool is_led = false;
+    bool is_rerouted = false;
     std::uint64_t segments = 0;
     double farthest_mm = 0;
 };
@@ -83,45 +83,46 @@ struct Attempt {
     std::vector<VertexPair> fixed;        // edges
 };
 
-class Follower {
+class SectionRerouting {
   public:
-    Follower(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded, double least_sine,
-             double last_sine, const ImproveCells& improve, const RunContext& context)
+    SectionRerouting(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded,
+                     double least_sine, double last_sine, const ImproveCells& improve,
+                     const RunContext& context)
         : bench_(bench),
           drawn_(drawn),
           crowded_(crowded),
-          following_(drawn.following),
+          routable_(drawn.routable),
           sides_(bench),
           least_sine_(least_sine),
           last_sine_(last_sine),
           improve_(improve),
           context_(context) {}
 
-    FollowStats run() {
-        FollowStats stats;
-        for (std::uint32_t n = 0; n < following_.contours.size(); ++n) {
-            Led led = as_drawn(n);
-            const std::size_t missed = count_missed(led);
+    RerouteStats run() {
+        RerouteStats stats;
+        for (std::uint32_t n = 0; n < routable_.contours.size(); ++n) {
+            ReroutedContour rerouted = as_drawn(n);
+            const std::size_t missed = count_missed(rerouted);
             stats.missed += missed;
-            if (missed > 0) contours_.push_back(std::move(led));
+            if (missed > 0) contours_.push_back(std::move(rerouted));
         }
         if (contours_.empty() || stats.missed > most_missed) return stats;
         find_vertices();
         lead_all();
         std::size_t left = 0;
-        for (const Led& led : contours_) left += count_missed(led);
+        for (const ReroutedContour& rerouted : contours_) left += count_missed(rerouted);
         if (left > 0 && left <= last_missed) {
             least_sine_ = std::min(least_sine_, last_sine_);
             tried_.clear();
             attempts_ = 0;
             lead_all();
         }
-        for (const Led& led : contours_) {
-            if (!led.is_led || is_as_drawn(led)) continue;
-            FollowedContour& followed =
-                stats.followed.emplace_back(FollowedContour{led.number, {}, led.segments, led.farthest_mm});
-            for (std::size_t n = 0; n < led.loop.size(); ++n)
-                followed.vertices.push_back(led.loop.corner(n).vertex);
+        for (const ReroutedContour& rerouted : contours_) {
+            if (!rerouted.is_rerouted || is_as_drawn(rerouted)) continue;
+            RoutedContour& routed = stats.routed.emplace_back(
+                RoutedContour{rerouted.number, {}, rerouted.segments, rerouted.farthest_mm});
+            for (std::size_t n = 0; n < rerouted.loop.size(); ++n)
+                routed.vertices.push_back(rerouted.loop.corner(n).vertex);
         }
         stats.changed = std::move(changed_);
         return stats;
@@ -131,33 +132,33 @@ class Follower {
     void lead_all() {
         for (int round = 0; round < contour_rounds; ++round) {
             bool any = false;
-            for (Led& led : contours_) any |= lead(led);
+            for (ReroutedContour& rerouted : contours_) any |= route(rerouted);
             if (!any) break;
         }
     }
 
-    Led as_drawn(std::uint32_t number) const {
-        const Contour& contour = following_.contours[number];
-        const auto vertices = following_.vertices.subspan(contour.first_point, contour.point_count);
+    ReroutedContour as_drawn(std::uint32_t number) const {
+        const Contour& contour = routable_.contours[number];
+        const auto vertices = routable_.vertices.subspan(contour.first_point, contour.point_count);
         std::vector<Vec3> places;
         for (const std::uint32_t v : vertices) places.push_back(bench_.mesh.point(v));
         return {number, contour, {vertices, std::move(places)}};
     }
 
     // Whether all of it is edges of the surface where it is drawn: a way may lie on that.
-    bool is_as_drawn(const Led& led) {
-        const Led drawn = as_drawn(led.number);
+    bool is_as_drawn(const ReroutedContour& rerouted) {
+        const ReroutedContour drawn = as_drawn(rerouted.number);
         return count_missed(drawn) == 0;
     }
 
-    bool is_missed(const Led& led, std::size_t n) {
-        const std::uint32_t a = led.loop.corner(n).vertex, b = led.loop.corner(n + 1).vertex;
-        return sides_.row_from(a, b, led.contour.structure).back() != b;
+    bool is_missed(const ReroutedContour& rerouted, std::size_t n) {
+        const std::uint32_t a = rerouted.loop.corner(n).vertex, b = rerouted.loop.corner(n + 1).vertex;
+        return sides_.row_from(a, b, rerouted.contour.structure).back() != b;
     }
 
-    std::size_t count_missed(const Led& led) {
+    std::size_t count_missed(const ReroutedContour& rerouted) {
         std::size_t missed = 0;
-        for (std::size_t n = 0; n < led.loop.size(); ++n) missed += is_missed(led, n);
+        for (std::size_t n = 0; n < rerouted.loop.size(); ++n) missed += is_missed(rerouted, n);
         return missed;
     }
 
@@ -166,13 +167,13 @@ class Follower {
     }
 
     void find_vertices() {
-        for (const Contour& contour : following_.contours) {
+        for (const Contour& contour : routable_.contours) {
             for (std::uint32_t n = 0; n < contour.point_count; ++n)
-                note(contour, following_.vertices[contour.first_point + n]);
+                note(contour, routable_.vertices[contour.first_point + n]);
         }
         for (auto& [key, vertices] : of_drawing_) sort_distinct(vertices);
         for (auto& [slice, vertices] : of_slice_) sort_distinct(vertices);
-        drawn_vertices_.assign(following_.vertices.begin(), following_.vertices.end());
+        drawn_vertices_.assign(routable_.vertices.begin(), routable_.vertices.end());
         sort_distinct(drawn_vertices_);
     }
 
@@ -181,28 +182,30 @@ class Follower {
         of_slice_[contour.slice].push_back(v);
     }
 
-    // Whether any of it was led.
-    bool lead(Led& led) {
+    // Whether any of it was re-routed.
+    bool route(ReroutedContour& rerouted) {
         bool any = false;
-        for (std::size_t n = 0; n < led.loop.size() && attempts_ < most_attempts; ++n) {
-            if (context_.cancelled() || !is_missed(led, n)) continue;
-            const std::size_t before = count_missed(led);
-            const Shore here = shore(led, n, -1), there = shore(led, n, 1);
-            if (is_known_to_fail(led, n, here, there)) continue;
+        for (std::size_t n = 0; n < rerouted.loop.size() && attempts_ < most_attempts; ++n) {
+            if (context_.cancelled() || !is_missed(rerouted, n)) continue;
+            const std::size_t before = count_missed(rerouted);
+            const Shore here = shore(rerouted, n, -1), there = shore(rerouted, n, 1);
+            if (is_known_to_fail(rerouted, n, here, there)) continue;
             if (std::none_of(nearness.begin(), nearness.end(), [&](double near) {
                     ++attempts_;
-                    return attempt(led, here, there, near);
+                    return attempt(rerouted, here, there, near);
                 }))
                 continue;
-            led.segments += before - std::min(before, count_missed(led));
-            led.is_led = any = true;
+            rerouted.segments += before - std::min(before, count_missed(rerouted));
+            rerouted.is_rerouted = any = true;
         }
         return any;
     }
 
     // Whether the segment was tried when no cell at its surroundings was another one; notes that it is tried.
-    bool is_known_to_fail(const Led& led, std::size_t n, const Shore& here, const Shore& there) {
-        Tried& tried = tried_[{led.loop.corner(n).vertex, led.loop.corner(n + 1).vertex, led.number}];
+    bool is_known_to_fail(const ReroutedContour& rerouted, std::size_t n, const Shore& here,
+                          const Shore& there) {
+        Tried& tried =
+            tried_[{rerouted.loop.corner(n).vertex, rerouted.loop.corner(n + 1).vertex, rerouted.number}];
         const bool fails =
             !tried.reach.empty() &&
             std::none_of(changed_.begin() + static_cast<std::ptrdiff_t>(tried.changed_before), changed_.end(),
@@ -223,15 +226,15 @@ class Follower {
 
     // Vertices of the contour that edges of its surface join to others, from missed segment n on: `step` is
     // +1 for those after it, -1 for those before it.
-    Shore shore(const Led& led, std::size_t n, int step) {
-        const std::size_t count = led.loop.size(), most = std::min(most_beside, (count - 2) / 2);
+    Shore shore(const ReroutedContour& rerouted, std::size_t n, int step) {
+        const std::size_t count = rerouted.loop.size(), most = std::min(most_beside, (count - 2) / 2);
         Shore found;
         // From the segment's other end on.
-        LoopCorner x = led.loop.corner(n);
-        if (step < 0) x = led.loop.beside(n, x.at, 1);
-        for (std::size_t k = 0; k <= most && found.length <= reach * following_.most_mm; ++k) {
-            const LoopCorner y = led.loop.beside(step > 0 ? n + k : n + 1 + count - k, x.at, step);
-            add_row(led.contour.structure, x, y, k > 0, found);
+        LoopCorner x = rerouted.loop.corner(n);
+        if (step < 0) x = rerouted.loop.beside(n, x.at, 1);
+        for (std::size_t k = 0; k <= most && found.length <= reach * routable_.most_mm; ++k) {
+            const LoopCorner y = rerouted.loop.beside(step > 0 ? n + k : n + 1 + count - k, x.at, step);
+            add_row(rerouted.contour.structure, x, y, k > 0, found);
             x = y;
         }
         return found;
@@ -259,14 +262,15 @@ class Follower {
         shore.ends.push_back({v, shore.length});
     }
 
-    std::optional<SectionPath> find_way(const Led& led, const Shore& here, const Shore& there) {
-        const Contour& contour = led.contour;
+    std::optional<SectionPath> find_way(const ReroutedContour& rerouted, const Shore& here,
+                                        const Shore& there) {
+        const Contour& contour = rerouted.contour;
         const std::vector<Vec3> drawn =
-            led.loop.drawn_between(here.corners.back().at, there.corners.back().at);
+            rerouted.loop.drawn_between(here.corners.back().at, there.corners.back().at);
         double longest = 0;
         for (std::size_t n = 1; n < drawn.size(); ++n)
             longest = std::max(longest, length(drawn[n] - drawn[n - 1]));
-        SurfaceSection section(bench_, following_.planes[contour.slice], contour.structure,
+        SurfaceSection section(bench_, routable_.planes[contour.slice], contour.structure,
                                on_segment * longest, of_slice_[contour.slice]);
         const std::vector<std::uint32_t>& taken = of_drawing_[drawing(contour)];
         const auto is_end = [&](std::uint32_t v) {
@@ -278,62 +282,63 @@ class Follower {
                 if (point.node.is_vertex() && !is_end(point.node.p) &&
                     std::binary_search(taken.begin(), taken.end(), point.node.p))
                     return false;
-                return length(point.place - nearest_on_row(drawn, point.place)) <= following_.most_mm;
+                return length(point.place - nearest_on_row(drawn, point.place)) <= routable_.most_mm;
             });
         if (!points) return std::nullopt;
         SectionPath way{std::move(*points)};
         way.from = here.at(way.points.front().node.p);
         way.to = there.at(way.points.back().node.p);
-        way.farthest_mm = distance_of_rows(way.places(), led.loop.drawn_between(way.from, way.to));
+        way.farthest_mm = distance_of_rows(way.places(), rerouted.loop.drawn_between(way.from, way.to));
         return way;
     }
 
-    bool attempt(Led& led, const Shore& here, const Shore& there, double near) {
-        std::optional<SectionPath> way = find_way(led, here, there);
+    bool attempt(ReroutedContour& rerouted, const Shore& here, const Shore& there, double near) {
+        std::optional<SectionPath> way = find_way(rerouted, here, there);
         if (!way) return false;
         const DihedralStats stats = bench_.stats;
         bench_.mesh.begin_attempt();
         Attempt done;
-        while (way && move_near(*way, near, done)) way = find_way(led, here, there);
-        ContourLoop loop = led.loop;
+        while (way && move_near(*way, near, done)) way = find_way(rerouted, here, there);
+        ContourLoop loop = rerouted.loop;
         std::vector<std::uint32_t> vertices;
-        const bool good = way && make_edges(*way, led.contour.structure, vertices, done) &&
-                          settle(led, *way, vertices, done) && replace(led, *way, vertices, loop);
+        const bool good = way && make_edges(*way, rerouted.contour.structure, vertices, done) &&
+                          settle(rerouted, *way, vertices, done) && replace(rerouted, *way, vertices, loop);
         bench_.mesh.end_attempt(good);
         if (!good) {
             take_back(done);
             bench_.stats = stats;
             return false;
         }
-        led.loop = std::move(loop);
-        led.farthest_mm = std::max(led.farthest_mm, way->farthest_mm);
-        keep(led.contour, vertices, done);
+        rerouted.loop = std::move(loop);
+        rerouted.farthest_mm = std::max(rerouted.farthest_mm, way->farthest_mm);
+        keep(rerouted.contour, vertices, done);
         return true;
     }
 
     // Draws the way, now edges, near to what is drawn, and improves the shapes. False if the cells are bad
     // then, or if it went too far.
-    bool settle(const Led& led, SectionPath& way, const std::vector<std::uint32_t>& vertices, Attempt& done) {
-        const std::vector<Vec3> drawn = led.loop.drawn_between(way.from, way.to);
-        release(led, way, vertices, done);
+    bool settle(const ReroutedContour& rerouted, SectionPath& way, const std::vector<std::uint32_t>& vertices,
+                Attempt& done) {
+        const std::vector<Vec3> drawn = rerouted.loop.drawn_between(way.from, way.to);
+        release(rerouted, way, vertices, done);
         for (int turn = 0; turn < turns; ++turn) {
             draw_near(drawn, vertices, done);
             for (std::size_t n = 0; n < vertices.size(); ++n)
                 way.points[n].place = bench_.mesh.point(vertices[n]);
-            ContourLoop loop = led.loop;
-            if (turn == 0 && !replace(led, way, vertices, loop)) return false;
+            ContourLoop loop = rerouted.loop;
+            if (turn == 0 && !replace(rerouted, way, vertices, loop)) return false;
             improve_cells(done);
         }
         way.farthest_mm = distance_of_rows(way.places(), drawn);
-        return way.farthest_mm <= following_.most_mm && is_on_surface(vertices, led.contour.structure) &&
+        return way.farthest_mm <= routable_.most_mm && is_on_surface(vertices, rerouted.contour.structure) &&
                std::all_of(done.changed.begin(), done.changed.end(),
                            [&](std::uint32_t c) { return is_good(c); });
     }
 
     // Puts the way into the loop; false if the slice's contours are none of a kept set then.
-    bool replace(const Led& led, const SectionPath& way, const std::vector<std::uint32_t>& vertices,
-                 ContourLoop& loop) const {
-        return loop.replace({way.from, way.to, vertices, way.places()}) && is_sound(led, loop);
+    bool replace(const ReroutedContour& rerouted, const SectionPath& way,
+                 const std::vector<std::uint32_t>& vertices, ContourLoop& loop) const {
+        return loop.replace({way.from, way.to, vertices, way.places()}) && is_sound(rerouted, loop);
     }
 
     bool is_on_surface(const std::vector<std::uint32_t>& way, std::uint32_t structure) {
@@ -431,15 +436,15 @@ class Follower {
 
     // Subsegments of segments that the way takes the place of: their edges need not be there any more,
     // vertices of theirs alone may move, and do not crowd others.
-    void release(const Led& led, const SectionPath& way, const std::vector<std::uint32_t>& vertices,
-                 Attempt& done) {
+    void release(const ReroutedContour& rerouted, const SectionPath& way,
+                 const std::vector<std::uint32_t>& vertices, Attempt& done) {
         std::vector<std::uint32_t> row;
         std::vector<VertexPair> edges;
         for (auto n = static_cast<std::int64_t>(std::floor(way.from)); static_cast<double>(n) < way.to; ++n) {
-            const std::uint32_t a = led.loop.drawn(n), b = led.loop.drawn(n + 1);
+            const std::uint32_t a = rerouted.loop.drawn(n), b = rerouted.loop.drawn(n + 1);
             const double whole = length(bench_.mesh.point(b) - bench_.mesh.point(a));
             for (std::uint32_t last = a; last != b;) {
-                const std::uint32_t v = end_of_subsegment(last, a, b, led.contour.structure);
+                const std::uint32_t v = end_of_subsegment(last, a, b, rerouted.contour.structure);
                 if (v == no_cell) break;
                 const auto place = [&](std::uint32_t w) {
                     return static_cast<double>(n) +
@@ -453,7 +458,7 @@ class Follower {
         }
         for (const VertexPair& edge : edges) {
             const auto is_of_another = [&](const std::array<std::uint32_t, 3>& subsegment) {
-                return subsegment[2] != led.contour.structure &&
+                return subsegment[2] != rerouted.contour.structure &&
                        VertexPair{std::min(subsegment[0], subsegment[1]),
                                   std::max(subsegment[0], subsegment[1])} == edge;
             };
@@ -468,11 +473,11 @@ class Follower {
         sort_distinct(own);
         for (const std::uint32_t v : row) {
             // Vertices of contours stay, on the surface, whether it passes through them or not; and so do
-            // those that another contour was led along.
+            // those that another contour was re-routed along.
             if (!std::binary_search(drawn_vertices_.begin(), drawn_vertices_.end(), v) &&
                 !std::binary_search(led_vertices_.begin(), led_vertices_.end(), v) &&
                 std::find(vertices.begin(), vertices.end(), v) == vertices.end() &&
-                is_free_without(own, led.contour.structure, v))
+                is_free_without(own, rerouted.contour.structure, v))
                 free(v, done);
         }
     }
@@ -542,26 +547,26 @@ class Follower {
     }
 
     // Whether the contours of its slice are still what those of kept sets are.
-    bool is_sound(const Led& led, const ContourLoop& changed) const {
-        const Plane& plane = following_.planes[led.contour.slice];
+    bool is_sound(const ReroutedContour& rerouted, const ContourLoop& changed) const {
+        const Plane& plane = routable_.planes[rerouted.contour.slice];
         std::vector<PlaneRing> rings;
-        for (std::uint32_t n = 0; n < following_.contours.size(); ++n) {
-            const Contour& contour = following_.contours[n];
-            if (contour.slice != led.contour.slice) continue;
+        for (std::uint32_t n = 0; n < routable_.contours.size(); ++n) {
+            const Contour& contour = routable_.contours[n];
+            if (contour.slice != rerouted.contour.slice) continue;
             PlaneRing& ring = rings.emplace_back(PlaneRing{contour.structure, {}});
             const auto found = std::find_if(contours_.begin(), contours_.end(),
-                                            [&](const Led& other) { return other.number == n; });
-            const ContourLoop* const loop = n == led.number            ? &changed
+                                            [&](const ReroutedContour& other) { return other.number == n; });
+            const ContourLoop* const loop = n == rerouted.number       ? &changed
                                             : found != contours_.end() ? &found->loop
                                                                        : nullptr;
             const std::size_t count = loop ? loop->size() : contour.point_count;
             for (std::size_t k = 0; k < count; ++k) {
                 const std::uint32_t v =
-                    loop ? loop->corner(k).vertex : following_.vertices[contour.first_point + k];
+                    loop ? loop->corner(k).vertex : routable_.vertices[contour.first_point + k];
                 ring.at.push_back(plane.to_plane(bench_.mesh.point(v)));
             }
         }
-        return slice_faults(rings, following_.exclusive).empty();
+        return slice_faults(rings, routable_.exclusive).empty();
     }
 
     void take_back(const Attempt& done) {
@@ -591,14 +596,14 @@ class Follower {
     Workbench& bench_;
     const DrawnSlices& drawn_;
     std::span<std::uint8_t> crowded_;
-    const FollowingContours& following_;
+    const RoutableContours& routable_;
     SidesAt sides_;
     double least_sine_, last_sine_;  // of cells inside that no contour forces
     const ImproveCells& improve_;
     const RunContext& context_;
     std::size_t attempts_ = 0;
     std::map<std::array<std::uint32_t, 3>, Tried> tried_;  // by ends and contour
-    std::vector<Led> contours_;                            // that have missed segments, by number
+    std::vector<ReroutedContour> contours_;                // that have missed segments, by number
     // Vertices of the contours as they are now, rising: of a slice and a structure, and of a slice; and as
     // they are drawn.
     std::map<std::uint64_t, std::vector<std::uint32_t>> of_drawing_;
@@ -609,12 +614,12 @@ class Follower {
 
 }  // namespace
 
-FollowStats follow_surface(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded,
-                           double least_sine, double last_sine, const ImproveCells& improve,
-                           const RunContext& context) {
-    if (!drawn.table || !drawn.owners || drawn.following.contours.empty() || !(drawn.following.most_mm > 0))
+RerouteStats reroute_on_section(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded,
+                                double least_sine, double last_sine, const ImproveCells& improve,
+                                const RunContext& context) {
+    if (!drawn.table || !drawn.owners || drawn.routable.contours.empty() || !(drawn.routable.most_mm > 0))
         return {};
-    return Follower(bench, drawn, crowded, least_sine, last_sine, improve, context).run();
+    return SectionRerouting(bench, drawn, crowded, least_sine, last_sine, improve, context).run();
 }
 
 }  // namespace anatomesh

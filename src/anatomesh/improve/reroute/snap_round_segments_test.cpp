@@ -1,4 +1,4 @@
-#include "anatomesh/improve/reroute/follow_edges.h"
+#include "anatomesh/improve/reroute/snap_round_segments.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 #include "anatomesh/contour/overlay/even_odd_area.h"
 #include "anatomesh/contour/overlay/slice_soundness.h"
 #include "anatomesh/geom/polygon.h"
-#include "anatomesh/improve/reroute/followed_contours.h"
+#include "anatomesh/improve/reroute/routed_contours.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
@@ -45,33 +45,33 @@ double distance_from(Vec3 p, Vec3 a, Vec3 b) {
 // A contour as it is drawn and as it runs on the mesh.
 struct Both {
     std::vector<Vec3> drawn;
-    std::vector<std::uint32_t> led;
+    std::vector<std::uint32_t> rerouted;
 };
 
-class Followed {
+class Routed {
   public:
-    Followed(TetMesh mesh, RegionTable regions, ContourSet set, std::vector<std::uint32_t> vertex_of)
+    Routed(TetMesh mesh, RegionTable regions, ContourSet set, std::vector<std::uint32_t> vertex_of)
         : mesh_(std::move(mesh)),
           regions_(std::move(regions)),
           set_(std::move(set)),
           vertex_of_(std::move(vertex_of)),
           neighbors_(cell_neighbors(mesh_.cells, mesh_.points.size())) {}
 
-    std::vector<FollowedContour> led(double most_mm, int threads = 1) const {
-        return follow_edges(mesh_, neighbors_, regions_, set_, vertex_of_, {}, {most_mm, threads});
+    std::vector<RoutedContour> rerouted(double most_mm, int threads = 1) const {
+        return snap_round_segments(mesh_, neighbors_, regions_, set_, vertex_of_, {}, {most_mm, threads});
     }
 
     const TetMesh& mesh() const { return mesh_; }
     const ContourSet& set() const { return set_; }
 
-    // Segments of contours, led or not, that are no chains of edges.
-    std::size_t missed(const std::vector<FollowedContour>& followed) const {
+    // Segments of contours, re-routed or not, that are no chains of edges.
+    std::size_t missed(const std::vector<RoutedContour>& routed) const {
         std::size_t missed = 0;
         for (std::uint32_t s = 0; s < set_.structures.size(); ++s) {
             const std::set<Edge> edges = edges_of(structure_surface(mesh_, regions_, s));
             for (std::uint32_t c = 0; c < set_.contours.size(); ++c) {
                 if (set_.contours[c].structure != s) continue;
-                const std::vector<std::uint32_t> ring = ring_of(followed, c);
+                const std::vector<std::uint32_t> ring = ring_of(routed, c);
                 for (std::size_t n = 0; n < ring.size(); ++n)
                     missed += !is_chain(edges, ring[n], ring[(n + 1) % ring.size()]);
             }
@@ -79,20 +79,20 @@ class Followed {
         return missed;
     }
 
-    std::vector<std::uint32_t> ring_of(const std::vector<FollowedContour>& followed, std::uint32_t c) const {
-        for (const FollowedContour& one : followed) {
+    std::vector<std::uint32_t> ring_of(const std::vector<RoutedContour>& routed, std::uint32_t c) const {
+        for (const RoutedContour& one : routed) {
             if (one.contour == c) return one.vertices;
         }
         const auto first = vertex_of_.begin() + set_.contours[c].first_point;
         return {first, first + set_.contours[c].point_count};
     }
 
-    // Slices whose contours touch, cross or turn over, as they are led.
-    std::size_t unsound(const std::vector<FollowedContour>& followed) const {
-        const ContourSet led = follow_contours(set_, vertex_of_, followed, mesh_.points).contours;
+    // Slices whose contours touch, cross or turn over, as they are re-routed.
+    std::size_t unsound(const std::vector<RoutedContour>& routed) const {
+        const ContourSet rerouted = route_contours(set_, vertex_of_, routed, mesh_.points).contours;
         return static_cast<std::size_t>(
-            std::count_if(led.slices.begin(), led.slices.end(), [&](const Slice& slice) {
-                return !slice_faults(plane_rings(led, slice), led.exclusive).empty();
+            std::count_if(rerouted.slices.begin(), rerouted.slices.end(), [&](const Slice& slice) {
+                return !slice_faults(plane_rings(rerouted, slice), rerouted.exclusive).empty();
             }));
     }
 
@@ -123,7 +123,7 @@ class Followed {
     std::vector<std::uint32_t> neighbors_;
 };
 
-Followed built(const ContourSet& set, std::uint64_t spare_above, double size_mm = 0) {
+Routed built(const ContourSet& set, std::uint64_t spare_above, double size_mm = 0) {
     ModelOptions options;
     options.spare_dense_above = spare_above;
     options.size_mm = size_mm;
@@ -134,7 +134,7 @@ Followed built(const ContourSet& set, std::uint64_t spare_above, double size_mm 
     return {std::move(model.mesh), std::move(model.regions), set, std::move(model.contour_vertices)};
 }
 
-TEST(FollowEdges, leaves_no_segment_of_dense_planes_missed) {
+TEST(SnapRoundSegments, leaves_no_segment_of_dense_planes_missed) {
     struct Case {
         std::string name;
         ContourSet set;
@@ -149,15 +149,15 @@ TEST(FollowEdges, leaves_no_segment_of_dense_planes_missed) {
     std::size_t missed_in_all = 0;
     for (const auto& [name, set, spare_above] : cases) {
         SCOPED_TRACE(name);
-        const Followed model = built(set, spare_above);
+        const Routed model = built(set, spare_above);
         const std::size_t missed = model.missed({});
         missed_in_all += missed;
         const double most_mm = 2;
-        const std::vector<FollowedContour> followed = model.led(most_mm, 2);
-        EXPECT_EQ(model.missed(followed), 0u);
-        EXPECT_EQ(model.unsound(followed), 0u);
+        const std::vector<RoutedContour> routed = model.rerouted(most_mm, 2);
+        EXPECT_EQ(model.missed(routed), 0u);
+        EXPECT_EQ(model.unsound(routed), 0u);
         std::size_t segments = 0;
-        for (const FollowedContour& one : followed) {
+        for (const RoutedContour& one : routed) {
             segments += one.segments;
             EXPECT_LE(one.farthest_mm, most_mm);
             const std::vector<std::uint32_t> drawn = model.ring_of({}, one.contour);
@@ -171,11 +171,11 @@ TEST(FollowEdges, leaves_no_segment_of_dense_planes_missed) {
             }
         }
         EXPECT_EQ(segments, missed);
-        const std::vector<FollowedContour> again = model.led(most_mm, 1);
-        ASSERT_EQ(again.size(), followed.size());
-        for (std::size_t n = 0; n < again.size(); ++n) EXPECT_EQ(again[n].vertices, followed[n].vertices);
+        const std::vector<RoutedContour> again = model.rerouted(most_mm, 1);
+        ASSERT_EQ(again.size(), routed.size());
+        for (std::size_t n = 0; n < again.size(); ++n) EXPECT_EQ(again[n].vertices, routed[n].vertices);
         // No way within a millionth, but where vertices lie on the line itself.
-        EXPECT_EQ(model.missed(model.led(1e-6)), missed);
+        EXPECT_EQ(model.missed(model.rerouted(1e-6)), missed);
     }
     EXPECT_GT(missed_in_all, 1000u);
 }
@@ -188,7 +188,7 @@ struct Slab {
 
     static Vec3 point(int i, int j) { return {1.0 * i, 1.0 * j, 1}; }
 
-    Followed made() const {
+    Routed made() const {
         TetMesh mesh = testing::brick_mesh(
             {n, n, 1}, [](int, int, int) { return Region{1}; },
             [](int i, int j, int k) {
@@ -212,7 +212,7 @@ struct Slab {
     }
 };
 
-std::vector<Vec3> places(const Followed& model, const std::vector<std::uint32_t>& ring) {
+std::vector<Vec3> places(const Routed& model, const std::vector<std::uint32_t>& ring) {
     std::vector<Vec3> all;
     for (const std::uint32_t v : ring) all.push_back(model.mesh().points[v]);
     return all;
@@ -220,34 +220,34 @@ std::vector<Vec3> places(const Followed& model, const std::vector<std::uint32_t>
 
 // From (4, 1) to (5, 2) there is an edge, from (1, 2) to (2, 1) none: the way is round one of the two
 // corners.
-TEST(FollowEdges, goes_round_the_facets_that_a_segment_crosses) {
-    const Followed model = Slab{{{2, 1}, {4, 1}, {5, 2}, {5, 5}, {1, 5}, {1, 2}}}.made();
+TEST(SnapRoundSegments, goes_round_the_facets_that_a_segment_crosses) {
+    const Routed model = Slab{{{2, 1}, {4, 1}, {5, 2}, {5, 5}, {1, 5}, {1, 2}}}.made();
     ASSERT_EQ(model.missed({}), 1u);
-    const std::vector<FollowedContour> followed = model.led(0.75);
-    ASSERT_EQ(followed.size(), 1u);
-    EXPECT_EQ(followed[0].segments, 1u);
-    EXPECT_NEAR(followed[0].farthest_mm, std::sqrt(0.5), 1e-12);
-    ASSERT_EQ(followed[0].vertices.size(), 7u);
-    const std::vector<Vec3> ring = places(model, followed[0].vertices);
+    const std::vector<RoutedContour> routed = model.rerouted(0.75);
+    ASSERT_EQ(routed.size(), 1u);
+    EXPECT_EQ(routed[0].segments, 1u);
+    EXPECT_NEAR(routed[0].farthest_mm, std::sqrt(0.5), 1e-12);
+    ASSERT_EQ(routed[0].vertices.size(), 7u);
+    const std::vector<Vec3> ring = places(model, routed[0].vertices);
     EXPECT_TRUE(std::count(ring.begin(), ring.end(), Slab::point(1, 1)) == 1 ||
                 std::count(ring.begin(), ring.end(), Slab::point(2, 2)) == 1);
-    EXPECT_EQ(model.missed(followed), 0u);
-    EXPECT_TRUE(model.led(0.7).empty()) << "further than asked for";
+    EXPECT_EQ(model.missed(routed), 0u);
+    EXPECT_TRUE(model.rerouted(0.7).empty()) << "further than asked for";
 }
 
 // Both corners are the contour's own: (1, 1) and (2, 2). It leaves one of its vertices out.
-TEST(FollowEdges, passes_a_vertex_by_where_all_others_are_taken) {
-    const Followed model = Slab{{{1, 1}, {2, 1}, {1, 2}, {2, 2}, {3, 3}, {1, 5}, {0, 5}, {0, 1}}}.made();
+TEST(SnapRoundSegments, passes_a_vertex_by_where_all_others_are_taken) {
+    const Routed model = Slab{{{1, 1}, {2, 1}, {1, 2}, {2, 2}, {3, 3}, {1, 5}, {0, 5}, {0, 1}}}.made();
     ASSERT_GT(model.missed({}), 0u);
-    const std::vector<FollowedContour> followed = model.led(2);
-    EXPECT_EQ(model.unsound(followed), 0u);
-    EXPECT_EQ(model.missed(followed), 0u);
+    const std::vector<RoutedContour> routed = model.rerouted(2);
+    EXPECT_EQ(model.unsound(routed), 0u);
+    EXPECT_EQ(model.missed(routed), 0u);
 }
 
-// What is led must not cross what lies beside it: two rows of vertices side by side, with the segment
+// What is re-routed must not cross what lies beside it: two rows of vertices side by side, with the segment
 // between.
-TEST(FollowEdges, never_makes_contours_touch) {
-    std::uint64_t led = 0;
+TEST(SnapRoundSegments, never_makes_contours_touch) {
+    std::uint64_t rerouted = 0;
     for (int shape = 0; shape < 40; ++shape) {
         SCOPED_TRACE(shape);
         random_solids::Random random(static_cast<std::uint32_t>(shape));
@@ -258,16 +258,16 @@ TEST(FollowEdges, never_makes_contours_touch) {
         corners.push_back({Slab::n, 7});
         for (int i = Slab::n - 1; i > 0; --i) corners.push_back({i, 7 - (i % 2) * random.below(2)});
         corners.push_back({0, 7});
-        const Followed model = Slab{corners}.made();
-        const std::vector<FollowedContour> followed = model.led(3);
-        EXPECT_EQ(model.unsound(followed), 0u);
-        EXPECT_LE(model.missed(followed), model.missed({}));
+        const Routed model = Slab{corners}.made();
+        const std::vector<RoutedContour> routed = model.rerouted(3);
+        EXPECT_EQ(model.unsound(routed), 0u);
+        EXPECT_LE(model.missed(routed), model.missed({}));
         std::uint64_t segments = 0;
-        for (const FollowedContour& one : followed) segments += one.segments;
-        EXPECT_EQ(model.missed(followed) + segments, model.missed({}));
-        led += segments;
+        for (const RoutedContour& one : routed) segments += one.segments;
+        EXPECT_EQ(model.missed(routed) + segments, model.missed({}));
+        rerouted += segments;
     }
-    EXPECT_GT(led, 40u);
+    EXPECT_GT(rerouted, 40u);
 }
 
 // A ball in two halves that share a wall, by dense planes.
@@ -306,7 +306,7 @@ ContourSet halves(int planes, int corners) {
 }
 
 // What lies in both of two contours, projected along the normal of their slice.
-double common_area(const Followed& model, const Slice& slice, const std::vector<std::uint32_t>& ring,
+double common_area(const Routed& model, const Slice& slice, const std::vector<std::uint32_t>& ring,
                    const std::vector<std::uint32_t>& other) {
     std::vector<Segment2> both;
     Box2 box;
@@ -323,32 +323,32 @@ double common_area(const Followed& model, const Slice& slice, const std::vector<
     return 0.5 * (sum - even_odd_area(std::move(both), box));
 }
 
-TEST(FollowEdges, leads_structures_that_share_a_wall_along_it_together) {
-    const Followed model = built(halves(36, 20), 0, 3.5);
+TEST(SnapRoundSegments, leads_structures_that_share_a_wall_along_it_together) {
+    const Routed model = built(halves(36, 20), 0, 3.5);
     const std::size_t missed = model.missed({});
     EXPECT_GT(missed, 30u);
-    const std::vector<FollowedContour> followed = model.led(2, 2);
-    EXPECT_EQ(model.unsound(followed), 0u);
-    EXPECT_LT(model.missed(followed), missed / 20);
-    std::size_t led_walls = 0;
+    const std::vector<RoutedContour> routed = model.rerouted(2, 2);
+    EXPECT_EQ(model.unsound(routed), 0u);
+    EXPECT_LT(model.missed(routed), missed / 20);
+    std::size_t rerouted_walls = 0;
     for (const Slice& slice : model.set().slices) {
         ASSERT_EQ(slice.contour_count, 2u);
         const std::uint32_t c = slice.first_contour;
-        const auto left = model.ring_of(followed, c), right = model.ring_of(followed, c + 1);
+        const auto left = model.ring_of(routed, c), right = model.ring_of(routed, c + 1);
         EXPECT_LT(common_area(model, slice, left, right), 1e-3) << slice.name;
-        led_walls += left.size() > model.ring_of({}, c).size();
+        rerouted_walls += left.size() > model.ring_of({}, c).size();
     }
-    EXPECT_GT(led_walls, 10u);
+    EXPECT_GT(rerouted_walls, 10u);
 }
 
-TEST(FollowEdges, leaves_contours_alone_of_which_vertices_are_lost) {
+TEST(SnapRoundSegments, leaves_contours_alone_of_which_vertices_are_lost) {
     const Slab slab{{{2, 1}, {4, 1}, {5, 2}, {5, 5}, {1, 5}, {1, 2}}};
-    const Followed model = slab.made();
+    const Routed model = slab.made();
     std::vector<std::uint32_t> lost = model.ring_of({}, 0);
     lost[3] = no_cell;
     const auto neighbors = cell_neighbors(model.mesh().cells, model.mesh().points.size());
     EXPECT_TRUE(
-        follow_edges(model.mesh(), neighbors, RegionTable{{{}, {0}}}, model.set(), lost, {}, {0.75, 1})
+        snap_round_segments(model.mesh(), neighbors, RegionTable{{{}, {0}}}, model.set(), lost, {}, {0.75, 1})
             .empty());
 }
 
