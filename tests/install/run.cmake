@@ -17,7 +17,7 @@ foreach(file bin/anatomesh share/man/man1/anatomesh.1 share/bash-completion/comp
   endif()
 endforeach()
 # Headers that no user can need are not installed.
-foreach(file anatomesh/improve/core/workbench.h anatomesh/delaunay/kernel.h anatomesh_io/dicom/data_set.h)
+foreach(file anatomesh/improve/core/edit_context.h anatomesh/delaunay/kernel.h anatomesh_io/dicom/data_set.h)
   if(NOT EXISTS ${SOURCE}/../../src/${file})
     message(FATAL_ERROR "not there any more, name another one: ${file}")
   endif()

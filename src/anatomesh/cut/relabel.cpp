@@ -161,18 +161,18 @@ class Relabeler {
     // The best move at the vertex that makes the sum fall, if any.
     void find_best(std::uint32_t vertex) {
         best_.reset();
-        analyzer_.excess_pieces(vertex, pieces_);
-        for (const StarPiece& piece : pieces_) {
-            if (!piece.largest || pieces_.size() == 2) try_piece(piece);
+        analyzer_.excess_components(vertex, components_);
+        for (const StarComponent& component : components_) {
+            if (!component.largest || components_.size() == 2) try_component(component);
         }
         if (may_bridge(vertex)) {
             // There the other ways lose a corner of a cut.
             may_bridge_deep_ = may_lose_ && touches_in_point(vertex);
-            for (const StarPiece& piece : pieces_) try_bridges(vertex, piece);
+            for (const StarComponent& component : components_) try_bridges(vertex, component);
             may_bridge_deep_ = false;
         }
         if (!best_) {
-            for (const StarPiece& piece : pieces_) try_single_cells(piece);
+            for (const StarComponent& component : components_) try_single_cells(component);
         }
         analyzer_.lost_structures(vertex, lost_);
         const std::vector<std::uint32_t> lost = lost_;
@@ -248,15 +248,16 @@ class Relabeler {
         return std::find(held_.begin(), held_.end(), cell) != held_.end();
     }
 
-    // Gives a whole piece to the region with which it shares most facets of the star across its cut.
-    void try_piece(const StarPiece& piece) {
-        if (const std::optional<Region> region = region_beside(piece.cells, piece.body, piece.inside)) {
-            consider({piece.cells, *region});
+    // Gives a whole component to the region with which it shares most facets of the star across its cut.
+    void try_component(const StarComponent& component) {
+        if (const std::optional<Region> region =
+                region_beside(component.cells, component.body, component.inside)) {
+            consider({component.cells, *region});
         }
     }
 
-    // Where pieces may be joined: where what is drawn touches itself in a point, and, sooner than a cut is
-    // spoiled, where it is right.
+    // Where components may be joined: where what is drawn touches itself in a point, and, sooner than a cut
+    // is spoiled, where it is right.
     bool may_bridge(std::uint32_t vertex) {
         if (!is_stack_) return false;
         return touches_in_point(vertex) ||
@@ -272,28 +273,28 @@ class Relabeler {
         return ends >= 4;
     }
 
-    // The other way to have one piece less: cells of the star join it to the nearest other one of its side.
-    // Where a structure touches itself in a point of a slice, this leaves the cut as it is drawn if they lie
-    // above the plane or below it; so both are tried.
-    void try_bridges(std::uint32_t vertex, const StarPiece& piece) {
-        for (const bool above : {false, true}) try_bridge(vertex, piece, above);
+    // The other way to have one component less: cells of the star join it to the nearest other one of its
+    // side. Where a structure touches itself in a point of a slice, this leaves the cut as it is drawn if
+    // they lie above the plane or below it; so both are tried.
+    void try_bridges(std::uint32_t vertex, const StarComponent& component) {
+        for (const bool above : {false, true}) try_bridge(vertex, component, above);
     }
 
-    void try_bridge(std::uint32_t vertex, const StarPiece& piece, bool above) {
+    void try_bridge(std::uint32_t vertex, const StarComponent& component, bool above) {
         const auto star = stars_.at(vertex);
         const auto position = [&](std::uint32_t c) {
             return static_cast<std::size_t>(std::lower_bound(star.begin(), star.end(), c) - star.begin());
         };
         constexpr std::uint32_t unseen = 0xFFFFFFFEu;
         from_.assign(star.size(), unseen);
-        queue_ = piece.cells;
-        for (const std::uint32_t c : piece.cells) from_[position(c)] = no_cell;
+        queue_ = component.cells;
+        for (const std::uint32_t c : component.cells) from_[position(c)] = no_cell;
         for (std::size_t head = 0; head < queue_.size(); ++head) {
             const std::uint32_t c = queue_[head];
             for (int i = 0; i < 4; ++i) {
                 const std::uint32_t n = neighbors_[c][i];
                 if (cells_[c][i] == vertex || n == no_cell || from_[position(n)] != unseen) continue;
-                if (piece.body.holds(registry_.table(), regions_[n]) == piece.inside) {
+                if (component.body.holds(registry_.table(), regions_[n]) == component.inside) {
                     if (from_[position(c)] == no_cell) continue;  // none between
                     Move move;
                     std::uint32_t step = c;
@@ -314,10 +315,11 @@ class Relabeler {
         }
     }
 
-    void try_single_cells(const StarPiece& piece) {
-        if (piece.cells.size() < 2) return;
-        for (const std::uint32_t c : piece.cells) {
-            if (const auto region = region_beside({c}, piece.body, piece.inside)) consider({{c}, *region});
+    void try_single_cells(const StarComponent& component) {
+        if (component.cells.size() < 2) return;
+        for (const std::uint32_t c : component.cells) {
+            if (const auto region = region_beside({c}, component.body, component.inside))
+                consider({{c}, *region});
         }
     }
 
@@ -368,9 +370,10 @@ class Relabeler {
         return registry_.table().contains(regions_[cell], structure);
     }
 
-    std::optional<Region> region_beside(const std::vector<std::uint32_t>& piece, Body body, bool is_inside) {
+    std::optional<Region> region_beside(const std::vector<std::uint32_t>& component, Body body,
+                                        bool is_inside) {
         std::vector<std::pair<Region, int>> contacts;
-        for (const std::uint32_t c : piece) {
+        for (const std::uint32_t c : component) {
             for (const std::uint32_t n : neighbors_[c]) {
                 if (n == no_cell || body.holds(registry_.table(), regions_[n]) == is_inside) continue;
                 auto place = std::find_if(contacts.begin(), contacts.end(),
@@ -487,7 +490,7 @@ class Relabeler {
     std::optional<std::vector<Move>> openings_;  // while they are sought
     std::vector<std::uint32_t> held_;            // cells that no move takes
     std::vector<std::pair<std::uint32_t, Region>> made_;
-    std::vector<StarPiece> pieces_;
+    std::vector<StarComponent> components_;
     std::vector<std::uint32_t> lost_, around_, from_, queue_;
     std::vector<ContourOwners::Subsegment> lost_subsegments_;
     std::vector<Region> before_;

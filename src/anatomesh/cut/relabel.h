@@ -47,7 +47,7 @@ struct RelabelOptions {
 };
 
 // Greedy descent on the sum of defects over all vertices (StarAnalyzer::defect, and the subsegments of
-// contour segments off their surface): at an unsound vertex a piece too many is relabelled to the region
+// contour segments off their surface): at an unsound vertex a component too many is relabelled to the region
 // beside it, or, where a contour vertex is off its surface, one or two cells at it change sides, or, where a
 // subsegment of a contour segment is, one or two cells at that edge, whenever the sum falls. Of several moves
 // one that loses the fewest subsegments is made, then one by which the sum falls most: what else is amiss
@@ -68,7 +68,7 @@ struct RelabelOptions {
 // are of these alone. With `slices`: moves that make cuts less like what is drawn (drawn_cuts.h; where planes
 // cross, by more than a ten-thousandth of it) wait until no others are left, as do, meanwhile, of a stack,
 // those that bring a deep vertex onto a surface; then one that does neither is taken sooner. Of a stack two
-// pieces of a side are joined, besides, by cells of the star that lie all above the slice's plane, or all
+// components of a side are joined, besides, by cells of the star that lie all above the slice's plane, or all
 // below it: where what is drawn touches itself in a point of the slice, that is the only way to a manifold
 // with the drawn cut, and is gone, through deep vertices too, before a cut is spoiled. At the end cells that
 // are wrong where a plane cuts them are relabelled to what is drawn there if no defect rises.

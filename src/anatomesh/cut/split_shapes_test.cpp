@@ -207,10 +207,10 @@ TEST(SplitShapes, cells_beside_a_nearly_flat_one_do_not_overlap) {
         const auto made = split_unsound(mesh, {0, 1}, {}, registry, {}, context);
         ASSERT_TRUE(made.ok()) << angle;
         if (angle > 1e-9) {
-            EXPECT_EQ(made.value().pieces_relabelled, 0u) << angle;
+            EXPECT_EQ(made.value().components_relabelled, 0u) << angle;
         } else {
             ++flat;
-            given += made.value().pieces_relabelled > 0;
+            given += made.value().components_relabelled > 0;
         }
         std::map<std::array<std::uint32_t, 3>, int> sides;  // of facets, by their vertices in order
         for (const Cell& c : mesh.cells) {

@@ -20,7 +20,7 @@ namespace {
 
 using Edge = std::array<std::uint32_t, 2>;
 
-constexpr int most_relabellings = 20;  // passes that relabel pieces
+constexpr int most_relabellings = 20;  // passes that relabel components
 
 // A part of the mesh round the unsound vertices, small enough to be rebuilt after every pass.
 struct Patch {
@@ -181,7 +181,7 @@ class Splitter {
             split_edges();
             if (stats_.edges_split + stats_.vertices_split == before) split_vertices();
             if (stats_.edges_split + stats_.vertices_split == before) {
-                if (relabellings++ == most_relabellings || !relabel_pieces()) break;
+                if (relabellings++ == most_relabellings || !relabel_components()) break;
                 continue;
             }
             apply_change();
@@ -196,31 +196,32 @@ class Splitter {
     }
 
   private:
-    // Where no split has room, beside a cell that is nearly flat: the smallest piece too many of each vertex goes
-    // to the region round it. Says whether any did.
-    bool relabel_pieces() {
+    // Where no split has room, beside a cell that is nearly flat: the smallest component too many of each
+    // vertex goes to the region round it. Says whether any did.
+    bool relabel_components() {
         bool relabelled = false;
-        std::vector<StarPiece> pieces;
+        std::vector<StarComponent> components;
         for (const std::uint32_t v : unsound_) {
-            analyzer_->excess_pieces(v, pieces);
-            std::erase_if(pieces, [](const StarPiece& piece) { return piece.largest; });
-            if (pieces.empty()) continue;
-            const StarPiece& least = *std::min_element(
-                pieces.begin(), pieces.end(),
-                [](const StarPiece& x, const StarPiece& y) { return x.cells.size() < y.cells.size(); });
+            analyzer_->excess_components(v, components);
+            std::erase_if(components, [](const StarComponent& component) { return component.largest; });
+            if (components.empty()) continue;
+            const StarComponent& least = *std::min_element(
+                components.begin(), components.end(), [](const StarComponent& x, const StarComponent& y) {
+                    return x.cells.size() < y.cells.size();
+                });
             relabelled = relabel_to_other_side(v, least) || relabelled;
         }
         return relabelled;
     }
 
-    // To the region with which the piece shares the most facets at the vertex across its body's surface.
-    bool relabel_to_other_side(std::uint32_t vertex, const StarPiece& piece) {
+    // To the region with which the component shares the most facets at the vertex across its body's surface.
+    bool relabel_to_other_side(std::uint32_t vertex, const StarComponent& component) {
         std::map<Region, int> facets;
-        for (const std::uint32_t c : piece.cells) {
+        for (const std::uint32_t c : component.cells) {
             for (std::size_t i = 0; i < 4; ++i) {
                 const std::uint32_t n = patch_.neighbors[c][i];
                 if (patch_.cells[c][i] != vertex && n != no_cell &&
-                    piece.body.holds(registry_.table(), patch_.regions[n]) != piece.inside)
+                    component.body.holds(registry_.table(), patch_.regions[n]) != component.inside)
                     ++facets[patch_.regions[n]];
             }
         }
@@ -229,8 +230,8 @@ class Splitter {
             std::max_element(facets.begin(), facets.end(), [](const auto& x, const auto& y) {
                 return x.second < y.second;
             })->first;
-        for (const std::uint32_t c : piece.cells) patch_.regions[c] = region;
-        ++stats_.pieces_relabelled;
+        for (const std::uint32_t c : component.cells) patch_.regions[c] = region;
+        ++stats_.components_relabelled;
         return true;
     }
 
@@ -320,11 +321,11 @@ class Splitter {
                 return true;
             }
         }
-        return start_piece(vertex, structure);
+        return start_component(vertex, structure);
     }
 
-    // Nothing of the other side is near: the largest cell at the vertex starts a piece of it.
-    bool start_piece(std::uint32_t vertex, std::uint32_t structure) {
+    // Nothing of the other side is near: the largest cell at the vertex starts a component of it.
+    bool start_component(std::uint32_t vertex, std::uint32_t structure) {
         std::uint32_t largest = no_cell;
         double most = 0;
         for (const std::uint32_t c : stars_->at(vertex)) {
@@ -418,26 +419,27 @@ class Splitter {
 
     // Move 3 on every unsound vertex whose star shares no cell with one before it.
     void split_vertices() {
-        std::vector<StarPiece> pieces;
+        std::vector<StarComponent> components;
         for (const std::uint32_t v : unsound_) {
             if (touches_change(stars_->at(v))) continue;
-            analyzer_->excess_pieces(v, pieces);
-            if (!pieces.empty()) cut_corner(v, pieces);
+            analyzer_->excess_components(v, components);
+            if (!components.empty()) cut_corner(v, components);
         }
     }
 
-    // The star of v as facet-connected pieces on the two sides of a body; cells by position in the star.
+    // The star of v as facet-connected components on the two sides of a body; cells by position in the star.
     struct StarParts {
-        std::vector<std::vector<std::uint32_t>> members;  // by piece
-        std::vector<std::uint8_t> inside;                 // by piece
-        std::vector<std::uint32_t> piece;                 // by cell
+        std::vector<std::vector<std::uint32_t>> members;  // by component
+        std::vector<std::uint8_t> inside;                 // by component
+        std::vector<std::uint32_t> component;             // by cell
         std::vector<std::vector<std::uint32_t>> across;   // by cell: cells across its facets at v
-        std::vector<std::vector<std::uint32_t>> beside;   // by piece: pieces of the other side, with repeats
+        // By component: components of the other side, with repeats.
+        std::vector<std::vector<std::uint32_t>> beside;
     };
     StarParts parts_of(std::uint32_t v, Body body) const {
         const auto star = stars_->at(v);
         StarParts parts;
-        parts.piece.assign(star.size(), no_cell);
+        parts.component.assign(star.size(), no_cell);
         parts.across.resize(star.size());
         for (std::uint32_t n = 0; n < star.size(); ++n) {
             for (int i = 0; i < 4; ++i) {
@@ -451,14 +453,14 @@ class Splitter {
             return body.holds(registry_.table(), patch_.regions[star[n]]);
         };
         for (std::uint32_t seed = 0; seed < star.size(); ++seed) {
-            if (parts.piece[seed] != no_cell) continue;
+            if (parts.component[seed] != no_cell) continue;
             const auto id = static_cast<std::uint32_t>(parts.members.size());
             std::vector<std::uint32_t> members{seed};
-            parts.piece[seed] = id;
+            parts.component[seed] = id;
             for (std::size_t head = 0; head < members.size(); ++head) {
                 for (const std::uint32_t m : parts.across[members[head]]) {
-                    if (parts.piece[m] != no_cell || inside(m) != inside(seed)) continue;
-                    parts.piece[m] = id;
+                    if (parts.component[m] != no_cell || inside(m) != inside(seed)) continue;
+                    parts.component[m] = id;
                     members.push_back(m);
                 }
             }
@@ -468,15 +470,16 @@ class Splitter {
         parts.beside.resize(parts.members.size());
         for (std::uint32_t n = 0; n < star.size(); ++n) {
             for (const std::uint32_t m : parts.across[n]) {
-                if (parts.piece[m] != parts.piece[n]) parts.beside[parts.piece[n]].push_back(parts.piece[m]);
+                if (parts.component[m] != parts.component[n])
+                    parts.beside[parts.component[n]].push_back(parts.component[m]);
             }
         }
         return parts;
     }
 
     // New regions for the corners at v: of the discs that the body's surface makes in the star, the one
-    // between these two pieces stays. Everything reached from the one inside without crossing to the other
-    // becomes inside; the rest outside.
+    // between these two components stays. Everything reached from the one inside without crossing to the
+    // other becomes inside; the rest outside.
     std::vector<Region> corner_regions(std::uint32_t v, const StarParts& parts, std::uint32_t main_in,
                                        std::uint32_t main_out) const {
         std::vector<Region> result;
@@ -491,11 +494,11 @@ class Splitter {
                     seen[p] = 1;
                     queue.push_back(p);
                     if (parts.inside[p] == parts.inside[root]) continue;
-                    // The region of a cell of the parent piece beside this one.
+                    // The region of a cell of the parent component beside this one.
                     Region region = result[parts.members[queue[head]][0]];
                     for (const std::uint32_t n : parts.members[p]) {
                         for (const std::uint32_t m : parts.across[n]) {
-                            if (parts.piece[m] == queue[head]) region = result[m];
+                            if (parts.component[m] == queue[head]) region = result[m];
                         }
                     }
                     for (const std::uint32_t n : parts.members[p]) result[n] = region;
@@ -537,9 +540,9 @@ class Splitter {
         return subsegments;
     }
 
-    // The other way to make one disc: a piece of a side that has several is joined to the nearest other piece
-    // of that side by a path of cells of the star, all given the region from which it starts.
-    std::vector<Region> bridged_regions(std::uint32_t v, const StarPiece& start) const {
+    // The other way to make one disc: a component of a side that has several is joined to the nearest other
+    // component of that side by a path of cells of the star, all given the region from which it starts.
+    std::vector<Region> bridged_regions(std::uint32_t v, const StarComponent& start) const {
         const auto star = stars_->at(v);
         std::vector<Region> result;
         for (const std::uint32_t c : star) result.push_back(patch_.regions[c]);
@@ -557,7 +560,7 @@ class Splitter {
                 from[position(n)] = c;
                 queue.push_back(n);
                 if (start.body.holds(registry_.table(), patch_.regions[n]) != start.inside) continue;
-                // n is in another piece: the way back from c to the start changes its region.
+                // n is in another component: the way back from c to the start changes its region.
                 std::uint32_t first = c;
                 while (from[position(first)] != no_cell) first = from[position(first)];
                 for (std::uint32_t step = c; step != no_cell; step = from[position(step)]) {
@@ -570,7 +573,7 @@ class Splitter {
     }
 
     // The cheapest of all ways to make one disc of the body's surface at v.
-    std::vector<Region> one_disc(std::uint32_t v, const std::vector<StarPiece>& pieces) const {
+    std::vector<Region> one_disc(std::uint32_t v, const std::vector<StarComponent>& components) const {
         std::vector<Region> best;
         std::array<std::size_t, 3> least{};
         const auto offer = [&](std::vector<Region> regions, bool path = false) {
@@ -580,7 +583,7 @@ class Splitter {
             least = price;
             best = std::move(regions);
         };
-        const StarParts parts = parts_of(v, pieces.front().body);
+        const StarParts parts = parts_of(v, components.front().body);
         for (std::uint32_t in = 0; in < parts.members.size(); ++in) {
             if (!parts.inside[in]) continue;
             std::vector<std::uint32_t> outs = parts.beside[in];
@@ -588,12 +591,12 @@ class Splitter {
             outs.erase(std::unique(outs.begin(), outs.end()), outs.end());
             for (const std::uint32_t out : outs) offer(corner_regions(v, parts, in, out));
         }
-        for (const StarPiece& piece : pieces) offer(bridged_regions(v, piece), true);
+        for (const StarComponent& component : components) offer(bridged_regions(v, component), true);
         return best;
     }
 
-    void cut_corner(std::uint32_t v, const std::vector<StarPiece>& pieces) {
-        const std::vector<Region> corners = one_disc(v, pieces);
+    void cut_corner(std::uint32_t v, const std::vector<StarComponent>& components) {
+        const std::vector<Region> corners = one_disc(v, components);
         const std::vector<std::uint32_t> star(stars_->at(v).begin(), stars_->at(v).end());
         std::vector<std::uint32_t> link;
         for (const std::uint32_t c : star) {

@@ -20,7 +20,7 @@ struct SplitOptions {
 struct SplitStats {
     std::uint64_t edges_split = 0, vertices_split = 0, vertices_joined = 0;
     std::uint64_t points_added = 0, cells_added = 0;
-    std::uint64_t pieces_relabelled = 0;  // of stars, where no split had room
+    std::uint64_t components_relabelled = 0;  // of stars, where no split had room
     std::vector<std::uint32_t>
         on_segments;  // of the points added: those on contour segments, with which they go on
     std::vector<std::array<std::uint32_t, 3>>
@@ -29,23 +29,23 @@ struct SplitStats {
 
 // Makes every vertex in `unsound` sound, by three moves, in this order:
 // 1. *Join*: a contour vertex whose cells all lie on one side of its structure is joined to the other side by the
-//    shortest path of cells; with none near, one cell at it starts a piece of that side.
+//    shortest path of cells; with none near, one cell at it starts a component of that side.
 // 2. *Spindle*: at an edge round which a structure lies in two or more arcs, a spindle of cells along the edge is
 //    cut out of its ring, and one arc of the spindle is relabelled to the region beside it. Each spindle
 //    makes one edge manifold and no other edge non-manifold.
 // 3. *Corner*: at a vertex whose edges are manifold but whose star a structure cuts into several discs, the corners
 //    of the star's cells are cut off, and the corners are given to one side or the other so that one disc stays:
 //    the surface keeps passing through the vertex. Of all such discs, and of all paths of corners that join
-//    two pieces of one side instead, the one is taken that leaves most contour vertices and subsegments of
-//    contour segments on their surface, then a disc before a path, and the one that changes least.
-// Where none of them has room, beside a cell that is nearly flat, the smallest piece too many of each vertex left
-// goes to the region round it, twenty times at most: what that leaves unsound is split where it has room.
-// Guarantees on success: every vertex of the mesh sound; no vertex moved; facets away from the split cells
-// unchanged; all cells positive, and new ones exactly in the place of the old ones (both checked, as rounding
-// may turn one that is nearly flat: that edge or vertex is not split then); the tetrahedra outside the stars of the
-// unsound vertices untouched. Errors: geometry E-CUT-001 when a vertex stays unsound after max_passes, or
-// because neither it nor what relabelling pieces left has room, with its place. Why it
-// ends, for one structure: relabelling a regular neighbourhood of the singular set (Rourke and Sanderson,
+//    two components of one side instead, the one is taken that leaves most contour vertices and subsegments
+//    of contour segments on their surface, then a disc before a path, and the one that changes least.
+// Where none of them has room, beside a cell that is nearly flat, the smallest component too many of each
+// vertex left goes to the region round it, twenty times at most: what that leaves unsound is split where it
+// has room. Guarantees on success: every vertex of the mesh sound; no vertex moved; facets away from the
+// split cells unchanged; all cells positive, and new ones exactly in the place of the old ones (both checked,
+// as rounding may turn one that is nearly flat: that edge or vertex is not split then); the tetrahedra
+// outside the stars of the unsound vertices untouched. Errors: geometry E-CUT-001 when a vertex stays unsound
+// after max_passes, or because neither it nor what relabelling components left has room, with its place. Why
+// it ends, for one structure: relabelling a regular neighbourhood of the singular set (Rourke and Sanderson,
 // Introduction to Piecewise-Linear Topology, 1972, chapter 3). With several structures at one vertex
 // max_passes bounds it.
 Result<SplitStats> split_unsound(TetMesh& mesh, const std::vector<std::uint32_t>& unsound,

@@ -11,7 +11,7 @@
 #include "anatomesh/base/contract.h"
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/improve/core/cell_judge.h"
+#include "anatomesh/improve/core/quality_gate.h"
 #include "anatomesh/improve/operations/operations.h"
 #include "anatomesh/improve/reroute/reroute_on_section.h"
 #include "anatomesh/improve/sections/detach_facets_from_plane.h"
@@ -42,15 +42,15 @@ constexpr std::size_t worth_a_pass = 20;   // another one: one cell in so many l
 // Cells made for the sake of a subsegment: of ten thousand subsegments none that could be had took 1,800.
 constexpr std::size_t most_raised = 2000;
 
-// Tries on a bad cell that scouts make beforehand: its edges, facets and vertices.
-constexpr int edge_tries = 6, facet_tries = 10, scouted_tries = 14;
+// Tries on a bad cell that are evaluated speculatively beforehand: its edges, facets and vertices.
+constexpr int edge_tries = 6, facet_tries = 10, speculative_tries = 14;
 // All: then it is relabelled to the other side, an edge collapses from either end, an edge gets a vertex
 // beside it.
-constexpr int collapse_tries = 12, all_tries = scouted_tries + 1 + collapse_tries + 6;
+constexpr int collapse_tries = 12, all_tries = speculative_tries + 1 + collapse_tries + 6;
 constexpr double flat_sine = 1e-3;       // of a cell that no contours excuse: 0.06 degrees
 constexpr std::size_t most_flat = 1000;  // cells between contours that are looked at
 // So many cells at a time, or that part of those there are: more would change each other's surroundings.
-constexpr std::size_t most_scouted = 1024, scouted_part = 8, least_scouted = 64;
+constexpr std::size_t most_speculations = 1024, speculative_part = 8, least_speculations = 64;
 
 // A cell and its sine when it was found bad: not up to date when the cell has another sine since.
 struct BadCell {
@@ -61,51 +61,52 @@ struct BadCell {
     }
 };
 
-// What scouts found out about a bad cell: of the tries on it those before `first` fail; that one may succeed.
-struct Scouted {
+// What speculation found out about a bad cell: of the tries on it those before `first` fail; that one may
+// succeed.
+struct Speculation {
     BadCell bad;
     int first = 0;
     Proposal proposal;  // of the first
 };
 
-class Climber {
+class HillClimber {
   public:
-    Climber(Workbench& bench, const DrawnSlices& drawn)
-        : bench_(bench),
-          crowded_(drawn.crowded.begin(), drawn.crowded.end()),
+    HillClimber(EditContext& edit, const DrawnSlices& drawn)
+        : edit_(edit),
+          constraint_limited_(drawn.constraint_limited.begin(), drawn.constraint_limited.end()),
           drawn_(drawn),
-          target_(std::sin(bench.options.target_degrees * radians_per_degree)) {
-        drawn_.crowded = crowded_;
+          target_(std::sin(edit.options.target_degrees * radians_per_degree)) {
+        drawn_.constraint_limited = constraint_limited_;
         if (drawn.least_wrong > 0) {
             drawn_.planes = {};
             drawn_.extents = {};
             drawn_.weights = {};
             at_last_ = drawn;
-            at_last_.crowded = crowded_;
+            at_last_.constraint_limited = constraint_limited_;
         }
-        bench.goal = std::sin((bench.options.target_degrees + margin_degrees) * radians_per_degree);
+        edit.goal = std::sin((edit.options.target_degrees + margin_degrees) * radians_per_degree);
     }
 
     void run(RunContext& context) {
-        for (const auto& [a, b, structure] : drawn_.subsegments_beside) bench_.keep_edge(a, b);
+        for (const auto& [a, b, structure] : drawn_.subsegments_beside) edit_.keep_edge(a, b);
         drop_ears(context.threads);
         remove_far_spikes(context.threads);
         recover_subsegments(listed_degrees, 0);
-        collect(bench_.mesh.alive_cells(), context.threads);
-        bench_.stats.bad_before = queue_.size();
-        bench_.stats.worst_before_degrees = worst_degrees();
-        climb(context);
+        collect(edit_.mesh.alive_cells(), context.threads);
+        edit_.stats.bad_before = queue_.size();
+        edit_.stats.worst_before_degrees = worst_degrees();
+        optimize(context);
         flip_edges(context.threads);
         // What is left may have more room.
-        bench_.options.max_deviation_mm *= bench_.options.last_deviation;
-        climb(context);
+        edit_.options.max_deviation_mm *= edit_.options.last_deviation;
+        optimize(context);
         drop_ears(context.threads);
         DetachmentStats detached = detach_facets_from_plane(
-            bench_, drawn_, std::sin(listed_degrees * radians_per_degree), context.threads);
-        bench_.stats.facets_detached = detached.facets_detached;
-        bench_.stats.facets_left = detached.facets_left;
-        bench_.moves_junctions = true;
-        // Those that the climb left are bad still; others may be where facets were detached.
+            edit_, drawn_, std::sin(listed_degrees * radians_per_degree), context.threads);
+        edit_.stats.facets_detached = detached.facets_detached;
+        edit_.stats.facets_left = detached.facets_left;
+        edit_.moves_junctions = true;
+        // Those that the optimization left are bad still; others may be where facets were detached.
         LocalRepairStats locally_repaired = repair_sections(context, nullptr);
         std::vector<std::uint32_t> left = std::move(locally_repaired.changed);
         left.insert(left.end(), detached.changed.begin(), detached.changed.end());
@@ -113,7 +114,7 @@ class Climber {
         collect(std::move(left), context.threads);
         // From here on few cells change: those and the bad ones are all that may be bad in the end.
         for (auto queue = queue_; !queue.empty(); queue.pop()) watched_.push_back(queue.top().cell);
-        climb_at_last(context);
+        optimize_at_last(context);
         lower_ratios(context);
         repair_blemishes(context);
         // Where nothing was changed since there is nothing new.
@@ -128,19 +129,19 @@ class Climber {
         remove_small_handles(std::max(least, listed_degrees), context);
         repair_worst_sections(context);
         locally_repaired.left.insert(locally_repaired.left.end(), watched_.begin(), watched_.end());
-        bench_.release_edges();  // those that could not be recovered would be in the way of cuts
+        edit_.release_edges();  // those that could not be recovered would be in the way of cuts
         repair_patch(std::max(least, listed_degrees), locally_repaired.left, context);
         reroute(std::max(least, listed_degrees), context);
         repair_flat_cells(context);
         collect(std::move(watched_), context.threads);
-        bench_.stats.bad_after = queue_.size();
-        bench_.stats.worst_after_degrees = worst_degrees();
+        edit_.stats.bad_after = queue_.size();
+        edit_.stats.worst_after_degrees = worst_degrees();
     }
 
   private:
-    void climb(RunContext& context) {
-        for (int pass = 0; pass < bench_.options.passes && !queue_.empty() && !context.cancelled(); ++pass) {
-            const std::uint64_t gained = drain(context.threads);
+    void optimize(RunContext& context) {
+        for (int pass = 0; pass < edit_.options.passes && !queue_.empty() && !context.cancelled(); ++pass) {
+            const std::uint64_t gained = process_queue(context.threads);
             collect(std::move(left_), context.threads);
             if (gained * 50 < queue_.size() || gained == 0) break;
         }
@@ -148,49 +149,49 @@ class Climber {
 
     // With the operations that only the few cells which nothing else helps are worth; at the end angles that
     // would be listed are raised above that at the price of ratios.
-    void climb_at_last(RunContext& context) {
+    void optimize_at_last(RunContext& context) {
         thorough_ = true;
-        bench_.slices = &drawn_;
-        climb(context);
+        edit_.slices = &drawn_;
+        optimize(context);
         const double target = std::exchange(target_, std::sin(listed_degrees * radians_per_degree));
-        const double most = bench_.options.max_radius_edge, last = bench_.options.last_radius_edge;
-        bench_.least_needed_sine = target_;
+        const double most = edit_.options.max_radius_edge, last = edit_.options.last_radius_edge;
+        edit_.least_needed_sine = target_;
         for (int step = 1; step <= radius_edge_steps && last > most; ++step) {
             std::vector<std::uint32_t> left;
             for (; !queue_.empty(); queue_.pop()) left.push_back(queue_.top().cell);
-            bench_.options.max_radius_edge = most + step * (last - most) / radius_edge_steps;
+            edit_.options.max_radius_edge = most + step * (last - most) / radius_edge_steps;
             collect(std::move(left), context.threads);
-            climb(context);
+            optimize(context);
         }
-        bench_.options.max_radius_edge = most;
-        bench_.least_needed_sine = 0;
+        edit_.options.max_radius_edge = most;
+        edit_.least_needed_sine = 0;
         target_ = target;
     }
 
     // Whether a cell inside has a ratio above it.
     bool is_above(double most, std::uint32_t c) const {
-        if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return false;
-        const Cell& v = bench_.mesh.cell(c);
-        return squared_radius_edge(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]), bench_.mesh.point(v[2]),
-                                   bench_.mesh.point(v[3])) > most * most;
+        if (!edit_.mesh.alive(c) || edit_.mesh.region(c) == 0) return false;
+        const Cell& v = edit_.mesh.cell(c);
+        return squared_radius_edge(edit_.mesh.point(v[0]), edit_.mesh.point(v[1]), edit_.mesh.point(v[2]),
+                                   edit_.mesh.point(v[3])) > most * most;
     }
 
-    // Of the few cells above what climb_at_last() allows, at the price of angles above those listed; then of
-    // all above the bound, for no angle below the target: what comes of cells that contours force is none
+    // Of the few cells above what optimize_at_last() allows, at the price of angles above those listed; then
+    // of all above the bound, for no angle below the target: what comes of cells that contours force is none
     // that they do not.
     void lower_ratios(RunContext& context) {
-        const double most = bench_.options.max_radius_edge, last = bench_.options.last_radius_edge,
+        const double most = edit_.options.max_radius_edge, last = edit_.options.last_radius_edge,
                      listed = std::sin(listed_degrees * radians_per_degree);
-        if (last > most) lower_ratios_above(last, listed, bench_.mesh.cell_count() / few_high, context);
-        bench_.least_lowered_sine = listed;
-        bench_.most_lowered_ratio = last;
-        for (int pass = 0; pass < bench_.options.ratio_passes; ++pass) {
+        if (last > most) lower_ratios_above(last, listed, edit_.mesh.cell_count() / few_high, context);
+        edit_.least_lowered_sine = listed;
+        edit_.most_lowered_ratio = last;
+        for (int pass = 0; pass < edit_.options.ratio_passes; ++pass) {
             const LoweredRatios lowered =
-                lower_ratios_above(most, std::max(target_, listed), bench_.mesh.cell_count(), context);
+                lower_ratios_above(most, std::max(target_, listed), edit_.mesh.cell_count(), context);
             if (lowered.changes == 0 || lowered.changes * worth_a_pass < lowered.found) break;
         }
-        bench_.least_lowered_sine = 0;
-        bench_.most_lowered_ratio = HUGE_VAL;
+        edit_.least_lowered_sine = 0;
+        edit_.most_lowered_ratio = HUGE_VAL;
     }
 
     struct LoweredRatios {
@@ -201,11 +202,11 @@ class Climber {
     template <class Is>
     std::vector<std::uint32_t> cells_that(const Is& is, int threads) const {
         return parallel_collect<std::uint32_t>(
-            bench_.mesh.cell_count(), 16384, threads,
+            edit_.mesh.cell_count(), 16384, threads,
             [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
                 for (std::size_t c = first; c < last; ++c) {
                     if (c + cells_ahead < last)
-                        bench_.mesh.prefetch_points(static_cast<std::uint32_t>(c + cells_ahead));
+                        edit_.mesh.prefetch_points(static_cast<std::uint32_t>(c + cells_ahead));
                     if (is(static_cast<std::uint32_t>(c))) found.push_back(static_cast<std::uint32_t>(c));
                 }
             });
@@ -218,113 +219,113 @@ class Climber {
         LoweredRatios lowered{high.size()};
         // Many are of planes that crowd each other: there the cells in their place spoil the rest.
         if (high.size() > limit) return lowered;
-        const double before = std::exchange(bench_.options.max_radius_edge, most);
-        bench_.lowers_ratios = true;
-        bench_.least_needed_sine = least_sine;
+        const double before = std::exchange(edit_.options.max_radius_edge, most);
+        edit_.lowers_ratios = true;
+        edit_.least_needed_sine = least_sine;
         for (std::size_t n = 0; n < high.size() && !context.cancelled(); ++n) {
             relabels_cells_ =
-                bench_.options.relabels_for_ratio || is_above(bench_.options.last_radius_edge, high[n]);
+                edit_.options.relabels_for_ratio || is_above(edit_.options.last_radius_edge, high[n]);
             if (!is_high(high[n]) || !better(high[n], nullptr)) continue;
             ++lowered.changes;
-            watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());
-            std::copy_if(bench_.changed.begin(), bench_.changed.end(), std::back_inserter(high), is_high);
+            watched_.insert(watched_.end(), edit_.changed.begin(), edit_.changed.end());
+            std::copy_if(edit_.changed.begin(), edit_.changed.end(), std::back_inserter(high), is_high);
         }
-        bench_.lowers_ratios = false;
-        bench_.least_needed_sine = 0;
-        bench_.options.max_radius_edge = before;
+        edit_.lowers_ratios = false;
+        edit_.least_needed_sine = 0;
+        edit_.options.max_radius_edge = before;
         relabels_cells_ = true;
         return lowered;
     }
 
-    // Whether it is a cell that clause 4 allows only where contours force it, and none that they crowd.
+    // Whether it is a cell that clause 4 allows only where contours force it, and none that they limit.
     bool is_blemish(std::uint32_t c) const {
-        if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return false;
-        const Cell& v = bench_.mesh.cell(c);
-        const CellMeasures m = measure_cell(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
-                                            bench_.mesh.point(v[2]), bench_.mesh.point(v[3]));
-        const double last = bench_.options.last_radius_edge;
+        if (!edit_.mesh.alive(c) || edit_.mesh.region(c) == 0) return false;
+        const Cell& v = edit_.mesh.cell(c);
+        const CellMeasures m = measure_cell(edit_.mesh.point(v[0]), edit_.mesh.point(v[1]),
+                                            edit_.mesh.point(v[2]), edit_.mesh.point(v[3]));
+        const double last = edit_.options.last_radius_edge;
         return (m.squared_ratio > last * last ||
                 m.least_sine() < std::sin(listed_degrees * radians_per_degree)) &&
-               !drawn_.are_crowded(v);
+               !drawn_.are_constraint_limited(v);
     }
 
     // Single cells that are left ill-shaped beside those that contours force to be, at the price of these: as
     // long as they keep within the bounds of those forced.
     void repair_blemishes(RunContext& context) {
-        if (drawn_.crowded.empty()) return;
+        if (drawn_.constraint_limited.empty()) return;
         std::vector<std::uint32_t> cells =
             cells_that([&](std::uint32_t c) { return is_blemish(c); }, context.threads);
-        const double most = std::exchange(bench_.options.max_radius_edge, bench_.options.last_radius_edge);
-        bench_.least_needed_sine = std::sin(listed_degrees * radians_per_degree);
-        bench_.spared = &drawn_;
+        const double most = std::exchange(edit_.options.max_radius_edge, edit_.options.last_radius_edge);
+        edit_.least_needed_sine = std::sin(listed_degrees * radians_per_degree);
+        edit_.spared = &drawn_;
         const std::size_t limit = 4 * cells.size();
         for (std::size_t n = 0; n < cells.size() && n < limit && !context.cancelled(); ++n) {
             if (!is_blemish(cells[n])) continue;
-            bench_.lowers_ratios = is_above(bench_.options.last_radius_edge, cells[n]);
-            const DihedralStats stats = bench_.stats;
-            bench_.mesh.begin_attempt();
-            const bool done = better(cells[n], nullptr) && keep_crowded_bounds(bench_.changed);
-            bench_.mesh.end_attempt(done);
+            edit_.lowers_ratios = is_above(edit_.options.last_radius_edge, cells[n]);
+            const DihedralStats stats = edit_.stats;
+            edit_.mesh.begin_attempt();
+            const bool done = better(cells[n], nullptr) && keep_constraint_limited_bounds(edit_.changed);
+            edit_.mesh.end_attempt(done);
             if (!done) {
-                bench_.stats = stats;
+                edit_.stats = stats;
                 continue;
             }
-            watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());
-            std::copy_if(bench_.changed.begin(), bench_.changed.end(), std::back_inserter(cells),
+            watched_.insert(watched_.end(), edit_.changed.begin(), edit_.changed.end());
+            std::copy_if(edit_.changed.begin(), edit_.changed.end(), std::back_inserter(cells),
                          [&](std::uint32_t c) { return is_blemish(c); });
         }
-        bench_.lowers_ratios = false;
-        bench_.least_needed_sine = 0;
-        bench_.spared = nullptr;
-        bench_.options.max_radius_edge = most;
+        edit_.lowers_ratios = false;
+        edit_.least_needed_sine = 0;
+        edit_.spared = nullptr;
+        edit_.options.max_radius_edge = most;
     }
 
     // Whether no contours excuse a cell so flat.
     bool is_flat(std::uint32_t c) const {
-        return bench_.mesh.alive(c) && bench_.mesh.region(c) != 0 && bench_.sine(c) < flat_sine;
+        return edit_.mesh.alive(c) && edit_.mesh.region(c) != 0 && edit_.sine(c) < flat_sine;
     }
 
-    // Cells that are left flat between contours that crowd them - vertices of two segments that meet, split
+    // Cells that are left flat between contours that limit them - vertices of two segments that meet, split
     // alike, lie in one plane -, where others do that are as good as cells there must be.
     void repair_flat_cells(const RunContext& context) {
-        if (drawn_.crowded.empty()) return;
+        if (drawn_.constraint_limited.empty()) return;
         const std::vector<std::uint32_t> flat =
             cells_that([&](std::uint32_t c) { return is_flat(c); }, context.threads);
-        const double most = std::exchange(bench_.options.max_radius_edge, most_crowded_ratio);
-        CellJudge judge(bench_, drawn_, std::sin(listed_degrees * radians_per_degree));
-        thorough_ = bench_.moves_junctions = true;
-        bench_.slices = &drawn_;
+        const double most = std::exchange(edit_.options.max_radius_edge, most_limited_ratio);
+        QualityGate gate(edit_, drawn_, std::sin(listed_degrees * radians_per_degree));
+        thorough_ = edit_.moves_junctions = true;
+        edit_.slices = &drawn_;
         for (std::size_t n = 0; n < std::min(flat.size(), most_flat) && !context.cancelled(); ++n)
-            repair_flat_cell(flat[n], judge);
-        thorough_ = bench_.moves_junctions = false;
-        bench_.slices = nullptr;
-        bench_.options.max_radius_edge = most;
+            repair_flat_cell(flat[n], gate);
+        thorough_ = edit_.moves_junctions = false;
+        edit_.slices = nullptr;
+        edit_.options.max_radius_edge = most;
     }
 
     // With the first operation that makes good cells alone.
-    void repair_flat_cell(std::uint32_t cell, CellJudge& judge) {
+    void repair_flat_cell(std::uint32_t cell, QualityGate& gate) {
         for (int n = 0; n < all_tries && is_flat(cell); ++n) {
-            if (n == scouted_tries && !bench_.options.relabels_for_ratio) continue;  // relabel_cell()
-            const DihedralStats stats = bench_.stats;
-            bench_.mesh.begin_attempt();
-            const auto is_good = [&](std::uint32_t c) { return judge.is_good(c) && judge.is_near(c); };
+            if (n == speculative_tries && !edit_.options.relabels_for_ratio) continue;  // relabel_cell()
+            const DihedralStats stats = edit_.stats;
+            edit_.mesh.begin_attempt();
+            const auto is_good = [&](std::uint32_t c) { return gate.is_good(c) && gate.is_near(c); };
             const bool done =
-                attempt_any(cell, n) && std::all_of(bench_.changed.begin(), bench_.changed.end(), is_good);
-            bench_.mesh.end_attempt(done);
+                attempt_any(cell, n) && std::all_of(edit_.changed.begin(), edit_.changed.end(), is_good);
+            edit_.mesh.end_attempt(done);
             if (done) {
-                watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());
+                watched_.insert(watched_.end(), edit_.changed.begin(), edit_.changed.end());
             } else {
-                bench_.stats = stats;
+                edit_.stats = stats;
             }
         }
     }
 
-    // Whether those of the cells that contours crowd are within the bounds of forced ones.
-    bool keep_crowded_bounds(const std::vector<std::uint32_t>& cells) const {
+    // Whether those of the cells that contours limit are within the bounds of forced ones.
+    bool keep_constraint_limited_bounds(const std::vector<std::uint32_t>& cells) const {
         return std::all_of(cells.begin(), cells.end(), [&](std::uint32_t c) {
-            if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return true;
-            if (!drawn_.are_crowded(bench_.mesh.cell(c))) return true;
-            return bench_.sine(c) >= least_crowded_sine && !is_above(most_crowded_ratio, c);
+            if (!edit_.mesh.alive(c) || edit_.mesh.region(c) == 0) return true;
+            if (!drawn_.are_constraint_limited(edit_.mesh.cell(c))) return true;
+            return edit_.sine(c) >= least_limited_sine && !is_above(most_limited_ratio, c);
         });
     }
 
@@ -333,10 +334,10 @@ class Climber {
     void recover_subsegments(double least_degrees, double most_more_above_bound) {
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
         const SurfaceRecoveryStats recovered = recover_on_surface(
-            bench_, drawn_, std::sin(least_degrees * radians_per_degree), most_more_above_bound,
-            [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); });
-        bench_.stats.subsegments_found = std::max(bench_.stats.subsegments_found, recovered.found);
-        bench_.stats.subsegments_recovered += recovered.recovered;
+            edit_, drawn_, std::sin(least_degrees * radians_per_degree), most_more_above_bound,
+            [&](std::vector<std::uint32_t> cells) { return optimize_cells(std::move(cells)); });
+        edit_.stats.subsegments_found = std::max(edit_.stats.subsegments_found, recovered.found);
+        edit_.stats.subsegments_recovered += recovered.recovered;
         watched_ = std::move(watched);
         watched_.insert(watched_.end(), recovered.changed.begin(), recovered.changed.end());
     }
@@ -344,34 +345,33 @@ class Climber {
     // Cuts of which more is wrong than may be, where cuts are not looked at before.
     void repair_worst_sections(const RunContext& context) {
         if (at_last_.planes.empty()) return;
-        SectionAreas areas(bench_, at_last_);
-        areas.sum_cuts(bench_.mesh.alive_cells(), context.threads);
+        SectionAreas areas(edit_, at_last_);
+        areas.sum_cuts(edit_.mesh.alive_cells(), context.threads);
         std::vector<double> weights(at_last_.weights.begin(), at_last_.weights.end());
         for (std::size_t cut = 0; cut < weights.size(); ++cut) {
             if (areas.sums()[cut] <= at_last_.least_wrong) weights[cut] = 0;
         }
         const std::span<const double> before = std::exchange(at_last_.weights, weights);
         const LocalRepairStats locally_repaired =
-            repair_section_locally(bench_, at_last_, std::sin(listed_degrees * radians_per_degree), context);
-        bench_.stats.cuts_found += locally_repaired.places_found;
-        bench_.stats.sections_repaired += locally_repaired.vertices_moved +
-                                          locally_repaired.cells_relabelled + locally_repaired.edges_flipped +
-                                          locally_repaired.edges_collapsed +
-                                          locally_repaired.vertices_inserted;
+            repair_section_locally(edit_, at_last_, std::sin(listed_degrees * radians_per_degree), context);
+        edit_.stats.cuts_found += locally_repaired.places_found;
+        edit_.stats.sections_repaired += locally_repaired.vertices_moved + locally_repaired.cells_relabelled +
+                                         locally_repaired.edges_flipped + locally_repaired.edges_collapsed +
+                                         locally_repaired.vertices_inserted;
         watched_.insert(watched_.end(), locally_repaired.changed.begin(), locally_repaired.changed.end());
         at_last_.weights = before;
     }
 
     // Those of the mesh's own making.
     void remove_small_handles(double least_degrees, const RunContext& context) {
-        if (!(bench_.options.handle_mm > 0)) return;
+        if (!(edit_.options.handle_mm > 0)) return;
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
         const HandleRemovalStats removed = remove_spurious_handles(
-            bench_, at_last_.planes.empty() ? drawn_ : at_last_, bench_.options.handle_mm,
+            edit_, at_last_.planes.empty() ? drawn_ : at_last_, edit_.options.handle_mm,
             std::sin(least_degrees * radians_per_degree),
-            [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context);
-        bench_.stats.handles_found += removed.found;
-        bench_.stats.handles_removed += removed.removed;
+            [&](std::vector<std::uint32_t> cells) { return optimize_cells(std::move(cells)); }, context);
+        edit_.stats.handles_found += removed.found;
+        edit_.stats.handles_removed += removed.removed;
         watched_ = std::move(watched);
         watched_.insert(watched_.end(), removed.changed.begin(), removed.changed.end());
     }
@@ -382,12 +382,12 @@ class Climber {
                       const RunContext& context) {
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
         const PatchRepairStats repaired = repair_section_patch(
-            bench_, at_last_.planes.empty() ? drawn_ : at_last_, std::sin(least_degrees * radians_per_degree),
-            [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context,
+            edit_, at_last_.planes.empty() ? drawn_ : at_last_, std::sin(least_degrees * radians_per_degree),
+            [&](std::vector<std::uint32_t> cells) { return optimize_cells(std::move(cells)); }, context,
             at_last_.planes.empty() ? &look : nullptr);
-        bench_.stats.cuts_found += repaired.patches_found;
-        bench_.stats.sections_repaired += repaired.patches_repaired;
-        bench_.stats.spurious_components_removed += repaired.spurious_components_removed;
+        edit_.stats.cuts_found += repaired.patches_found;
+        edit_.stats.sections_repaired += repaired.patches_repaired;
+        edit_.stats.spurious_components_removed += repaired.spurious_components_removed;
         watched_ = std::move(watched);
         watched_.insert(watched_.end(), repaired.changed.begin(), repaired.changed.end());
     }
@@ -396,11 +396,11 @@ class Climber {
     void reroute(double least_degrees, const RunContext& context) {
         std::vector<std::uint32_t> watched = std::exchange(watched_, {});
         RerouteStats stats = reroute_on_section(
-            bench_, drawn_, crowded_, std::sin(least_degrees * radians_per_degree),
+            edit_, drawn_, constraint_limited_, std::sin(least_degrees * radians_per_degree),
             std::sin(listed_degrees * radians_per_degree),
-            [&](std::vector<std::uint32_t> cells) { return raise(std::move(cells)); }, context);
-        bench_.stats.segments_missed = stats.missed;
-        bench_.stats.routed = std::move(stats.routed);
+            [&](std::vector<std::uint32_t> cells) { return optimize_cells(std::move(cells)); }, context);
+        edit_.stats.segments_missed = stats.missed;
+        edit_.stats.routed = std::move(stats.routed);
         watched_ = std::move(watched);
         watched_.insert(watched_.end(), stats.changed.begin(), stats.changed.end());
     }
@@ -408,33 +408,33 @@ class Climber {
     // The shapes of these cells and of those that come of it, with the operations of the end; last their
     // ratios, for no angle that is listed. Ends where that makes ever more cells: what can be raised is with
     // some hundred. Returns what was made.
-    std::vector<std::uint32_t> raise(std::vector<std::uint32_t> cells) {
-        thorough_ = bench_.moves_junctions = is_raising_ = true;
-        bench_.slices = &drawn_;
-        const double target = target_, most = bench_.options.max_radius_edge,
+    std::vector<std::uint32_t> optimize_cells(std::vector<std::uint32_t> cells) {
+        thorough_ = edit_.moves_junctions = is_raising_ = true;
+        edit_.slices = &drawn_;
+        const double target = target_, most = edit_.options.max_radius_edge,
                      listed = std::sin(listed_degrees * radians_per_degree);
-        std::vector<std::uint32_t> changed = raise_angles(cells);
-        target_ = bench_.least_needed_sine = listed;
-        bench_.options.max_radius_edge = bench_.options.last_radius_edge;
+        std::vector<std::uint32_t> changed = optimize_angles(cells);
+        target_ = edit_.least_needed_sine = listed;
+        edit_.options.max_radius_edge = edit_.options.last_radius_edge;
         cells.insert(cells.end(), changed.begin(), changed.end());
-        const std::vector<std::uint32_t> more = raise_angles(cells);
+        const std::vector<std::uint32_t> more = optimize_angles(cells);
         changed.insert(changed.end(), more.begin(), more.end());
         cells.insert(cells.end(), more.begin(), more.end());
         target_ = target;
-        bench_.options.max_radius_edge = most;
+        edit_.options.max_radius_edge = most;
         lower_ratios_of(cells, most, changed);
-        bench_.least_needed_sine = 0;
-        thorough_ = bench_.moves_junctions = is_raising_ = false;
-        bench_.slices = nullptr;
+        edit_.least_needed_sine = 0;
+        thorough_ = edit_.moves_junctions = is_raising_ = false;
+        edit_.slices = nullptr;
         return changed;
     }
 
-    std::vector<std::uint32_t> raise_angles(std::vector<std::uint32_t> cells) {
+    std::vector<std::uint32_t> optimize_angles(std::vector<std::uint32_t> cells) {
         std::vector<std::uint32_t> changed;
-        for (int pass = 0; pass < bench_.options.passes; ++pass) {
+        for (int pass = 0; pass < edit_.options.passes; ++pass) {
             collect(cells, 1);
             if (queue_.empty()) break;
-            const std::uint64_t gained = drain(1);
+            const std::uint64_t gained = process_queue(1);
             cells.insert(cells.end(), watched_.begin(), watched_.end());
             changed.insert(changed.end(), watched_.begin(), watched_.end());
             watched_.clear();
@@ -447,26 +447,25 @@ class Climber {
 
     // Of those of the cells above `most`, and of cells that come of it, which `changed` gets.
     void lower_ratios_of(std::vector<std::uint32_t> cells, double most, std::vector<std::uint32_t>& changed) {
-        bench_.lowers_ratios = true;
+        edit_.lowers_ratios = true;
         sort_distinct(cells);
         for (std::size_t n = 0; n < cells.size() && changed.size() <= most_raised; ++n) {
-            if (!is_above(most, cells[n]) || drawn_.are_crowded(bench_.mesh.cell(cells[n])) ||
+            if (!is_above(most, cells[n]) || drawn_.are_constraint_limited(edit_.mesh.cell(cells[n])) ||
                 !better(cells[n], nullptr))
                 continue;
-            changed.insert(changed.end(), bench_.changed.begin(), bench_.changed.end());
-            cells.insert(cells.end(), bench_.changed.begin(), bench_.changed.end());
+            changed.insert(changed.end(), edit_.changed.begin(), edit_.changed.end());
+            cells.insert(cells.end(), edit_.changed.begin(), edit_.changed.end());
         }
-        bench_.lowers_ratios = false;
+        edit_.lowers_ratios = false;
     }
 
     LocalRepairStats repair_sections(const RunContext& context, const std::vector<std::uint32_t>* look) {
         LocalRepairStats locally_repaired = repair_section_locally(
-            bench_, drawn_, std::sin(listed_degrees * radians_per_degree), context, look);
-        bench_.stats.cuts_found += locally_repaired.places_found;
-        bench_.stats.sections_repaired += locally_repaired.vertices_moved +
-                                          locally_repaired.cells_relabelled + locally_repaired.edges_flipped +
-                                          locally_repaired.edges_collapsed +
-                                          locally_repaired.vertices_inserted;
+            edit_, drawn_, std::sin(listed_degrees * radians_per_degree), context, look);
+        edit_.stats.cuts_found += locally_repaired.places_found;
+        edit_.stats.sections_repaired += locally_repaired.vertices_moved + locally_repaired.cells_relabelled +
+                                         locally_repaired.edges_flipped + locally_repaired.edges_collapsed +
+                                         locally_repaired.vertices_inserted;
         return locally_repaired;
     }
 
@@ -475,28 +474,28 @@ class Climber {
         std::vector<std::uint32_t> changed;
         FlipOptions options;
         options.good_sine = target_;
-        options.least_gain_degrees = bench_.options.flip_gain_degrees;
-        flip_surface_edges(bench_, options, threads, changed);
-        sort_distinct(changed, bench_.mesh.cell_count());
+        options.least_gain_degrees = edit_.options.flip_gain_degrees;
+        flip_surface_edges(edit_, options, threads, changed);
+        sort_distinct(changed, edit_.mesh.cell_count());
         for (const BadCell& bad : bad_of(changed, threads)) queue_.push(bad);
     }
 
     // Among all cells; then among those beside what was dropped, as long as there is something.
     void drop_ears(int threads) {
         std::vector<std::uint32_t> cells = parallel_collect<std::uint32_t>(
-            bench_.mesh.cell_count(), 16384, threads,
+            edit_.mesh.cell_count(), 16384, threads,
             [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& ears) {
                 for (std::size_t c = first; c < last; ++c) {
                     const auto cell = static_cast<std::uint32_t>(c);
-                    if (bench_.mesh.alive(cell) && is_ear(bench_, cell)) ears.push_back(cell);
+                    if (edit_.mesh.alive(cell) && is_ear(edit_, cell)) ears.push_back(cell);
                 }
             });
         while (!cells.empty()) {
             std::vector<std::uint32_t> next;
             for (const std::uint32_t c : cells) {
-                if (!bench_.mesh.alive(c) || !drop_ear(bench_, c, target_)) continue;
+                if (!edit_.mesh.alive(c) || !drop_ear(edit_, c, target_)) continue;
                 next.push_back(c);
-                for (int i = 0; i < 4; ++i) next.push_back(bench_.mesh.neighbor(c, i));
+                for (int i = 0; i < 4; ++i) next.push_back(edit_.mesh.neighbor(c, i));
             }
             sort_distinct(next);
             cells = std::move(next);
@@ -505,8 +504,8 @@ class Climber {
 
     void remove_far_spikes(int threads) {
         const double least_sine = std::sin(listed_degrees * radians_per_degree);
-        bench_.stats.spikes_removed +=
-            remove_spikes(bench_, bench_.options.spike_mm, least_sine, threads).removed;
+        edit_.stats.spikes_removed +=
+            remove_spikes(edit_, edit_.options.spike_mm, least_sine, threads).removed;
     }
 
     // Queues those of the cells that are bad.
@@ -517,8 +516,9 @@ class Climber {
 
     // What contours force to be ill-shaped is not worked on for a subsegment's sake alone.
     double target_of(std::uint32_t c) const {
-        return is_raising_ && drawn_.are_crowded(bench_.mesh.cell(c)) ? std::min(target_, least_crowded_sine)
-                                                                      : target_;
+        return is_raising_ && drawn_.are_constraint_limited(edit_.mesh.cell(c))
+                   ? std::min(target_, least_limited_sine)
+                   : target_;
     }
 
     std::vector<BadCell> bad_of(const std::vector<std::uint32_t>& cells, int threads) const {
@@ -527,10 +527,10 @@ class Climber {
                                              for (std::size_t n = first; n < last; ++n) {
                                                  const std::uint32_t c = cells[n];
                                                  if (n + cells_ahead < last)
-                                                     bench_.mesh.prefetch_points(cells[n + cells_ahead]);
-                                                 if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0)
+                                                     edit_.mesh.prefetch_points(cells[n + cells_ahead]);
+                                                 if (!edit_.mesh.alive(c) || edit_.mesh.region(c) == 0)
                                                      continue;
-                                                 if (const double sine = bench_.sine(c); sine < target_of(c))
+                                                 if (const double sine = edit_.sine(c); sine < target_of(c))
                                                      bad.push_back({sine, c});
                                              }
                                          });
@@ -538,88 +538,90 @@ class Climber {
 
     // Tries the worst in the queue beforehand while there are several threads to do so: what happens to the
     // mesh is the same without.
-    void scout(int threads) {
-        const std::size_t part = std::max(queue_.size() / scouted_part, least_scouted);
-        scouted_.resize(std::min({part, most_scouted, queue_.size()}));
-        next_scouted_ = 0;
-        for (Scouted& scouted : scouted_) {
-            scouted = {queue_.top(), 0, {}};
+    void speculate(int threads) {
+        const std::size_t part = std::max(queue_.size() / speculative_part, least_speculations);
+        speculations_.resize(std::min({part, most_speculations, queue_.size()}));
+        next_speculation_ = 0;
+        for (Speculation& speculation : speculations_) {
+            speculation = {queue_.top(), 0, {}};
             queue_.pop();
         }
-        ++scouting_;
-        changed_in_.resize(bench_.mesh.point_count(), 0);
-        parallel_for(scouted_.size(), 16, threads, [&](std::size_t first, std::size_t last) {
-            Workbench scout = bench_;
-            scout.scouts = scout.nearsighted = true;
+        ++speculation_round_;
+        changed_in_.resize(edit_.mesh.point_count(), 0);
+        parallel_for(speculations_.size(), 16, threads, [&](std::size_t first, std::size_t last) {
+            EditContext local_edit = edit_;
+            local_edit.speculative = local_edit.local_only = true;
             for (std::size_t n = first; n < last; ++n) {
-                Scouted& scouted = scouted_[n];
-                if (!is_bad(scouted.bad)) continue;
-                scout.proposal = {};
-                while (scouted.first < scouted_tries && !attempt(scout, scouted.bad.cell, scouted.first)) {
-                    ++scouted.first;
-                    scout.proposal = {};
+                Speculation& speculation = speculations_[n];
+                if (!is_bad(speculation.bad)) continue;
+                local_edit.proposal = {};
+                while (speculation.first < speculative_tries &&
+                       !attempt(local_edit, speculation.bad.cell, speculation.first)) {
+                    ++speculation.first;
+                    local_edit.proposal = {};
                 }
-                scouted.proposal = std::move(scout.proposal);
+                speculation.proposal = std::move(local_edit.proposal);
             }
         });
     }
 
-    // Whether a cell with a vertex of this cell has changed since the scouts.
+    // Whether a cell with a vertex of this cell has changed since the speculation.
     bool touched(std::uint32_t cell) const {
-        const Cell& c = bench_.mesh.cell(cell);
+        const Cell& c = edit_.mesh.cell(cell);
         return std::any_of(c.begin(), c.end(), [&](std::uint32_t v) {
-            return v >= changed_in_.size() || changed_in_[v] == scouting_;
+            return v >= changed_in_.size() || changed_in_[v] == speculation_round_;
         });
     }
 
     void touch(const Cell& cell) {
         for (const std::uint32_t v : cell) {
-            if (v < changed_in_.size()) changed_in_[v] = scouting_;
+            if (v < changed_in_.size()) changed_in_[v] = speculation_round_;
         }
     }
 
     double worst_degrees() const {
-        return queue_.empty() ? bench_.options.target_degrees
+        return queue_.empty() ? edit_.options.target_degrees
                               : std::asin(std::max(0.0, queue_.top().sine)) / radians_per_degree;
     }
 
     bool is_bad(const BadCell& bad) const {
-        return bench_.mesh.alive(bad.cell) && bench_.mesh.region(bad.cell) != 0 &&
-               bench_.sine(bad.cell) == bad.sine;
+        return edit_.mesh.alive(bad.cell) && edit_.mesh.region(bad.cell) != 0 &&
+               edit_.sine(bad.cell) == bad.sine;
     }
 
-    // The worst cell of all that wait, and what scouts know of it.
-    Scouted take_worst(int threads) {
-        if (next_scouted_ == scouted_.size() && threads > 1) scout(threads);
-        if (next_scouted_ < scouted_.size() && (queue_.empty() || queue_.top() < scouted_[next_scouted_].bad))
-            return std::move(scouted_[next_scouted_++]);
+    // The worst cell of all that wait, and what speculation found out about it.
+    Speculation take_worst(int threads) {
+        if (next_speculation_ == speculations_.size() && threads > 1) speculate(threads);
+        if (next_speculation_ < speculations_.size() &&
+            (queue_.empty() || queue_.top() < speculations_[next_speculation_].bad))
+            return std::move(speculations_[next_speculation_++]);
         const BadCell bad = queue_.top();
         queue_.pop();
         return {bad, 0, {}};
     }
 
     // Works through the queue; cells that nothing helps come to left_.
-    std::uint64_t drain(int threads) {
+    std::uint64_t process_queue(int threads) {
         std::uint64_t gained = 0;
         left_.clear();
-        while ((!queue_.empty() || next_scouted_ < scouted_.size()) && !has_raised_enough()) {
-            const Scouted worst = take_worst(threads);
+        while ((!queue_.empty() || next_speculation_ < speculations_.size()) && !has_raised_enough()) {
+            const Speculation worst = take_worst(threads);
             const BadCell& bad = worst.bad;
-            if (!queue_.empty()) bench_.mesh.prefetch_round(queue_.top().cell);
+            if (!queue_.empty()) edit_.mesh.prefetch_round(queue_.top().cell);
             if (!is_bad(bad)) continue;
-            ++bench_.stats.tries;
-            const Cell before = bench_.mesh.cell(bad.cell);
+            ++edit_.stats.tries;
+            const Cell before = edit_.mesh.cell(bad.cell);
             if (!better(bad.cell, touched(bad.cell) ? nullptr : &worst)) {
                 left_.push_back(bad.cell);
                 continue;
             }
             ++gained;
             touch(before);
-            if (thorough_) watched_.insert(watched_.end(), bench_.changed.begin(), bench_.changed.end());
-            for (const std::uint32_t c : bench_.changed) {
-                touch(bench_.mesh.cell(c));
-                if (bench_.mesh.region(c) == 0) continue;
-                if (const double sine = bench_.sine(c); sine < target_of(c)) queue_.push({sine, c});
+            if (thorough_) watched_.insert(watched_.end(), edit_.changed.begin(), edit_.changed.end());
+            for (const std::uint32_t c : edit_.changed) {
+                touch(edit_.mesh.cell(c));
+                if (edit_.mesh.region(c) == 0) continue;
+                if (const double sine = edit_.sine(c); sine < target_of(c)) queue_.push({sine, c});
             }
         }
         return gained;
@@ -627,32 +629,32 @@ class Climber {
 
     bool has_raised_enough() const { return is_raising_ && watched_.size() > most_raised; }
 
-    static bool attempt(Workbench& bench, std::uint32_t cell, int n) {
-        if (n < edge_tries) return remove_edge(bench, cell, n);
-        if (n < facet_tries) return remove_facet(bench, cell, n - edge_tries);
-        return move_vertex(bench, bench.mesh.cell(cell)[static_cast<std::size_t>(n - facet_tries)]);
+    static bool attempt(EditContext& edit, std::uint32_t cell, int n) {
+        if (n < edge_tries) return remove_edge(edit, cell, n);
+        if (n < facet_tries) return remove_facet(edit, cell, n - edge_tries);
+        return move_vertex(edit, edit.mesh.cell(cell)[static_cast<std::size_t>(n - facet_tries)]);
     }
 
     // All but those that are only for the last cells, in the order of their price.
     bool attempt_any(std::uint32_t cell, int n) {
-        if (n < scouted_tries) return attempt(bench_, cell, n);
-        if (n == scouted_tries) return relabel_cell(bench_, cell);
-        n -= scouted_tries + 1;
-        if (n < collapse_tries) return collapse_edge(bench_, cell, n / 2, n % 2 == 0);
-        return insert_vertex(bench_, cell, n - collapse_tries);
+        if (n < speculative_tries) return attempt(edit_, cell, n);
+        if (n == speculative_tries) return relabel_cell(edit_, cell);
+        n -= speculative_tries + 1;
+        if (n < collapse_tries) return collapse_edge(edit_, cell, n / 2, n % 2 == 0);
+        return insert_vertex(edit_, cell, n - collapse_tries);
     }
 
-    // The operations in the order of their price; `scouted` tells of them, if nothing has changed there.
-    bool better(std::uint32_t cell, const Scouted* scouted) {
-        int first = scouted ? scouted->first : 0;
-        if (scouted && scouted->proposal.counter) {
-            if (bench_.carry_out(scouted->proposal)) return true;
+    // The operations in the order of their price; `speculation` tells of them, if nothing has changed there.
+    bool better(std::uint32_t cell, const Speculation* speculation) {
+        int first = speculation ? speculation->first : 0;
+        if (speculation && speculation->proposal.counter) {
+            if (edit_.carry_out(speculation->proposal)) return true;
             ++first;
         }
-        for (int n = first; n < scouted_tries; ++n) {
-            if (attempt(bench_, cell, n)) return true;
+        for (int n = first; n < speculative_tries; ++n) {
+            if (attempt(edit_, cell, n)) return true;
         }
-        for (int n = relabels_cells_ ? scouted_tries : scouted_tries + 1; n < all_tries; ++n) {
+        for (int n = relabels_cells_ ? speculative_tries : speculative_tries + 1; n < all_tries; ++n) {
             if (attempt_any(cell, n)) return true;
         }
         return thorough_ && better_at_last(cell);
@@ -661,29 +663,31 @@ class Climber {
     // What only the few cells that nothing else helps are worth.
     bool better_at_last(std::uint32_t cell) {
         for (int e = 0; e < 6; ++e) {
-            if (split_edge(bench_, cell, e)) return true;
+            if (split_edge(edit_, cell, e)) return true;
         }
         for (int i = 0; i < 4; ++i) {
-            if (split_facet(bench_, cell, i)) return true;
+            if (split_facet(edit_, cell, i)) return true;
         }
-        return split_cell(bench_, cell) || insert_beside(bench_, cell);
+        return split_cell(edit_, cell) || insert_beside(edit_, cell);
     }
 
-    Workbench& bench_;
-    std::vector<std::uint8_t> crowded_;  // those of drawn_, from which contours that are re-routed take some
+    EditContext& edit_;
+    // Those of drawn_, from which contours that are re-routed take some.
+    std::vector<std::uint8_t> constraint_limited_;
     DrawnSlices drawn_;
     DrawnSlices at_last_;  // if any: of cuts that are looked at then alone
     double target_;
-    bool thorough_ = false;       // the last climb
+    bool thorough_ = false;       // the last optimization
     bool is_raising_ = false;     // for a subsegment
     bool relabels_cells_ = true;  // to the other side of an interface
     std::priority_queue<BadCell> queue_;
     std::vector<std::uint32_t> left_;
     std::vector<std::uint32_t> watched_;     // what may be bad in the end
-    std::vector<Scouted> scouted_;           // that wait beside the queue, the worst first
-    std::size_t next_scouted_ = 0;           // those before it do not wait any more
-    std::uint32_t scouting_ = 0;             // number of the last one
-    std::vector<std::uint32_t> changed_in_;  // by vertex: after which scouting a cell at it changed last
+    std::vector<Speculation> speculations_;  // that wait beside the queue, the worst first
+    std::size_t next_speculation_ = 0;       // those before it do not wait any more
+    std::uint32_t speculation_round_ = 0;    // number of the last one
+    // By vertex: after which round of speculation a cell at it changed last.
+    std::vector<std::uint32_t> changed_in_;
 };
 
 }  // namespace
@@ -696,12 +700,12 @@ DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint32_t>& neigh
     assert(fixed.size() == mesh.points.size());
     assert(std::is_sorted(fixed_edges.begin(), fixed_edges.end()));
     EditMesh edited(std::move(mesh), neighbors);
-    Workbench bench(edited, fixed, fixed_edges, field, structures, options);
-    bench.table = drawn.table;
-    Climber(bench, drawn).run(context);
-    bench.stats.cells_made = edited.cells_made();
+    EditContext edit(edited, fixed, fixed_edges, field, structures, options);
+    edit.table = drawn.table;
+    HillClimber(edit, drawn).run(context);
+    edit.stats.cells_made = edited.cells_made();
     mesh = std::move(edited).take(neighbors, context.threads);
-    return bench.stats;
+    return edit.stats;
 }
 
 }  // namespace anatomesh

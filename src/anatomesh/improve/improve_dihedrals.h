@@ -34,21 +34,22 @@ namespace anatomesh {
 // re-routed along the surface where that does not help (reroute_on_section.h). In between, edges of surfaces
 // are flipped for smaller angles between facets (flip_surface_edges.h), where no angle inside falls below the
 // target or what it was. Near the end single cells below 10 degrees or above `last_radius_edge` beside those
-// of `drawn.crowded` are repaired at the price of these. Guarantees: no cell inside with an angle below the
-// least before and below 10 degrees, but for those crowded: these may come down to the bounds of
-// cell_judge.h; all cells positive by exact orientation; vertices with fixed[v] != 0 do not move and stay on
-// their surfaces, but for those of structures further away than `spike_mm`; `fixed_edges` (sorted, ends
-// fixed) that lie on an interface stay edges of it, or chains of edges on the same line, whose new vertices
-// are fixed as well; the surfaces of all structures keep their topology: each operation replaces a disc of a
-// surface by a disc, but where a slice's plane has a handle, a tunnel or a neck that the slice has not
-// (repair_section_patch.h), and where small handles are closed near the end. No ratio above the
-// bound (at last the other one) arises but in the place of one as large, or of a crowded cell. Cells outside
-// serve as room; they stay positive, and none gets nearly flat but in the place of one as flat, or of a
-// crowded one. Same result every time. `fixed` grows with the points. Cells keep no order. Points no longer
-// used stay in the list. `neighbors` are those of the mesh before and after, as cell_neighbors() gives them.
-// Requires: the mesh holds the cells outside too, and every vertex on its hull is fixed. Complexity: linear
-// in the cells, and in the operations tried for the bad ones. Follows: Klingner and Shewchuk, Proc. 16th
-// International Meshing Roundtable, 2007; Freitag and Ollivier-Gooch, Int. J. Numer. Methods Eng. 40, 1997.
+// of `drawn.constraint_limited` are repaired at the price of these. Guarantees: no cell inside with an angle
+// below the least before and below 10 degrees, but for those constraint-limited: these may come down to the
+// bounds of quality_gate.h; all cells positive by exact orientation; vertices with fixed[v] != 0 do not move
+// and stay on their surfaces, but for those of structures further away than `spike_mm`; `fixed_edges`
+// (sorted, ends fixed) that lie on an interface stay edges of it, or chains of edges on the same line, whose
+// new vertices are fixed as well; the surfaces of all structures keep their topology: each operation replaces
+// a disc of a surface by a disc, but where a slice's plane has a handle, a tunnel or a neck that the slice
+// has not (repair_section_patch.h), and where small handles are closed near the end. No ratio above the
+// bound (at last the other one) arises but in the place of one as large, or of a constraint-limited cell.
+// Cells outside serve as room; they stay positive, and none gets nearly flat but in the place of one as flat,
+// or of a constraint-limited one. Same result every time. `fixed` grows with the points. Cells keep no order.
+// Points no longer used stay in the list. `neighbors` are those of the mesh before and after, as
+// cell_neighbors() gives them. Requires: the mesh holds the cells outside too, and every vertex on its hull
+// is fixed. Complexity: linear in the cells, and in the operations tried for the bad ones. Follows: Klingner
+// and Shewchuk, Proc. 16th International Meshing Roundtable, 2007; Freitag and Ollivier-Gooch, Int. J. Numer.
+// Methods Eng. 40, 1997.
 DihedralStats improve_dihedrals(TetMesh& mesh, std::vector<std::uint32_t>& neighbors,
                                 std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
                                 const StructureField& field, std::uint32_t structures,

@@ -98,7 +98,7 @@ TEST(ImproveDihedrals, reaches_the_target_where_vertices_are_free) {
     EXPECT_LE(off_interface(done.mesh), off_interface(c.mesh));
 }
 
-// Scouts on several threads leave out what would fail, and nothing else.
+// Speculation on several threads leaves out what would fail, and nothing else.
 TEST(ImproveDihedrals, several_threads_make_the_same_mesh_by_the_same_operations) {
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
@@ -384,7 +384,7 @@ TEST(ImproveDihedrals, cells_that_contours_crowd_give_way_to_ill_shaped_ones_bes
         pairs.push_back(pairs.back() + Vec3{off(random), off(random), off(random)});
     }
     const LabelledCase c = random_case("random", AnalyticField({ball({}, 7)}, 9), 1, 1, pairs);
-    std::vector<std::uint8_t> fixed = c.fixed, crowded(pairs.size(), 1);
+    std::vector<std::uint8_t> fixed = c.fixed, constraint_limited(pairs.size(), 1);
     std::fill(fixed.begin(), fixed.begin() + static_cast<std::ptrdiff_t>(pairs.size()), 1);
     const auto ill_shaped_beside = [&](bool spares) {
         TetMesh mesh = c.mesh;
@@ -392,16 +392,16 @@ TEST(ImproveDihedrals, cells_that_contours_crowd_give_way_to_ill_shaped_ones_bes
         std::vector<std::uint32_t> neighbors = neighbors_of(mesh);
         DrawnSlices drawn;
         drawn.table = &c.regions;
-        if (spares) drawn.crowded = crowded;
+        if (spares) drawn.constraint_limited = constraint_limited;
         RunContext context;
         improve_dihedrals(mesh, neighbors, held, {}, c.field, 1, drawn, {}, context);
         expect_sound_mesh(mesh, c.mesh);
         EXPECT_GE(worst_sine(mesh), std::min(worst_sine(c.mesh), 0.01));
-        drawn.crowded = crowded;
+        drawn.constraint_limited = constraint_limited;
         std::size_t count = 0;
         for (std::size_t n = 0; n < mesh.cells.size(); ++n) {
             const Cell& v = mesh.cells[n];
-            if (mesh.regions[n] == 0 || drawn.are_crowded(v)) continue;
+            if (mesh.regions[n] == 0 || drawn.are_constraint_limited(v)) continue;
             count += sine_of(mesh, v) < std::sin(10 * std::numbers::pi / 180) ||
                      radius_edge_ratio(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]],
                                        mesh.points[v[3]]) > DihedralOptions{}.last_radius_edge;

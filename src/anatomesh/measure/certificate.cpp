@@ -226,7 +226,7 @@ ShapeFindings list_cells(const CertificateInput& input, const CellShapes& shapes
     if (shapes.over_bound.empty()) return found;
     const ContourSet none;
     ForcedCells forced(input.mesh, input.contours ? *input.contours : none, findings.vertex_of);
-    forced.find_crowded(shapes.over_bound, contract::forcing_share * report.quality.edge_mean_mm);
+    forced.find_constraint_limited(shapes.over_bound, contract::forcing_share * report.quality.edge_mean_mm);
     for (const std::uint32_t c : shapes.over_bound) {
         ListedCell listed{c, shapes.radius_edge[c], shapes.min_dihedral_deg[c], {}, forced.reason(c)};
         Vec3 sum;

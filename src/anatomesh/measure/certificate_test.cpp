@@ -349,13 +349,13 @@ TEST(ForcedCells, names_the_contour_vertices_of_the_shortest_edge_and_the_sharp_
     // The contour of slice k = 8 passes the vertex (0, 0, 0) at 0.01 mm.
     contours.points = {{0, 0, 0}, {9, 0, 0}, {0, 9, 0}, {-5, 0.01, 0}, {5, 0.01, 0}, {0, 9, 0}};
     const std::vector<std::uint32_t> vertices{0, no_cell, no_cell, no_cell, no_cell, no_cell};
-    ForcedCells crowded(mesh, contours, vertices);
-    EXPECT_EQ(crowded.reason(0), "");
-    crowded.find_crowded(std::vector<std::uint32_t>{0}, 0.02);
-    EXPECT_EQ(crowded.reason(0),
+    ForcedCells constraint_limited(mesh, contours, vertices);
+    EXPECT_EQ(constraint_limited.reason(0), "");
+    constraint_limited.find_constraint_limited(std::vector<std::uint32_t>{0}, 0.02);
+    EXPECT_EQ(constraint_limited.reason(0),
               "contour vertex 0 in slice k = 7 0.0100 mm from the contour at vertex 3 in slice k = 8");
     ForcedCells free(mesh, contours, vertices);
-    free.find_crowded(std::vector<std::uint32_t>{0}, 0.005);
+    free.find_constraint_limited(std::vector<std::uint32_t>{0}, 0.005);
     EXPECT_EQ(free.reason(0), "");
 }
 
@@ -368,7 +368,7 @@ TEST(ForcedCells, names_contours_that_pass_each_other_or_meet_at_a_small_angle) 
     const auto reason = [&](std::vector<Vec3> points, std::vector<std::uint32_t> vertex_of, double distance) {
         contours.points = std::move(points);
         ForcedCells forced(mesh, contours, vertex_of);
-        forced.find_crowded(std::vector<std::uint32_t>{0}, distance);
+        forced.find_constraint_limited(std::vector<std::uint32_t>{0}, distance);
         return forced.reason(0);
     };
     // (1, 0, 0) is no vertex of a contour, but lies on one, and the other one passes at 0.01 mm.

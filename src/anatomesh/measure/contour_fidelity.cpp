@@ -140,16 +140,16 @@ bool ForcedCells::forced(std::uint32_t cell) const {
     return (shortest.a != no_cell && shortest.b != no_cell) || sharp_vertex(cell) != no_cell;
 }
 
-bool ForcedCells::crowds(std::uint32_t vertex) const {
-    return crowded_.contains(vertex) ||
+bool ForcedCells::limits(std::uint32_t vertex) const {
+    return constraint_limited_.contains(vertex) ||
            (point_at_[vertex] != no_cell && contour_angle(point_at_[vertex]) < small_angle_deg);
 }
 
-std::string ForcedCells::crowded_reason(std::uint32_t cell) const {
+std::string ForcedCells::limit_reason(std::uint32_t cell) const {
     for (const std::uint32_t v : mesh_.cells[cell]) {
-        const auto crowded = crowded_.find(v);
-        if (crowded == crowded_.end()) continue;
-        const Crowded& found = crowded->second;
+        const auto constraint_limited = constraint_limited_.find(v);
+        if (constraint_limited == constraint_limited_.end()) continue;
+        const ConstraintLimit& found = constraint_limited->second;
         const std::string other =
             "at vertex " + std::to_string(found.segment) + " in slice " + slice_name(found.segment);
         if (found.angle_deg < 180) {
@@ -169,16 +169,16 @@ Vec3 ForcedCells::segment_end(std::uint32_t from) const {
     return contours_.points[contour.first_point + (from - contour.first_point + 1) % contour.point_count];
 }
 
-void ForcedCells::find_crowded(std::span<const std::uint32_t> cells, double distance_mm) {
+void ForcedCells::find_constraint_limited(std::span<const std::uint32_t> cells, double distance_mm) {
     std::vector<std::uint32_t> vertices;
     for (const std::uint32_t cell : cells)
         vertices.insert(vertices.end(), mesh_.cells[cell].begin(), mesh_.cells[cell].end());
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    find_crowded_at(vertices, distance_mm);
+    find_constraint_limited_at(vertices, distance_mm);
 }
 
-void ForcedCells::find_crowded_at(const std::vector<std::uint32_t>& vertices, double distance_mm) {
+void ForcedCells::find_constraint_limited_at(const std::vector<std::uint32_t>& vertices, double distance_mm) {
     if (vertices.empty() || !(distance_mm > 0)) return;
     const double piece_mm = 4 * distance_mm;
     PointGrid grid(piece_mm, vertices.size());
@@ -206,41 +206,44 @@ void ForcedCells::find_crowded_at(const std::vector<std::uint32_t>& vertices, do
     }
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         const std::uint32_t v = vertices[i];
-        const Crowded found = point_at_[v] != no_cell ? crowded_vertex(point_at_[v], near[i], distance_mm)
-                                                      : crowded_segment(near[i]);
-        if (found.segment != no_cell) crowded_[v] = found;
+        const ConstraintLimit found = point_at_[v] != no_cell
+                                          ? limit_of_vertex(point_at_[v], near[i], distance_mm)
+                                          : limit_of_segment(near[i]);
+        if (found.segment != no_cell) constraint_limited_[v] = found;
     }
 }
 
 // Other segments near a contour vertex, or two there that make a small angle.
-ForcedCells::Crowded ForcedCells::crowded_vertex(std::uint32_t point, const std::vector<NearSegment>& near,
-                                                 double distance_mm) const {
+ForcedCells::ConstraintLimit ForcedCells::limit_of_vertex(std::uint32_t point,
+                                                          const std::vector<NearSegment>& near,
+                                                          double distance_mm) const {
     const Vec3 p = contours_.points[point];
-    Crowded crowded;
+    ConstraintLimit constraint_limited;
     for (const NearSegment& s : near) {
-        // Its own place, also where several contours share it, does not crowd it.
+        // Its own place, also where several contours share it, does not limit it.
         const double distance = p == s.a || p == s.b ? length(s.b - s.a) : s.distance;
-        if (distance <= distance_mm && (crowded.segment == no_cell || distance < crowded.distance))
-            crowded = {point, s.from, distance};
+        if (distance <= distance_mm &&
+            (constraint_limited.segment == no_cell || distance < constraint_limited.distance))
+            constraint_limited = {point, s.from, distance};
     }
-    if (crowded.segment != no_cell) return crowded;
+    if (constraint_limited.segment != no_cell) return constraint_limited;
     for (const NearSegment& s : near) {
         for (const NearSegment& t : near) {
             const double angle = angle_between(s, t, p);
-            if (angle > 0 && angle < small_crossing_deg && angle < crowded.angle_deg)
-                crowded = {s.from, t.from, 0, angle};
+            if (angle > 0 && angle < small_crossing_deg && angle < constraint_limited.angle_deg)
+                constraint_limited = {s.from, t.from, 0, angle};
         }
     }
-    return crowded;
+    return constraint_limited;
 }
 
 // Other segments near a vertex within one, but for those that go on from it without turning back.
-ForcedCells::Crowded ForcedCells::crowded_segment(const std::vector<NearSegment>& near) const {
+ForcedCells::ConstraintLimit ForcedCells::limit_of_segment(const std::vector<NearSegment>& near) const {
     std::vector<NearSegment> own;
     for (const NearSegment& s : near) {
         if (s.distance <= on_segment * length(s.b - s.a)) own.push_back(s);
     }
-    Crowded crowded;
+    ConstraintLimit constraint_limited;
     for (const NearSegment& s : near) {
         const bool goes_on = std::any_of(own.begin(), own.end(), [&](const NearSegment& o) {
             return o.from == s.from ||
@@ -248,10 +251,10 @@ ForcedCells::Crowded ForcedCells::crowded_segment(const std::vector<NearSegment>
                    s.distance <= on_segment * length(s.b - s.a);
         });
         if (own.empty() || goes_on) continue;
-        if (crowded.segment == no_cell || s.distance < crowded.distance)
-            crowded = {own.front().from, s.from, s.distance};
+        if (constraint_limited.segment == no_cell || s.distance < constraint_limited.distance)
+            constraint_limited = {own.front().from, s.from, s.distance};
     }
-    return crowded;
+    return constraint_limited;
 }
 
 // At p, in degrees; 0 where they do not both end there.
@@ -271,14 +274,15 @@ std::string ForcedCells::reason(std::uint32_t cell) const {
                (one == two ? "slice " + one : "slices " + one + " and " + two);
     }
     const std::uint32_t sharp = sharp_vertex(cell);
-    if (sharp == no_cell) return crowded_reason(cell);
+    if (sharp == no_cell) return limit_reason(cell);
     return "an angle of " + fixed_text(contour_angle(sharp), 1) + " degrees at contour vertex " +
            std::to_string(sharp) + " in slice " + slice_name(sharp);
 }
 
-std::vector<std::uint8_t> crowded_vertices(const TetMesh& mesh, const ContourSet& contours,
-                                           std::span<const std::uint32_t> vertex_of,
-                                           const std::vector<std::uint32_t>& vertices, double share) {
+std::vector<std::uint8_t> constraint_limited_vertices(const TetMesh& mesh, const ContourSet& contours,
+                                                      std::span<const std::uint32_t> vertex_of,
+                                                      const std::vector<std::uint32_t>& vertices,
+                                                      double share) {
     std::size_t inside = 0;
     double edges = 0;
     for (std::uint32_t c = 0; c < mesh.cells.size(); ++c) {
@@ -289,10 +293,10 @@ std::vector<std::uint8_t> crowded_vertices(const TetMesh& mesh, const ContourSet
                         length(mesh.points[v[3]] - mesh.points[v[2]]));
     }
     ForcedCells forced(mesh, contours, vertex_of);
-    if (inside > 0) forced.find_crowded_at(vertices, share * edges / static_cast<double>(inside));
-    std::vector<std::uint8_t> crowded(mesh.points.size(), 0);
-    for (const std::uint32_t v : vertices) crowded[v] = forced.crowds(v);
-    return crowded;
+    if (inside > 0) forced.find_constraint_limited_at(vertices, share * edges / static_cast<double>(inside));
+    std::vector<std::uint8_t> constraint_limited(mesh.points.size(), 0);
+    for (const std::uint32_t v : vertices) constraint_limited[v] = forced.limits(v);
+    return constraint_limited;
 }
 
 }  // namespace anatomesh

@@ -49,14 +49,15 @@ class ForcedCells {
     // Whether one of the first two reasons holds.
     bool forced(std::uint32_t cell) const;
 
-    // Whether it forces every cell that it is a vertex of, by what find_crowded() found or a small angle.
-    bool crowds(std::uint32_t vertex) const;
+    // Whether it forces every cell that it is a vertex of, by what find_constraint_limited() found or a small
+    // angle.
+    bool limits(std::uint32_t vertex) const;
 
     // Looks for the other reasons at the vertices of these cells: another contour vertex or segment nearer
     // than `distance_mm`, or another contour at a small angle. Complexity: O(segments + cells).
-    void find_crowded(std::span<const std::uint32_t> cells, double distance_mm);
+    void find_constraint_limited(std::span<const std::uint32_t> cells, double distance_mm);
     // At these vertices, rising, instead.
-    void find_crowded_at(const std::vector<std::uint32_t>& vertices, double distance_mm);
+    void find_constraint_limited_at(const std::vector<std::uint32_t>& vertices, double distance_mm);
 
   private:
     // The contour points at the ends of the cell's shortest edge, or no_cell.
@@ -73,32 +74,33 @@ class ForcedCells {
         Vec3 a, b;
         double distance;
     };
-    // What crowds a vertex: the starts of the contour segment that it is on and of the one that comes
+    // What limits a vertex: the starts of the contour segment that it is on and of the one that comes
     // nearest, and its distance; or their angle.
-    struct Crowded {
+    struct ConstraintLimit {
         std::uint32_t own = no_cell, segment = no_cell;
         double distance = 0, angle_deg = 180;
     };
-    std::string crowded_reason(std::uint32_t cell) const;
+    std::string limit_reason(std::uint32_t cell) const;
     Vec3 segment_end(std::uint32_t from) const;
-    Crowded crowded_vertex(std::uint32_t point, const std::vector<NearSegment>& near,
-                           double distance_mm) const;
-    Crowded crowded_segment(const std::vector<NearSegment>& near) const;
+    ConstraintLimit limit_of_vertex(std::uint32_t point, const std::vector<NearSegment>& near,
+                                    double distance_mm) const;
+    ConstraintLimit limit_of_segment(const std::vector<NearSegment>& near) const;
     static double angle_between(const NearSegment& s, const NearSegment& t, Vec3 p);
     std::string slice_name(std::uint32_t point) const;
     double contour_angle(std::uint32_t point) const;
 
     const TetMesh& mesh_;
     const ContourSet& contours_;
-    std::vector<std::uint32_t> point_at_;       // by mesh vertex: the first contour point there, or no_cell
-    std::vector<std::uint32_t> contour_of_;     // by contour point
-    std::map<std::uint32_t, Crowded> crowded_;  // by mesh vertex
+    std::vector<std::uint32_t> point_at_;    // by mesh vertex: the first contour point there, or no_cell
+    std::vector<std::uint32_t> contour_of_;  // by contour point
+    std::map<std::uint32_t, ConstraintLimit> constraint_limited_;  // by mesh vertex
 };
 
-// By vertex: whether it is one of `vertices` (rising) and ForcedCells::crowds() it, where contours are near
+// By vertex: whether it is one of `vertices` (rising) and ForcedCells::limits() it, where contours are near
 // to each other below `share` of the mean edge of the cells inside. Complexity: O(segments + cells).
-std::vector<std::uint8_t> crowded_vertices(const TetMesh& mesh, const ContourSet& contours,
-                                           std::span<const std::uint32_t> vertex_of,
-                                           const std::vector<std::uint32_t>& vertices, double share);
+std::vector<std::uint8_t> constraint_limited_vertices(const TetMesh& mesh, const ContourSet& contours,
+                                                      std::span<const std::uint32_t> vertex_of,
+                                                      const std::vector<std::uint32_t>& vertices,
+                                                      double share);
 
 }  // namespace anatomesh

@@ -384,7 +384,7 @@ class Builder {
                     {"edges_split", static_cast<double>(split.edges_split)},
                     {"vertices_split", static_cast<double>(split.vertices_split)},
                     {"vertices_joined", static_cast<double>(split.vertices_joined)},
-                    {"pieces_given", static_cast<double>(split.pieces_relabelled)},
+                    {"pieces_given", static_cast<double>(split.components_relabelled)},
                     {"crumbs_given_away", static_cast<double>(spurious.components)}};
         return end_stage("cut", 0.75);
     }
@@ -586,8 +586,8 @@ class Builder {
         if (spared_ && sample_->has_pole &&
             static_cast<double>(beside.size()) > most_beside * static_cast<double>(subsegments.size()))
             beside.clear();
-        std::vector<std::uint8_t> crowded;
-        if (!spared_ || !beside.empty()) crowded = crowded_by_contours(subsegments);
+        std::vector<std::uint8_t> constraint_limited;
+        if (!spared_ || !beside.empty()) constraint_limited = constraint_limited_vertices_of(subsegments);
         // About an axis those that are wrong by more than they may be, at last.
         const bool worst_alone = sample_->has_pole && !spared_ && !is_parallel(contours_);
         const SlicesThatTell slices = worst_alone ? slices_ : slices_to_keep(false);
@@ -602,18 +602,20 @@ class Builder {
             edges_along(model_.mesh, neighbors_, segment_ends(contours_, vertices_of_contours())), *field_,
             structures_,
             {&model_.regions, slice_of, &owners, slices.planes, slices.extents, slices.weights,
-             slices.on_plane_mm, worst_alone ? contract::section_tolerance : 0.0, beside, crowded, routable},
+             slices.on_plane_mm, worst_alone ? contract::section_tolerance : 0.0, beside, constraint_limited,
+             routable},
             options, context_);
     }
 
     // By vertex; those of contours and of subsegments of their segments are looked at.
-    std::vector<std::uint8_t> crowded_by_contours(const std::vector<Subsegment>& subsegments) const {
+    std::vector<std::uint8_t> constraint_limited_vertices_of(
+        const std::vector<Subsegment>& subsegments) const {
         std::vector<std::uint32_t> vertices = vertices_of_contours();
         for (const Subsegment& subsegment : subsegments)
             vertices.insert(vertices.end(), {subsegment.a, subsegment.b});
         sort_distinct(vertices, model_.mesh.points.size());
-        return crowded_vertices(model_.mesh, contours_, vertices_of_contours(), vertices,
-                                contract::forcing_share);
+        return constraint_limited_vertices(model_.mesh, contours_, vertices_of_contours(), vertices,
+                                           contract::forcing_share);
     }
 
     void drop_outside_cells() {
@@ -681,7 +683,7 @@ class Builder {
         if (contours_.exclusive) warn_of_volumes(volumes_, model_.structures, contours_.source, context_);
         look_for_tears();
         // What was not done for their sake is the user's to know.
-        if (spared_) warn_of_crowded_cells(report(), contours_.source, context_);
+        if (spared_) warn_of_constraint_limited_cells(report(), contours_.source, context_);
         for (const Clause& clause : report().certificate) {
             if (clause.state != ClauseState::broken) continue;
             // Cuts, quality and volume are out of reach for this input; a wrong surface would be a fault of

@@ -301,7 +301,8 @@ std::string advice_on_size(const std::vector<double>& thickness, double size_mm,
            brief(thinnest) + " or leave --size out";
 }
 
-void warn_of_crowded_cells(const ModelReport& report, const std::string& file, RunContext& context) {
+void warn_of_constraint_limited_cells(const ModelReport& report, const std::string& file,
+                                      RunContext& context) {
     const QualityReport& quality = report.quality;
     Place place;
     place.file = file;

@@ -48,7 +48,8 @@ void warn_of_thin_structures(const ContourSet& contours, const std::vector<doubl
 std::string advice_on_size(const std::vector<double>& thickness, double size_mm, bool size_given);
 
 // Of a model for the shapes of which less was done than can be, W-PIP-005: what that left.
-void warn_of_crowded_cells(const ModelReport& report, const std::string& file, RunContext& context);
+void warn_of_constraint_limited_cells(const ModelReport& report, const std::string& file,
+                                      RunContext& context);
 
 // Of a model that is built again, W-PIP-001: why, and with what edge length. `error`: its message where there
 // is no model, else empty. Requires: next is not none.

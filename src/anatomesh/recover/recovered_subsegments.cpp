@@ -179,7 +179,7 @@ RecoveredSubsegments::BadCells RecoveredSubsegments::find_bad(int threads) const
     }
     if (bad.empty()) return found;
     ForcedCells forced(mesh_, drawn_.contours, drawn_.vertex_of);
-    forced.find_crowded(bad, contract::forcing_share * edges / static_cast<double>(found.inside));
+    forced.find_constraint_limited(bad, contract::forcing_share * edges / static_cast<double>(found.inside));
     for (const std::uint32_t c : bad) {
         if (!forced.reason(c).empty()) {
             found.forced.push_back(c);

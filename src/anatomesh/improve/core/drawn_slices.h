@@ -55,15 +55,16 @@ struct DrawnSlices {
     // Subsegments, known to the owners, with cells on one side of their structure alone: two
     // vertices and the structure.
     std::span<const std::array<std::uint32_t, 3>> subsegments_beside = {};
-    std::span<const std::uint8_t> crowded =
+    std::span<const std::uint8_t> constraint_limited =
         {};  // by vertex: contours force the shapes of its cells; or empty
 
     RoutableContours routable = {};
 
     // Whether one of these vertices, of a cell or a facet, is.
-    bool are_crowded(std::span<const std::uint32_t> vertices) const {
-        return std::any_of(vertices.begin(), vertices.end(),
-                           [&](std::uint32_t v) { return v < crowded.size() && crowded[v] != 0; });
+    bool are_constraint_limited(std::span<const std::uint32_t> vertices) const {
+        return std::any_of(vertices.begin(), vertices.end(), [&](std::uint32_t v) {
+            return v < constraint_limited.size() && constraint_limited[v] != 0;
+        });
     }
 };
 

@@ -7,24 +7,24 @@
 
 namespace anatomesh {
 
-Hole::Hole(Workbench& bench, const EdgeRing& ring) : bench_(bench) {
+Hole::Hole(EditContext& edit, const EdgeRing& ring) : edit_(edit) {
     for (const std::uint32_t c : ring.cells) {
         cells_.push_back(c);
         for (int i = 0; i < 4; ++i) {
-            const std::uint32_t opposite = bench.mesh.cell(c)[i];
+            const std::uint32_t opposite = edit.mesh.cell(c)[i];
             if (opposite == ring.a || opposite == ring.b) facets_.push_back(facet(c, i));
         }
     }
 }
 
-Hole::Hole(Workbench& bench, std::vector<std::uint32_t> cells, std::span<const CellFacet> given)
-    : bench_(bench), cells_(std::move(cells)) {
+Hole::Hole(EditContext& edit, std::vector<std::uint32_t> cells, std::span<const CellFacet> given)
+    : edit_(edit), cells_(std::move(cells)) {
     for (const std::uint32_t c : cells_) {
         for (int i = 0; i < 4; ++i) {
-            if (holds(bench.mesh.neighbor(c, i))) continue;
+            if (holds(edit.mesh.neighbor(c, i))) continue;
             facets_.push_back(facet(c, i));
             if (std::find(given.begin(), given.end(), CellFacet{c, i}) == given.end()) continue;
-            facets_.back().region = bench.mesh.region(facets_.back().beyond);
+            facets_.back().region = edit.mesh.region(facets_.back().beyond);
             facets_.back().beyond = no_cell;
         }
     }
@@ -33,36 +33,35 @@ Hole::Hole(Workbench& bench, std::vector<std::uint32_t> cells, std::span<const C
 Vec3 Hole::centre() const {
     Vec3 sum{};
     for (const Facet& f : facets_) {
-        for (const std::uint32_t v : f.v) sum = sum + bench_.mesh.point(v);
+        for (const std::uint32_t v : f.v) sum = sum + edit_.mesh.point(v);
     }
     return (1.0 / (3.0 * static_cast<double>(facets_.size()))) * sum;
 }
 
 Hole::Facet Hole::facet(std::uint32_t c, int i) const {
-    const Cell& cell = bench_.mesh.cell(c);
+    const Cell& cell = edit_.mesh.cell(c);
     const auto& f = facet_vertices[i];
-    return {{cell[f[0]], cell[f[1]], cell[f[2]]}, bench_.mesh.region(c), bench_.mesh.neighbor(c, i)};
+    return {{cell[f[0]], cell[f[1]], cell[f[2]]}, edit_.mesh.region(c), edit_.mesh.neighbor(c, i)};
 }
 
 // The least sine of the cell that the facet makes with p, as if it was lower where the ratio is above the
 // bound.
 double Hole::value(const Facet& f, Vec3 p) const {
     const CellMeasures cell =
-        measure_cell(p, bench_.mesh.point(f.v[0]), bench_.mesh.point(f.v[1]), bench_.mesh.point(f.v[2]));
+        measure_cell(p, edit_.mesh.point(f.v[0]), edit_.mesh.point(f.v[1]), edit_.mesh.point(f.v[2]));
     const double sine = cell.least_sine();
     if (cell.squared_ratio <= squared_ratio_) return sine;
-    return std::min(sine, bench_.goal * std::sqrt(squared_ratio_ / cell.squared_ratio));
+    return std::min(sine, edit_.goal * std::sqrt(squared_ratio_ / cell.squared_ratio));
 }
 
 // The cells as LocalStar is to see them; the least sine with the vertex at p.
-double Hole::begin_round(Vec3 p, const Bar& bar) {
-    bench_.local.reset(bench_.needed_outside_sine(bar), squared_ratio_);
+double Hole::begin_round(Vec3 p, const QualityThreshold& threshold) {
+    edit_.local.reset(edit_.needed_outside_sine(threshold), squared_ratio_);
     double least = 1;
     for (const Facet& f : facets_) {
-        const Vec3 a = bench_.mesh.point(f.v[0]), b = bench_.mesh.point(f.v[1]),
-                   c = bench_.mesh.point(f.v[2]);
-        const bool counts = bench_.counts(f.region, f.v);
-        bench_.local.add(a, b, c, counts);
+        const Vec3 a = edit_.mesh.point(f.v[0]), b = edit_.mesh.point(f.v[1]), c = edit_.mesh.point(f.v[2]);
+        const bool counts = edit_.counts(f.region, f.v);
+        edit_.local.add(a, b, c, counts);
         if (counts) least = std::min(least, least_sine(p, a, b, c));
     }
     return least;
@@ -73,9 +72,9 @@ bool Hole::grow(Vec3 p) {
     bool grown = false;
     for (std::size_t n = 0; n < facets_.size() && facets_.size() < most_facets; ++n) {
         const Facet f = facets_[n];
-        if (f.beyond == no_cell || bench_.mesh.region(f.beyond) != f.region) continue;
+        if (f.beyond == no_cell || edit_.mesh.region(f.beyond) != f.region) continue;
         const double own = value(f, p);
-        if (own >= bench_.goal || !take(f.beyond, p, own)) continue;
+        if (own >= edit_.goal || !take(f.beyond, p, own)) continue;
         grown = true;
         n = static_cast<std::size_t>(-1);
     }
@@ -85,7 +84,7 @@ bool Hole::grow(Vec3 p) {
 bool Hole::take(std::uint32_t c, Vec3 p, double own) {
     if (!may_take(c)) return false;
     for (int i = 0; i < 4; ++i) {
-        if (!holds(bench_.mesh.neighbor(c, i)) && !(value(facet(c, i), p) > own)) return false;
+        if (!holds(edit_.mesh.neighbor(c, i)) && !(value(facet(c, i), p) > own)) return false;
     }
     take(c);
     return true;
@@ -94,23 +93,23 @@ bool Hole::take(std::uint32_t c, Vec3 p, double own) {
 // Facets of an interface stay.
 bool Hole::may_take(std::uint32_t c) const {
     return std::none_of(facets_.begin(), facets_.end(),
-                        [&](const Facet& f) { return f.beyond == c && f.region != bench_.mesh.region(c); });
+                        [&](const Facet& f) { return f.beyond == c && f.region != edit_.mesh.region(c); });
 }
 
 // The facets between the cell and the hole go.
 void Hole::take(std::uint32_t c) {
     std::erase_if(facets_, [&](const Facet& f) { return f.beyond == c; });
     for (int i = 0; i < 4; ++i) {
-        if (!holds(bench_.mesh.neighbor(c, i))) facets_.push_back(facet(c, i));
+        if (!holds(edit_.mesh.neighbor(c, i))) facets_.push_back(facet(c, i));
     }
     cells_.push_back(c);
 }
 
 bool Hole::add(const EdgeRing& ring) {
     if (!ring.closed) return false;
-    const Region region = bench_.mesh.region(ring.cells.front());
+    const Region region = edit_.mesh.region(ring.cells.front());
     for (const std::uint32_t c : ring.cells) {
-        if (bench_.mesh.region(c) != region) return false;
+        if (edit_.mesh.region(c) != region) return false;
         if (holds(c)) continue;
         if (!may_take(c)) return false;
         take(c);
@@ -124,9 +123,9 @@ bool Hole::keeps_vertices() const {
     for (const Facet& f : facets_) rim.insert(rim.end(), f.v.begin(), f.v.end());
     std::sort(rim.begin(), rim.end());
     for (const std::uint32_t c : cells_) {
-        for (const std::uint32_t v : bench_.mesh.cell(c)) {
+        for (const std::uint32_t v : edit_.mesh.cell(c)) {
             if (!std::binary_search(rim.begin(), rim.end(), v) &&
-                (bench_.fixed(v) || bench_.mesh.vertex_on_interface(v))) {
+                (edit_.fixed(v) || edit_.mesh.vertex_on_interface(v))) {
                 return false;
             }
         }
@@ -135,14 +134,14 @@ bool Hole::keeps_vertices() const {
 }
 
 bool Hole::commit(Vec3 p) {
-    const std::uint32_t v = bench_.add_point(p);
-    bench_.cells.clear();
-    bench_.regions.clear();
+    const std::uint32_t v = edit_.add_point(p);
+    edit_.cells.clear();
+    edit_.regions.clear();
     for (const Facet& f : facets_) {
-        bench_.cells.push_back({v, f.v[0], f.v[1], f.v[2]});
-        bench_.regions.push_back(f.region);
+        edit_.cells.push_back({v, f.v[0], f.v[1], f.v[2]});
+        edit_.regions.push_back(f.region);
     }
-    return bench_.commit(cells_, bench_.cells, bench_.regions);
+    return edit_.commit(cells_, edit_.cells, edit_.regions);
 }
 
 }  // namespace anatomesh

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 
 namespace anatomesh {
 
@@ -24,11 +24,11 @@ class Hole {
     };
 
     // The cells round an edge.
-    Hole(Workbench& bench, const EdgeRing& ring);
+    Hole(EditContext& edit, const EdgeRing& ring);
     // Cells of one region. Those of their facets that are `given` - a cell and an index - make cells of the
     // region that lies across them.
     using CellFacet = std::pair<std::uint32_t, int>;
-    Hole(Workbench& bench, std::vector<std::uint32_t> cells, std::span<const CellFacet> given);
+    Hole(EditContext& edit, std::vector<std::uint32_t> cells, std::span<const CellFacet> given);
 
     const std::vector<std::uint32_t>& cells() const { return cells_; }
 
@@ -46,7 +46,7 @@ class Hole {
     bool fill(Vec3 p, Vec3 normal, double max_radius_edge, NeededSine&& needed_sine, Adjust&& adjust) {
         if (!adjust(p)) return false;
         const auto ascend = [&](double here) {
-            return bench_.local.ascend(p, here, bench_.goal, normal, adjust);
+            return edit_.local.ascend(p, here, edit_.goal, normal, adjust);
         };
         return fill(p, max_radius_edge, needed_sine, ascend);
     }
@@ -60,17 +60,17 @@ class Hole {
   private:
     template <class NeededSine, class Ascend>
     bool fill(Vec3& p, double max_radius_edge, NeededSine& needed_sine, const Ascend& ascend) {
-        Bar bar;
+        QualityThreshold threshold;
         double reached = 0;
         bool allowed = false;
         for (int round = 0;; ++round) {
-            bar = bench_.bar_of(cells_);
-            squared_ratio_ = bench_.allowed_squared_ratio(bar, max_radius_edge);
-            reached = ascend(begin_round(p, bar));
-            allowed = bench_.local.worst(p, reached) >= reached;
-            if ((allowed && reached >= bench_.goal) || round == rounds || !grow(p)) break;
+            threshold = edit_.threshold_of(cells_);
+            squared_ratio_ = edit_.allowed_squared_ratio(threshold, max_radius_edge);
+            reached = ascend(begin_round(p, threshold));
+            allowed = edit_.local.worst(p, reached) >= reached;
+            if ((allowed && reached >= edit_.goal) || round == rounds || !grow(p)) break;
         }
-        return allowed && reached >= needed_sine(bar) && keeps_vertices() && commit(p);
+        return allowed && reached >= needed_sine(threshold) && keeps_vertices() && commit(p);
     }
 
     static constexpr std::size_t most_facets = 60;
@@ -79,7 +79,7 @@ class Hole {
     Facet facet(std::uint32_t c, int i) const;
     bool holds(std::uint32_t c) const { return std::find(cells_.begin(), cells_.end(), c) != cells_.end(); }
     double value(const Facet& f, Vec3 p) const;
-    double begin_round(Vec3 p, const Bar& bar);
+    double begin_round(Vec3 p, const QualityThreshold& threshold);
     bool grow(Vec3 p);
     bool take(std::uint32_t c, Vec3 p, double own);
     bool may_take(std::uint32_t c) const;
@@ -87,7 +87,7 @@ class Hole {
     bool keeps_vertices() const;
     bool commit(Vec3 p);
 
-    Workbench& bench_;
+    EditContext& edit_;
     std::vector<std::uint32_t> cells_;
     std::vector<Facet> facets_;
     double squared_ratio_ = 0;  // that new cells may have

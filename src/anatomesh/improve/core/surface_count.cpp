@@ -7,17 +7,17 @@
 
 namespace anatomesh {
 
-SurfaceCount::SurfaceCount(Workbench& bench, const ContourOwners& owners,
+SurfaceCount::SurfaceCount(EditContext& edit, const ContourOwners& owners,
                            std::span<const std::uint32_t> cells, Region to)
-    : bench_(bench), cells_(cells.begin(), cells.end()) {
+    : edit_(edit), cells_(cells.begin(), cells.end()) {
     std::vector<Region> regions{to};
     for (const std::uint32_t c : cells_) {
-        const Region from = bench.mesh.region(c);
+        const Region from = edit.mesh.region(c);
         regions.push_back(from);
-        const std::vector<std::uint32_t>&here = bench.table->members[from], &there = bench.table->members[to];
+        const std::vector<std::uint32_t>&here = edit.table->members[from], &there = edit.table->members[to];
         std::set_symmetric_difference(here.begin(), here.end(), there.begin(), there.end(),
                                       std::back_inserter(structures_));
-        const Cell& cell = bench.mesh.cell(c);
+        const Cell& cell = edit.mesh.cell(c);
         vertices_.insert(vertices_.end(), cell.begin(), cell.end());
         for (int e = 0; e < 6; ++e) {
             const std::uint32_t p = cell[cell_edges[e][0]], q = cell[cell_edges[e][1]];
@@ -46,7 +46,7 @@ SurfaceCount::SurfaceCount(Workbench& bench, const ContourOwners& owners,
             owned_.push_back({edge.a, edge.b, edge.cell, subsegment.structure, edge.index});
             known = true;
         }
-        if (known || !bench.fixed_edge(edge.a, edge.b)) continue;
+        if (known || !edit.fixed_edge(edge.a, edge.b)) continue;
         for (const std::uint32_t s : structures_)
             owned_.push_back({edge.a, edge.b, edge.cell, s, edge.index});
     }
@@ -77,22 +77,22 @@ bool SurfaceCount::mixed(const Body& body, const std::vector<std::uint32_t>& cel
 bool SurfaceCount::on_surface(const Owned& owned) {
     const Body body{false, owned.structure};
     if (owned.a == owned.b) {
-        bench_.mesh.star(owned.a, bench_.star);
-        return mixed(body, bench_.star);
+        edit_.mesh.star(owned.a, edit_.star);
+        return mixed(body, edit_.star);
     }
-    bench_.mesh.ring(owned.cell, owned.index, bench_.ring);
-    return mixed(body, bench_.ring.cells);
+    edit_.mesh.ring(owned.cell, owned.index, edit_.ring);
+    return mixed(body, edit_.ring.cells);
 }
 
 int SurfaceCount::excess_at(std::uint32_t v) {
-    bench_.mesh.star(v, star_);
+    edit_.mesh.star(v, star_);
     std::sort(star_.begin(), star_.end());
     across_.assign(star_.size(), {no_cell, no_cell, no_cell});
     for (std::size_t n = 0; n < star_.size(); ++n) {
         std::size_t k = 0;
         for (int i = 0; i < 4; ++i) {
-            if (bench_.mesh.cell(star_[n])[i] == v) continue;
-            const std::uint32_t c = bench_.mesh.neighbor(star_[n], i);
+            if (edit_.mesh.cell(star_[n])[i] == v) continue;
+            const std::uint32_t c = edit_.mesh.neighbor(star_[n], i);
             if (c != no_cell)
                 across_[n][k] = static_cast<std::uint32_t>(std::lower_bound(star_.begin(), star_.end(), c) -
                                                            star_.begin());
@@ -130,16 +130,16 @@ int SurfaceCount::components(const Body& body, bool inside) {
 int SurfaceCount::characteristic(const Body& body) {
     int sum = 0;
     for (const std::uint32_t v : vertices_) {
-        bench_.mesh.star(v, bench_.star);
-        sum += mixed(body, bench_.star);
+        edit_.mesh.star(v, edit_.star);
+        sum += mixed(body, edit_.star);
     }
     for (const Edge& edge : edges_) {
-        bench_.mesh.ring(edge.cell, edge.index, bench_.ring);
-        sum -= mixed(body, bench_.ring.cells);
+        edit_.mesh.ring(edge.cell, edge.index, edit_.ring);
+        sum -= mixed(body, edit_.ring.cells);
     }
     for (const std::uint32_t c : cells_) {
         for (int i = 0; i < 4; ++i) {
-            const std::uint32_t n = bench_.mesh.neighbor(c, i);
+            const std::uint32_t n = edit_.mesh.neighbor(c, i);
             if (n == no_cell || holds(body, n) == holds(body, c)) continue;
             const bool twice = std::find(cells_.begin(), cells_.end(), n) != cells_.end();
             if (!twice || c < n) ++sum;

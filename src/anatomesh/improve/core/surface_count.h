@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 #include "anatomesh/mesh/stars/star.h"
 
 namespace anatomesh {
@@ -15,11 +15,11 @@ namespace anatomesh {
 class SurfaceCount {
   public:
     // Of the cells, which are to go to a region.
-    SurfaceCount(Workbench& bench, const ContourOwners& owners, std::span<const std::uint32_t> cells,
+    SurfaceCount(EditContext& edit, const ContourOwners& owners, std::span<const std::uint32_t> cells,
                  Region to);
 
     struct Figures {
-        int excess = 0;  // pieces too many of the stars of the cells' vertices, over all bodies
+        int excess = 0;  // components too many of the stars of the cells' vertices, over all bodies
         std::vector<int> characteristics;  // by body: vertices - edges + facets of its surface, of the cells'
     };
     Figures figures();
@@ -43,7 +43,7 @@ class SurfaceCount {
         int index;                            // of the edge in the cell
     };
     bool holds(const Body& body, std::uint32_t c) const {
-        return body.holds(*bench_.table, bench_.mesh.region(c));
+        return body.holds(*edit_.table, edit_.mesh.region(c));
     }
     bool mixed(const Body& body, const std::vector<std::uint32_t>& cells) const;
     int excess_at(std::uint32_t v);
@@ -51,7 +51,7 @@ class SurfaceCount {
     bool on_surface(const Owned& owned);
     int characteristic(const Body& body);
 
-    Workbench& bench_;
+    EditContext& edit_;
     std::vector<std::uint32_t> cells_;
     std::vector<Body> bodies_;  // regions, then structures
     std::vector<std::uint32_t> structures_;

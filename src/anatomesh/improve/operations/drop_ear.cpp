@@ -11,15 +11,15 @@ struct Ear {
     Region beyond = 0;
 };
 
-Ear ear_of(const Workbench& bench, std::uint32_t cell) {
-    const Region own = bench.mesh.region(cell);
+Ear ear_of(const EditContext& edit, std::uint32_t cell) {
+    const Region own = edit.mesh.region(cell);
     Ear ear;
     int inner = 0;
     bool first = true;
     for (int i = 0; i < 4; ++i) {
-        const std::uint32_t n = bench.mesh.neighbor(cell, i);
+        const std::uint32_t n = edit.mesh.neighbor(cell, i);
         if (n == no_cell) return {};
-        const Region region = bench.mesh.region(n);
+        const Region region = edit.mesh.region(n);
         if (region == own) {
             ++inner;
             ear.tip = i;
@@ -35,28 +35,28 @@ Ear ear_of(const Workbench& bench, std::uint32_t cell) {
 
 }  // namespace
 
-bool is_ear(const Workbench& bench, std::uint32_t cell) {
-    return ear_of(bench, cell).tip >= 0;
+bool is_ear(const EditContext& edit, std::uint32_t cell) {
+    return ear_of(edit, cell).tip >= 0;
 }
 
-bool drop_ear(Workbench& bench, std::uint32_t cell, double least_sine_inside) {
-    const Ear ear = ear_of(bench, cell);
+bool drop_ear(EditContext& edit, std::uint32_t cell, double least_sine_inside) {
+    const Ear ear = ear_of(edit, cell);
     if (ear.tip < 0) return false;
-    const Cell& c = bench.mesh.cell(cell);
-    if (bench.fixed(c[ear.tip])) return false;
+    const Cell& c = edit.mesh.cell(cell);
+    if (edit.fixed(c[ear.tip])) return false;
     const auto& base = facet_vertices[ear.tip];
-    const Vec3 tip = bench.mesh.point(c[ear.tip]), p = bench.mesh.point(c[base[0]]),
-               q = bench.mesh.point(c[base[1]]), r = bench.mesh.point(c[base[2]]);
-    bench.look_between(bench.mesh.region(cell), ear.beyond);
-    const double before = bench.probe.distance(tip);
-    if (before <= bench.options.max_deviation_mm || bench.facet_distance(p, q, r) >= before) return false;
-    const double most = bench.options.max_radius_edge;
+    const Vec3 tip = edit.mesh.point(c[ear.tip]), p = edit.mesh.point(c[base[0]]),
+               q = edit.mesh.point(c[base[1]]), r = edit.mesh.point(c[base[2]]);
+    edit.look_between(edit.mesh.region(cell), ear.beyond);
+    const double before = edit.probe.distance(tip);
+    if (before <= edit.options.max_deviation_mm || edit.facet_distance(p, q, r) >= before) return false;
+    const double most = edit.options.max_radius_edge;
     const bool inside = ear.beyond != 0;
-    if (inside && (bench.sine(cell) < least_sine_inside || squared_radius_edge(tip, p, q, r) > most * most))
+    if (inside && (edit.sine(cell) < least_sine_inside || squared_radius_edge(tip, p, q, r) > most * most))
         return false;
-    bench.mesh.set_region(cell, ear.beyond);
-    bench.changed.assign(1, cell);
-    ++bench.stats.ears_dropped;
+    edit.mesh.set_region(cell, ear.beyond);
+    edit.changed.assign(1, cell);
+    ++edit.stats.ears_dropped;
     return true;
 }
 

@@ -14,14 +14,14 @@ std::vector<std::uint32_t> neighbors_of(const TetMesh& mesh) {
     return cell_neighbors(mesh.cells, mesh.points.size());
 }
 
-// A case on a workbench.
-struct Bench {
-    explicit Bench(const LabelledCase& c, std::span<const VertexPair> edges = {})
+// A case on an edit context.
+struct EditFixture {
+    explicit EditFixture(const LabelledCase& c, std::span<const VertexPair> edges = {})
         : fixed(c.fixed),
           mesh(c.mesh, neighbors_of(c.mesh)),
-          bench(mesh, fixed, edges, c.field, c.structures, wide()) {
-        bench.table = &c.regions;
-        bench.goal = 0.3;
+          edit(mesh, fixed, edges, c.field, c.structures, wide()) {
+        edit.table = &c.regions;
+        edit.goal = 0.3;
     }
     static DihedralOptions wide() {
         DihedralOptions options;
@@ -34,7 +34,7 @@ struct Bench {
         std::size_t done = 0;
         const std::size_t count = mesh.cell_count();
         for (std::uint32_t c = 0; c < count; ++c) {
-            if (mesh.alive(c) && mesh.region(c) != 0) done += operation(bench, c);
+            if (mesh.alive(c) && mesh.region(c) != 0) done += operation(edit, c);
         }
         return done;
     }
@@ -47,7 +47,7 @@ struct Bench {
 
     std::vector<std::uint8_t> fixed;
     EditMesh mesh;
-    Workbench bench;
+    EditContext edit;
 };
 
 double volume_of(const TetMesh& mesh, const RegionTable& regions, std::uint32_t structure) {
@@ -63,9 +63,9 @@ double volume_of(const TetMesh& mesh, const RegionTable& regions, std::uint32_t 
 TEST(LastOperations, giving_cells_away_keeps_every_surface_and_the_fixed_vertices_on_it) {
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
-        Bench bench(c);
-        EXPECT_GT(bench.try_all(relabel_cell), 10u);
-        const TetMesh mesh = bench.take();
+        EditFixture edit(c);
+        EXPECT_GT(edit.try_all(relabel_cell), 10u);
+        const TetMesh mesh = edit.take();
         EXPECT_EQ(mesh.cells, c.mesh.cells);
         expect_same_surfaces(mesh, c.mesh, c.regions, c.structures);
         expect_sound_regions(mesh, c.regions);
@@ -81,9 +81,9 @@ TEST(LastOperations, giving_cells_away_keeps_every_surface_and_the_fixed_vertice
 TEST(LastOperations, giving_cells_away_ends) {
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
-        Bench bench(c);
+        EditFixture edit(c);
         int rounds = 0;
-        while (bench.try_all(relabel_cell) > 0) ASSERT_LT(++rounds, 200);
+        while (edit.try_all(relabel_cell) > 0) ASSERT_LT(++rounds, 200);
     }
 }
 
@@ -108,11 +108,11 @@ TEST(LastOperations, a_lone_cell_where_two_structures_overlap_goes_to_one_of_the
     }
     ASSERT_NE(made, no_cell);
     c.mesh.regions[made] = both;
-    Bench bench(c);
-    ASSERT_TRUE(relabel_cell(bench.bench, made));
-    EXPECT_NE(bench.mesh.region(made), both);
-    EXPECT_NE(bench.mesh.region(made), 0);
-    expect_same_surfaces(bench.take(), c.mesh, c.regions, 2);
+    EditFixture edit(c);
+    ASSERT_TRUE(relabel_cell(edit.edit, made));
+    EXPECT_NE(edit.mesh.region(made), both);
+    EXPECT_NE(edit.mesh.region(made), 0);
+    expect_same_surfaces(edit.take(), c.mesh, c.regions, 2);
 }
 
 // No facet comes into the plane of a slice between the inside and the outside where nothing is drawn there.
@@ -121,8 +121,8 @@ TEST(LastOperations, giving_cells_away_leaves_the_cuts_by_slices) {
     c.field = AnalyticField({ball({}, 4.8)}, 6);  // drawn
     const std::vector<std::uint32_t> in_one_slice(c.mesh.points.size(), 0);
     const DrawnSlices slices{&c.regions, in_one_slice};
-    Bench free(c), held(c);
-    held.bench.slices = &slices;
+    EditFixture free(c), held(c);
+    held.edit.slices = &slices;
     const std::size_t relabelled = held.try_all(relabel_cell);
     EXPECT_GT(relabelled, 0u);
     EXPECT_GT(free.try_all(relabel_cell), relabelled);
@@ -167,8 +167,8 @@ TEST(LastOperations, new_vertices_keep_surfaces_in_place_and_fixed_edges_as_chai
         SCOPED_TRACE(c.name);
         for (std::size_t v = 0; v < c.fixed.size(); v += 2) c.fixed[v] = 1;
         const std::vector<VertexPair> edges = fixed_edges_of(c);
-        Bench bench(c, edges);
-        const std::size_t done = bench.try_all([](Workbench& w, std::uint32_t cell) {
+        EditFixture edit(c, edges);
+        const std::size_t done = edit.try_all([](EditContext& w, std::uint32_t cell) {
             if (w.sine(cell) > 0.2) return false;
             for (int e = 0; e < 6; ++e) {
                 if (split_edge(w, cell, e)) return true;
@@ -179,9 +179,9 @@ TEST(LastOperations, new_vertices_keep_surfaces_in_place_and_fixed_edges_as_chai
             return split_cell(w, cell) || insert_beside(w, cell);
         });
         EXPECT_GT(done, 0u);
-        EXPECT_EQ(bench.bench.stats.vertices_inserted, done);
-        const std::vector<std::uint8_t> fixed = bench.fixed;
-        const TetMesh mesh = bench.take();
+        EXPECT_EQ(edit.edit.stats.vertices_inserted, done);
+        const std::vector<std::uint8_t> fixed = edit.fixed;
+        const TetMesh mesh = edit.take();
         EXPECT_GT(mesh.points.size(), c.mesh.points.size());
         expect_sound_mesh(mesh, c.mesh);
         expect_same_surfaces(mesh, c.mesh, c.regions, c.structures);
@@ -205,12 +205,12 @@ TEST(LastOperations, new_vertices_keep_surfaces_in_place_and_fixed_edges_as_chai
 TEST(LastOperations, a_vertex_beside_flat_cells_leaves_every_facet_of_a_surface) {
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
-        Bench bench(c);
-        const std::size_t done = bench.try_all(
-            [](Workbench& w, std::uint32_t cell) { return w.sine(cell) <= 0.2 && insert_beside(w, cell); });
+        EditFixture edit(c);
+        const std::size_t done = edit.try_all(
+            [](EditContext& w, std::uint32_t cell) { return w.sine(cell) <= 0.2 && insert_beside(w, cell); });
         EXPECT_GT(done, 0u);
-        EXPECT_EQ(bench.bench.stats.vertices_inserted, done);
-        const TetMesh mesh = bench.take();
+        EXPECT_EQ(edit.edit.stats.vertices_inserted, done);
+        const TetMesh mesh = edit.take();
         expect_sound_mesh(mesh, c.mesh);
         EXPECT_GE(worst_sine(mesh), worst_sine(c.mesh));
         EXPECT_LE(worst_ratio(mesh), std::max(2.0, worst_ratio(c.mesh)) * (1 + 1e-9));
@@ -234,11 +234,11 @@ TEST(LastOperations, junctions_move_within_the_bound_and_only_uphill) {
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
         for (const bool allowed : {false, true}) {
-            Bench bench(c);
-            bench.bench.options.max_deviation_mm = 0.2;
-            bench.bench.moves_junctions = allowed;
+            EditFixture edit(c);
+            edit.edit.options.max_deviation_mm = 0.2;
+            edit.edit.moves_junctions = allowed;
             const double before = worst_sine(c.mesh);
-            const std::size_t tried = bench.try_all([&](Workbench& on, std::uint32_t cell) {
+            const std::size_t tried = edit.try_all([&](EditContext& on, std::uint32_t cell) {
                 if (on.sine(cell) >= 0.25) return false;
                 std::size_t done = 0;
                 for (const std::uint32_t v : Cell(on.mesh.cell(cell)))
@@ -250,7 +250,7 @@ TEST(LastOperations, junctions_move_within_the_bound_and_only_uphill) {
                 continue;
             }
             moved += tried;
-            const TetMesh mesh = bench.take();
+            const TetMesh mesh = edit.take();
             expect_sound_mesh(mesh, c.mesh);
             expect_same_surfaces(mesh, c.mesh, c.regions, c.structures);
             EXPECT_GE(worst_sine(mesh), before);
@@ -270,28 +270,28 @@ TEST(LastOperations, those_for_ratios_lower_them_and_spare_good_angles) {
     std::size_t before = 0, after = 0;
     for (const LabelledCase& c : labelled_cases()) {
         SCOPED_TRACE(c.name);
-        Bench bench(c);
-        bench.bench.options.max_radius_edge = most;
-        bench.bench.lowers_ratios = true;
-        bench.bench.least_needed_sine = least_sine;
+        EditFixture edit(c);
+        edit.edit.options.max_radius_edge = most;
+        edit.edit.lowers_ratios = true;
+        edit.edit.least_needed_sine = least_sine;
         const auto is_high = [&](std::uint32_t cell) {
-            return bench.mesh.alive(cell) && bench.mesh.region(cell) != 0 &&
-                   bench.bench.bar_of({&cell, 1}).squared_ratio > most * most;
+            return edit.mesh.alive(cell) && edit.mesh.region(cell) != 0 &&
+                   edit.edit.threshold_of({&cell, 1}).squared_ratio > most * most;
         };
         std::vector<std::uint32_t> high;
-        for (std::uint32_t cell = 0; cell < bench.mesh.cell_count(); ++cell) {
+        for (std::uint32_t cell = 0; cell < edit.mesh.cell_count(); ++cell) {
             if (is_high(cell)) high.push_back(cell);
         }
         before += high.size();
         for (const std::uint32_t cell : high) {
-            for (int e = 0; e < 6 && is_high(cell); ++e) remove_edge(bench.bench, cell, e);
-            for (int i = 0; i < 4 && is_high(cell); ++i) remove_facet(bench.bench, cell, i);
-            for (int i = 0; i < 4 && is_high(cell); ++i) move_vertex(bench.bench, bench.mesh.cell(cell)[i]);
-            for (int e = 0; e < 12 && is_high(cell); ++e) collapse_edge(bench.bench, cell, e / 2, e % 2 == 0);
-            for (int e = 0; e < 6 && is_high(cell); ++e) insert_vertex(bench.bench, cell, e);
+            for (int e = 0; e < 6 && is_high(cell); ++e) remove_edge(edit.edit, cell, e);
+            for (int i = 0; i < 4 && is_high(cell); ++i) remove_facet(edit.edit, cell, i);
+            for (int i = 0; i < 4 && is_high(cell); ++i) move_vertex(edit.edit, edit.mesh.cell(cell)[i]);
+            for (int e = 0; e < 12 && is_high(cell); ++e) collapse_edge(edit.edit, cell, e / 2, e % 2 == 0);
+            for (int e = 0; e < 6 && is_high(cell); ++e) insert_vertex(edit.edit, cell, e);
         }
-        for (std::uint32_t cell = 0; cell < bench.mesh.cell_count(); ++cell) after += is_high(cell);
-        const TetMesh mesh = bench.take();
+        for (std::uint32_t cell = 0; cell < edit.mesh.cell_count(); ++cell) after += is_high(cell);
+        const TetMesh mesh = edit.take();
         expect_sound_mesh(mesh, c.mesh);
         expect_same_surfaces(mesh, c.mesh, c.regions, c.structures);
         EXPECT_GE(worst_sine(mesh), std::min(worst_sine(c.mesh), least_sine));

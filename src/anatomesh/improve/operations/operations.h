@@ -1,4 +1,4 @@
-// The operations of improve_dihedrals(). Each tries one change of the mesh on a workbench, does it if it
+// The operations of improve_dihedrals(). Each tries one change of the mesh on an edit context, does it if it
 // raises the least sine of the cells concerned, says whether it did, and leaves the cells made or reshaped in
 // `changed`.
 #pragma once
@@ -6,77 +6,77 @@
 #include <cstdint>
 #include <span>
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 
 namespace anatomesh {
 
-// A scout (workbench.h) may try remove_edge, flip_edge, remove_facet and move_vertex; what they say depends,
-// if it is nearsighted, on the cells that have a vertex of the cell (or the vertex), and on nothing else of
-// the mesh. What it would change is its `proposal`.
+// A speculative context (edit_context.h) may try remove_edge, flip_edge, remove_facet and move_vertex; what
+// it says depends, if it is local-only, on the cells that have a vertex of the cell (or the vertex), and on
+// nothing else of the mesh. What it would change is its `proposal`.
 
 // Takes away edge `e` of a cell: the cells round it are replaced by those of the best triangulation of its
 // ring (dynamic programme of Klincsek, Annals of Discrete Mathematics 9, 1980). For an edge of the surface
 // between two regions the facets at it are flipped: the ring is triangulated on either side of the new
 // diagonal.
-bool remove_edge(Workbench& bench, std::uint32_t cell, int e);
+bool remove_edge(EditContext& edit, std::uint32_t cell, int e);
 
 // Flips edge `e` of a cell, on the surface between two regions, whatever it does to the least sine as long as
 // that stays above `good_sine` or does not fall.
-bool flip_edge(Workbench& bench, std::uint32_t cell, int e, double good_sine);
+bool flip_edge(EditContext& edit, std::uint32_t cell, int e, double good_sine);
 
 // Takes away a facet between two cells of one region: three cells round the edge that joins their apices.
-bool remove_facet(Workbench& bench, std::uint32_t cell, int facet);
+bool remove_facet(EditContext& edit, std::uint32_t cell, int facet);
 
 // Moves a vertex uphill; on a surface between two regions along it.
-bool move_vertex(Workbench& bench, std::uint32_t v);
+bool move_vertex(EditContext& edit, std::uint32_t v);
 
 // Relabels a cell to a region beside it, where the surface of every structure concerned stays a disc and near
 // the field's interface, or, where three regions meet, within the tolerance of where it was: to the outside,
 // or to where fewer of the cell's facets lie between two regions.
-bool relabel_cell(Workbench& bench, std::uint32_t cell);
+bool relabel_cell(EditContext& edit, std::uint32_t cell);
 
 // Whether a cell may be relabelled to a region beside it so that the surface of every structure concerned
 // stays a disc with the contours that it must have: if it comes inside with this sine and no higher ratio,
 // and no facet of it that becomes one between two regions is further than `spike_mm`, and than those that
 // were, from the field's interface.
-bool may_relabel(Workbench& bench, std::uint32_t cell, Region to, const ContourOwners& owners,
+bool may_relabel(EditContext& edit, std::uint32_t cell, Region to, const ContourOwners& owners,
                  double least_sine_inside, double most_ratio);
 
 // The same of cells of one region that are relabelled together: also where one of them alone may not be.
-bool may_relabel_all(Workbench& bench, std::span<const std::uint32_t> cells, Region to,
+bool may_relabel_all(EditContext& edit, std::span<const std::uint32_t> cells, Region to,
                      const ContourOwners& owners, double least_sine_inside, double most_ratio);
 
 // Relabels an ear - a cell with three facets on one surface, whose common vertex is free and off the field's
 // interface - to the region beyond, where the facet that comes to the surface in their place lies nearer to
 // the field's interface: the surface loses a spike, or a pit. A cell that comes inside must have at least
 // this sine.
-bool drop_ear(Workbench& bench, std::uint32_t cell, double least_sine_inside);
+bool drop_ear(EditContext& edit, std::uint32_t cell, double least_sine_inside);
 // Whether it has such facets. Thread-safe while nothing changes.
-bool is_ear(const Workbench& bench, std::uint32_t cell);
+bool is_ear(const EditContext& edit, std::uint32_t cell);
 
 // Moves vertex `from` onto `to`, the other end of edge `e` of a cell, and drops the cells at the edge.
-bool collapse_edge(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second);
+bool collapse_edge(EditContext& edit, std::uint32_t cell, int e, bool first_onto_second);
 
 // The same for another purpose than shape: where cells that come inside have at least this sine and no higher
 // ratio, or than there was, and where no facet of a surface comes further than `spike_mm`, or than it was,
 // from the field's interface.
-bool collapse_edge_within(Workbench& bench, std::uint32_t cell, int e, bool first_onto_second,
+bool collapse_edge_within(EditContext& edit, std::uint32_t cell, int e, bool first_onto_second,
                           double least_sine_inside, double most_ratio);
 
 // Takes out the cells round edge `e` of a cell, and more where it helps, and joins a new vertex to the hole's
 // facets.
-bool insert_vertex(Workbench& bench, std::uint32_t cell, int e);
+bool insert_vertex(EditContext& edit, std::uint32_t cell, int e);
 
 // Put a vertex on an edge of an interface, or on a facet of a cell, or into it, take out the cells there, and
 // more where it helps, and join it to the hole's facets. Interfaces keep their place; an edge that is fixed
 // becomes two. On an edge the cells round it are taken out, or, where that does not do, those round the edge
 // opposite to it in the cell too.
-bool split_edge(Workbench& bench, std::uint32_t cell, int e);
-bool split_facet(Workbench& bench, std::uint32_t cell, int facet);
-bool split_cell(Workbench& bench, std::uint32_t cell);
+bool split_edge(EditContext& edit, std::uint32_t cell, int e);
+bool split_facet(EditContext& edit, std::uint32_t cell, int facet);
+bool split_cell(EditContext& edit, std::uint32_t cell);
 
 // Puts a vertex at some distance from a flat cell, where that and others flat beside it lie on an interface:
 // takes out the cell and those between, and joins it to the hole's facets. Interfaces stay as they are.
-bool insert_beside(Workbench& bench, std::uint32_t cell);
+bool insert_beside(EditContext& edit, std::uint32_t cell);
 
 }  // namespace anatomesh

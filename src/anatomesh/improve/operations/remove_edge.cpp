@@ -13,10 +13,11 @@ constexpr int most_ring = 9;
 // the polygon i, i + 1, ..., j, in ring order from `first`.
 class RingTriangulation {
   public:
-    RingTriangulation(Workbench& bench, const Bar& bar) : bench_(bench), bar_(bar) {}
+    RingTriangulation(EditContext& edit, const QualityThreshold& threshold)
+        : edit_(edit), threshold_(threshold) {}
 
     // Appends the cells of the best triangulation of the polygon of `count` ring vertices from `first`, in
-    // `region`, to the bench's cells. False if it has a cell that does not reach `needed`.
+    // `region`, to the context's cells. False if it has a cell that does not reach `needed`.
     bool append(int first, int count, Region region, double needed) {
         first_ = first;
         region_ = region;
@@ -53,15 +54,15 @@ class RingTriangulation {
 
   private:
     std::uint32_t vertex(int n) const {
-        return bench_.ring.ring[static_cast<std::size_t>(first_ + n) % bench_.ring.ring.size()];
+        return edit_.ring.ring[static_cast<std::size_t>(first_ + n) % edit_.ring.ring.size()];
     }
-    Cell upper(int i, int k, int j) const { return {vertex(i), vertex(k), vertex(j), bench_.ring.b}; }
-    Cell lower(int i, int k, int j) const { return {vertex(i), vertex(j), vertex(k), bench_.ring.a}; }
+    Cell upper(int i, int k, int j) const { return {vertex(i), vertex(k), vertex(j), edit_.ring.b}; }
+    Cell lower(int i, int k, int j) const { return {vertex(i), vertex(j), vertex(k), edit_.ring.a}; }
 
     double triangle_value(int i, int k, int j, double needed) const {
-        const double above = bench_.value(upper(i, k, j), region_, bar_);
+        const double above = edit_.value(upper(i, k, j), region_, threshold_);
         if (above < needed) return above;
-        return std::min(above, bench_.value(lower(i, k, j), region_, bar_));
+        return std::min(above, edit_.value(lower(i, k, j), region_, threshold_));
     }
 
     void emit(int count) {
@@ -72,16 +73,16 @@ class RingTriangulation {
             const auto [i, j] = stack[--height];
             if (j - i < 2) continue;
             const int k = apex_[i][j];
-            bench_.cells.push_back(upper(i, k, j));
-            bench_.cells.push_back(lower(i, k, j));
-            bench_.regions.insert(bench_.regions.end(), 2, region_);
+            edit_.cells.push_back(upper(i, k, j));
+            edit_.cells.push_back(lower(i, k, j));
+            edit_.regions.insert(edit_.regions.end(), 2, region_);
             stack[height++] = {i, k};
             stack[height++] = {k, j};
         }
     }
 
-    Workbench& bench_;
-    const Bar& bar_;
+    EditContext& edit_;
+    const QualityThreshold& threshold_;
     int first_ = 0;
     Region region_ = 0;
     std::array<std::array<double, most_ring>, most_ring> best_{};
@@ -94,12 +95,12 @@ struct RingFacets {
     std::array<int, 2> at{};
 };
 
-RingFacets interface_facets(const Workbench& bench) {
+RingFacets interface_facets(const EditContext& edit) {
     RingFacets facets;
-    const auto& cells = bench.ring.cells;
+    const auto& cells = edit.ring.cells;
     for (std::size_t n = 0; n < cells.size(); ++n) {
         const std::size_t before = n == 0 ? cells.size() - 1 : n - 1;
-        if (bench.mesh.region(cells[n]) == bench.mesh.region(cells[before])) continue;
+        if (edit.mesh.region(cells[n]) == edit.mesh.region(cells[before])) continue;
         if (facets.count < 2) facets.at[facets.count] = static_cast<int>(n);
         ++facets.count;
     }
@@ -116,13 +117,13 @@ int edge_between(const Cell& cell, std::uint32_t u, std::uint32_t v) {
 }
 
 // The facets abc, abd of an interface become acd, bcd: near enough to the field's interface, and not folded?
-bool may_flip(Workbench& bench, std::uint32_t c, std::uint32_t d, Region above, Region below) {
-    const std::uint32_t a = bench.ring.a, b = bench.ring.b;
-    if (bench.fixed_edge(a, b) || bench.spoils_cut(a, c, d, above, below) ||
-        bench.spoils_cut(b, c, d, above, below))
+bool may_flip(EditContext& edit, std::uint32_t c, std::uint32_t d, Region above, Region below) {
+    const std::uint32_t a = edit.ring.a, b = edit.ring.b;
+    if (edit.fixed_edge(a, b) || edit.spoils_cut(a, c, d, above, below) ||
+        edit.spoils_cut(b, c, d, above, below))
         return false;
-    const Vec3 pa = bench.mesh.point(a), pb = bench.mesh.point(b), pc = bench.mesh.point(c),
-               pd = bench.mesh.point(d);
+    const Vec3 pa = edit.mesh.point(a), pb = edit.mesh.point(b), pc = edit.mesh.point(c),
+               pd = edit.mesh.point(d);
     const Vec3 old_1 = cross(pb - pa, pc - pa), old_2 = cross(pd - pa, pb - pa);
     const Vec3 new_1 = cross(pd - pa, pc - pa), new_2 = cross(pc - pb, pd - pb);
     const Vec3 mean = old_1 + old_2;
@@ -130,29 +131,30 @@ bool may_flip(Workbench& bench, std::uint32_t c, std::uint32_t d, Region above, 
         !(dot(new_2, mean) > 0.5 * length(new_2) * length(mean))) {
         return false;
     }
-    bench.look_between(above, below);
-    const double now = std::max(bench.facet_distance(pa, pd, pc), bench.facet_distance(pd, pb, pc));
-    if (now <= bench.options.max_deviation_mm) return true;
-    return now <= bench.facet_distance(pa, pb, pc) || now <= bench.facet_distance(pa, pb, pd);
+    edit.look_between(above, below);
+    const double now = std::max(edit.facet_distance(pa, pd, pc), edit.facet_distance(pd, pb, pc));
+    if (now <= edit.options.max_deviation_mm) return true;
+    return now <= edit.facet_distance(pa, pb, pc) || now <= edit.facet_distance(pa, pb, pd);
 }
 
-bool remove_surface_edge(Workbench& bench, const RingFacets& facets, const Bar& bar, double needed) {
-    const auto size = static_cast<int>(bench.ring.ring.size());
+bool remove_surface_edge(EditContext& edit, const RingFacets& facets, const QualityThreshold& threshold,
+                         double needed) {
+    const auto size = static_cast<int>(edit.ring.ring.size());
     const int from = facets.at[0], to = facets.at[1];
-    const std::uint32_t c = bench.ring.ring[static_cast<std::size_t>(from)],
-                        d = bench.ring.ring[static_cast<std::size_t>(to)];
-    const Region between = bench.mesh.region(bench.ring.cells[static_cast<std::size_t>(from)]);
-    const Region beyond = bench.mesh.region(bench.ring.cells[static_cast<std::size_t>(to)]);
+    const std::uint32_t c = edit.ring.ring[static_cast<std::size_t>(from)],
+                        d = edit.ring.ring[static_cast<std::size_t>(to)];
+    const Region between = edit.mesh.region(edit.ring.cells[static_cast<std::size_t>(from)]);
+    const Region beyond = edit.mesh.region(edit.ring.cells[static_cast<std::size_t>(to)]);
     const int arc = to - from;
-    RingTriangulation triangulation(bench, bar);
+    RingTriangulation triangulation(edit, threshold);
     // An arc of one cell has the diagonal as an edge already: then it must not be an edge of an interface.
     if (arc == 1 || arc == size - 1) {
-        const std::uint32_t lone = bench.ring.cells[static_cast<std::size_t>(arc == 1 ? from : to)];
-        const int edge = edge_between(bench.mesh.cell(lone), c, d);
-        if (bench.nearsighted) {
-            bench.proposal.lone = lone;
-            bench.proposal.lone_edge = edge;
-        } else if (bench.mesh.edge_on_interface(lone, edge)) {
+        const std::uint32_t lone = edit.ring.cells[static_cast<std::size_t>(arc == 1 ? from : to)];
+        const int edge = edge_between(edit.mesh.cell(lone), c, d);
+        if (edit.local_only) {
+            edit.proposal.lone = lone;
+            edit.proposal.lone_edge = edge;
+        } else if (edit.mesh.edge_on_interface(lone, edge)) {
             return false;
         }
         if (!triangulation.append(0, size, arc == 1 ? beyond : between, needed)) return false;
@@ -162,44 +164,44 @@ bool remove_surface_edge(Workbench& bench, const RingFacets& facets, const Bar& 
                !triangulation.append(to, size - arc + 1, beyond, needed)) {
         return false;
     }
-    return may_flip(bench, c, d, between, beyond) &&
-           bench.commit(bench.ring.cells, bench.cells, bench.regions);
+    return may_flip(edit, c, d, between, beyond) && edit.commit(edit.ring.cells, edit.cells, edit.regions);
 }
 
 }  // namespace
 
-bool remove_edge(Workbench& bench, std::uint32_t cell, int e) {
-    bench.mesh.ring(cell, e, bench.ring);
-    const auto size = static_cast<int>(bench.ring.ring.size());
-    if (!bench.ring.closed || size < 3 || size > most_ring) return false;
-    const RingFacets facets = interface_facets(bench);
+bool remove_edge(EditContext& edit, std::uint32_t cell, int e) {
+    edit.mesh.ring(cell, e, edit.ring);
+    const auto size = static_cast<int>(edit.ring.ring.size());
+    if (!edit.ring.closed || size < 3 || size > most_ring) return false;
+    const RingFacets facets = interface_facets(edit);
     if (facets.count > 2) return false;
-    const Bar bar = bench.bar_of(bench.ring.cells);
-    bench.cells.clear();
-    bench.regions.clear();
+    const QualityThreshold threshold = edit.threshold_of(edit.ring.cells);
+    edit.cells.clear();
+    edit.regions.clear();
     if (facets.count == 2) {
-        if (!remove_surface_edge(bench, facets, bar, bench.needed_sine(bar))) return false;
-        bench.count(&DihedralStats::surface_edges_flipped);
+        if (!remove_surface_edge(edit, facets, threshold, edit.needed_sine(threshold))) return false;
+        edit.count(&DihedralStats::surface_edges_flipped);
         return true;
     }
-    if (!RingTriangulation(bench, bar).append(0, size, bench.mesh.region(cell), bench.needed_sine(bar)))
+    if (!RingTriangulation(edit, threshold)
+             .append(0, size, edit.mesh.region(cell), edit.needed_sine(threshold)))
         return false;
-    if (!bench.commit(bench.ring.cells, bench.cells, bench.regions)) return false;
-    bench.count(&DihedralStats::edges_removed);
+    if (!edit.commit(edit.ring.cells, edit.cells, edit.regions)) return false;
+    edit.count(&DihedralStats::edges_removed);
     return true;
 }
 
-bool flip_edge(Workbench& bench, std::uint32_t cell, int e, double good_sine) {
-    bench.mesh.ring(cell, e, bench.ring);
-    const auto size = static_cast<int>(bench.ring.ring.size());
-    if (!bench.ring.closed || size < 3 || size > most_ring) return false;
-    const RingFacets facets = interface_facets(bench);
+bool flip_edge(EditContext& edit, std::uint32_t cell, int e, double good_sine) {
+    edit.mesh.ring(cell, e, edit.ring);
+    const auto size = static_cast<int>(edit.ring.ring.size());
+    if (!edit.ring.closed || size < 3 || size > most_ring) return false;
+    const RingFacets facets = interface_facets(edit);
     if (facets.count != 2) return false;
-    const Bar bar = bench.bar_of(bench.ring.cells);
-    bench.cells.clear();
-    bench.regions.clear();
-    if (!remove_surface_edge(bench, facets, bar, std::min(bar.sine, good_sine))) return false;
-    bench.count(&DihedralStats::surface_edges_smoothed);
+    const QualityThreshold threshold = edit.threshold_of(edit.ring.cells);
+    edit.cells.clear();
+    edit.regions.clear();
+    if (!remove_surface_edge(edit, facets, threshold, std::min(threshold.sine, good_sine))) return false;
+    edit.count(&DihedralStats::surface_edges_smoothed);
     return true;
 }
 

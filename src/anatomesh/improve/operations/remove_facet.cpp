@@ -4,29 +4,29 @@
 
 namespace anatomesh {
 
-bool remove_facet(Workbench& bench, std::uint32_t cell, int facet) {
-    const std::uint32_t beyond = bench.mesh.neighbor(cell, facet);
-    if (beyond == no_cell || bench.mesh.region(beyond) != bench.mesh.region(cell)) return false;
-    const Cell &near = bench.mesh.cell(cell), &far = bench.mesh.cell(beyond);
+bool remove_facet(EditContext& edit, std::uint32_t cell, int facet) {
+    const std::uint32_t beyond = edit.mesh.neighbor(cell, facet);
+    if (beyond == no_cell || edit.mesh.region(beyond) != edit.mesh.region(cell)) return false;
+    const Cell &near = edit.mesh.cell(cell), &far = edit.mesh.cell(beyond);
     const auto& f = facet_vertices[facet];
     const std::uint32_t below = near[facet];
     std::uint32_t above = no_cell;
     for (int i = 0; i < 4; ++i) {
-        if (bench.mesh.neighbor(beyond, i) == cell) above = far[i];
+        if (edit.mesh.neighbor(beyond, i) == cell) above = far[i];
     }
     const std::array<std::uint32_t, 2> removed{cell, beyond};
-    const Bar bar = bench.bar_of(removed);
-    const double needed = bench.needed_sine(bar);
+    const QualityThreshold threshold = edit.threshold_of(removed);
+    const double needed = edit.needed_sine(threshold);
     // Seen from `above` the facet runs counter-clockwise.
     std::array<Cell, 3> added;
     for (std::size_t n = 0; n < 3; ++n) {
         added[n] = {below, above, near[f[n]], near[f[(n + 1) % 3]]};
-        if (bench.value(added[n], bench.mesh.region(cell), bar) < needed) return false;
+        if (edit.value(added[n], edit.mesh.region(cell), threshold) < needed) return false;
     }
-    const Region region = bench.mesh.region(cell);
+    const Region region = edit.mesh.region(cell);
     const std::array<Region, 3> regions{region, region, region};
-    if (!bench.commit(removed, added, regions)) return false;
-    bench.count(&DihedralStats::facets_removed);
+    if (!edit.commit(removed, added, regions)) return false;
+    edit.count(&DihedralStats::facets_removed);
     return true;
 }
 

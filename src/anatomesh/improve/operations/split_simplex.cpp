@@ -12,13 +12,12 @@ constexpr std::array<double, 5> shares{0.5, 0.4, 0.6, 0.3, 0.7};  // of an edge,
 constexpr std::array<double, 4> heights{0.25, 0.4, 0.15, 0.55};   // over a cell, in its longest edges
 
 // Across the largest facet of a cell, as long as the longest edge of that.
-Vec3 across_largest_facet(const Workbench& bench, std::uint32_t cell) {
+Vec3 across_largest_facet(const EditContext& edit, std::uint32_t cell) {
     Vec3 normal{};
     double longest = 0;
     for (const auto& f : facet_vertices) {
-        const Cell& c = bench.mesh.cell(cell);
-        const Vec3 p = bench.mesh.point(c[f[0]]), q = bench.mesh.point(c[f[1]]),
-                   r = bench.mesh.point(c[f[2]]);
+        const Cell& c = edit.mesh.cell(cell);
+        const Vec3 p = edit.mesh.point(c[f[0]]), q = edit.mesh.point(c[f[1]]), r = edit.mesh.point(c[f[2]]);
         const Vec3 n = cross(q - p, r - p);
         if (squared_length(n) <= squared_length(normal)) continue;
         normal = n;
@@ -29,71 +28,70 @@ Vec3 across_largest_facet(const Workbench& bench, std::uint32_t cell) {
 
 }  // namespace
 
-bool split_edge(Workbench& bench, std::uint32_t cell, int e) {
-    if (!bench.mesh.edge_on_interface(cell, e)) return false;
-    bench.mesh.ring(cell, e, bench.ring);
-    if (!bench.ring.closed) return false;
-    const std::uint32_t a = bench.ring.a, b = bench.ring.b;
-    const bool fixed = bench.fixed_edge(a, b);
-    const Vec3 from = bench.mesh.point(a), way = bench.mesh.point(b) - from;
-    const auto better = [&](const Bar& bar) { return bench.needed_sine(bar); };
+bool split_edge(EditContext& edit, std::uint32_t cell, int e) {
+    if (!edit.mesh.edge_on_interface(cell, e)) return false;
+    edit.mesh.ring(cell, e, edit.ring);
+    if (!edit.ring.closed) return false;
+    const std::uint32_t a = edit.ring.a, b = edit.ring.b;
+    const bool fixed = edit.fixed_edge(a, b);
+    const Vec3 from = edit.mesh.point(a), way = edit.mesh.point(b) - from;
+    const auto better = [&](const QualityThreshold& threshold) { return edit.needed_sine(threshold); };
     const auto fill = [&](Hole hole) {
         for (const double share : shares) {
             Hole tried = hole;
-            if (!tried.fill_from(from + share * way, bench.options.max_radius_edge, better)) continue;
-            if (fixed) bench.fix_on_edge(static_cast<std::uint32_t>(bench.mesh.point_count() - 1), a, b);
-            ++bench.stats.vertices_inserted;
+            if (!tried.fill_from(from + share * way, edit.options.max_radius_edge, better)) continue;
+            if (fixed) edit.fix_on_edge(static_cast<std::uint32_t>(edit.mesh.point_count() - 1), a, b);
+            ++edit.stats.vertices_inserted;
             return true;
         }
         return false;
     };
-    Hole hole(bench, bench.ring);
+    Hole hole(edit, edit.ring);
     if (fill(hole)) return true;
     // In a flat cell the opposite edge passes close to this one: where it stays, the cells with it are flat
     // too.
     EdgeRing opposite;
-    bench.mesh.ring(cell, 5 - e, opposite);
+    edit.mesh.ring(cell, 5 - e, opposite);
     return hole.add(opposite) && fill(hole);
 }
 
-bool split_facet(Workbench& bench, std::uint32_t cell, int facet) {
-    const std::uint32_t beyond = bench.mesh.neighbor(cell, facet);
+bool split_facet(EditContext& edit, std::uint32_t cell, int facet) {
+    const std::uint32_t beyond = edit.mesh.neighbor(cell, facet);
     if (beyond == no_cell) return false;
     Vec3 middle{};
     for (const int n : facet_vertices[facet])
-        middle = middle + (1.0 / 3) * bench.mesh.point(bench.mesh.cell(cell)[n]);
-    const auto better = [&](const Bar& bar) { return bench.needed_sine(bar); };
-    const double most = bench.options.max_radius_edge;
-    Hole hole(bench, {cell, beyond}, {});
-    const bool inside = bench.mesh.region(cell) == bench.mesh.region(beyond);
+        middle = middle + (1.0 / 3) * edit.mesh.point(edit.mesh.cell(cell)[n]);
+    const auto better = [&](const QualityThreshold& threshold) { return edit.needed_sine(threshold); };
+    const double most = edit.options.max_radius_edge;
+    Hole hole(edit, {cell, beyond}, {});
+    const bool inside = edit.mesh.region(cell) == edit.mesh.region(beyond);
     const bool done = inside ? hole.fill(middle, {}, most, better, [](Vec3&) { return true; })
                              : hole.fill_from(middle, most, better);
-    bench.stats.vertices_inserted += done;
+    edit.stats.vertices_inserted += done;
     return done;
 }
 
-bool split_cell(Workbench& bench, std::uint32_t cell) {
-    Hole hole(bench, {cell}, {});
-    const auto better = [&](const Bar& bar) { return bench.needed_sine(bar); };
+bool split_cell(EditContext& edit, std::uint32_t cell) {
+    Hole hole(edit, {cell}, {});
+    const auto better = [&](const QualityThreshold& threshold) { return edit.needed_sine(threshold); };
     const bool done =
-        hole.fill(hole.centre(), {}, bench.options.max_radius_edge, better, [](Vec3&) { return true; });
-    bench.stats.vertices_inserted += done;
+        hole.fill(hole.centre(), {}, edit.options.max_radius_edge, better, [](Vec3&) { return true; });
+    edit.stats.vertices_inserted += done;
     return done;
 }
 
-bool insert_beside(Workbench& bench, std::uint32_t cell) {
-    const Vec3 across = across_largest_facet(bench, cell);
+bool insert_beside(EditContext& edit, std::uint32_t cell) {
+    const Vec3 across = across_largest_facet(edit, cell);
     Vec3 middle{};
-    for (const std::uint32_t v : bench.mesh.cell(cell)) middle += 0.25 * bench.mesh.point(v);
-    const auto better = [&](const Bar& bar) { return bench.needed_sine(bar); };
+    for (const std::uint32_t v : edit.mesh.cell(cell)) middle += 0.25 * edit.mesh.point(v);
+    const auto better = [&](const QualityThreshold& threshold) { return edit.needed_sine(threshold); };
     const auto anywhere = [](Vec3&) { return true; };
     for (const double height : heights) {
         for (const double side : {1.0, -1.0}) {
             const Vec3 p = middle + (side * height) * across;
             // The hole grows to where the vertex is.
-            if (!Hole(bench, {cell}, {}).fill(p, {}, bench.options.max_radius_edge, better, anywhere))
-                continue;
-            ++bench.stats.vertices_inserted;
+            if (!Hole(edit, {cell}, {}).fill(p, {}, edit.options.max_radius_edge, better, anywhere)) continue;
+            ++edit.stats.vertices_inserted;
             return true;
         }
     }

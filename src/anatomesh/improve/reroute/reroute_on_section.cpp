@@ -9,7 +9,7 @@
 
 #include "anatomesh/base/sort_distinct.h"
 #include "anatomesh/contour/overlay/slice_soundness.h"
-#include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/core/surface_incidence.h"
 #include "anatomesh/improve/reroute/contour_loop.h"
 #include "anatomesh/improve/reroute/surface_section.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
@@ -73,26 +73,26 @@ struct SectionPath {
     }
 };
 
-// What an attempt has done to the workbench beside the mesh.
+// What an attempt has done to the edit context beside the mesh.
 struct Attempt {
-    std::vector<std::uint32_t> changed;   // cells
-    std::vector<std::uint32_t> moved;     // vertices that were free, or new ones on no other contour
-    std::vector<std::uint32_t> released;  // vertices that were fixed
-    std::vector<std::uint8_t> crowded;    // what these were
-    std::vector<VertexPair> let_go;       // edges that were kept
-    std::vector<VertexPair> fixed;        // edges
+    std::vector<std::uint32_t> changed;            // cells
+    std::vector<std::uint32_t> moved;              // vertices that were free, or new ones on no other contour
+    std::vector<std::uint32_t> released;           // vertices that were fixed
+    std::vector<std::uint8_t> constraint_limited;  // what these were
+    std::vector<VertexPair> let_go;                // edges that were kept
+    std::vector<VertexPair> fixed;                 // edges
 };
 
 class SectionRerouting {
   public:
-    SectionRerouting(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded,
+    SectionRerouting(EditContext& edit, const DrawnSlices& drawn, std::span<std::uint8_t> constraint_limited,
                      double least_sine, double last_sine, const ImproveCells& improve,
                      const RunContext& context)
-        : bench_(bench),
+        : edit_(edit),
           drawn_(drawn),
-          crowded_(crowded),
+          constraint_limited_(constraint_limited),
           routable_(drawn.routable),
-          sides_(bench),
+          incidence_(edit),
           least_sine_(least_sine),
           last_sine_(last_sine),
           improve_(improve),
@@ -141,7 +141,7 @@ class SectionRerouting {
         const Contour& contour = routable_.contours[number];
         const auto vertices = routable_.vertices.subspan(contour.first_point, contour.point_count);
         std::vector<Vec3> places;
-        for (const std::uint32_t v : vertices) places.push_back(bench_.mesh.point(v));
+        for (const std::uint32_t v : vertices) places.push_back(edit_.mesh.point(v));
         return {number, contour, {vertices, std::move(places)}};
     }
 
@@ -153,7 +153,7 @@ class SectionRerouting {
 
     bool is_missed(const ReroutedContour& rerouted, std::size_t n) {
         const std::uint32_t a = rerouted.loop.corner(n).vertex, b = rerouted.loop.corner(n + 1).vertex;
-        return sides_.row_from(a, b, rerouted.contour.structure).back() != b;
+        return incidence_.row_from(a, b, rerouted.contour.structure).back() != b;
     }
 
     std::size_t count_missed(const ReroutedContour& rerouted) {
@@ -210,7 +210,7 @@ class SectionRerouting {
             !tried.reach.empty() &&
             std::none_of(changed_.begin() + static_cast<std::ptrdiff_t>(tried.changed_before), changed_.end(),
                          [&](std::uint32_t c) {
-                             const Cell& cell = bench_.mesh.cell(c);
+                             const Cell& cell = edit_.mesh.cell(c);
                              return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
                                  return std::binary_search(tried.reach.begin(), tried.reach.end(), v);
                              });
@@ -243,9 +243,10 @@ class SectionRerouting {
     // Of the segment from x to y without x: all, or what there is of it on y's side - and on x's, if asked
     // for - of where it is missed.
     void add_row(std::uint32_t structure, const LoopCorner& x, const LoopCorner& y, bool both, Shore& shore) {
-        std::vector<std::uint32_t> row = sides_.row_from(y.vertex, x.vertex, structure);
+        std::vector<std::uint32_t> row = incidence_.row_from(y.vertex, x.vertex, structure);
         if (both && row.back() != x.vertex) {
-            for (const std::uint32_t v : sides_.row_from(x.vertex, y.vertex, structure)) add(x, y, v, shore);
+            for (const std::uint32_t v : incidence_.row_from(x.vertex, y.vertex, structure))
+                add(x, y, v, shore);
         }
         std::reverse(row.begin(), row.end());
         for (const std::uint32_t v : row) add(x, y, v, shore);
@@ -253,10 +254,9 @@ class SectionRerouting {
 
     void add(const LoopCorner& x, const LoopCorner& y, std::uint32_t v, Shore& shore) const {
         if (v == x.vertex) return;
-        const Vec3 p = bench_.mesh.point(v);
-        if (!shore.corners.empty())
-            shore.length += length(p - bench_.mesh.point(shore.corners.back().vertex));
-        const Vec3 a = bench_.mesh.point(x.vertex), b = bench_.mesh.point(y.vertex);
+        const Vec3 p = edit_.mesh.point(v);
+        if (!shore.corners.empty()) shore.length += length(p - edit_.mesh.point(shore.corners.back().vertex));
+        const Vec3 a = edit_.mesh.point(x.vertex), b = edit_.mesh.point(y.vertex);
         shore.corners.push_back({v, x.at + length(p - a) / length(b - a) * (y.at - x.at)});
         if (v == y.vertex) shore.corners.back() = y;
         shore.ends.push_back({v, shore.length});
@@ -270,7 +270,7 @@ class SectionRerouting {
         double longest = 0;
         for (std::size_t n = 1; n < drawn.size(); ++n)
             longest = std::max(longest, length(drawn[n] - drawn[n - 1]));
-        SurfaceSection section(bench_, routable_.planes[contour.slice], contour.structure,
+        SurfaceSection section(edit_, routable_.planes[contour.slice], contour.structure,
                                on_segment * longest, of_slice_[contour.slice]);
         const std::vector<std::uint32_t>& taken = of_drawing_[drawing(contour)];
         const auto is_end = [&](std::uint32_t v) {
@@ -295,18 +295,18 @@ class SectionRerouting {
     bool attempt(ReroutedContour& rerouted, const Shore& here, const Shore& there, double near) {
         std::optional<SectionPath> way = find_way(rerouted, here, there);
         if (!way) return false;
-        const DihedralStats stats = bench_.stats;
-        bench_.mesh.begin_attempt();
+        const DihedralStats stats = edit_.stats;
+        edit_.mesh.begin_attempt();
         Attempt done;
         while (way && move_near(*way, near, done)) way = find_way(rerouted, here, there);
         ContourLoop loop = rerouted.loop;
         std::vector<std::uint32_t> vertices;
         const bool good = way && make_edges(*way, rerouted.contour.structure, vertices, done) &&
                           settle(rerouted, *way, vertices, done) && replace(rerouted, *way, vertices, loop);
-        bench_.mesh.end_attempt(good);
+        edit_.mesh.end_attempt(good);
         if (!good) {
             take_back(done);
-            bench_.stats = stats;
+            edit_.stats = stats;
             return false;
         }
         rerouted.loop = std::move(loop);
@@ -324,7 +324,7 @@ class SectionRerouting {
         for (int turn = 0; turn < turns; ++turn) {
             draw_near(drawn, vertices, done);
             for (std::size_t n = 0; n < vertices.size(); ++n)
-                way.points[n].place = bench_.mesh.point(vertices[n]);
+                way.points[n].place = edit_.mesh.point(vertices[n]);
             ContourLoop loop = rerouted.loop;
             if (turn == 0 && !replace(rerouted, way, vertices, loop)) return false;
             improve_cells(done);
@@ -343,7 +343,7 @@ class SectionRerouting {
 
     bool is_on_surface(const std::vector<std::uint32_t>& way, std::uint32_t structure) {
         for (std::size_t n = 1; n < way.size(); ++n) {
-            if (sides_.row_from(way[n - 1], way[n], structure).back() != way[n]) return false;
+            if (incidence_.row_from(way[n - 1], way[n], structure).back() != way[n]) return false;
         }
         return true;
     }
@@ -353,14 +353,14 @@ class SectionRerouting {
         const std::size_t before = done.moved.size();
         for (const auto& [node, place] : way.points) {
             if (node.is_vertex()) continue;
-            const double from_p = length(place - bench_.mesh.point(node.p)),
-                         from_q = length(place - bench_.mesh.point(node.q));
+            const double from_p = length(place - edit_.mesh.point(node.p)),
+                         from_q = length(place - edit_.mesh.point(node.q));
             const std::uint32_t v = from_p < from_q ? node.p : node.q;
-            if (bench_.fixed(v) || std::min(from_p, from_q) > near * (from_p + from_q)) continue;
-            bench_.mesh.star(v, bench_.star);
-            if (!bench_.commit_move(v, place)) continue;
-            done.changed.insert(done.changed.end(), bench_.star.begin(), bench_.star.end());
-            bench_.fix(v);
+            if (edit_.fixed(v) || std::min(from_p, from_q) > near * (from_p + from_q)) continue;
+            edit_.mesh.star(v, edit_.star);
+            if (!edit_.commit_move(v, place)) continue;
+            done.changed.insert(done.changed.end(), edit_.star.begin(), edit_.star.end());
+            edit_.fix(v);
             done.moved.push_back(v);
         }
         return done.moved.size() > before;
@@ -372,23 +372,23 @@ class SectionRerouting {
         for (const auto& [node, place] : way.points) {
             if (node.is_vertex()) {
                 vertices.push_back(node.p);
-                if (bench_.fixed(node.p)) continue;
-                bench_.fix(node.p);
+                if (edit_.fixed(node.p)) continue;
+                edit_.fix(node.p);
                 done.moved.push_back(node.p);
                 continue;
             }
-            if (!sides_.find_ring(node.p, node.q)) return false;
-            const bool is_on_contour = bench_.fixed_edge(node.p, node.q);
-            const std::uint32_t v = bench_.split_ring(place);
+            if (!incidence_.find_ring(node.p, node.q)) return false;
+            const bool is_on_contour = edit_.fixed_edge(node.p, node.q);
+            const std::uint32_t v = edit_.split_ring(place);
             if (v == no_cell) return false;
-            bench_.fix(v);
+            edit_.fix(v);
             if (!is_on_contour) done.moved.push_back(v);
-            done.changed.insert(done.changed.end(), bench_.changed.begin(), bench_.changed.end());
+            done.changed.insert(done.changed.end(), edit_.changed.begin(), edit_.changed.end());
             vertices.push_back(v);
         }
         for (std::size_t n = 1; n < vertices.size(); ++n) {
-            if (!sides_.on_surface(vertices[n - 1], vertices[n], structure)) return false;
-            bench_.fix_edge(vertices[n - 1], vertices[n]);
+            if (!incidence_.on_surface(vertices[n - 1], vertices[n], structure)) return false;
+            edit_.fix_edge(vertices[n - 1], vertices[n]);
             done.fixed.push_back({vertices[n - 1], vertices[n]});
         }
         return true;
@@ -403,7 +403,7 @@ class SectionRerouting {
             bool any = false;
             for (const std::uint32_t v : vertices) {
                 if (std::binary_search(movable.begin(), movable.end(), v) && move_towards(v, drawn)) {
-                    done.changed.insert(done.changed.end(), bench_.star.begin(), bench_.star.end());
+                    done.changed.insert(done.changed.end(), edit_.star.begin(), edit_.star.end());
                     any = true;
                 }
             }
@@ -413,14 +413,14 @@ class SectionRerouting {
 
     // As far as the shapes of cells allow.
     bool move_towards(std::uint32_t v, const std::vector<Vec3>& drawn) {
-        const Vec3 from = bench_.mesh.point(v), to = nearest_on_row(drawn, from);
+        const Vec3 from = edit_.mesh.point(v), to = nearest_on_row(drawn, from);
         if (to == from) return false;
-        bench_.mesh.star(v, bench_.star);
+        edit_.mesh.star(v, edit_.star);
         const double needed = std::min(worst_in_star(), least_sine_);
         for (const double step : steps) {
-            if (!bench_.commit_move(v, from + step * (to - from))) continue;
+            if (!edit_.commit_move(v, from + step * (to - from))) continue;
             if (worst_in_star() >= needed) return true;
-            bench_.mesh.move_point(v, from);
+            edit_.mesh.move_point(v, from);
         }
         return false;
     }
@@ -428,27 +428,27 @@ class SectionRerouting {
     // The least sine of the cells inside.
     double worst_in_star() const {
         double worst = 1;
-        for (const std::uint32_t c : bench_.star) {
-            if (bench_.mesh.region(c) != 0) worst = std::min(worst, bench_.sine(c));
+        for (const std::uint32_t c : edit_.star) {
+            if (edit_.mesh.region(c) != 0) worst = std::min(worst, edit_.sine(c));
         }
         return worst;
     }
 
     // Subsegments of segments that the way takes the place of: their edges need not be there any more,
-    // vertices of theirs alone may move, and do not crowd others.
+    // vertices of theirs alone may move, and do not limit others.
     void release(const ReroutedContour& rerouted, const SectionPath& way,
                  const std::vector<std::uint32_t>& vertices, Attempt& done) {
         std::vector<std::uint32_t> row;
         std::vector<VertexPair> edges;
         for (auto n = static_cast<std::int64_t>(std::floor(way.from)); static_cast<double>(n) < way.to; ++n) {
             const std::uint32_t a = rerouted.loop.drawn(n), b = rerouted.loop.drawn(n + 1);
-            const double whole = length(bench_.mesh.point(b) - bench_.mesh.point(a));
+            const double whole = length(edit_.mesh.point(b) - edit_.mesh.point(a));
             for (std::uint32_t last = a; last != b;) {
                 const std::uint32_t v = end_of_subsegment(last, a, b, rerouted.contour.structure);
                 if (v == no_cell) break;
                 const auto place = [&](std::uint32_t w) {
                     return static_cast<double>(n) +
-                           (w == b ? 1 : length(bench_.mesh.point(w) - bench_.mesh.point(a)) / whole);
+                           (w == b ? 1 : length(edit_.mesh.point(w) - edit_.mesh.point(a)) / whole);
                 };
                 if (place(v) > way.from && place(v) < way.to) row.push_back(v);
                 if (place(last) >= way.from && place(v) <= way.to)
@@ -462,12 +462,12 @@ class SectionRerouting {
                        VertexPair{std::min(subsegment[0], subsegment[1]),
                                   std::max(subsegment[0], subsegment[1])} == edge;
             };
-            if (bench_.keeps_edge(edge[0], edge[1]) &&
+            if (edit_.keeps_edge(edge[0], edge[1]) &&
                 std::none_of(drawn_.subsegments_beside.begin(), drawn_.subsegments_beside.end(),
                              is_of_another))
                 done.let_go.push_back(edge);
         }
-        for (const VertexPair& edge : done.let_go) bench_.release_edge(edge[0], edge[1]);
+        for (const VertexPair& edge : done.let_go) edit_.release_edge(edge[0], edge[1]);
         std::vector<std::uint32_t> own = row;
         own.insert(own.end(), vertices.begin(), vertices.end());
         sort_distinct(own);
@@ -485,10 +485,10 @@ class SectionRerouting {
     // The end of the subsegment that leads on from v along the segment from a to b.
     std::uint32_t end_of_subsegment(std::uint32_t v, std::uint32_t a, std::uint32_t b,
                                     std::uint32_t structure) const {
-        const Vec3 way = bench_.mesh.point(b) - bench_.mesh.point(a);
+        const Vec3 way = edit_.mesh.point(b) - edit_.mesh.point(a);
         for (const ContourOwners::Subsegment& subsegment : drawn_.owners->subsegments_at(v)) {
             if (subsegment.structure == structure &&
-                SidesAt::onward(bench_.mesh.point(subsegment.other) - bench_.mesh.point(v), way))
+                SurfaceIncidence::onward(edit_.mesh.point(subsegment.other) - edit_.mesh.point(v), way))
                 return subsegment.other;
         }
         return no_cell;
@@ -498,7 +498,7 @@ class SectionRerouting {
     bool is_free_without(const std::vector<std::uint32_t>& own, std::uint32_t structure,
                          std::uint32_t v) const {
         const auto subsegments = drawn_.owners->subsegments_at(v);
-        return bench_.fixed(v) && !subsegments.empty() &&
+        return edit_.fixed(v) && !subsegments.empty() &&
                std::all_of(subsegments.begin(), subsegments.end(),
                            [&](const ContourOwners::Subsegment& subsegment) {
                                return subsegment.structure == structure &&
@@ -507,11 +507,12 @@ class SectionRerouting {
     }
 
     void free(std::uint32_t v, Attempt& done) {
-        bench_.unfix(v);
+        edit_.unfix(v);
         done.released.push_back(v);
-        done.crowded.push_back(v < crowded_.size() ? std::exchange(crowded_[v], std::uint8_t{0}) : 0);
-        bench_.mesh.star(v, bench_.star);
-        done.changed.insert(done.changed.end(), bench_.star.begin(), bench_.star.end());
+        done.constraint_limited.push_back(
+            v < constraint_limited_.size() ? std::exchange(constraint_limited_[v], std::uint8_t{0}) : 0);
+        edit_.mesh.star(v, edit_.star);
+        done.changed.insert(done.changed.end(), edit_.star.begin(), edit_.star.end());
     }
 
     void improve_cells(Attempt& done) {
@@ -522,13 +523,13 @@ class SectionRerouting {
     }
 
     bool is_good(std::uint32_t c) const {
-        if (!bench_.mesh.alive(c) || bench_.mesh.region(c) == 0) return true;
-        const Cell& v = bench_.mesh.cell(c);
-        const bool forced = drawn_.are_crowded(v) || shortest_is_drawn(v);
-        const CellMeasures m = measure_cell(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
-                                            bench_.mesh.point(v[2]), bench_.mesh.point(v[3]));
-        const double most = forced ? most_crowded_ratio : bench_.options.last_radius_edge;
-        return m.least_sine() >= (forced ? least_crowded_sine : least_sine_) &&
+        if (!edit_.mesh.alive(c) || edit_.mesh.region(c) == 0) return true;
+        const Cell& v = edit_.mesh.cell(c);
+        const bool forced = drawn_.are_constraint_limited(v) || shortest_is_drawn(v);
+        const CellMeasures m = measure_cell(edit_.mesh.point(v[0]), edit_.mesh.point(v[1]),
+                                            edit_.mesh.point(v[2]), edit_.mesh.point(v[3]));
+        const double most = forced ? most_limited_ratio : edit_.options.last_radius_edge;
+        return m.least_sine() >= (forced ? least_limited_sine : least_sine_) &&
                m.squared_ratio <= most * most;
     }
 
@@ -537,7 +538,7 @@ class SectionRerouting {
         double shortest = HUGE_VAL;
         bool is_drawn = false;
         for (const auto& [i, j] : cell_edges) {
-            const double edge = squared_length(bench_.mesh.point(v[i]) - bench_.mesh.point(v[j]));
+            const double edge = squared_length(edit_.mesh.point(v[i]) - edit_.mesh.point(v[j]));
             if (edge >= shortest) continue;
             shortest = edge;
             is_drawn = std::binary_search(drawn_vertices_.begin(), drawn_vertices_.end(), v[i]) &&
@@ -563,20 +564,21 @@ class SectionRerouting {
             for (std::size_t k = 0; k < count; ++k) {
                 const std::uint32_t v =
                     loop ? loop->corner(k).vertex : routable_.vertices[contour.first_point + k];
-                ring.at.push_back(plane.to_plane(bench_.mesh.point(v)));
+                ring.at.push_back(plane.to_plane(edit_.mesh.point(v)));
             }
         }
         return slice_faults(rings, routable_.exclusive).empty();
     }
 
     void take_back(const Attempt& done) {
-        for (const std::uint32_t v : done.moved) bench_.unfix(v);
+        for (const std::uint32_t v : done.moved) edit_.unfix(v);
         for (std::size_t n = 0; n < done.released.size(); ++n) {
-            bench_.fix(done.released[n]);
-            if (done.released[n] < crowded_.size()) crowded_[done.released[n]] = done.crowded[n];
+            edit_.fix(done.released[n]);
+            if (done.released[n] < constraint_limited_.size())
+                constraint_limited_[done.released[n]] = done.constraint_limited[n];
         }
-        for (const VertexPair& edge : done.let_go) bench_.keep_edge(edge[0], edge[1]);
-        for (const VertexPair& edge : done.fixed) bench_.unfix_edge(edge[0], edge[1]);
+        for (const VertexPair& edge : done.let_go) edit_.keep_edge(edge[0], edge[1]);
+        for (const VertexPair& edge : done.fixed) edit_.unfix_edge(edge[0], edge[1]);
     }
 
     // `way`: its vertices.
@@ -589,15 +591,15 @@ class SectionRerouting {
         sort_distinct(of_slice_[contour.slice]);
         // What moved for an earlier way and is not on this one is free again.
         for (const std::uint32_t v : done.moved) {
-            if (std::find(way.begin(), way.end(), v) == way.end()) bench_.unfix(v);
+            if (std::find(way.begin(), way.end(), v) == way.end()) edit_.unfix(v);
         }
     }
 
-    Workbench& bench_;
+    EditContext& edit_;
     const DrawnSlices& drawn_;
-    std::span<std::uint8_t> crowded_;
+    std::span<std::uint8_t> constraint_limited_;
     const RoutableContours& routable_;
-    SidesAt sides_;
+    SurfaceIncidence incidence_;
     double least_sine_, last_sine_;  // of cells inside that no contour forces
     const ImproveCells& improve_;
     const RunContext& context_;
@@ -614,12 +616,12 @@ class SectionRerouting {
 
 }  // namespace
 
-RerouteStats reroute_on_section(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded,
-                                double least_sine, double last_sine, const ImproveCells& improve,
-                                const RunContext& context) {
+RerouteStats reroute_on_section(EditContext& edit, const DrawnSlices& drawn,
+                                std::span<std::uint8_t> constraint_limited, double least_sine,
+                                double last_sine, const ImproveCells& improve, const RunContext& context) {
     if (!drawn.table || !drawn.owners || drawn.routable.contours.empty() || !(drawn.routable.most_mm > 0))
         return {};
-    return SectionRerouting(bench, drawn, crowded, least_sine, last_sine, improve, context).run();
+    return SectionRerouting(edit, drawn, constraint_limited, least_sine, last_sine, improve, context).run();
 }
 
 }  // namespace anatomesh

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 #include "anatomesh/improve/surgery/recover_on_surface.h"
 
 namespace anatomesh {
@@ -23,16 +23,16 @@ struct RerouteStats {
 // surface; where the way still crosses edges these get vertices, and the cells round them become two: the
 // surface stays where it is but for those moves. Then `improve` works on the shapes. All of that is taken
 // back if a cell changed inside has an angle whose sine is below `least_sine` - `last_sine` for the last ten
-// segments that are left otherwise - or a ratio above the workbench's last bound - where contours force it,
-// as the certificate has it, the bounds of recover_on_surface.h. `crowded`: what drawn.crowded looks at;
-// vertices of segments that a way replaces, and of no other contour, are free again and crowd nothing.
-// Vertices of contours stay where they are, on the surface, though their contour may pass them by.
-// Guarantees: all cells positive (checked exactly); surfaces keep their topology; vertices of the new
-// contours are fixed, and so are their edges. Same result every time. Complexity: O(segments), and ms for
-// each that is missed. Errors: none; what cannot be re-routed stays as it is drawn, and so does all where
-// more than 1,000 segments are missed.
-RerouteStats reroute_on_section(Workbench& bench, const DrawnSlices& drawn, std::span<std::uint8_t> crowded,
-                                double least_sine, double last_sine, const ImproveCells& improve,
-                                const RunContext& context);
+// segments that are left otherwise - or a ratio above the edit context's last bound - where contours force
+// it, as the certificate has it, the bounds of recover_on_surface.h. `constraint_limited`: what
+// drawn.constraint_limited looks at; vertices of segments that a way replaces, and of no other contour, are
+// free again and limit nothing. Vertices of contours stay where they are, on the surface, though their
+// contour may pass them by. Guarantees: all cells positive (checked exactly); surfaces keep their topology;
+// vertices of the new contours are fixed, and so are their edges. Same result every time. Complexity:
+// O(segments), and ms for each that is missed. Errors: none; what cannot be re-routed stays as it is drawn,
+// and so does all where more than 1,000 segments are missed.
+RerouteStats reroute_on_section(EditContext& edit, const DrawnSlices& drawn,
+                                std::span<std::uint8_t> constraint_limited, double least_sine,
+                                double last_sine, const ImproveCells& improve, const RunContext& context);
 
 }  // namespace anatomesh

@@ -98,16 +98,17 @@ Routed reroute(const Drawn& drawn, double most_mm, double least_sine = any_sine,
     EditMesh mesh(drawn.labelled.mesh, drawn.neighbors);
     DihedralOptions options;
     options.last_radius_edge = 1000;
-    Workbench bench(mesh, result.fixed, {}, drawn.labelled.field, drawn.labelled.structures, options);
-    bench.table = &drawn.labelled.regions;
+    EditContext edit(mesh, result.fixed, {}, drawn.labelled.field, drawn.labelled.structures, options);
+    edit.table = &drawn.labelled.regions;
     DrawnSlices slices;
     slices.table = &drawn.labelled.regions;
     slices.owners = &drawn.owners;
     slices.routable = {drawn.contours, drawn.vertices, drawn.planes, false, most_mm};
-    std::vector<std::uint8_t> crowded(drawn.labelled.mesh.points.size(), 0);
-    slices.crowded = crowded;
+    std::vector<std::uint8_t> constraint_limited(drawn.labelled.mesh.points.size(), 0);
+    slices.constraint_limited = constraint_limited;
     const auto as_they_are = [](const std::vector<std::uint32_t>&) { return std::vector<std::uint32_t>{}; };
-    result.stats = reroute_on_section(bench, slices, crowded, least_sine, last_sine, as_they_are, {});
+    result.stats =
+        reroute_on_section(edit, slices, constraint_limited, least_sine, last_sine, as_they_are, {});
     std::vector<std::uint32_t> neighbors = drawn.neighbors;
     result.mesh = std::move(mesh).take(neighbors);
     return result;
@@ -265,7 +266,7 @@ TEST(RerouteOnSection, cells_that_come_out_flat_are_taken_back) {
         }
         // Forced ones may be as flat as recover_on_surface.h has it.
         EXPECT_GE(fixtures::worst_sine(routed.mesh),
-                  std::min(fixtures::worst_sine(drawn.labelled.mesh), least_crowded_sine));
+                  std::min(fixtures::worst_sine(drawn.labelled.mesh), least_limited_sine));
     }
 }
 

@@ -18,12 +18,12 @@ SectionNode edge_node(std::uint32_t p, std::uint32_t q) {
 
 }  // namespace
 
-SurfaceSection::SurfaceSection(Workbench& bench, const Plane& plane, std::uint32_t structure,
+SurfaceSection::SurfaceSection(EditContext& edit, const Plane& plane, std::uint32_t structure,
                                double in_plane_mm, std::span<const std::uint32_t> in_plane)
-    : bench_(bench),
+    : edit_(edit),
       plane_(plane),
       structure_(structure),
-      sides_(bench),
+      incidence_(edit),
       in_plane_mm_(in_plane_mm),
       in_plane_(in_plane) {}
 
@@ -81,16 +81,16 @@ std::optional<std::vector<SectionPoint>> SurfaceSection::shortest_way(
 }
 
 int SurfaceSection::side(std::uint32_t v) const {
-    const double height = plane_.signed_distance(bench_.mesh.point(v));
+    const double height = plane_.signed_distance(edit_.mesh.point(v));
     if (std::abs(height) <= in_plane_mm_ || std::binary_search(in_plane_.begin(), in_plane_.end(), v))
         return 0;
     return height > 0 ? 1 : -1;
 }
 
 Vec3 SurfaceSection::place(const SectionNode& node) const {
-    const Vec3 p = bench_.mesh.point(node.p);
+    const Vec3 p = edit_.mesh.point(node.p);
     if (node.is_vertex()) return p;
-    const Vec3 q = bench_.mesh.point(node.q);
+    const Vec3 q = edit_.mesh.point(node.q);
     const double from = plane_.signed_distance(p), to = plane_.signed_distance(q);
     return p + (from / (from - to)) * (q - p);
 }
@@ -99,27 +99,27 @@ Vec3 SurfaceSection::place(const SectionNode& node) const {
 void SurfaceSection::beside(const SectionNode& node, std::vector<SectionNode>& found) {
     found.clear();
     if (node.is_vertex()) {
-        bench_.mesh.star(node.p, bench_.star);
-        for (const std::uint32_t c : bench_.star) add_facets_at(c, node.p, found);
+        edit_.mesh.star(node.p, edit_.star);
+        for (const std::uint32_t c : edit_.star) add_facets_at(c, node.p, found);
         return;
     }
-    if (!sides_.find_ring(node.p, node.q)) return;
-    const EdgeRing& ring = bench_.ring;
+    if (!incidence_.find_ring(node.p, node.q)) return;
+    const EdgeRing& ring = edit_.ring;
     for (std::size_t n = 0; n < ring.cells.size(); ++n) {
         const std::uint32_t before = ring.cells[(n + ring.cells.size() - 1) % ring.cells.size()];
-        if (sides_.has(before, structure_) != sides_.has(ring.cells[n], structure_))
+        if (incidence_.has(before, structure_) != incidence_.has(ring.cells[n], structure_))
             add_across(node, ring.ring[n], found);
     }
 }
 
 // What faces the vertex in the cell's facets on the surface.
 void SurfaceSection::add_facets_at(std::uint32_t c, std::uint32_t v, std::vector<SectionNode>& found) const {
-    if (!sides_.has(c, structure_)) return;
-    const Cell& cell = bench_.mesh.cell(c);
+    if (!incidence_.has(c, structure_)) return;
+    const Cell& cell = edit_.mesh.cell(c);
     for (int i = 0; i < 4; ++i) {
         if (cell[i] == v) continue;
-        const std::uint32_t beyond = bench_.mesh.neighbor(c, i);
-        if (beyond != no_cell && sides_.has(beyond, structure_)) continue;
+        const std::uint32_t beyond = edit_.mesh.neighbor(c, i);
+        if (beyond != no_cell && incidence_.has(beyond, structure_)) continue;
         const auto [p, q] = others_of_facet(cell, i, v);
         const int at_p = side(p), at_q = side(q);
         if (at_p == 0) found.push_back({p, no_cell});

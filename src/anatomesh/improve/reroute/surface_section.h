@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "anatomesh/geom/plane.h"
-#include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/core/surface_incidence.h"
 
 namespace anatomesh {
 
@@ -34,8 +34,8 @@ struct WayEnd {
 class SurfaceSection {
   public:
     // Vertices within `in_plane_mm` of the plane, and `in_plane` (rising) however far from it, lie in it.
-    // Requires: all outlive this. Uses the bench's ring and star.
-    SurfaceSection(Workbench& bench, const Plane& plane, std::uint32_t structure, double in_plane_mm,
+    // Requires: all outlive this. Uses the context's ring and star.
+    SurfaceSection(EditContext& edit, const Plane& plane, std::uint32_t structure, double in_plane_mm,
                    std::span<const std::uint32_t> in_plane);
 
     // The shortest way from one of `starts` to one of `ends`, both included, over points that are allowed; it
@@ -53,10 +53,10 @@ class SurfaceSection {
     void add_facets_at(std::uint32_t c, std::uint32_t v, std::vector<SectionNode>& found) const;
     void add_across(const SectionNode& node, std::uint32_t r, std::vector<SectionNode>& found) const;
 
-    Workbench& bench_;
+    EditContext& edit_;
     const Plane& plane_;
     std::uint32_t structure_;
-    SidesAt sides_;
+    SurfaceIncidence incidence_;
     double in_plane_mm_;
     std::span<const std::uint32_t> in_plane_;
 };

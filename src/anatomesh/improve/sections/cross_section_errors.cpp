@@ -6,16 +6,16 @@
 
 namespace anatomesh {
 
-CrossSectionErrors::CrossSectionErrors(const Workbench& bench, const SectionAreas& areas,
+CrossSectionErrors::CrossSectionErrors(const EditContext& edit, const SectionAreas& areas,
                                        std::span<const std::uint32_t> cells, int threads)
-    : bench_(bench), areas_(areas) {
+    : edit_(edit), areas_(areas) {
     assert(std::is_sorted(cells.begin(), cells.end()));
     kept_.errors = areas.errors_of(cells, threads);
     add_up(kept_);
 }
 
 void CrossSectionErrors::add_others(std::span<const std::uint32_t> cells, int threads) {
-    const std::vector<std::uint32_t> all = bench_.mesh.alive_cells();
+    const std::vector<std::uint32_t> all = edit_.mesh.alive_cells();
     std::vector<std::uint32_t> others;
     std::set_difference(all.begin(), all.end(), cells.begin(), cells.end(), std::back_inserter(others));
     kept_.errors = merged(kept_.errors, areas_.errors_of(others, threads));
@@ -27,7 +27,7 @@ std::span<const double> CrossSectionErrors::sums_after(std::span<const std::uint
     assert(std::is_sorted(changed.begin(), changed.end()));
     std::vector<std::uint32_t> alive;
     std::copy_if(changed.begin(), changed.end(), std::back_inserter(alive),
-                 [&](std::uint32_t c) { return bench_.mesh.alive(c); });
+                 [&](std::uint32_t c) { return edit_.mesh.alive(c); });
     CellErrors same;
     std::copy_if(kept_.errors.begin(), kept_.errors.end(), std::back_inserter(same), [&](const auto& error) {
         return !std::binary_search(changed.begin(), changed.end(), error.cell);
@@ -53,7 +53,7 @@ void CrossSectionErrors::add_up(Table& table) const {
 }
 
 bool CrossSectionErrors::is_up_to_date(const Table& table) const {
-    return table.errors == areas_.errors_of(bench_.mesh.alive_cells());
+    return table.errors == areas_.errors_of(edit_.mesh.alive_cells());
 }
 
 }  // namespace anatomesh

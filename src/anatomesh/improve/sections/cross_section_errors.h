@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 #include "anatomesh/improve/sections/section_areas.h"
 
 namespace anatomesh {
@@ -16,8 +16,8 @@ namespace anatomesh {
 class CrossSectionErrors {
   public:
     // Of cells of the mesh, rising: all, or the first that are looked at. The same for any `threads`.
-    // Requires: bench and areas outlive this. Complexity: as SectionAreas::errors_of().
-    CrossSectionErrors(const Workbench& bench, const SectionAreas& areas,
+    // Requires: context and areas outlive this. Complexity: as SectionAreas::errors_of().
+    CrossSectionErrors(const EditContext& edit, const SectionAreas& areas,
                        std::span<const std::uint32_t> cells, int threads = 1);
     // Adds all cells but these first ones. Requires: the mesh is as it was. Complexity: as
     // SectionAreas::errors_of() of the others.
@@ -47,7 +47,7 @@ class CrossSectionErrors {
     void add_up(Table& table) const;
     bool is_up_to_date(const Table& table) const;
 
-    const Workbench& bench_;
+    const EditContext& edit_;
     const SectionAreas& areas_;
     Table kept_, after_;
 };

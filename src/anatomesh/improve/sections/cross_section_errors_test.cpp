@@ -26,14 +26,14 @@ TEST(CrossSectionErrors, sums_kept_up_to_date_are_those_of_all_cells) {
         if (seed % 3 == 0) bricks.give_extents();
         const DrawnSlices drawn = bricks.drawn();
         EditMesh edited = bricks.editable();
-        Workbench bench(edited, bricks.fixed, {}, bricks.field, 2, {});
-        SectionAreas areas(bench, drawn);
-        CrossSectionErrors errors(bench, areas, edited.alive_cells());
+        EditContext edit(edited, bricks.fixed, {}, bricks.field, 2, {});
+        SectionAreas areas(edit, drawn);
+        CrossSectionErrors errors(edit, areas, edited.alive_cells());
         ASSERT_EQ(list(errors.sums()), whole_sums(areas, edited));
         for (int attempt = 0; attempt < 25; ++attempt) {
             const std::vector<double> before = list(errors.sums());
             edited.begin_attempt();
-            for (auto edits = bricks.random() % 8; edits > 0; --edits) bricks.change(bench);
+            for (auto edits = bricks.random() % 8; edits > 0; --edits) bricks.change(edit);
             const std::vector<double> after = list(errors.sums_after(edited.changed_cells()));
             ASSERT_EQ(after, whole_sums(areas, edited));
             ASSERT_EQ(list(errors.sums()), before);
@@ -54,12 +54,12 @@ TEST(CrossSectionErrors, sums_of_an_attempt_follow_each_of_its_changes) {
     SectionedBricks bricks(3);
     const DrawnSlices drawn = bricks.drawn();
     EditMesh edited = bricks.editable();
-    Workbench bench(edited, bricks.fixed, {}, bricks.field, 2, {});
-    SectionAreas areas(bench, drawn);
-    CrossSectionErrors errors(bench, areas, edited.alive_cells());
+    EditContext edit(edited, bricks.fixed, {}, bricks.field, 2, {});
+    SectionAreas areas(edit, drawn);
+    CrossSectionErrors errors(edit, areas, edited.alive_cells());
     edited.begin_attempt();
     for (int n = 0; n < 30; ++n) {
-        bricks.change(bench);
+        bricks.change(edit);
         ASSERT_EQ(list(errors.sums_after(edited.changed_cells())), whole_sums(areas, edited));
     }
     edited.end_attempt(false);
@@ -70,14 +70,14 @@ TEST(CrossSectionErrors, some_cells_and_then_the_others_are_all) {
     SectionedBricks bricks(5);
     const DrawnSlices drawn = bricks.drawn();
     EditMesh edited = bricks.editable();
-    Workbench bench(edited, bricks.fixed, {}, bricks.field, 2, {});
-    SectionAreas areas(bench, drawn);
+    EditContext edit(edited, bricks.fixed, {}, bricks.field, 2, {});
+    SectionAreas areas(edit, drawn);
     for (const std::uint32_t every : {1u, 2u, 7u, 100'000u}) {
         std::vector<std::uint32_t> some;
         for (const std::uint32_t c : edited.alive_cells()) {
             if (c % every == 0) some.push_back(c);
         }
-        CrossSectionErrors errors(bench, areas, some);
+        CrossSectionErrors errors(edit, areas, some);
         areas.sum_cuts(some);
         ASSERT_EQ(list(errors.sums()), list(areas.sums()));
         for (const int threads : {1, 3}) {

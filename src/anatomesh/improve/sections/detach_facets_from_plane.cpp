@@ -24,12 +24,12 @@ constexpr double last_radius_edge =
 
 class FacetDetachment {
   public:
-    FacetDetachment(Workbench& bench, const DrawnSlices& drawn, double least_sine)
-        : bench_(bench), drawn_(drawn), least_sine_(least_sine) {}
+    FacetDetachment(EditContext& edit, const DrawnSlices& drawn, double least_sine)
+        : edit_(edit), drawn_(drawn), least_sine_(least_sine) {}
 
     DetachmentStats run(int threads) {
         std::vector<std::uint32_t> waiting = parallel_collect<std::uint32_t>(
-            bench_.mesh.cell_count(), 16384, threads,
+            edit_.mesh.cell_count(), 16384, threads,
             [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& cells) {
                 for (std::size_t c = first; c < last; ++c) {
                     if (may_rest(static_cast<std::uint32_t>(c)))
@@ -39,7 +39,7 @@ class FacetDetachment {
         DetachmentStats stats;
         for (std::size_t n = 0; n < waiting.size(); ++n) {
             const std::uint32_t c = waiting[n];
-            if (!bench_.mesh.alive(c)) continue;
+            if (!edit_.mesh.alive(c)) continue;
             int i = 0;
             while (i < 4 && !rests(c, i)) ++i;
             if (i == 4) continue;
@@ -50,8 +50,8 @@ class FacetDetachment {
                 continue;
             }
             // Others that rest may have new cells.
-            stats.changed.insert(stats.changed.end(), bench_.changed.begin(), bench_.changed.end());
-            for (const std::uint32_t changed : bench_.changed) {
+            stats.changed.insert(stats.changed.end(), edit_.changed.begin(), edit_.changed.end());
+            for (const std::uint32_t changed : edit_.changed) {
                 if (may_rest(changed)) waiting.push_back(changed);
             }
         }
@@ -68,9 +68,9 @@ class FacetDetachment {
     }
 
     bool may_rest(std::uint32_t c) const {
-        if (!bench_.mesh.alive(c)) return false;
+        if (!edit_.mesh.alive(c)) return false;
         for (int i = 0; i < 4; ++i) {
-            if (in_slice(bench_.mesh.cell(c), i)) return true;
+            if (in_slice(edit_.mesh.cell(c), i)) return true;
         }
         return false;
     }
@@ -78,27 +78,27 @@ class FacetDetachment {
     // Whether a facet lies in a slice between regions of which the cell's has a structure that is not drawn
     // there, and the other one what is.
     bool rests(std::uint32_t c, int i) {
-        const std::uint32_t other = bench_.mesh.neighbor(c, i);
-        if (other == no_cell || bench_.mesh.region(other) == bench_.mesh.region(c) ||
-            !in_slice(bench_.mesh.cell(c), i))
+        const std::uint32_t other = edit_.mesh.neighbor(c, i);
+        if (other == no_cell || edit_.mesh.region(other) == edit_.mesh.region(c) ||
+            !in_slice(edit_.mesh.cell(c), i))
             return false;
         // A facet of a flat end lies on the interface itself.
         const double on_interface = flat_end * longest_edge({c, i});
-        const InterfaceProbe::Look look = bench_.probe.look(middle({c, i}), on_interface);
+        const InterfaceProbe::Look look = edit_.probe.look(middle({c, i}), on_interface);
         if (look.distance < on_interface) return false;
         const std::vector<std::uint32_t>& there = look.members;
-        const std::vector<std::uint32_t>& here = drawn_.table->members[bench_.mesh.region(c)];
-        return drawn_.table->members[bench_.mesh.region(other)] == there &&
+        const std::vector<std::uint32_t>& here = drawn_.table->members[edit_.mesh.region(c)];
+        return drawn_.table->members[edit_.mesh.region(other)] == there &&
                !std::includes(there.begin(), there.end(), here.begin(), here.end());
     }
 
     double longest_edge(Hole::CellFacet facet) const {
         double longest = 0;
         for (int n = 0; n < 3; ++n) {
-            const Cell& cell = bench_.mesh.cell(facet.first);
+            const Cell& cell = edit_.mesh.cell(facet.first);
             const auto& f = facet_vertices[facet.second];
-            longest = std::max(
-                longest, length(bench_.mesh.point(cell[f[n]]) - bench_.mesh.point(cell[f[(n + 1) % 3]])));
+            longest = std::max(longest,
+                               length(edit_.mesh.point(cell[f[n]]) - edit_.mesh.point(cell[f[(n + 1) % 3]])));
         }
         return longest;
     }
@@ -106,7 +106,7 @@ class FacetDetachment {
     Vec3 middle(Hole::CellFacet facet) const {
         Vec3 sum{};
         for (const int n : facet_vertices[facet.second])
-            sum = sum + (1.0 / 3) * bench_.mesh.point(bench_.mesh.cell(facet.first)[n]);
+            sum = sum + (1.0 / 3) * edit_.mesh.point(edit_.mesh.cell(facet.first)[n]);
         return sum;
     }
 
@@ -116,15 +116,15 @@ class FacetDetachment {
                                           std::vector<std::uint32_t>& cells) const {
         const auto [first, i] = facet;
         std::uint32_t c = first;
-        std::uint32_t leave = bench_.mesh.cell(c)[facet_vertices[i][n]], keep = bench_.mesh.cell(c)[i];
+        std::uint32_t leave = edit_.mesh.cell(c)[facet_vertices[i][n]], keep = edit_.mesh.cell(c)[i];
         cells.assign(1, c);
         while (cells.size() < most_round_edge) {
-            const Cell& cell = bench_.mesh.cell(c);
+            const Cell& cell = edit_.mesh.cell(c);
             const int across = static_cast<int>(std::find(cell.begin(), cell.end(), leave) - cell.begin());
-            const std::uint32_t next = bench_.mesh.neighbor(c, across);
+            const std::uint32_t next = edit_.mesh.neighbor(c, across);
             if (next == no_cell) return std::nullopt;
-            if (bench_.mesh.region(next) != bench_.mesh.region(c)) return Hole::CellFacet{c, across};
-            const Cell& entered = bench_.mesh.cell(next);
+            if (edit_.mesh.region(next) != edit_.mesh.region(c)) return Hole::CellFacet{c, across};
+            const Cell& entered = edit_.mesh.cell(next);
             for (const std::uint32_t v : entered) {
                 if (std::find(cell.begin(), cell.end(), v) == cell.end()) leave = std::exchange(keep, v);
             }
@@ -139,13 +139,13 @@ class FacetDetachment {
         const Hole::CellFacet facet{c, i};
         std::vector<std::uint32_t> cells;
         for (int n = 0; n < 3; ++n) {
-            const Cell& cell = bench_.mesh.cell(c);
+            const Cell& cell = edit_.mesh.cell(c);
             const std::optional<Hole::CellFacet> other = beside(facet, n, cells);
             if (!other || !rests(other->first, other->second) ||
-                bench_.fixed_edge(cell[facet_vertices[i][(n + 1) % 3]],
-                                  cell[facet_vertices[i][(n + 2) % 3]]) ||
-                bench_.mesh.region(bench_.mesh.neighbor(c, i)) !=
-                    bench_.mesh.region(bench_.mesh.neighbor(other->first, other->second)))
+                edit_.fixed_edge(cell[facet_vertices[i][(n + 1) % 3]],
+                                 cell[facet_vertices[i][(n + 2) % 3]]) ||
+                edit_.mesh.region(edit_.mesh.neighbor(c, i)) !=
+                    edit_.mesh.region(edit_.mesh.neighbor(other->first, other->second)))
                 continue;
             if (fill(cells, std::array{facet, *other})) return 2;
         }
@@ -158,32 +158,31 @@ class FacetDetachment {
         const double share = 1 / static_cast<double>(facets.size());
         for (const Hole::CellFacet& facet : facets) {
             foot = foot + share * middle(facet);
-            top = top + share * bench_.mesh.point(bench_.mesh.cell(facet.first)[facet.second]);
+            top = top + share * edit_.mesh.point(edit_.mesh.cell(facet.first)[facet.second]);
         }
-        const auto enough = [&](const Bar&) { return least_sine_; };
+        const auto enough = [&](const QualityThreshold&) { return least_sine_; };
         const auto anywhere = [](Vec3&) { return true; };
-        for (const double most : {bench_.options.max_radius_edge, last_radius_edge}) {
+        for (const double most : {edit_.options.max_radius_edge, last_radius_edge}) {
             double height = first_height;
             for (int n = 0; n < heights_tried; ++n, height *= height_factor) {
-                if (Hole(bench_, cells, facets)
-                        .fill(foot + height * (top - foot), {}, most, enough, anywhere))
+                if (Hole(edit_, cells, facets).fill(foot + height * (top - foot), {}, most, enough, anywhere))
                     return true;
             }
         }
         return false;
     }
 
-    Workbench& bench_;
+    EditContext& edit_;
     const DrawnSlices& drawn_;
     double least_sine_;
 };
 
 }  // namespace
 
-DetachmentStats detach_facets_from_plane(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+DetachmentStats detach_facets_from_plane(EditContext& edit, const DrawnSlices& drawn, double least_sine,
                                          int threads) {
     if (!drawn.table || drawn.slice_of.empty()) return {};
-    return FacetDetachment(bench, drawn, least_sine).run(threads);
+    return FacetDetachment(edit, drawn, least_sine).run(threads);
 }
 
 }  // namespace anatomesh

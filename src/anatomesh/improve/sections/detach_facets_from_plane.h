@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 
 namespace anatomesh {
 
@@ -20,10 +20,10 @@ struct DetachmentStats {
 // filled from a new vertex over the facet; the cell on the facet goes to the region across. Only where that
 // region is the one drawn there: the surface stays a manifold, with the facet's edges on it. Two side by side
 // are detached together if they can be and the edge between them is not in `fixed_edges`. A facet stays where
-// cells inside would get an angle below `least_sine` or a ratio above the workbench's bound, and above what
-// was there. Guarantees: no vertex moves, all cells positive (checked exactly). Complexity: O(cells). Errors:
-// none.
-DetachmentStats detach_facets_from_plane(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+// cells inside would get an angle below `least_sine` or a ratio above the edit context's bound, and above
+// what was there. Guarantees: no vertex moves, all cells positive (checked exactly). Complexity: O(cells).
+// Errors: none.
+DetachmentStats detach_facets_from_plane(EditContext& edit, const DrawnSlices& drawn, double least_sine,
                                          int threads);
 
 }  // namespace anatomesh

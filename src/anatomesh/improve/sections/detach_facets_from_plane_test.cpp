@@ -40,9 +40,9 @@ struct Block {
     DetachmentStats detach(const StructureField& field, double needed = 0.17) {
         std::vector<std::uint8_t> fixed(mesh.points.size(), 1);
         EditMesh edited(std::move(mesh), neighbors);
-        Workbench bench(edited, fixed, {}, field, 2, {});
-        bench.goal = 0.3;
-        const DetachmentStats stats = detach_facets_from_plane(bench, {&table, slice_of}, needed, 1);
+        EditContext edit(edited, fixed, {}, field, 2, {});
+        edit.goal = 0.3;
+        const DetachmentStats stats = detach_facets_from_plane(edit, {&table, slice_of}, needed, 1);
         mesh = std::move(edited).take(neighbors);
         return stats;
     }

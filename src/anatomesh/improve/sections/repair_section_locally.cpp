@@ -10,8 +10,8 @@
 
 #include "anatomesh/base/parallel.h"
 #include "anatomesh/base/sort_distinct.h"
+#include "anatomesh/improve/core/failed_attempt_cache.h"
 #include "anatomesh/improve/core/hole.h"
-#include "anatomesh/improve/core/vain_tries.h"
 #include "anatomesh/improve/operations/operations.h"
 #include "anatomesh/improve/sections/section_areas.h"
 #include "anatomesh/mesh/shape/cell_shape.h"
@@ -33,17 +33,16 @@ constexpr double most_turned = 0.5;  // cosine of a facet's turning
 
 class LocalSectionRepair {
   public:
-    LocalSectionRepair(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+    LocalSectionRepair(EditContext& edit, const DrawnSlices& drawn, double least_sine,
                        const RunContext& context)
-        : bench_(bench),
+        : edit_(edit),
           context_(context),
-          areas_(bench, drawn),
+          areas_(edit, drawn),
           owners_(*drawn.owners),
           least_wrong_(drawn.extents.empty() ? 0 : least_wrong_of_crossing),
-          bounds_{
-              {{std::sin(bench.options.target_degrees * radians_per_degree), bench.options.max_radius_edge},
-               {least_sine, bench.options.max_radius_edge},
-               {least_sine, bench.options.last_radius_edge}}} {}
+          bounds_{{{std::sin(edit.options.target_degrees * radians_per_degree), edit.options.max_radius_edge},
+                   {least_sine, edit.options.max_radius_edge},
+                   {least_sine, edit.options.last_radius_edge}}} {}
 
     // From these cells on, rising.
     LocalRepairStats run(std::vector<std::uint32_t> waiting) {
@@ -62,7 +61,7 @@ class LocalSectionRepair {
     // Those of all cells at which something may be wrong.
     std::vector<std::uint32_t> suspects(int threads) const {
         return parallel_collect<std::uint32_t>(
-            bench_.mesh.cell_count(), 16384, threads,
+            edit_.mesh.cell_count(), 16384, threads,
             [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
                 for (std::size_t c = first; c < last; ++c) {
                     if (suspect_facet(static_cast<std::uint32_t>(c), 0) < 4)
@@ -75,16 +74,16 @@ class LocalSectionRepair {
     // The first facet of the cell from that on that passes through a plane or lies in it, and is between
     // regions, or, in it, in one beside others; 4: none.
     int suspect_facet(std::uint32_t c, int from) const {
-        if (!bench_.mesh.alive(c)) return 4;
+        if (!edit_.mesh.alive(c)) return 4;
         std::array<bool, 4> between{};
         for (int i = 0; i < 4; ++i) {
-            const std::uint32_t other = bench_.mesh.neighbor(c, i);
-            between[i] = other != no_cell && bench_.mesh.region(other) != bench_.mesh.region(c);
+            const std::uint32_t other = edit_.mesh.neighbor(c, i);
+            between[i] = other != no_cell && edit_.mesh.region(other) != edit_.mesh.region(c);
         }
         if (std::find(between.begin(), between.end(), true) == between.end()) return 4;
-        const Cell& cell = bench_.mesh.cell(c);
+        const Cell& cell = edit_.mesh.cell(c);
         for (int i = from; i < 4; ++i) {
-            if (bench_.mesh.neighbor(c, i) == no_cell) continue;
+            if (edit_.mesh.neighbor(c, i) == no_cell) continue;
             const auto& f = facet_vertices[i];
             const std::array facet{cell[f[0]], cell[f[1]], cell[f[2]]};
             if ((between[i] && areas_.passes_between(facet)) || areas_.plane_of(facet) != no_slice) return i;
@@ -111,9 +110,9 @@ class LocalSectionRepair {
                     ++vain;
                     continue;
                 }
-                stats_.changed.insert(stats_.changed.end(), bench_.changed.begin(), bench_.changed.end());
-                vain_.note_change(bench_.mesh, bench_.changed);
-                for (const std::uint32_t changed : bench_.changed) {
+                stats_.changed.insert(stats_.changed.end(), edit_.changed.begin(), edit_.changed.end());
+                failed_.note_change(edit_.mesh, edit_.changed);
+                for (const std::uint32_t changed : edit_.changed) {
                     if (suspect_facet(changed, 0) < 4) waiting.push_back(changed);
                 }
                 break;
@@ -123,22 +122,22 @@ class LocalSectionRepair {
 
     // Of the facet alone where it lies in one region: what cells beside it have wrong is found at others.
     double wrong_at(std::uint32_t c, int i) {
-        const std::uint32_t other = bench_.mesh.neighbor(c, i);
-        return bench_.mesh.region(other) == bench_.mesh.region(c) ? areas_.wrong_in_plane(c, i)
-                                                                  : areas_.wrong_at(c, i);
+        const std::uint32_t other = edit_.mesh.neighbor(c, i);
+        return edit_.mesh.region(other) == edit_.mesh.region(c) ? areas_.wrong_in_plane(c, i)
+                                                                : areas_.wrong_at(c, i);
     }
 
     bool repair(std::uint32_t c, int i, std::size_t count) {
-        const std::uint32_t other = bench_.mesh.neighbor(c, i);
-        if (bench_.mesh.region(other) == bench_.mesh.region(c)) {
+        const std::uint32_t other = edit_.mesh.neighbor(c, i);
+        if (edit_.mesh.region(other) == edit_.mesh.region(c)) {
             return std::any_of(bounds_.begin(), bounds_.begin() + static_cast<std::ptrdiff_t>(count),
                                [&](const Bounds& bounds) { return relabel_both(c, other, bounds); });
         }
-        std::vector<std::uint32_t> vertices(bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
-        for (const std::uint32_t v : bench_.mesh.cell(other)) {
+        std::vector<std::uint32_t> vertices(edit_.mesh.cell(c).begin(), edit_.mesh.cell(c).end());
+        for (const std::uint32_t v : edit_.mesh.cell(other)) {
             if (std::find(vertices.begin(), vertices.end(), v) == vertices.end()) vertices.push_back(v);
         }
-        const Region here = bench_.mesh.region(c), there = bench_.mesh.region(other);
+        const Region here = edit_.mesh.region(c), there = edit_.mesh.region(other);
         const auto last = bounds_.begin() + static_cast<std::ptrdiff_t>(count);
         return std::any_of(bounds_.begin(), last, [&](const Bounds& bounds) {
             return std::any_of(vertices.begin(), vertices.end(),
@@ -157,10 +156,11 @@ class LocalSectionRepair {
     bool try_anew(Operation operation, const Bounds& bounds, std::array<std::uint32_t, 3> of,
                   std::span<const std::uint32_t> vertices, const Operate& operate) {
         const auto bound = static_cast<std::uint32_t>(&bounds - bounds_.data());
-        const VainTries::Name name{static_cast<std::uint32_t>(operation) * 16 + bound, of[0], of[1], of[2]};
-        if (vain_.contains(name, vertices)) return false;
+        const FailedAttemptCache::Name name{static_cast<std::uint32_t>(operation) * 16 + bound, of[0], of[1],
+                                            of[2]};
+        if (failed_.contains(name, vertices)) return false;
         if (operate()) return true;
-        vain_.add(name);
+        failed_.add(name);
         return false;
     }
 
@@ -169,7 +169,7 @@ class LocalSectionRepair {
     }
 
     bool relabel_unless_tried(std::uint32_t c, Region to, const Bounds& bounds) {
-        return try_anew(Operation::relabel, bounds, {c, to, 0}, bench_.mesh.cell(c),
+        return try_anew(Operation::relabel, bounds, {c, to, 0}, edit_.mesh.cell(c),
                         [&] { return relabel(c, to, bounds); });
     }
 
@@ -181,34 +181,34 @@ class LocalSectionRepair {
 
     // To a place over or under a plane that its cells meet.
     bool move(std::uint32_t v, const Bounds& bounds) {
-        const bool again = bench_.settled(v);
-        if (bench_.fixed(v) && !again) return false;
-        bench_.mesh.star(v, bench_.star);
-        const double before = areas_.wrong_round(v, bench_.star);
+        const bool again = edit_.settled(v);
+        if (edit_.fixed(v) && !again) return false;
+        edit_.mesh.star(v, edit_.star);
+        const double before = areas_.wrong_round(v, edit_.star);
         if (!(before > least_wrong_)) return false;
         double edges = 0;
         std::size_t count = 0;
-        const Vec3 from = bench_.mesh.point(v);
+        const Vec3 from = edit_.mesh.point(v);
         std::vector<std::uint32_t> round;
-        for (const std::uint32_t c : bench_.star) {
-            for (const std::uint32_t u : bench_.mesh.cell(c)) {
+        for (const std::uint32_t c : edit_.star) {
+            for (const std::uint32_t u : edit_.mesh.cell(c)) {
                 round.push_back(u);
                 if (u == v) continue;
-                edges += length(bench_.mesh.point(u) - from);
+                edges += length(edit_.mesh.point(u) - from);
                 ++count;
             }
         }
         sort_distinct(round);
         const double edge = edges / static_cast<double>(count);
-        const Bar bar = bench_.bar_of(bench_.star);
+        const QualityThreshold threshold = edit_.threshold_of(edit_.star);
         const std::vector<Facet> facets = facets_at(v);
-        const std::vector<std::uint32_t> star = bench_.star;
-        bench_.local.reset(bench_.needed_outside_sine(bar), bounds.ratio * bounds.ratio);
+        const std::vector<std::uint32_t> star = edit_.star;
+        edit_.local.reset(edit_.needed_outside_sine(threshold), bounds.ratio * bounds.ratio);
         for (const std::uint32_t c : star) {
-            const Cell& cell = bench_.mesh.cell(c);
+            const Cell& cell = edit_.mesh.cell(c);
             const auto& f = facet_vertices[std::find(cell.begin(), cell.end(), v) - cell.begin()];
-            bench_.local.add(bench_.mesh.point(cell[f[0]]), bench_.mesh.point(cell[f[1]]),
-                             bench_.mesh.point(cell[f[2]]), bench_.mesh.region(c) != 0);
+            edit_.local.add(edit_.mesh.point(cell[f[0]]), edit_.mesh.point(cell[f[1]]),
+                            edit_.mesh.point(cell[f[2]]), edit_.mesh.region(c) != 0);
         }
         const auto near = [&](Vec3& q) { return keeps_near(q, from, facets); };
         return areas_.any_plane_at(round, [&](std::uint32_t k) {
@@ -217,38 +217,38 @@ class LocalSectionRepair {
             for (const double share : height_shares) {
                 Vec3 p = from + (share * edge - plane.signed_distance(from)) * plane.normal;
                 if (!near(p)) continue;
-                if (bench_.local.ascend(p, bench_.local.worst(p, -2), bench_.goal, plane.normal, near) <
+                if (edit_.local.ascend(p, edit_.local.worst(p, -2), edit_.goal, plane.normal, near) <
                     bounds.sine)
                     continue;
-                bench_.mesh.move_point(v, p);
-                if (bench_.positive(star) && areas_.wrong_round(v, star) <= enough_less * before) {
-                    bench_.changed = star;
-                    again ? bench_.fix(v) : bench_.settle(v);
+                edit_.mesh.move_point(v, p);
+                if (edit_.positive(star) && areas_.wrong_round(v, star) <= enough_less * before) {
+                    edit_.changed = star;
+                    again ? edit_.fix(v) : edit_.settle(v);
                     ++stats_.vertices_moved;
                     return true;
                 }
-                bench_.mesh.move_point(v, from);
+                edit_.mesh.move_point(v, from);
             }
             return false;
         });
     }
 
-    // Those between regions at the vertex whose star the bench has.
+    // Those between regions at the vertex whose star the context has.
     std::vector<Facet> facets_at(std::uint32_t v) {
         std::vector<Facet> facets;
-        const Vec3 p = bench_.mesh.point(v);
-        for (const std::uint32_t c : bench_.star) {
-            const Cell& cell = bench_.mesh.cell(c);
+        const Vec3 p = edit_.mesh.point(v);
+        for (const std::uint32_t c : edit_.star) {
+            const Cell& cell = edit_.mesh.cell(c);
             for (int i = 0; i < 4; ++i) {
-                const std::uint32_t n = bench_.mesh.neighbor(c, i);
-                if (cell[i] == v || n == no_cell || n < c || bench_.mesh.region(n) == bench_.mesh.region(c))
+                const std::uint32_t n = edit_.mesh.neighbor(c, i);
+                if (cell[i] == v || n == no_cell || n < c || edit_.mesh.region(n) == edit_.mesh.region(c))
                     continue;
                 const auto [u, w] = others_of_facet(cell, i, v);
-                const Region here = bench_.mesh.region(c), there = bench_.mesh.region(n);
-                bench_.look_between(here, there);
-                const Vec3 b = bench_.mesh.point(u), d = bench_.mesh.point(w);
+                const Region here = edit_.mesh.region(c), there = edit_.mesh.region(n);
+                edit_.look_between(here, there);
+                const Vec3 b = edit_.mesh.point(u), d = edit_.mesh.point(w);
                 facets.push_back(
-                    {b, d, here, there, std::max(bench_.facet_distance(p, b, d), bench_.options.spike_mm)});
+                    {b, d, here, there, std::max(edit_.facet_distance(p, b, d), edit_.options.spike_mm)});
             }
         }
         return facets;
@@ -258,49 +258,49 @@ class LocalSectionRepair {
         return std::all_of(facets.begin(), facets.end(), [&](const Facet& f) {
             const Vec3 before = cross(f.b - from, f.c - from), after = cross(f.b - q, f.c - q);
             if (!(dot(before, after) > most_turned * length(before) * length(after))) return false;
-            bench_.look_between(f.here, f.there);
-            return bench_.facet_distance(q, f.b, f.c) <= f.most;
+            edit_.look_between(f.here, f.there);
+            return edit_.facet_distance(q, f.b, f.c) <= f.most;
         });
     }
 
     bool relabel(std::uint32_t c, Region to, const Bounds& bounds) {
-        const Region own = bench_.mesh.region(c);
+        const Region own = edit_.mesh.region(c);
         const std::array cells{c};
         const double before = areas_.wrong(cells);
-        if (!(before > 0) || !may_relabel(bench_, c, to, owners_, bounds.sine, bounds.ratio)) return false;
-        bench_.mesh.set_region(c, to);
+        if (!(before > 0) || !may_relabel(edit_, c, to, owners_, bounds.sine, bounds.ratio)) return false;
+        edit_.mesh.set_region(c, to);
         if (areas_.wrong(cells) <= enough_less * before) {
-            bench_.changed.assign(1, c);
-            for (int i = 0; i < 4; ++i) bench_.changed.push_back(bench_.mesh.neighbor(c, i));
+            edit_.changed.assign(1, c);
+            for (int i = 0; i < 4; ++i) edit_.changed.push_back(edit_.mesh.neighbor(c, i));
             ++stats_.cells_relabelled;
             return true;
         }
-        bench_.mesh.set_region(c, own);
+        edit_.mesh.set_region(c, own);
         return false;
     }
 
     // The cells on both sides of a facet in a plane, to a region beside them.
     bool relabel_both(std::uint32_t c, std::uint32_t other, const Bounds& bounds) {
-        const Region own = bench_.mesh.region(c);
+        const Region own = edit_.mesh.region(c);
         const std::array cells{c, other};
         const double before = areas_.wrong(cells);
         for (const std::uint32_t side : cells) {
             for (int i = 0; i < 4; ++i) {
-                if (bench_.mesh.neighbor(side, i) == no_cell) return false;
-                const Region to = bench_.mesh.region(bench_.mesh.neighbor(side, i));
-                if (to == own || !may_relabel_all(bench_, cells, to, owners_, bounds.sine, bounds.ratio))
+                if (edit_.mesh.neighbor(side, i) == no_cell) return false;
+                const Region to = edit_.mesh.region(edit_.mesh.neighbor(side, i));
+                if (to == own || !may_relabel_all(edit_, cells, to, owners_, bounds.sine, bounds.ratio))
                     continue;
-                for (const std::uint32_t relabelled : cells) bench_.mesh.set_region(relabelled, to);
+                for (const std::uint32_t relabelled : cells) edit_.mesh.set_region(relabelled, to);
                 if (areas_.wrong(cells) <= enough_less * before) {
-                    bench_.changed.assign(cells.begin(), cells.end());
+                    edit_.changed.assign(cells.begin(), cells.end());
                     for (const std::uint32_t relabelled : cells) {
                         for (int k = 0; k < 4; ++k)
-                            bench_.changed.push_back(bench_.mesh.neighbor(relabelled, k));
+                            edit_.changed.push_back(edit_.mesh.neighbor(relabelled, k));
                     }
                     stats_.cells_relabelled += cells.size();
                     return true;
                 }
-                for (const std::uint32_t relabelled : cells) bench_.mesh.set_region(relabelled, own);
+                for (const std::uint32_t relabelled : cells) edit_.mesh.set_region(relabelled, own);
             }
         }
         return false;
@@ -310,7 +310,7 @@ class LocalSectionRepair {
     // else no_cell.
     std::array<std::uint32_t, 2> edge_across(std::uint32_t c, int i, int e) const {
         const auto [a, b] = cell_edges[static_cast<std::size_t>(e)];
-        const Cell& cell = bench_.mesh.cell(c);
+        const Cell& cell = edit_.mesh.cell(c);
         const std::array ends{cell[a], cell[b]};
         if (a == i || b == i || !areas_.passes_between(ends)) return {no_cell, no_cell};
         return ends;
@@ -320,7 +320,7 @@ class LocalSectionRepair {
     bool flip(std::uint32_t c, int i, const Bounds& bounds) {
         for (int e = 0; e < 6; ++e) {
             const auto [a, b] = edge_across(c, i, e);
-            if (a == no_cell || bench_.fixed_edge(a, b)) continue;
+            if (a == no_cell || edit_.fixed_edge(a, b)) continue;
             const std::array ends{std::min(a, b), std::max(a, b)};
             if (try_anew(Operation::flip, bounds, {ends[0], ends[1], 0}, ends,
                          [&] { return flip_across(c, e, bounds); }))
@@ -330,9 +330,9 @@ class LocalSectionRepair {
     }
 
     bool flip_across(std::uint32_t c, int e, const Bounds& bounds) {
-        bench_.mesh.ring(c, e, bench_.ring);
-        const std::vector<std::uint32_t> round = bench_.ring.cells;
-        if (!try_exchange(round, [&] { return flip_edge(bench_, c, e, bounds.sine); })) return false;
+        edit_.mesh.ring(c, e, edit_.ring);
+        const std::vector<std::uint32_t> round = edit_.ring.cells;
+        if (!try_exchange(round, [&] { return flip_edge(edit_, c, e, bounds.sine); })) return false;
         ++stats_.edges_flipped;
         return true;
     }
@@ -344,7 +344,7 @@ class LocalSectionRepair {
             if (a == no_cell) continue;
             for (const bool first_onto_second : {true, false}) {
                 const std::uint32_t from = first_onto_second ? a : b, to = first_onto_second ? b : a;
-                if (bench_.fixed(from)) continue;
+                if (edit_.fixed(from)) continue;
                 const std::array ends{from, to};
                 if (try_anew(Operation::collapse, bounds, {from, to, 0}, ends,
                              [&] { return collapse_along(c, e, first_onto_second, ends, bounds); }))
@@ -361,10 +361,10 @@ class LocalSectionRepair {
         const std::size_t bad = count_bad(round, bounds);
         const auto operation = [&, to = to] {
             return collapse_onto(c, e, first_onto_second, to, bounds) &&
-                   count_bad(bench_.changed, bounds) <= bad;
+                   count_bad(edit_.changed, bounds) <= bad;
         };
         if (!try_exchange(round, operation)) return false;
-        if (!bench_.fixed(to)) bench_.settle(to);
+        if (!edit_.fixed(to)) edit_.settle(to);
         ++stats_.edges_collapsed;
         return true;
     }
@@ -372,8 +372,8 @@ class LocalSectionRepair {
     // The cells at either of two vertices.
     std::vector<std::uint32_t> stars(std::uint32_t a, std::uint32_t b) {
         std::vector<std::uint32_t> cells, more;
-        bench_.mesh.star(a, cells);
-        bench_.mesh.star(b, more);
+        edit_.mesh.star(a, cells);
+        edit_.mesh.star(b, more);
         for (const std::uint32_t c : more) {
             if (std::find(cells.begin(), cells.end(), c) == cells.end()) cells.push_back(c);
         }
@@ -383,10 +383,10 @@ class LocalSectionRepair {
     // Cells inside that do not keep the bounds.
     std::size_t count_bad(const std::vector<std::uint32_t>& cells, const Bounds& bounds) const {
         return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [&](std::uint32_t c) {
-            if (bench_.mesh.region(c) == 0) return false;
-            const Cell& v = bench_.mesh.cell(c);
-            const CellMeasures m = measure_cell(bench_.mesh.point(v[0]), bench_.mesh.point(v[1]),
-                                                bench_.mesh.point(v[2]), bench_.mesh.point(v[3]));
+            if (edit_.mesh.region(c) == 0) return false;
+            const Cell& v = edit_.mesh.cell(c);
+            const CellMeasures m = measure_cell(edit_.mesh.point(v[0]), edit_.mesh.point(v[1]),
+                                                edit_.mesh.point(v[2]), edit_.mesh.point(v[3]));
             return m.least_sine() < bounds.sine || m.squared_ratio > bounds.ratio * bounds.ratio;
         }));
     }
@@ -394,57 +394,57 @@ class LocalSectionRepair {
     // The vertex that stays may move where cells at it are too flat then.
     bool collapse_onto(std::uint32_t c, int e, bool first_onto_second, std::uint32_t to,
                        const Bounds& bounds) {
-        bench_.mesh.star(to, bench_.others);
-        const double sine = std::min(bounds.sine, bench_.bar_of(bench_.others).sine);
-        if (!collapse_edge_within(bench_, c, e, first_onto_second, before_moving * bounds.sine, bounds.ratio))
+        edit_.mesh.star(to, edit_.others);
+        const double sine = std::min(bounds.sine, edit_.threshold_of(edit_.others).sine);
+        if (!collapse_edge_within(edit_, c, e, first_onto_second, before_moving * bounds.sine, bounds.ratio))
             return false;
         for (int n = 0; n < moves_after_collapse; ++n) {
-            bench_.mesh.star(to, bench_.changed);
-            if (bench_.bar_of(bench_.changed).sine >= sine) return true;
-            if (!move_vertex(bench_, to)) return false;
+            edit_.mesh.star(to, edit_.changed);
+            if (edit_.threshold_of(edit_.changed).sine >= sine) return true;
+            if (!move_vertex(edit_, to)) return false;
         }
-        bench_.mesh.star(to, bench_.changed);
-        return bench_.bar_of(bench_.changed).sine >= sine;
+        edit_.mesh.star(to, edit_.changed);
+        return edit_.threshold_of(edit_.changed).sine >= sine;
     }
 
     // An operation that exchanges these cells; taken back unless the cuts gain enough.
     template <class Operation>
     bool try_exchange(const std::vector<std::uint32_t>& round, const Operation& operation) {
         const double before = areas_.wrong(round);
-        bench_.mesh.begin_attempt();
-        const bool done = operation() && areas_.wrong(bench_.changed) <= enough_less * before;
-        bench_.mesh.end_attempt(done);
+        edit_.mesh.begin_attempt();
+        const bool done = operation() && areas_.wrong(edit_.changed) <= enough_less * before;
+        edit_.mesh.end_attempt(done);
         return done;
     }
 
     // A facet in a plane goes, and the cells on both sides with it.
     bool fill(std::uint32_t c, int i, const Bounds& bounds) {
-        const std::uint32_t other = bench_.mesh.neighbor(c, i);
-        const Cell cell = bench_.mesh.cell(c);
+        const std::uint32_t other = edit_.mesh.neighbor(c, i);
+        const Cell cell = edit_.mesh.cell(c);
         const auto& f = facet_vertices[i];
         const std::uint32_t k = areas_.plane_of(std::array{cell[f[0]], cell[f[1]], cell[f[2]]});
         if (k == no_slice) return false;
-        const Vec3 a = bench_.mesh.point(cell[f[0]]), b = bench_.mesh.point(cell[f[1]]),
-                   d = bench_.mesh.point(cell[f[2]]);
+        const Vec3 a = edit_.mesh.point(cell[f[0]]), b = edit_.mesh.point(cell[f[1]]),
+                   d = edit_.mesh.point(cell[f[2]]);
         const Vec3 foot = (1.0 / 3) * (a + b + d);
         const double before = areas_.wrong_at(c, i);
-        const auto enough = [&](const Bar&) { return bounds.sine; };
+        const auto enough = [&](const QualityThreshold&) { return bounds.sine; };
         for (const std::uint32_t side : {c, other}) {
-            const Vec3 top = bench_.mesh.point(apex_of(side, cell, i));
+            const Vec3 top = edit_.mesh.point(apex_of(side, cell, i));
             // Then the plane has there what is on the other side.
             const std::uint32_t under = side == c ? other : c;
-            if (areas_.wrong_facet(a, b, d, k, bench_.mesh.region(under), bench_.mesh.region(under)) >
+            if (areas_.wrong_facet(a, b, d, k, edit_.mesh.region(under), edit_.mesh.region(under)) >
                 enough_less * before)
                 continue;
             const auto above = [&](Vec3& q) {
                 return areas_.plane(k).signed_distance(q) * areas_.plane(k).signed_distance(top) > 0;
             };
             for (const double share : lifts) {
-                const auto v = static_cast<std::uint32_t>(bench_.mesh.point_count());
-                if (!Hole(bench_, {c, other}, {})
+                const auto v = static_cast<std::uint32_t>(edit_.mesh.point_count());
+                if (!Hole(edit_, {c, other}, {})
                          .fill(foot + share * (top - foot), {}, bounds.ratio, enough, above))
                     continue;
-                bench_.settle(v);
+                edit_.settle(v);
                 ++stats_.vertices_inserted;
                 return true;
             }
@@ -456,10 +456,10 @@ class LocalSectionRepair {
     // it: the vertex's cells of the cell's region are filled from there, those at the surface for the region
     // `to`.
     bool lift_off(std::uint32_t c, Region to, const Bounds& bounds) {
-        const Cell cell = bench_.mesh.cell(c);
+        const Cell cell = edit_.mesh.cell(c);
         return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
-            const Region own = bench_.mesh.region(c);
-            return (!bench_.fixed(v) || bench_.settled(v)) &&
+            const Region own = edit_.mesh.region(c);
+            return (!edit_.fixed(v) || edit_.settled(v)) &&
                    try_anew(Operation::lift_off, bounds, {v, own, to}, std::array{v},
                             [&] { return lift_off_vertex(v, own, to, bounds); });
         });
@@ -467,20 +467,20 @@ class LocalSectionRepair {
 
     bool lift_off_vertex(std::uint32_t v, Region own, Region to, const Bounds& bounds) {
         std::vector<std::uint32_t> star, cells, round;
-        bench_.mesh.star(v, star);
+        edit_.mesh.star(v, star);
         std::copy_if(star.begin(), star.end(), std::back_inserter(cells),
-                     [&](std::uint32_t c) { return bench_.mesh.region(c) == own; });
+                     [&](std::uint32_t c) { return edit_.mesh.region(c) == own; });
         std::vector<Hole::CellFacet> at_surface;
         for (const std::uint32_t c : cells) {
-            const Cell& cell = bench_.mesh.cell(c);
+            const Cell& cell = edit_.mesh.cell(c);
             for (int i = 0; i < 4; ++i) {
-                const std::uint32_t beyond = bench_.mesh.neighbor(c, i);
+                const std::uint32_t beyond = edit_.mesh.neighbor(c, i);
                 round.push_back(cell[i]);
                 // A facet that does not have the vertex stays between what it lies between.
                 if (cell[i] == v) continue;
                 if (beyond == no_cell) return false;
-                if (bench_.mesh.region(beyond) == own) continue;
-                if (bench_.mesh.region(beyond) != to) return false;
+                if (edit_.mesh.region(beyond) == own) continue;
+                if (edit_.mesh.region(beyond) != to) return false;
                 at_surface.push_back({c, i});
             }
         }
@@ -498,32 +498,31 @@ class LocalSectionRepair {
     // To a place over the plane, or, with -1, under it.
     bool lift_to(double over, std::uint32_t v, std::uint32_t k, const std::vector<std::uint32_t>& cells,
                  const std::vector<Hole::CellFacet>& at_surface, double before, const Bounds& bounds) {
-        const Vec3 from = bench_.mesh.point(v), normal = areas_.plane(k).normal;
+        const Vec3 from = edit_.mesh.point(v), normal = areas_.plane(k).normal;
         const double depth = areas_.plane(k).signed_distance(from);
         double edges = 0;
         for (const std::uint32_t c : cells) {
-            for (const std::uint32_t u : bench_.mesh.cell(c)) edges += length(bench_.mesh.point(u) - from);
+            for (const std::uint32_t u : edit_.mesh.cell(c)) edges += length(edit_.mesh.point(u) - from);
         }
         const double edge = edges / (3.0 * static_cast<double>(cells.size()));
-        const Region own = bench_.mesh.region(cells.front()),
-                     to = bench_.mesh.region(
-                         bench_.mesh.neighbor(at_surface.front().first, at_surface.front().second));
-        const double most = bench_.options.spike_mm;
+        const Region own = edit_.mesh.region(cells.front()),
+                     to = edit_.mesh.region(
+                         edit_.mesh.neighbor(at_surface.front().first, at_surface.front().second));
+        const double most = edit_.options.spike_mm;
         const auto may_lie = [&](Vec3& q) {
-            bench_.look_between(own, to);
-            return over * areas_.plane(k).signed_distance(q) > 0 && bench_.probe.distance(q, most) <= most;
+            edit_.look_between(own, to);
+            return over * areas_.plane(k).signed_distance(q) > 0 && edit_.probe.distance(q, most) <= most;
         };
-        const auto enough = [&](const Bar&) { return bounds.sine; };
+        const auto enough = [&](const QualityThreshold&) { return bounds.sine; };
         for (const double share : lifts) {
             const Vec3 p = from + (over * share * edge - depth) * normal;
-            const auto added = static_cast<std::uint32_t>(bench_.mesh.point_count());
-            bench_.mesh.begin_attempt();
-            const bool done =
-                Hole(bench_, cells, at_surface).fill(p, normal, bounds.ratio, enough, may_lie) &&
-                areas_.wrong(bench_.changed) <= enough_less * before;
-            bench_.mesh.end_attempt(done);
+            const auto added = static_cast<std::uint32_t>(edit_.mesh.point_count());
+            edit_.mesh.begin_attempt();
+            const bool done = Hole(edit_, cells, at_surface).fill(p, normal, bounds.ratio, enough, may_lie) &&
+                              areas_.wrong(edit_.changed) <= enough_less * before;
+            edit_.mesh.end_attempt(done);
             if (!done) continue;
-            bench_.settle(added);
+            edit_.settle(added);
             ++stats_.vertices_inserted;
             return true;
         }
@@ -532,28 +531,28 @@ class LocalSectionRepair {
 
     std::uint32_t apex_of(std::uint32_t side, const Cell& cell, int i) const {
         const auto& f = facet_vertices[i];
-        for (const std::uint32_t v : bench_.mesh.cell(side)) {
+        for (const std::uint32_t v : edit_.mesh.cell(side)) {
             if (v != cell[f[0]] && v != cell[f[1]] && v != cell[f[2]]) return v;
         }
         return no_cell;
     }
 
-    Workbench& bench_;
+    EditContext& edit_;
     const RunContext& context_;
     SectionAreas areas_;
     const ContourOwners& owners_;
     double least_wrong_;
     std::array<Bounds, 3> bounds_;
     LocalRepairStats stats_;
-    VainTries vain_;
+    FailedAttemptCache failed_;
 };
 
 }  // namespace
 
-LocalRepairStats repair_section_locally(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+LocalRepairStats repair_section_locally(EditContext& edit, const DrawnSlices& drawn, double least_sine,
                                         const RunContext& context, const std::vector<std::uint32_t>* look) {
     if (!drawn.table || !drawn.owners || drawn.planes.empty()) return {};
-    LocalSectionRepair section_repair(bench, drawn, least_sine, context);
+    LocalSectionRepair section_repair(edit, drawn, least_sine, context);
     if (!look) return section_repair.run(section_repair.suspects(context.threads));
     std::vector<std::uint32_t> cells = *look;
     std::sort(cells.begin(), cells.end());

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 
 namespace anatomesh {
 
@@ -30,18 +30,18 @@ struct LocalRepairStats {
 // surface leaves a free vertex beyond the plane for a new one this side of it. The two cells at a facet
 // within a region are given to one beside them, together.
 // What was moved and what is new is fixed from then on for all others, and here when it was moved once more.
-// Guarantees: all cells positive (checked exactly); cells made or reshaped inside keep the workbench's target
-// and bound, or, where that can't be and the cut comes near to the 0.1 % that it may be wrong by, have no
-// angle whose sine is below `least_sine` and no ratio above the last bound, or than there was; no vertex
+// Guarantees: all cells positive (checked exactly); cells made or reshaped inside keep the edit context's
+// target and bound, or, where that can't be and the cut comes near to the 0.1 % that it may be wrong by, have
+// no angle whose sine is below `least_sine` and no ratio above the last bound, or than there was; no vertex
 // moved, no edge collapsed and no cell relabelled brings a surface further from the field's than the
-// workbench's `spike_mm`, or than it was, and a new vertex stays within the cells at its facet, or within
+// edit context's `spike_mm`, or than it was, and a new vertex stays within the cells at its facet, or within
 // `spike_mm` of the field's surface; the surfaces of all structures keep their topology and their contours.
 // Same result every time. Complexity: O(cells), where these are not parallel times their number, and its
 // square at each facet that is wrong. After 10,000 places in vain the rest stays as it is, and of places at a
 // price after as many: where slices contradict each other and are kept so, no surface can have all their
 // cuts. Errors: none; a cancelled run stops. `look`: the cells whose facets are looked at, in any order,
 // repeats and such that are gone allowed; null: all.
-LocalRepairStats repair_section_locally(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+LocalRepairStats repair_section_locally(EditContext& edit, const DrawnSlices& drawn, double least_sine,
                                         const RunContext& context,
                                         const std::vector<std::uint32_t>* look = nullptr);
 

@@ -75,14 +75,14 @@ struct Wall {
     // With the share of the cuts that is wrong before and after.
     std::array<double, 2> repair(LocalRepairStats& stats) {
         EditMesh edited(std::move(mesh), neighbors);
-        Workbench bench(edited, fixed, {}, field, 2, {});
-        bench.table = &table;
-        bench.goal = 0.3;
+        EditContext edit(edited, fixed, {}, field, 2, {});
+        edit.table = &table;
+        edit.goal = 0.3;
         const DrawnSlices slices = drawn();
-        SectionAreas areas(bench, slices);
+        SectionAreas areas(edit, slices);
         const auto wrong = [&] { return areas.wrong(edited.alive_cells()); };
         std::array<double, 2> shares{wrong(), 0};
-        stats = repair_section_locally(bench, slices, 0.17, {});
+        stats = repair_section_locally(edit, slices, 0.17, {});
         shares[1] = wrong();
         mesh = std::move(edited).take(neighbors);
         return shares;
@@ -206,18 +206,18 @@ TEST(RepairSectionLocally, what_was_put_beside_a_plane_may_cross_it_once_more) {
         wall.field = fixtures::AnalyticField({side, [side](Vec3 p) { return -side(p); }}, 10);
         const std::vector<Vec3> points = wall.mesh.points;
         EditMesh edited(std::move(wall.mesh), wall.neighbors);
-        Workbench bench(edited, wall.fixed, {}, wall.field, 2, {});
-        bench.table = &wall.table;
-        bench.goal = 0.3;
+        EditContext edit(edited, wall.fixed, {}, wall.field, 2, {});
+        edit.table = &wall.table;
+        edit.goal = 0.3;
         if (settled) {
-            for (const std::uint32_t v : astray) bench.settle(v);
+            for (const std::uint32_t v : astray) edit.settle(v);
         }
         const DrawnSlices slices = wall.drawn();
-        const LocalRepairStats stats = repair_section_locally(bench, slices, 0.17, {});
+        const LocalRepairStats stats = repair_section_locally(edit, slices, 0.17, {});
         EXPECT_EQ(stats.vertices_moved, settled ? astray.size() : 0);
         for (const std::uint32_t v : astray) {
-            EXPECT_TRUE(bench.fixed(v));
-            EXPECT_FALSE(bench.settled(v));
+            EXPECT_TRUE(edit.fixed(v));
+            EXPECT_FALSE(edit.settled(v));
             EXPECT_EQ(edited.point(v) != points[v], settled);
             EXPECT_EQ(edited.point(v).z < 3, settled);
         }
@@ -315,8 +315,8 @@ TEST(RepairSectionLocally, a_cell_whose_far_vertex_would_come_to_the_surface_is_
         EditMesh edited(std::move(wall.mesh), wall.neighbors);
         DihedralOptions options;
         options.spike_mm = spike_mm;
-        Workbench bench(edited, wall.fixed, {}, wall.field, 2, options);
-        bench.table = &wall.table;
+        EditContext edit(edited, wall.fixed, {}, wall.field, 2, options);
+        edit.table = &wall.table;
         std::size_t on_wall = 0, given = 0;
         for (std::uint32_t c = 0; c < edited.cell_count(); ++c) {
             const Cell cell = edited.cell(c);
@@ -324,7 +324,7 @@ TEST(RepairSectionLocally, a_cell_whose_far_vertex_would_come_to_the_surface_is_
                                           [&](std::uint32_t v) { return edited.point(v).x == 4; });
             if (on != 3 || edited.region(c) != 1) continue;
             ++on_wall;
-            given += may_relabel(bench, c, 2, wall.owners, 0.1, 4);
+            given += may_relabel(edit, c, 2, wall.owners, 0.1, 4);
         }
         EXPECT_GT(on_wall, 20u);
         if (spike_mm < 1) {
@@ -361,11 +361,11 @@ TEST(RepairSectionLocally, cells_that_rest_in_a_slice_on_leaning_ones_are_lifted
         const ContourOwners owners({}, mesh.points.size());
         const fixtures::AnalyticField above({[](Vec3 p) { return z + 0.001 - p.z; }}, 10);
         EditMesh edited(std::move(mesh), neighbors);
-        Workbench bench(edited, fixed, {}, above, 1, {});
-        bench.table = &table;
-        bench.goal = 0.3;
+        EditContext edit(edited, fixed, {}, above, 1, {});
+        edit.table = &table;
+        edit.goal = 0.3;
         const LocalRepairStats stats = repair_section_locally(
-            bench, {&table, slice_of, &owners, planes, {}, weights, 1e-9}, listed_sine, {});
+            edit, {&table, slice_of, &owners, planes, {}, weights, 1e-9}, listed_sine, {});
         EXPECT_EQ(stats.vertices_inserted, 1u);
         const TetMesh repaired = std::move(edited).take(neighbors);
         for (std::size_t c = 0; c < repaired.cells.size(); ++c) {
@@ -427,16 +427,16 @@ TEST(RepairSectionLocally, the_surface_leaves_a_vertex_that_cannot_cross_a_slice
             EditMesh edited(std::move(mesh), neighbors);
             DihedralOptions options;
             options.spike_mm = 0.08;
-            Workbench bench(edited, fixed, {}, field, 1, options);
-            bench.table = &table;
-            bench.goal = 0.3;
+            EditContext edit(edited, fixed, {}, field, 1, options);
+            edit.table = &table;
+            edit.goal = 0.3;
             const DrawnSlices slices{&table, slice_of, &owners, planes, {}, weights, 1e-9};
-            const LocalRepairStats stats = repair_section_locally(bench, slices, listed_sine, {});
+            const LocalRepairStats stats = repair_section_locally(edit, slices, listed_sine, {});
             EXPECT_EQ(stats.vertices_inserted, 1u);
             EXPECT_EQ(
                 stats.vertices_moved + stats.cells_relabelled + stats.edges_flipped + stats.edges_collapsed,
                 0u);
-            EXPECT_EQ(SectionAreas(bench, slices).wrong(edited.alive_cells()), 0);
+            EXPECT_EQ(SectionAreas(edit, slices).wrong(edited.alive_cells()), 0);
             const TetMesh repaired = std::move(edited).take(neighbors);
             for (std::size_t c = 0; c < repaired.cells.size(); ++c) {
                 const auto at = [&](std::size_t i) { return repaired.points[repaired.cells[c][i]]; };
@@ -486,11 +486,11 @@ TEST(RepairSectionLocally, a_cut_is_worth_a_price_for_what_is_wrong_beside_its_f
         DihedralOptions options;
         options.target_degrees = 40;
         options.max_radius_edge = options.last_radius_edge = 20;
-        Workbench bench(edited, fixed, {}, field, 1, options);
-        bench.table = &table;
-        bench.goal = 0.7;
+        EditContext edit(edited, fixed, {}, field, 1, options);
+        edit.table = &table;
+        edit.goal = 0.7;
         const LocalRepairStats stats = repair_section_locally(
-            bench, {&table, slice_of, &owners, planes, {}, weights, 1e-9}, listed_sine, {});
+            edit, {&table, slice_of, &owners, planes, {}, weights, 1e-9}, listed_sine, {});
         EXPECT_EQ(stats.vertices_moved, weight > 1e-3 ? 1u : 0u);
         EXPECT_EQ(edited.point(pit).z > 0, weight > 1e-3);
     }
@@ -543,9 +543,9 @@ TEST(RepairSectionLocally, without_planes_or_where_slices_do_not_tell_nothing_is
         const std::vector<Region> before = wall.mesh.regions;
         LocalRepairStats stats;
         EditMesh edited(std::move(wall.mesh), wall.neighbors);
-        Workbench bench(edited, wall.fixed, {}, wall.field, 2, {});
-        bench.table = &wall.table;
-        stats = repair_section_locally(bench, wall.drawn(), 0.17, {});
+        EditContext edit(edited, wall.fixed, {}, wall.field, 2, {});
+        edit.table = &wall.table;
+        stats = repair_section_locally(edit, wall.drawn(), 0.17, {});
         EXPECT_EQ(stats.places_found, 0u);
         EXPECT_TRUE(stats.changed.empty());
         EXPECT_EQ(std::move(edited).take(wall.neighbors).regions, before);
@@ -564,9 +564,9 @@ TEST(SectionAreas, of_all_cells_add_up_to_the_plane) {
         // Nothing is drawn: all is wrong, once.
         const fixtures::AnalyticField nothing({[](Vec3) { return 1.0; }, [](Vec3) { return 1.0; }}, 10);
         EditMesh edited(std::move(wall.mesh), wall.neighbors);
-        Workbench bench(edited, wall.fixed, {}, nothing, 2, {});
+        EditContext edit(edited, wall.fixed, {}, nothing, 2, {});
         const DrawnSlices slices = wall.drawn();
-        SectionAreas areas(bench, slices);
+        SectionAreas areas(edit, slices);
         std::vector<std::uint32_t> all(edited.cell_count());
         for (std::uint32_t c = 0; c < all.size(); ++c) all[c] = c;
         EXPECT_NEAR(areas.wrong(all), 3 * width * width / (4.0 * width), 1e-9);

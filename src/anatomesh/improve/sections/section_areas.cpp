@@ -25,8 +25,8 @@ constexpr bool is_in_plane(std::uint32_t level) {
 
 }  // namespace
 
-SectionAreas::SectionAreas(Workbench& bench, const DrawnSlices& drawn)
-    : bench_(bench), drawn_(drawn), of_cuts_(drawn.weights.size(), 0) {
+SectionAreas::SectionAreas(EditContext& edit, const DrawnSlices& drawn)
+    : edit_(edit), drawn_(drawn), of_cuts_(drawn.weights.size(), 0) {
     if (!drawn.extents.empty()) return;
     const Vec3 axis = drawn.planes.front().normal;
     stack_.emplace().frame.normal = axis;
@@ -43,11 +43,11 @@ SectionAreas::SectionAreas(Workbench& bench, const DrawnSlices& drawn)
 
 std::uint32_t SectionAreas::level(std::uint32_t v) const {
     if (slice_of(v) != no_slice) return 2 * rank_[slice_of(v)] + 1;
-    return stack_->level(bench_.mesh.point(v), drawn_.on_plane_mm);
+    return stack_->level(edit_.mesh.point(v), drawn_.on_plane_mm);
 }
 
 std::vector<std::uint32_t> SectionAreas::levels_of_all(int threads) const {
-    std::vector<std::uint32_t> levels(bench_.mesh.point_count());
+    std::vector<std::uint32_t> levels(edit_.mesh.point_count());
     parallel_for(levels.size(), cells_a_piece, threads, [&](std::size_t first, std::size_t last) {
         for (std::size_t v = first; v < last; ++v) levels[v] = level(static_cast<std::uint32_t>(v));
     });
@@ -55,9 +55,9 @@ std::vector<std::uint32_t> SectionAreas::levels_of_all(int threads) const {
 }
 
 SectionAreas::Reach SectionAreas::reach_of(std::span<const std::uint32_t> vertices) const {
-    Reach reach{bench_.mesh.point(vertices[0])};
+    Reach reach{edit_.mesh.point(vertices[0])};
     for (const std::uint32_t v : vertices) {
-        reach.radius = std::max(reach.radius, length(bench_.mesh.point(v) - reach.from));
+        reach.radius = std::max(reach.radius, length(edit_.mesh.point(v) - reach.from));
         reach.any_drawn = reach.any_drawn || slice_of(v) != no_slice;
     }
     // Rounding apart.
@@ -69,7 +69,7 @@ int SectionAreas::side(std::uint32_t v, std::uint32_t k) const {
     if (stack_) {
         if (slice_of(v) == no_slice) {
             const double height =
-                stack_->frame.signed_distance(bench_.mesh.point(v)) - stack_->heights[rank_[k]];
+                stack_->frame.signed_distance(edit_.mesh.point(v)) - stack_->heights[rank_[k]];
             if (std::abs(height) > drawn_.on_plane_mm) return height > 0 ? 1 : -1;
         }
         // Planes may be so near that a vertex is within the tolerance of two: it lies in that of its level.
@@ -77,7 +77,7 @@ int SectionAreas::side(std::uint32_t v, std::uint32_t k) const {
         return (at > plane) - (at < plane);
     }
     if (slice_of(v) == k) return 0;
-    const double height = plane(k).signed_distance(bench_.mesh.point(v));
+    const double height = plane(k).signed_distance(edit_.mesh.point(v));
     return std::abs(height) <= drawn_.on_plane_mm ? 0 : height > 0 ? 1 : -1;
 }
 
@@ -136,7 +136,7 @@ void SectionAreas::for_each_wrong(const Part& part, InterfaceProbe& probe, const
 double SectionAreas::wrong_part(const Part& part) {
     if (only_ != no_slice && part.plane != only_) return 0;
     double sum = 0;
-    for_each_wrong(part, bench_.probe, [&](std::uint32_t cross_section, double share) {
+    for_each_wrong(part, edit_.probe, [&](std::uint32_t cross_section, double share) {
         sum += share;
         if (drawn_.weights[cross_section] > 0) largest_ = std::max(largest_, of_cuts_[cross_section]);
     });
@@ -144,18 +144,18 @@ double SectionAreas::wrong_part(const Part& part) {
 }
 
 SectionAreas::CellLevels SectionAreas::levels_at(std::uint32_t c) const {
-    const Cell& cell = bench_.mesh.cell(c);
+    const Cell& cell = edit_.mesh.cell(c);
     return {level(cell[0]), level(cell[1]), level(cell[2]), level(cell[3])};
 }
 
 template <class Visit>
 void SectionAreas::for_each_section(std::uint32_t c, const CellLevels& levels, const Visit& visit) const {
-    const Region region = bench_.mesh.region(c);
+    const Region region = edit_.mesh.region(c);
     const auto visit_if_any = [&](const Piece& piece, std::uint32_t k) {
         if (piece.area > 0) visit(Part{piece, k, region, region});
     };
     if (!stack_) {
-        any_plane_at(bench_.mesh.cell(c), [&](std::uint32_t k) {
+        any_plane_at(edit_.mesh.cell(c), [&](std::uint32_t k) {
             visit_if_any(section(c, k), k);
             return false;
         });
@@ -174,18 +174,18 @@ double SectionAreas::wrong_sections(std::uint32_t c) {
     if (only_ == no_slice) {
         for_each_section(c, stack_ ? levels_at(c) : CellLevels{}, add);
     } else if (const Piece piece = section(c, only_); piece.area > 0) {
-        add({piece, only_, bench_.mesh.region(c), bench_.mesh.region(c)});
+        add({piece, only_, edit_.mesh.region(c), edit_.mesh.region(c)});
     }
     return sum;
 }
 
 template <class IsIn>
 SectionAreas::Piece SectionAreas::section(std::uint32_t c, std::uint32_t k, const IsIn& is_in) const {
-    const Cell& cell = bench_.mesh.cell(c);
+    const Cell& cell = edit_.mesh.cell(c);
     std::array<Vec3, 4> corners;
     std::array<double, 4> heights{};
     for (std::size_t i = 0; i < 4; ++i) {
-        corners[i] = bench_.mesh.point(cell[i]);
+        corners[i] = edit_.mesh.point(cell[i]);
         if (!is_in(i)) heights[i] = plane(k).signed_distance(corners[i]);
     }
     const PlaneSection section = section_at(corners, heights);
@@ -194,24 +194,24 @@ SectionAreas::Piece SectionAreas::section(std::uint32_t c, std::uint32_t k, cons
 }
 
 SectionAreas::Piece SectionAreas::section(std::uint32_t c, std::uint32_t k) const {
-    const Cell& cell = bench_.mesh.cell(c);
+    const Cell& cell = edit_.mesh.cell(c);
     return section(c, k, [&](std::size_t i) { return side(cell[i], k) == 0; });
 }
 
 SectionAreas::Piece SectionAreas::facet_in(std::uint32_t k, std::uint32_t c, int i) const {
-    const Cell& cell = bench_.mesh.cell(c);
+    const Cell& cell = edit_.mesh.cell(c);
     const auto& f = facet_vertices[i];
-    if (bench_.mesh.neighbor(c, i) == no_cell) return {};
+    if (edit_.mesh.neighbor(c, i) == no_cell) return {};
     for (const int n : f) {
         if (side(cell[n], k) != 0) return {};
     }
-    const Vec3 p = bench_.mesh.point(cell[f[0]]), q = bench_.mesh.point(cell[f[1]]),
-               r = bench_.mesh.point(cell[f[2]]);
+    const Vec3 p = edit_.mesh.point(cell[f[0]]), q = edit_.mesh.point(cell[f[1]]),
+               r = edit_.mesh.point(cell[f[2]]);
     return {triangle_area(p, q, r), (1.0 / 3) * (p + q + r)};
 }
 
 bool SectionAreas::reaches(std::uint32_t c, std::uint32_t k) const {
-    const Cell& cell = bench_.mesh.cell(c);
+    const Cell& cell = edit_.mesh.cell(c);
     const int first = side(cell[0], k);
     return first == 0 ||
            std::any_of(cell.begin() + 1, cell.end(), [&](std::uint32_t v) { return side(v, k) != first; });
@@ -230,23 +230,23 @@ std::vector<SectionAreas::Section> SectionAreas::wrong_sections_of(std::uint32_t
 void SectionAreas::find_wrong_sections(std::uint32_t structure, std::uint32_t k,
                                        std::span<const std::uint32_t> cells,
                                        std::vector<Section>& found) const {
-    InterfaceProbe probe = bench_.probe;
+    InterfaceProbe probe = edit_.probe;
     const double weight = drawn_.weights[structure * drawn_.planes.size() + k];
     const auto look = [&](const Piece& piece, std::uint32_t here, std::uint32_t there, int facet) {
         if (!(piece.area * weight > least_share) || !speaks_of(k, piece.middle)) return;
-        const bool has = drawn_.table->contains(bench_.mesh.region(here), structure) ||
-                         drawn_.table->contains(bench_.mesh.region(there), structure);
+        const bool has = drawn_.table->contains(edit_.mesh.region(here), structure) ||
+                         drawn_.table->contains(edit_.mesh.region(there), structure);
         const std::vector<std::uint32_t>& seen = probe.members(piece.middle);
         if (std::binary_search(seen.begin(), seen.end(), structure) != has)
             found.push_back({here, facet, piece.area * weight, piece.middle});
     };
     for (std::size_t n = 0; n < cells.size(); ++n) {
-        if (n + cells_ahead < cells.size()) bench_.mesh.prefetch_points(cells[n + cells_ahead]);
+        if (n + cells_ahead < cells.size()) edit_.mesh.prefetch_points(cells[n + cells_ahead]);
         const std::uint32_t c = cells[n];
         if (!reaches(c, k)) continue;
         look(section(c, k), c, c, 4);
         for (int i = 0; i < 4; ++i) {
-            const std::uint32_t other = bench_.mesh.neighbor(c, i);
+            const std::uint32_t other = edit_.mesh.neighbor(c, i);
             if (c < other && other != no_cell) look(facet_in(k, c, i), c, other, i);
         }
     }
@@ -257,18 +257,16 @@ double SectionAreas::wrong_facet(Vec3 a, Vec3 b, Vec3 c, std::uint32_t k, Region
 }
 
 std::optional<SectionAreas::Part> SectionAreas::facet_part(std::uint32_t c, int i) const {
-    const Cell& cell = bench_.mesh.cell(c);
+    const Cell& cell = edit_.mesh.cell(c);
     const auto& f = facet_vertices[i];
-    const std::uint32_t other = bench_.mesh.neighbor(c, i);
+    const std::uint32_t other = edit_.mesh.neighbor(c, i);
     if (other == no_cell) return std::nullopt;
     const std::uint32_t k = plane_of(std::array{cell[f[0]], cell[f[1]], cell[f[2]]});
     if (k == no_slice) return std::nullopt;
-    const Vec3 p = bench_.mesh.point(cell[f[0]]), q = bench_.mesh.point(cell[f[1]]),
-               r = bench_.mesh.point(cell[f[2]]);
-    return Part{{triangle_area(p, q, r), (1.0 / 3) * (p + q + r)},
-                k,
-                bench_.mesh.region(c),
-                bench_.mesh.region(other)};
+    const Vec3 p = edit_.mesh.point(cell[f[0]]), q = edit_.mesh.point(cell[f[1]]),
+               r = edit_.mesh.point(cell[f[2]]);
+    return Part{
+        {triangle_area(p, q, r), (1.0 / 3) * (p + q + r)}, k, edit_.mesh.region(c), edit_.mesh.region(other)};
 }
 
 double SectionAreas::wrong_in_plane(std::uint32_t c, int i) {
@@ -281,7 +279,7 @@ double SectionAreas::wrong(std::span<const std::uint32_t> cells) {
     for (const std::uint32_t c : cells) {
         sum += wrong_sections(c);
         for (int i = 0; i < 4; ++i) {
-            const std::uint32_t other = bench_.mesh.neighbor(c, i);
+            const std::uint32_t other = edit_.mesh.neighbor(c, i);
             const bool both = std::find(cells.begin(), cells.end(), other) != cells.end();
             sum += (both ? 0.5 : 1) * wrong_in_plane(c, i);
         }
@@ -294,7 +292,7 @@ double SectionAreas::wrong_round(std::uint32_t v, std::span<const std::uint32_t>
     for (const std::uint32_t c : star) {
         sum += wrong_sections(c);
         for (int i = 0; i < 4; ++i) {
-            if (bench_.mesh.cell(c)[i] != v) sum += 0.5 * wrong_in_plane(c, i);
+            if (edit_.mesh.cell(c)[i] != v) sum += 0.5 * wrong_in_plane(c, i);
         }
     }
     return sum;
@@ -311,7 +309,7 @@ std::vector<SectionAreas::CrossSectionError> SectionAreas::errors_of(std::span<c
                                                                      int threads) const {
     // Most vertices are those of many cells: where these are many, their levels are found beforehand.
     std::vector<std::uint32_t> levels;
-    if (stack_ && cells.size() > bench_.mesh.point_count()) levels = levels_of_all(threads);
+    if (stack_ && cells.size() > edit_.mesh.point_count()) levels = levels_of_all(threads);
     return parallel_collect<CrossSectionError>(
         cells.size(), cells_a_piece, threads,
         [&](std::size_t first, std::size_t last, std::vector<CrossSectionError>& errors) {
@@ -321,9 +319,9 @@ std::vector<SectionAreas::CrossSectionError> SectionAreas::errors_of(std::span<c
 
 void SectionAreas::find_errors(std::span<const std::uint32_t> cells, std::span<const std::uint32_t> levels,
                                std::vector<CrossSectionError>& errors) const {
-    InterfaceProbe probe = bench_.probe;
+    InterfaceProbe probe = edit_.probe;
     for (std::size_t n = 0; n < cells.size(); ++n) {
-        if (n + cells_ahead < cells.size()) bench_.mesh.prefetch_points(cells[n + cells_ahead]);
+        if (n + cells_ahead < cells.size()) edit_.mesh.prefetch_points(cells[n + cells_ahead]);
         const std::uint32_t c = cells[n];
         const auto add = [&](const Part& part, double share_of_cell) {
             for_each_wrong(part, probe, [&](std::uint32_t cross_section, double share) {
@@ -333,7 +331,7 @@ void SectionAreas::find_errors(std::span<const std::uint32_t> cells, std::span<c
         // In a stack the level of each vertex is found once, for the sections and for the facets.
         CellLevels at{};
         if (!levels.empty()) {
-            const Cell& cell = bench_.mesh.cell(c);
+            const Cell& cell = edit_.mesh.cell(c);
             at = {levels[cell[0]], levels[cell[1]], levels[cell[2]], levels[cell[3]]};
         } else if (stack_) {
             at = levels_at(c);
@@ -357,13 +355,13 @@ void SectionAreas::sum_cuts(std::span<const std::uint32_t> cells, int threads) {
 std::vector<std::uint32_t> SectionAreas::cells_round(std::span<const std::uint32_t> cells) const {
     std::vector<std::uint32_t> vertices, round;
     for (const std::uint32_t c : cells)
-        vertices.insert(vertices.end(), bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
-    sort_distinct(vertices, bench_.mesh.point_count());
+        vertices.insert(vertices.end(), edit_.mesh.cell(c).begin(), edit_.mesh.cell(c).end());
+    sort_distinct(vertices, edit_.mesh.point_count());
     for (const std::uint32_t v : vertices) {
-        bench_.mesh.star(v, bench_.star);
-        round.insert(round.end(), bench_.star.begin(), bench_.star.end());
+        edit_.mesh.star(v, edit_.star);
+        round.insert(round.end(), edit_.star.begin(), edit_.star.end());
     }
-    sort_distinct(round, bench_.mesh.cell_count());
+    sort_distinct(round, edit_.mesh.cell_count());
     return round;
 }
 
@@ -378,7 +376,7 @@ double SectionAreas::largest_cut_at(std::uint32_t c, int i) {
 }
 
 double SectionAreas::wrong_at(std::uint32_t c, int i) {
-    return wrong_sections(c) + wrong_sections(bench_.mesh.neighbor(c, i)) + wrong_in_plane(c, i);
+    return wrong_sections(c) + wrong_sections(edit_.mesh.neighbor(c, i)) + wrong_in_plane(c, i);
 }
 
 }  // namespace anatomesh

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "anatomesh/geom/parallel_planes.h"
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 
 namespace anatomesh {
 
@@ -22,7 +22,7 @@ inline constexpr double most_of_cut = 1e-3, much_of_cut = 7e-4;
 class SectionAreas {
   public:
     // Requires: both outlive this; `drawn.planes` not empty.
-    SectionAreas(Workbench& bench, const DrawnSlices& drawn);
+    SectionAreas(EditContext& edit, const DrawnSlices& drawn);
 
     const Plane& plane(std::uint32_t k) const { return drawn_.planes[k]; }
     // Of a vertex: 0 in the plane, 1 over it, -1 under it.
@@ -180,7 +180,7 @@ class SectionAreas {
     // Area 0 where the facet does not lie in the plane, or the mesh ends there.
     Piece facet_in(std::uint32_t plane, std::uint32_t cell, int facet) const;
 
-    Workbench& bench_;
+    EditContext& edit_;
     const DrawnSlices& drawn_;
     std::optional<ParallelPlanes> stack_;  // where planes are parallel, over (0, 0, 0)
     std::vector<std::uint32_t> order_;     // of its planes, rising

@@ -18,11 +18,11 @@ TEST(SectionAreas, parallel_planes_are_as_planes_in_any_position) {
         SectionedBricks bricks(seed);
         const DrawnSlices parallel = bricks.drawn();
         EditMesh edited = bricks.editable();
-        Workbench bench(edited, bricks.fixed, {}, bricks.field, 2, {});
-        SectionAreas stack(bench, parallel);
+        EditContext edit(edited, bricks.fixed, {}, bricks.field, 2, {});
+        SectionAreas stack(edit, parallel);
         bricks.give_extents();
         const DrawnSlices any = bricks.drawn();
-        SectionAreas single(bench, any);
+        SectionAreas single(edit, any);
         const std::vector<std::uint32_t> all = edited.alive_cells();
         for (const std::uint32_t c : all) {
             const Cell& cell = edited.cell(c);
@@ -55,8 +55,8 @@ TEST(SectionAreas, sums_of_cross_sections_add_up_to_what_is_wrong_in_all_cells) 
         if (seed % 2) bricks.give_extents();
         const DrawnSlices drawn = bricks.drawn();
         EditMesh edited = bricks.editable();
-        Workbench bench(edited, bricks.fixed, {}, bricks.field, 2, {});
-        SectionAreas areas(bench, drawn);
+        EditContext edit(edited, bricks.fixed, {}, bricks.field, 2, {});
+        SectionAreas areas(edit, drawn);
         const std::vector<std::uint32_t> all = edited.alive_cells();
         areas.sum_cuts(all);
         const double sum = std::accumulate(areas.sums().begin(), areas.sums().end(), 0.0);
@@ -70,8 +70,8 @@ TEST(SectionAreas, any_threads_find_the_same) {
     SectionedBricks bricks(2);
     const DrawnSlices drawn = bricks.drawn();
     EditMesh edited = bricks.editable();
-    Workbench bench(edited, bricks.fixed, {}, bricks.field, 2, {});
-    SectionAreas areas(bench, drawn);
+    EditContext edit(edited, bricks.fixed, {}, bricks.field, 2, {});
+    SectionAreas areas(edit, drawn);
     const std::vector<std::uint32_t> once = edited.alive_cells();
     std::vector<std::uint32_t> all;
     for (int n = 0; n < 30; ++n) all.insert(all.end(), once.begin(), once.end());
@@ -105,8 +105,8 @@ TEST(SectionAreas, wrong_sections_of_a_plane_add_up_to_its_cross_section) {
         if (seed % 2) bricks.give_extents();
         const DrawnSlices drawn = bricks.drawn();
         EditMesh edited = bricks.editable();
-        Workbench bench(edited, bricks.fixed, {}, bricks.field, 2, {});
-        SectionAreas areas(bench, drawn);
+        EditContext edit(edited, bricks.fixed, {}, bricks.field, 2, {});
+        SectionAreas areas(edit, drawn);
         const std::vector<std::uint32_t> all = edited.alive_cells();
         areas.sum_cuts(all);
         for (std::uint32_t s = 0; s < 2; ++s) {

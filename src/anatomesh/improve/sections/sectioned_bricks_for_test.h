@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "anatomesh/geom/predicates.h"
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 #include "anatomesh/mesh/check/topology.h"
 #include "anatomesh/mesh/edit/facets.h"
 #include "anatomesh/mesh/model/brick_mesh_for_test.h"
@@ -64,8 +64,8 @@ struct SectionedBricks {
     EditMesh editable() const { return {mesh, cell_neighbors(mesh.cells, mesh.points.size())}; }
 
     // One of: a vertex moves, a cell goes to another region, an edge is split, three cells become two.
-    void change(Workbench& bench) {
-        EditMesh& edited = bench.mesh;
+    void change(EditContext& edit) {
+        EditMesh& edited = edit.mesh;
         std::uint32_t c = static_cast<std::uint32_t>(random() % edited.cell_count());
         while (!edited.alive(c)) c = static_cast<std::uint32_t>(random() % edited.cell_count());
         const auto kind = random() % 4;
@@ -76,9 +76,9 @@ struct SectionedBricks {
         } else if (kind == 1) {
             edited.set_region(c, static_cast<Region>(random() % 4));
         } else if (kind == 2) {
-            edited.ring(c, static_cast<int>(random() % 6), bench.ring);
-            if (bench.ring.closed)
-                bench.split_ring(0.5 * (edited.point(bench.ring.a) + edited.point(bench.ring.b)));
+            edited.ring(c, static_cast<int>(random() % 6), edit.ring);
+            if (edit.ring.closed)
+                edit.split_ring(0.5 * (edited.point(edit.ring.a) + edited.point(edit.ring.b)));
         } else {
             remove_edge_of_three(edited);
         }

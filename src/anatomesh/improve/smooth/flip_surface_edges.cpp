@@ -34,8 +34,8 @@ double angle_between(Vec3 n, Vec3 m) {
 
 class Flipper {
   public:
-    Flipper(Workbench& bench, const FlipOptions& options, int threads)
-        : bench_(bench), options_(options), threads_(threads) {
+    Flipper(EditContext& edit, const FlipOptions& options, int threads)
+        : edit_(edit), options_(options), threads_(threads) {
         collect();
         link();
     }
@@ -49,7 +49,7 @@ class Flipper {
             std::vector<CellExchange> exchanges;
             exchanges.reserve(flips.size());
             for (Flip& flip : flips) exchanges.push_back(std::move(flip.cells));
-            const std::vector<std::uint8_t> done = bench_.mesh.replace_apart(exchanges, threads_);
+            const std::vector<std::uint8_t> done = edit_.mesh.replace_apart(exchanges, threads_);
             std::vector<std::uint32_t> flipped, left;
             for (std::size_t n = 0; n < flips.size(); ++n) {
                 const Quad& q = flips[n].quad;
@@ -60,7 +60,7 @@ class Flipper {
                 replace(flips[n], exchanges[n]);
                 flipped.insert(flipped.end(), {q.f, q.g});
                 changed.insert(changed.end(), exchanges[n].slots.begin(), exchanges[n].slots.end());
-                ++bench_.stats.surface_edges_smoothed;
+                ++edit_.stats.surface_edges_smoothed;
             }
             work = with_neighbors(flipped, std::move(left));
         }
@@ -88,13 +88,13 @@ class Flipper {
     }
 
     Vec3 normal(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-        const Vec3 p = bench_.mesh.point(a), n = cross(bench_.mesh.point(b) - p, bench_.mesh.point(c) - p);
+        const Vec3 p = edit_.mesh.point(a), n = cross(edit_.mesh.point(b) - p, edit_.mesh.point(c) - p);
         const double size = length(n);
         return size > 0 ? (1 / size) * n : Vec3{};
     }
 
     void collect() {
-        const EditMesh& mesh = bench_.mesh;
+        const EditMesh& mesh = edit_.mesh;
         const auto add_facets_of = [&](std::uint32_t c, std::vector<SurfaceFacet>& facets) {
             if (!mesh.alive(c) || mesh.region(c) == 0) return;
             for (int i = 0; i < 4; ++i) {
@@ -122,14 +122,14 @@ class Flipper {
         for (const std::uint32_t f : work) waits_[f] = 1;
         std::vector<Flip> flips = parallel_collect<Flip>(
             work.size(), 512, threads_, [&](std::size_t first, std::size_t last, std::vector<Flip>& found) {
-                Workbench scout = bench_;
-                scout.scouts = true;
+                EditContext local_edit = edit_;
+                local_edit.speculative = true;
                 for (std::size_t n = first; n < last; ++n) {
                     if (n + cells_ahead < last) prefetch_beside(work[n + cells_ahead]);
                     for (int k = 0; k < 3; ++k) {
                         const std::uint32_t f = work[n], g = facets_[f].across[k];
                         // Of two facets in the work, the later one asks.
-                        if (g != no_facet && !(g > f && waits_[g])) add_flip(scout, quad(f, k), found);
+                        if (g != no_facet && !(g > f && waits_[g])) add_flip(local_edit, quad(f, k), found);
                     }
                 }
             });
@@ -141,17 +141,17 @@ class Flipper {
         return flips;
     }
 
-    void add_flip(Workbench& scout, const Quad& q, std::vector<Flip>& found) {
+    void add_flip(EditContext& local_edit, const Quad& q, std::vector<Flip>& found) {
         const Vec3 n = normal(q.a, q.d, q.c), m = normal(q.d, q.b, q.c);
         const double gained = gain(q, n, m);
-        if (!(gained >= options_.least_gain_degrees * std::numbers::pi / 180) || !flip_cells(scout, q))
+        if (!(gained >= options_.least_gain_degrees * std::numbers::pi / 180) || !flip_cells(local_edit, q))
             return;
-        found.push_back({q, n, m, gained, std::move(scout.proposal.cells)});
+        found.push_back({q, n, m, gained, std::move(local_edit.proposal.cells)});
     }
 
     // Joins the facets of each edge that has just two.
     void link() {
-        std::vector<std::uint32_t> start(bench_.mesh.point_count() + 1, 0);
+        std::vector<std::uint32_t> start(edit_.mesh.point_count() + 1, 0);
         const auto least_end = [&](const SurfaceFacet& facet, int k) {
             return std::min(facet.corners[(k + 1) % 3], facet.corners[(k + 2) % 3]);
         };
@@ -234,11 +234,11 @@ class Flipper {
         return sum;
     }
 
-    // Whether the cells let the edge be flipped; the scout has the new ones then.
-    bool flip_cells(Workbench& scout, const Quad& q) {
-        if (scout.fixed_edge(q.a, q.b)) return false;
-        const auto edge = cell_edge(scout, facets_[q.f], q.a, q.b);
-        return edge && flip_edge(scout, edge->first, edge->second, options_.good_sine);
+    // Whether the cells let the edge be flipped; the local context has the new ones then.
+    bool flip_cells(EditContext& local_edit, const Quad& q) {
+        if (local_edit.fixed_edge(q.a, q.b)) return false;
+        const auto edge = cell_edge(local_edit, facets_[q.f], q.a, q.b);
+        return edge && flip_edge(local_edit, edge->first, edge->second, options_.good_sine);
     }
 
     static bool has_facet(const Cell& cell, const SurfaceFacet& facet) {
@@ -248,19 +248,20 @@ class Flipper {
     }
 
     // A cell behind the facet and its edge ab.
-    static std::optional<std::pair<std::uint32_t, int>> cell_edge(Workbench& scout, SurfaceFacet& facet,
-                                                                  std::uint32_t a, std::uint32_t b) {
+    static std::optional<std::pair<std::uint32_t, int>> cell_edge(EditContext& local_edit,
+                                                                  SurfaceFacet& facet, std::uint32_t a,
+                                                                  std::uint32_t b) {
         const auto is_behind = [&](std::uint32_t c) {
-            return scout.mesh.alive(c) && scout.mesh.region(c) == facet.behind &&
-                   has_facet(scout.mesh.cell(c), facet);
+            return local_edit.mesh.alive(c) && local_edit.mesh.region(c) == facet.behind &&
+                   has_facet(local_edit.mesh.cell(c), facet);
         };
         if (!is_behind(facet.cell)) {
-            scout.mesh.shared_star(a, scout.star);
-            const auto found = std::find_if(scout.star.begin(), scout.star.end(), is_behind);
-            if (found == scout.star.end()) return std::nullopt;
+            local_edit.mesh.shared_star(a, local_edit.star);
+            const auto found = std::find_if(local_edit.star.begin(), local_edit.star.end(), is_behind);
+            if (found == local_edit.star.end()) return std::nullopt;
             facet.cell = *found;
         }
-        const Cell& cell = scout.mesh.cell(facet.cell);
+        const Cell& cell = local_edit.mesh.cell(facet.cell);
         for (int e = 0; e < 6; ++e) {
             const std::uint32_t u = cell[cell_edges[e][0]], v = cell[cell_edges[e][1]];
             if ((u == a && v == b) || (u == b && v == a)) return std::pair{facet.cell, e};
@@ -292,7 +293,7 @@ class Flipper {
             *std::find(facets_[beyond_bc].across.begin(), facets_[beyond_bc].across.end(), q.f) = q.g;
     }
 
-    Workbench& bench_;
+    EditContext& edit_;
     FlipOptions options_;
     int threads_;
     std::vector<SurfaceFacet> facets_;
@@ -301,9 +302,9 @@ class Flipper {
 
 }  // namespace
 
-void flip_surface_edges(Workbench& bench, const FlipOptions& options, int threads,
+void flip_surface_edges(EditContext& edit, const FlipOptions& options, int threads,
                         std::vector<std::uint32_t>& changed) {
-    Flipper(bench, options, threads).run(changed);
+    Flipper(edit, options, threads).run(changed);
 }
 
 }  // namespace anatomesh

@@ -1,7 +1,7 @@
 // flip_surface_edges: flips edges of surfaces where neighbouring facets then meet at smaller angles.
 #pragma once
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 
 namespace anatomesh {
 
@@ -22,7 +22,7 @@ struct FlipOptions {
 // cells and the flips tried. Follows: Dyn, Levin and Rippa, IMA J. Numer. Anal. 10, 1990 (angles between
 // normals), and Dyn, Hormann, Kim and Levin, in: Mathematical Methods for Curves and Surfaces, Oslo 2000
 // (closed surfaces).
-void flip_surface_edges(Workbench& bench, const FlipOptions& options, int threads,
+void flip_surface_edges(EditContext& edit, const FlipOptions& options, int threads,
                         std::vector<std::uint32_t>& changed);
 
 }  // namespace anatomesh

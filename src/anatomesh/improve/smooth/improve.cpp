@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/base/parallel_filter.h"
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/improve/core/chosen_of.h"
 #include "anatomesh/improve/core/vertex_mover.h"
 #include "anatomesh/sample/interface_probe.h"
 
@@ -43,7 +43,7 @@ class Improver {
         stats_.above_bound_before = bad.size();
         pulled_.assign(mesh_.points.size(), 0);
         for (int round = 0; round < 3; ++round) {
-            off = chosen_of(off, context.threads, [&](std::uint32_t v) {
+            off = parallel_filter(off, context.threads, [&](std::uint32_t v) {
                 InterfaceProbe probe(field_, structures_);
                 look_at_surfaces_of(v, probe);
                 return probe.distance(mesh_.points[v], options_.tolerance_mm) > options_.tolerance_mm;
@@ -98,17 +98,18 @@ class Improver {
     // Those inside with a ratio above the bound.
     std::vector<std::uint32_t> bad_of(const std::vector<std::uint32_t>& cells, int threads) const {
         const double bound = options_.max_radius_edge * options_.max_radius_edge;
-        return chosen_of(cells, threads, [&](std::uint32_t c) {
+        return parallel_filter(cells, threads, [&](std::uint32_t c) {
             return mesh_.regions[c] != 0 && mover_.squared_ratio(c) > bound;
         });
     }
 
     // `cells`, which rise, and those with a vertex that was pulled: all others are as they were.
     std::vector<std::uint32_t> with_pulled(const std::vector<std::uint32_t>& cells, int threads) const {
-        const std::vector<std::uint32_t> changed = chosen_of(all_cells(), threads, [&](std::uint32_t c) {
-            const Cell& cell = mesh_.cells[c];
-            return (pulled_[cell[0]] | pulled_[cell[1]] | pulled_[cell[2]] | pulled_[cell[3]]) != 0;
-        });
+        const std::vector<std::uint32_t> changed =
+            parallel_filter(all_cells(), threads, [&](std::uint32_t c) {
+                const Cell& cell = mesh_.cells[c];
+                return (pulled_[cell[0]] | pulled_[cell[1]] | pulled_[cell[2]] | pulled_[cell[3]]) != 0;
+            });
         std::vector<std::uint32_t> all;
         std::set_union(cells.begin(), cells.end(), changed.begin(), changed.end(), std::back_inserter(all));
         return all;

@@ -9,8 +9,8 @@
 #include <numeric>
 
 #include "anatomesh/base/parallel.h"
+#include "anatomesh/base/parallel_filter.h"
 #include "anatomesh/geom/vec.h"
-#include "anatomesh/improve/core/chosen_of.h"
 #include "anatomesh/improve/core/ratio_slopes.h"
 #include "anatomesh/improve/core/star_ratios.h"
 #include "anatomesh/improve/core/vertex_mover.h"
@@ -78,7 +78,7 @@ class Smoother {
     bool smooth(bool all, RunContext& context) {
         const RatioSlopes slopes = ratio_slopes(mesh_, neighbors_, fixed_, context.threads);
         const std::vector<std::uint32_t> vertices =
-            chosen_of(vertices_, context.threads, [&](std::uint32_t v) {
+            parallel_filter(vertices_, context.threads, [&](std::uint32_t v) {
                 return slopes.steepness[v] >= worth_.look &&
                        mover_.star(v).size() <= StarRatios::most_cells && (all || one_moved_beside(v));
             });

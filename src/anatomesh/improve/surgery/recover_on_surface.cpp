@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/improve/core/cell_judge.h"
-#include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/core/quality_gate.h"
+#include "anatomesh/improve/core/surface_incidence.h"
 #include "anatomesh/improve/sections/section_areas.h"
 #include "anatomesh/improve/surgery/relabel_membrane_neighborhood.h"
 #include "anatomesh/improve/surgery/spanning_membranes.h"
@@ -34,33 +34,33 @@ struct TriedChain : Chain {
 
 class SurfaceRecovery {
   public:
-    SurfaceRecovery(Workbench& bench, const DrawnSlices& drawn, double least_sine, double most_more,
+    SurfaceRecovery(EditContext& edit, const DrawnSlices& drawn, double least_sine, double most_more,
                     const ImproveCells& improve)
-        : bench_(bench),
+        : edit_(edit),
           owners_(*drawn.owners),
-          sides_(bench),
-          judge_(bench, drawn, least_sine),
+          incidence_(edit),
+          gate_(edit, drawn, least_sine),
           most_more_share_(most_more),
           improve_(improve) {
-        if (!drawn.planes.empty()) areas_.emplace(bench, drawn);
+        if (!drawn.planes.empty()) areas_.emplace(edit, drawn);
     }
 
     SurfaceRecoveryStats run(std::span<const std::array<std::uint32_t, 3>> subsegments) {
         std::vector<TriedChain> chains;
-        for (Chain& chain : find_chains(bench_, owners_, subsegments)) chains.push_back({std::move(chain)});
+        for (Chain& chain : find_chains(edit_, owners_, subsegments)) chains.push_back({std::move(chain)});
         SurfaceRecoveryStats stats;
         for (const TriedChain& chain : chains) stats.found += chain.vertices.size() - 1;
         if (chains.size() > most_chains) return stats;
         stats.recovered = stats.found;
         if (chains.empty()) return stats;
-        std::vector<std::uint32_t> all = bench_.mesh.alive_cells();
-        std::erase_if(all, [&](std::uint32_t c) { return bench_.mesh.region(c) == 0; });
+        std::vector<std::uint32_t> all = edit_.mesh.alive_cells();
+        std::erase_if(all, [&](std::uint32_t c) { return edit_.mesh.region(c) == 0; });
         most_more_ = static_cast<std::size_t>(most_more_share_ * static_cast<double>(all.size()));
-        above_bound_ = judge_.those_above_bound(std::move(all));
+        above_bound_ = gate_.those_above_bound(std::move(all));
         for (int round = 0; round < rounds && !chains.empty(); ++round) {
             const std::size_t before = chains.size();
             std::erase_if(chains, [&](TriedChain& chain) {
-                if (sides_.on_surface(chain.vertices, chain.structure)) return true;
+                if (incidence_.on_surface(chain.vertices, chain.structure)) return true;
                 if (is_enough() || (round > 0 && !has_changed(chain))) return false;
                 chain.changed_before = changed_.size();
                 return recover(chain);
@@ -79,7 +79,7 @@ class SurfaceRecovery {
     bool has_changed(const TriedChain& chain) const {
         return std::any_of(changed_.begin() + static_cast<std::ptrdiff_t>(chain.changed_before),
                            changed_.end(), [&](std::uint32_t c) {
-                               const Cell& cell = bench_.mesh.cell(c);
+                               const Cell& cell = edit_.mesh.cell(c);
                                return std::any_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
                                    return std::binary_search(chain.reach.begin(), chain.reach.end(), v);
                                });
@@ -88,13 +88,13 @@ class SurfaceRecovery {
 
     bool recover(TriedChain& chain) {
         for (std::size_t n = chain.vertices.size() - 1; n > 0; --n) {
-            if (!sides_.beside_surface(chain.vertices[n - 1], chain.vertices[n], chain.structure))
+            if (!incidence_.beside_surface(chain.vertices[n - 1], chain.vertices[n], chain.structure))
                 return false;
         }
         // The ring is now that of the first subsegment.
-        const Region own = bench_.mesh.region(bench_.ring.cells.front());
+        const Region own = edit_.mesh.region(edit_.ring.cells.front());
         const std::vector<Membrane> membranes =
-            find_membranes(bench_, chain, bench_.table->contains(own, chain.structure));
+            find_membranes(edit_, chain, edit_.table->contains(own, chain.structure));
         chain.reach = chain.vertices;
         for (const Membrane& membrane : membranes) {
             const std::vector<std::uint32_t> more = membrane.vertices();
@@ -131,17 +131,17 @@ class SurfaceRecovery {
 
     Outcome attempt(const Chain& chain, const Membrane& membrane, Region own, MembraneReach reach,
                     double thickness, std::size_t most_more) {
-        const DihedralStats stats = bench_.stats;
-        bench_.mesh.begin_attempt();
+        const DihedralStats stats = edit_.stats;
+        edit_.mesh.begin_attempt();
         std::optional<RelabelledNeighborhood> made = relabel_membrane_neighborhood(
-            bench_, owners_, chain, membrane, own, reach, thickness, areas_ ? &*areas_ : nullptr);
+            edit_, owners_, chain, membrane, own, reach, thickness, areas_ ? &*areas_ : nullptr);
         if (!made || made->wrong_of_cuts > most_worse_sections) {
-            bench_.mesh.end_attempt(false);
+            edit_.mesh.end_attempt(false);
             return made ? Outcome::bad_cut : Outcome::unsound;
         }
         for (std::size_t n = 1; n < chain.vertices.size(); ++n) {
-            bench_.fix_edge(chain.vertices[n - 1], chain.vertices[n]);
-            bench_.release_edge(chain.vertices[n - 1], chain.vertices[n]);
+            edit_.fix_edge(chain.vertices[n - 1], chain.vertices[n]);
+            edit_.release_edge(chain.vertices[n - 1], chain.vertices[n]);
         }
         std::vector<std::uint32_t> changed = std::move(made->changed);
         const std::vector<std::uint32_t> improved = improve_(changed);
@@ -150,31 +150,31 @@ class SurfaceRecovery {
         std::vector<std::uint32_t> above_bound = above_bound_;
         above_bound.insert(above_bound.end(), changed.begin(), changed.end());
         sort_distinct(above_bound);
-        above_bound = judge_.those_above_bound(std::move(above_bound));
+        above_bound = gate_.those_above_bound(std::move(above_bound));
         const std::size_t more = above_bound.size() - std::min(above_bound.size(), above_bound_.size());
-        bool good = sides_.on_surface(chain.vertices, chain.structure) &&
+        bool good = incidence_.on_surface(chain.vertices, chain.structure) &&
                     std::all_of(changed.begin(), changed.end(),
-                                [&](std::uint32_t c) { return judge_.is_good(c) && judge_.is_near(c); });
+                                [&](std::uint32_t c) { return gate_.is_good(c) && gate_.is_near(c); });
         if (good && made->parts_cells) {
             least_more_ = std::min(least_more_, more);
             good = more <= most_more;
         }
-        bench_.mesh.end_attempt(good);
+        edit_.mesh.end_attempt(good);
         if (good) {
             above_bound_ = std::move(above_bound);
             changed_.insert(changed_.end(), changed.begin(), changed.end());
         } else {
             for (std::size_t n = 1; n < chain.vertices.size(); ++n)
-                bench_.keep_edge(chain.vertices[n - 1], chain.vertices[n]);
-            bench_.stats = stats;
+                edit_.keep_edge(chain.vertices[n - 1], chain.vertices[n]);
+            edit_.stats = stats;
         }
         return good ? Outcome::done : Outcome::bad_cells;
     }
 
-    Workbench& bench_;
+    EditContext& edit_;
     const ContourOwners& owners_;
-    SidesAt sides_;
-    CellJudge judge_;
+    SurfaceIncidence incidence_;
+    QualityGate gate_;
     std::optional<SectionAreas> areas_;
     std::size_t improved_ = 0;  // in vain
     std::size_t tried_ = 0;
@@ -188,10 +188,10 @@ class SurfaceRecovery {
 
 }  // namespace
 
-SurfaceRecoveryStats recover_on_surface(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+SurfaceRecoveryStats recover_on_surface(EditContext& edit, const DrawnSlices& drawn, double least_sine,
                                         double most_more, const ImproveCells& improve) {
     if (!drawn.table || !drawn.owners || drawn.subsegments_beside.empty()) return {};
-    return SurfaceRecovery(bench, drawn, least_sine, most_more, improve).run(drawn.subsegments_beside);
+    return SurfaceRecovery(edit, drawn, least_sine, most_more, improve).run(drawn.subsegments_beside);
 }
 
 }  // namespace anatomesh

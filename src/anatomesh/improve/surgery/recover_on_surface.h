@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "anatomesh/improve/core/cell_judge.h"
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
+#include "anatomesh/improve/core/quality_gate.h"
 
 namespace anatomesh {
 
@@ -27,15 +27,16 @@ struct SurfaceRecoveryStats {
 // surface, of a structure or a region, is not one disc at each vertex concerned, if that of a structure has
 // not the same Euler characteristic (regions that two structures make along a common wall may come in any
 // number of parts), if a contour vertex or subsegment leaves the surface of its structure, if cuts by slices
-// get worse, if an interface there is farther than the workbench's `spike_mm` from the field's, or if a cell
-// changed inside has an angle whose sine is below `least_sine` or a ratio above the workbench's last bound -
-// where contours crowd it (drawn.crowded), as they force it to, those of cell_judge.h -; where cells were
-// parted, also if those above its first bound become more by over `most_more` of the cells inside: ways at no
-// such price are tried first, and cheap ones before dear ones. Subsegments that were recovered are fixed and
-// kept no more (workbench.h); `improve` may put vertices on them. Guarantees: all cells positive (checked
-// exactly); no vertex moves but by `improve`. Same result every time. Complexity: O(cells + subsegments), and
-// the shapes of the cells of a hundred membranes tried in vain at most: ms to seconds. Errors: none.
-SurfaceRecoveryStats recover_on_surface(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+// get worse, if an interface there is farther than the edit context's `spike_mm` from the field's, or if a
+// cell changed inside has an angle whose sine is below `least_sine` or a ratio above the edit context's last
+// bound - where contours limit it (drawn.constraint_limited), as they force it to, those of quality_gate.h -;
+// where cells were parted, also if those above its first bound become more by over `most_more` of the cells
+// inside: ways at no such price are tried first, and cheap ones before dear ones. Subsegments that were
+// recovered are fixed and kept no more (edit_context.h); `improve` may put vertices on them. Guarantees: all
+// cells positive (checked exactly); no vertex moves but by `improve`. Same result every time. Complexity:
+// O(cells + subsegments), and the shapes of the cells of a hundred membranes tried in vain at most: ms to
+// seconds. Errors: none.
+SurfaceRecoveryStats recover_on_surface(EditContext& edit, const DrawnSlices& drawn, double least_sine,
                                         double most_more, const ImproveCells& improve);
 
 }  // namespace anatomesh

@@ -25,7 +25,7 @@ constexpr double least_recovered = 0.95;  // share, where membranes may be in ea
 
 // What a test does with the cells that a membrane changed; returns those that it made.
 using Improver =
-    std::function<std::vector<std::uint32_t>(Workbench& bench, const std::vector<std::uint32_t>& cells)>;
+    std::function<std::vector<std::uint32_t>(EditContext& edit, const std::vector<std::uint32_t>& cells)>;
 
 // Cubes, some of them of a structure; grid points may be shaken.
 struct Bricks {
@@ -155,7 +155,7 @@ struct Bricks {
 
     SurfaceRecoveryStats recover(
         double least_sine = any_shape,
-        const Improver& improve = [](Workbench&, const auto&) { return std::vector<std::uint32_t>{}; }) {
+        const Improver& improve = [](EditContext&, const auto&) { return std::vector<std::uint32_t>{}; }) {
         const ContourOwners owners(owned, mesh.points.size(), subsegments);
         std::vector<std::uint8_t> fixed(mesh.points.size(), 1);
         const fixtures::AnalyticField field({2, [](Vec3) { return 1.0; }}, 10);
@@ -165,15 +165,15 @@ struct Bricks {
             options.max_radius_edge = max_radius_edge;
             options.last_radius_edge = any_ratio;
         }
-        Workbench bench(edited, fixed, {}, field, 1, options);
-        bench.table = &table;
+        EditContext edit(edited, fixed, {}, field, 1, options);
+        edit.table = &table;
         DrawnSlices drawn;
         drawn.table = &table;
         drawn.owners = &owners;
         drawn.subsegments_beside = subsegments;
-        const SurfaceRecoveryStats stats = recover_on_surface(
-            bench, drawn, least_sine, most_more_share,
-            [&](const std::vector<std::uint32_t>& cells) { return improve(bench, cells); });
+        const SurfaceRecoveryStats stats =
+            recover_on_surface(edit, drawn, least_sine, most_more_share,
+                               [&](const std::vector<std::uint32_t>& cells) { return improve(edit, cells); });
         mesh = std::move(edited).take(neighbors);
         return stats;
     }
@@ -259,29 +259,29 @@ TEST(RecoverOnSurface, subsegments_near_each_other_are_recovered_without_losing_
 }
 
 // Puts a vertex at this share of the way from a to b, if that is a fixed edge.
-std::vector<std::uint32_t> split_fixed_edge(Workbench& bench, std::uint32_t a, std::uint32_t b,
+std::vector<std::uint32_t> split_fixed_edge(EditContext& edit, std::uint32_t a, std::uint32_t b,
                                             double share) {
-    if (!bench.fixed_edge(a, b)) return {};
-    bench.mesh.star(a, bench.star);
-    for (const std::uint32_t c : bench.star) {
+    if (!edit.fixed_edge(a, b)) return {};
+    edit.mesh.star(a, edit.star);
+    for (const std::uint32_t c : edit.star) {
         for (int e = 0; e < 6; ++e) {
-            const Cell& cell = bench.mesh.cell(c);
+            const Cell& cell = edit.mesh.cell(c);
             if (std::minmax(cell[cell_edges[e][0]], cell[cell_edges[e][1]]) != std::minmax(a, b)) continue;
-            bench.mesh.ring(c, e, bench.ring);
-            const Vec3 from = bench.mesh.point(a);
-            const std::uint32_t v = bench.add_point(from + share * (bench.mesh.point(b) - from));
+            edit.mesh.ring(c, e, edit.ring);
+            const Vec3 from = edit.mesh.point(a);
+            const std::uint32_t v = edit.add_point(from + share * (edit.mesh.point(b) - from));
             std::vector<Cell> cells;
             std::vector<Region> regions;
-            for (const std::uint32_t round : bench.ring.cells) {
+            for (const std::uint32_t round : edit.ring.cells) {
                 for (const std::uint32_t end : {a, b}) {
-                    cells.push_back(bench.mesh.cell(round));
+                    cells.push_back(edit.mesh.cell(round));
                     std::replace(cells.back().begin(), cells.back().end(), end, v);
-                    regions.push_back(bench.mesh.region(round));
+                    regions.push_back(edit.mesh.region(round));
                 }
             }
-            if (!bench.commit(bench.ring.cells, cells, regions)) return {};
-            bench.fix_on_edge(v, a, b);
-            return bench.changed;
+            if (!edit.commit(edit.ring.cells, cells, regions)) return {};
+            edit.fix_on_edge(v, a, b);
+            return edit.changed;
         }
     }
     return {};
@@ -294,13 +294,13 @@ TEST(RecoverOnSurface, a_subsegment_that_improvement_splits_is_recovered) {
         bricks.draw({{1, 4, 2}, {2, 4, 3}, {3, 4, 4}});
         const TetMesh before = bricks.mesh;
         const double share = 0.3 + 0.04 * seed;
-        const SurfaceRecoveryStats stats = bricks.recover(any_shape, [&](Workbench& bench, const auto&) {
+        const SurfaceRecoveryStats stats = bricks.recover(any_shape, [&](EditContext& edit, const auto&) {
             std::vector<std::uint32_t> made;
             for (const Subsegment& subsegment : bricks.subsegments) {
-                const auto middle = static_cast<std::uint32_t>(bench.mesh.point_count());
-                made = split_fixed_edge(bench, subsegment[0], subsegment[1], share);
+                const auto middle = static_cast<std::uint32_t>(edit.mesh.point_count());
+                made = split_fixed_edge(edit, subsegment[0], subsegment[1], share);
                 EXPECT_FALSE(made.empty());
-                made = split_fixed_edge(bench, middle, subsegment[1], share);
+                made = split_fixed_edge(edit, middle, subsegment[1], share);
                 EXPECT_FALSE(made.empty());
             }
             return made;

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/improve/core/cell_before.h"
-#include "anatomesh/improve/core/parts_at.h"
-#include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/core/cell_snapshot.h"
+#include "anatomesh/improve/core/star_components.h"
 #include "anatomesh/improve/core/surface_count.h"
+#include "anatomesh/improve/core/surface_incidence.h"
 #include "anatomesh/improve/surgery/resolve_pinches.h"
 
 namespace anatomesh {
@@ -22,20 +22,20 @@ constexpr double middle = 0.5;  // where an edge between two vertices of a membr
 
 class MembraneNeighborhood {
   public:
-    MembraneNeighborhood(Workbench& bench, const ContourOwners& owners, const Chain& chain,
+    MembraneNeighborhood(EditContext& edit, const ContourOwners& owners, const Chain& chain,
                          const Membrane& membrane, Region own, MembraneReach reach,
                          const MembraneAcross* across)
-        : bench_(bench),
+        : edit_(edit),
           owners_(owners),
           chain_(chain),
           membrane_(membrane),
           own_(own),
-          side_(bench.table->contains(own, chain.structure)),
+          side_(edit.table->contains(own, chain.structure)),
           reach_(reach),
           across_(across),
-          sides_(bench),
+          incidence_(edit),
           on_membrane_(membrane.vertices()),
-          first_new_(static_cast<std::uint32_t>(bench.mesh.point_count())) {}
+          first_new_(static_cast<std::uint32_t>(edit.mesh.point_count())) {}
 
     std::optional<RelabelledNeighborhood> run(double thickness, SectionAreas* areas) {
         find_cells();
@@ -44,7 +44,7 @@ class MembraneNeighborhood {
         const std::optional<Region> to = across_ && across_->to ? across_->to : region_across(relabelled);
         if (!to || relabelled.empty() || !leave_one_part(relabelled, *to, thickness)) return std::nullopt;
         if (across_) {
-            auto joined = resolve_pinches(bench_,
+            auto joined = resolve_pinches(edit_,
                                           {chain_.structure, own_, *to, reach_ == MembraneReach::others,
                                            thickness, on_membrane_, first_new_},
                                           std::move(relabelled));
@@ -52,21 +52,21 @@ class MembraneNeighborhood {
             relabelled = std::move(*joined);
         }
         note_changed(relabelled);
-        SurfaceCount count(bench_, owners_, relabelled, *to);
+        SurfaceCount count(edit_, owners_, relabelled, *to);
         const SurfaceCount::Figures before = count.figures();
         if (areas) made_.wrong_of_cuts -= areas->wrong(relabelled);
-        for (const std::uint32_t c : relabelled) bench_.mesh.set_region(c, *to);
+        for (const std::uint32_t c : relabelled) edit_.mesh.set_region(c, *to);
         if (areas) made_.wrong_of_cuts += areas->wrong(relabelled);
         const SurfaceCount::Figures after = count.figures();
         const bool sound = after.excess == 0 && may_become(count, before, after) && count.newly_lost() == 0 &&
-                           sides_.on_surface(chain_.vertices, chain_.structure);
+                           incidence_.on_surface(chain_.vertices, chain_.structure);
         return sound ? std::optional(std::move(made_)) : std::nullopt;
     }
 
   private:
     // A subsegment of the structure on the membrane's rim: of the chain, or of a contour that the surface has
-    // already; or, there, of an edge of a contour that was cut since the owners were made. The bench has the
-    // edge's ring.
+    // already; or, there, of an edge of a contour that was cut since the owners were made. The context has
+    // the edge's ring.
     bool is_rim_subsegment(std::uint32_t a, std::uint32_t b) const {
         if (!membrane_.has_on_rim(a, b)) return false;
         bool known = false;
@@ -75,7 +75,7 @@ class MembraneNeighborhood {
             if (subsegment.structure == chain_.structure) return true;
             known = true;
         }
-        return !known && bench_.fixed_edge(a, b) && sides_.ring_is_mixed(chain_.structure);
+        return !known && edit_.fixed_edge(a, b) && incidence_.ring_is_mixed(chain_.structure);
     }
 
     bool may_become(const SurfaceCount& count, const SurfaceCount::Figures& before,
@@ -96,7 +96,7 @@ class MembraneNeighborhood {
     }
 
     // Those of other regions stay, for the sake of the surfaces of other structures.
-    bool may_go(std::uint32_t c) const { return bench_.mesh.region(c) == own_; }
+    bool may_go(std::uint32_t c) const { return edit_.mesh.region(c) == own_; }
 
     bool is_on(std::uint32_t v) const {
         return std::binary_search(on_membrane_.begin(), on_membrane_.end(), v);
@@ -106,8 +106,8 @@ class MembraneNeighborhood {
     void find_cells() {
         const bool both = !across_ || across_->sides == MembraneSides::both;
         for (const std::uint32_t c : both ? cells_at_edges() : cells_on_side()) {
-            const Cell& cell = bench_.mesh.cell(c);
-            cells_.push_back(CellBefore::of(bench_.mesh, c));
+            const Cell& cell = edit_.mesh.cell(c);
+            cells_.push_back(CellSnapshot::of(edit_.mesh, c));
             for (const std::uint32_t d : cell) {
                 for (const std::uint32_t x : cell) {
                     if (is_on(d) && (!is_on(x) || (d < x && !membrane_.has_edge(d, x))))
@@ -124,12 +124,12 @@ class MembraneNeighborhood {
         for (const auto& facet : membrane_.facets) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t a = facet[k], b = facet[(k + 1) % 3];
-                if (!sides_.find_ring(a, b)) continue;
+                if (!incidence_.find_ring(a, b)) continue;
                 if (is_rim_subsegment(a, b)) {
                     if (across_) add_beside(facet[(k + 2) % 3], cells);
                     continue;
                 }
-                std::copy_if(bench_.ring.cells.begin(), bench_.ring.cells.end(), std::back_inserter(cells),
+                std::copy_if(edit_.ring.cells.begin(), edit_.ring.cells.end(), std::back_inserter(cells),
                              [&](std::uint32_t c) { return may_go(c); });
             }
         }
@@ -142,10 +142,10 @@ class MembraneNeighborhood {
     std::vector<std::uint32_t> cells_on_side() {
         std::vector<std::uint32_t> ends;
         const auto& [a, b, w] = membrane_.facets.front();
-        if (!sides_.find_ring(a, b)) return {};
-        std::copy_if(bench_.ring.cells.begin(), bench_.ring.cells.end(), std::back_inserter(ends),
+        if (!incidence_.find_ring(a, b)) return {};
+        std::copy_if(edit_.ring.cells.begin(), edit_.ring.cells.end(), std::back_inserter(ends),
                      [&](std::uint32_t c) {
-                         const Cell& cell = bench_.mesh.cell(c);
+                         const Cell& cell = edit_.mesh.cell(c);
                          return may_go(c) && std::find(cell.begin(), cell.end(), w) != cell.end();
                      });
         if (ends.size() != 2) return {};
@@ -155,8 +155,8 @@ class MembraneNeighborhood {
         std::set<std::uint32_t> known{cells[0]};
         for (std::size_t n = 0; n < cells.size(); ++n) {
             for (int i = 0; i < 4; ++i) {
-                const Cell& cell = bench_.mesh.cell(cells[n]);
-                const std::uint32_t next = bench_.mesh.neighbor(cells[n], i);
+                const Cell& cell = edit_.mesh.cell(cells[n]);
+                const std::uint32_t next = edit_.mesh.neighbor(cells[n], i);
                 if (next == no_cell || !may_go(next)) continue;
                 std::array facet{cell[facet_vertices[i][0]], cell[facet_vertices[i][1]],
                                  cell[facet_vertices[i][2]]};
@@ -174,14 +174,14 @@ class MembraneNeighborhood {
     // Of the ring of a subsegment, from the membrane's facet to this vertex on both ways round: cells up to
     // the other side of the structure, if that is reached before half a turn.
     void add_beside(std::uint32_t membrane_vertex, std::vector<std::uint32_t>& cells) const {
-        const EdgeRing& ring = bench_.ring;
+        const EdgeRing& ring = edit_.ring;
         const std::size_t count = ring.cells.size();
         const auto at = static_cast<std::size_t>(
             std::find(ring.ring.begin(), ring.ring.end(), membrane_vertex) - ring.ring.begin());
         if (at == count) return;
-        const Vec3 from = bench_.mesh.point(ring.a);
-        const Vec3 in = cross(across_->normal, bench_.mesh.point(ring.b) - from);
-        const double inward = dot(in, bench_.mesh.point(membrane_vertex) - from);
+        const Vec3 from = edit_.mesh.point(ring.a);
+        const Vec3 in = cross(across_->normal, edit_.mesh.point(ring.b) - from);
+        const double inward = dot(in, edit_.mesh.point(membrane_vertex) - from);
         for (const bool onward : {true, false}) {
             std::vector<std::uint32_t> part;
             bool over = false;
@@ -189,14 +189,14 @@ class MembraneNeighborhood {
                 const std::size_t i = onward ? (at + n) % count : (at + 2 * count - 1 - n) % count;
                 const std::uint32_t c = ring.cells[i];
                 if (!may_go(c)) {
-                    if (sides_.has(c, chain_.structure) != side_)
+                    if (incidence_.has(c, chain_.structure) != side_)
                         cells.insert(cells.end(), part.begin(), part.end());
                     break;
                 }
                 part.push_back(c);
                 // Beyond the subsegment, where the next vertex is on the other side of the plane than those
                 // before.
-                const Vec3 next = bench_.mesh.point(ring.ring[onward ? (i + 1) % count : i]) - from;
+                const Vec3 next = edit_.mesh.point(ring.ring[onward ? (i + 1) % count : i]) - from;
                 const double height = dot(across_->normal, next);
                 if (n > 0 && (height > 0) != over) break;
                 over = height > 0;
@@ -208,9 +208,9 @@ class MembraneNeighborhood {
     // But for those on the surface. False where a cell would not be positive.
     bool cut_edges(double thickness) {
         for (const auto& [d, x] : edges_) {
-            if (!sides_.find_ring(d, x)) return false;
-            if (sides_.ring_is_mixed(chain_.structure) &&
-                (reach_ < MembraneReach::near || bench_.fixed_edge(d, x))) {
+            if (!incidence_.find_ring(d, x)) return false;
+            if (incidence_.ring_is_mixed(chain_.structure) &&
+                (reach_ < MembraneReach::near || edit_.fixed_edge(d, x))) {
                 if (!is_on(x)) beside_.push_back(x);
                 continue;
             }
@@ -221,19 +221,19 @@ class MembraneNeighborhood {
         return true;
     }
 
-    // The edge whose ring the bench has.
+    // The edge whose ring the context has.
     bool cut(std::uint32_t a, std::uint32_t b, double share) {
-        const Vec3 from = bench_.mesh.point(a);
-        return bench_.split_ring(from + share * (bench_.mesh.point(b) - from)) != no_cell;
+        const Vec3 from = edit_.mesh.point(a);
+        return edit_.split_ring(from + share * (edit_.mesh.point(b) - from)) != no_cell;
     }
 
     // Of all at vertices of the membrane and new ones.
     std::vector<std::uint32_t> cells_between_cuts() {
         std::vector<std::uint32_t> look = on_membrane_, relabelled;
-        for (auto v = first_new_; v < bench_.mesh.point_count(); ++v) look.push_back(v);
+        for (auto v = first_new_; v < edit_.mesh.point_count(); ++v) look.push_back(v);
         for (const std::uint32_t v : look) {
-            bench_.mesh.star(v, bench_.star);
-            std::copy_if(bench_.star.begin(), bench_.star.end(), std::back_inserter(relabelled),
+            edit_.mesh.star(v, edit_.star);
+            std::copy_if(edit_.star.begin(), edit_.star.end(), std::back_inserter(relabelled),
                          [&](std::uint32_t c) { return may_go(c); });
         }
         sort_distinct(relabelled);
@@ -247,25 +247,25 @@ class MembraneNeighborhood {
     bool leave_one_part(std::vector<std::uint32_t>& relabelled, Region to, double thickness) {
         std::vector<Region> before;
         const auto relabel = [&](std::uint32_t c) {
-            before.push_back(bench_.mesh.region(c));
-            bench_.mesh.set_region(c, to);
+            before.push_back(edit_.mesh.region(c));
+            edit_.mesh.set_region(c, to);
         };
         std::for_each(relabelled.begin(), relabelled.end(), relabel);
         for (const std::uint32_t v : on_membrane_) {
-            const auto parts = parts_at(bench_, v, [&](std::uint32_t c) { return may_go(c); });
+            const auto parts = star_components(edit_, v, [&](std::uint32_t c) { return may_go(c); });
             if (parts.size() < 2) continue;
             made_.parts_cells = true;
-            const auto stays = worthiest_at(bench_, v, parts);
+            const auto stays = worthiest_at(edit_, v, parts);
             for (auto part = parts.begin(); part != parts.end(); ++part) {
                 if (part != stays && !cut_near(v, *part, thickness)) return false;
             }
-            for (const auto& part : parts_at(bench_, v, [&](std::uint32_t c) { return may_go(c); })) {
+            for (const auto& part : star_components(edit_, v, [&](std::uint32_t c) { return may_go(c); })) {
                 if (std::find(part.begin(), part.end(), stays->front()) != part.end()) continue;
                 relabelled.insert(relabelled.end(), part.begin(), part.end());
                 std::for_each(part.begin(), part.end(), relabel);
             }
         }
-        for (std::size_t n = 0; n < relabelled.size(); ++n) bench_.mesh.set_region(relabelled[n], before[n]);
+        for (std::size_t n = 0; n < relabelled.size(); ++n) edit_.mesh.set_region(relabelled[n], before[n]);
         return true;
     }
 
@@ -273,37 +273,38 @@ class MembraneNeighborhood {
     bool cut_near(std::uint32_t v, const std::vector<std::uint32_t>& cells, double thickness) {
         std::vector<std::uint32_t> ends;
         for (const std::uint32_t c : cells)
-            ends.insert(ends.end(), bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
+            ends.insert(ends.end(), edit_.mesh.cell(c).begin(), edit_.mesh.cell(c).end());
         sort_distinct(ends);
         std::erase(ends, v);
         return std::all_of(ends.begin(), ends.end(), [&](std::uint32_t x) {
-            return sides_.find_ring(v, x) && (sides_.ring_is_mixed(chain_.structure) || cut(v, x, thickness));
+            return incidence_.find_ring(v, x) &&
+                   (incidence_.ring_is_mixed(chain_.structure) || cut(v, x, thickness));
         });
     }
 
     void note_changed(const std::vector<std::uint32_t>& relabelled) {
         made_.changed = relabelled;
-        for (auto v = first_new_; v < bench_.mesh.point_count(); ++v) {
-            bench_.mesh.star(v, bench_.star);
-            made_.changed.insert(made_.changed.end(), bench_.star.begin(), bench_.star.end());
+        for (auto v = first_new_; v < edit_.mesh.point_count(); ++v) {
+            edit_.mesh.star(v, edit_.star);
+            made_.changed.insert(made_.changed.end(), edit_.star.begin(), edit_.star.end());
         }
         sort_distinct(made_.changed);
     }
 
     bool lies_between_cuts(std::uint32_t c) const {
-        const Cell& cell = bench_.mesh.cell(c);
+        const Cell& cell = edit_.mesh.cell(c);
         if (std::none_of(cell.begin(), cell.end(), [&](std::uint32_t v) { return is_on(v); })) return false;
-        const CellBefore* was = cell_before(c);
+        const CellSnapshot* was = cell_before(c);
         return was && std::all_of(cell.begin(), cell.end(), [&](std::uint32_t v) {
                    return v >= first_new_ || is_on(v) || stays(*was, v);
                });
     }
 
     // That in which a cell lies.
-    const CellBefore* cell_before(std::uint32_t c) const { return find_before(cells_, bench_.mesh, c); }
+    const CellSnapshot* cell_before(std::uint32_t c) const { return find_snapshot(cells_, edit_.mesh, c); }
 
     // Whether what is relabelled reaches to a vertex beside the membrane.
-    bool stays(const CellBefore& was, std::uint32_t v) const {
+    bool stays(const CellSnapshot& was, std::uint32_t v) const {
         if (!std::binary_search(beside_.begin(), beside_.end(), v)) return false;
         return reach_ != MembraneReach::joined ||
                std::none_of(was.cell.begin(), was.cell.end(), [&](std::uint32_t d) {
@@ -314,18 +315,17 @@ class MembraneNeighborhood {
     // Of those at the chain's ends on the other side the one most like that of the cells.
     std::optional<Region> region_across(const std::vector<std::uint32_t>& relabelled) {
         if (relabelled.empty()) return std::nullopt;
-        const std::vector<std::uint32_t>& here =
-            bench_.table->members[bench_.mesh.region(relabelled.front())];
+        const std::vector<std::uint32_t>& here = edit_.table->members[edit_.mesh.region(relabelled.front())];
         std::optional<std::pair<std::size_t, Region>> best;
         for (const std::uint32_t end : {chain_.vertices.front(), chain_.vertices.back()}) {
-            bench_.mesh.star(end, bench_.star);
-            for (const std::uint32_t c : bench_.star) {
-                if (sides_.has(c, chain_.structure) == side_) continue;
-                const std::vector<std::uint32_t>& there = bench_.table->members[bench_.mesh.region(c)];
+            edit_.mesh.star(end, edit_.star);
+            for (const std::uint32_t c : edit_.star) {
+                if (incidence_.has(c, chain_.structure) == side_) continue;
+                const std::vector<std::uint32_t>& there = edit_.table->members[edit_.mesh.region(c)];
                 std::vector<std::uint32_t> differ;
                 std::set_symmetric_difference(here.begin(), here.end(), there.begin(), there.end(),
                                               std::back_inserter(differ));
-                const std::pair<std::size_t, Region> offer{differ.size(), bench_.mesh.region(c)};
+                const std::pair<std::size_t, Region> offer{differ.size(), edit_.mesh.region(c)};
                 if (!best || offer < *best) best = offer;
             }
         }
@@ -333,7 +333,7 @@ class MembraneNeighborhood {
         return best->second;
     }
 
-    Workbench& bench_;
+    EditContext& edit_;
     const ContourOwners& owners_;
     const Chain& chain_;
     const Membrane& membrane_;
@@ -341,10 +341,10 @@ class MembraneNeighborhood {
     bool side_;
     MembraneReach reach_;
     const MembraneAcross* across_;
-    SidesAt sides_;
+    SurfaceIncidence incidence_;
     std::vector<std::uint32_t> on_membrane_, beside_;        // vertices
     std::vector<std::array<std::uint32_t, 2>> edges_, cut_;  // from a vertex of the membrane on
-    std::vector<CellBefore> cells_;
+    std::vector<CellSnapshot> cells_;
     std::uint32_t first_new_;  // vertex
     RelabelledNeighborhood made_;
 };
@@ -352,9 +352,9 @@ class MembraneNeighborhood {
 }  // namespace
 
 std::optional<RelabelledNeighborhood> relabel_membrane_neighborhood(
-    Workbench& bench, const ContourOwners& owners, const Chain& chain, const Membrane& membrane, Region own,
+    EditContext& edit, const ContourOwners& owners, const Chain& chain, const Membrane& membrane, Region own,
     MembraneReach reach, double thickness, SectionAreas* areas, const MembraneAcross* across) {
-    return MembraneNeighborhood(bench, owners, chain, membrane, own, reach, across).run(thickness, areas);
+    return MembraneNeighborhood(edit, owners, chain, membrane, own, reach, across).run(thickness, areas);
 }
 
 }  // namespace anatomesh

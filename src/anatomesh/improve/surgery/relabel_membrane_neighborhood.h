@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 #include "anatomesh/improve/sections/section_areas.h"
 #include "anatomesh/improve/surgery/spanning_membranes.h"
 
@@ -56,7 +56,7 @@ enum class MembraneReach { wide, joined, near, others };
 // another Euler characteristic, a contour vertex or subsegment off its surface, or the chain not on it. What
 // was done to the mesh then is the caller's to take back. Complexity: O(cells at the membrane).
 std::optional<RelabelledNeighborhood> relabel_membrane_neighborhood(
-    Workbench& bench, const ContourOwners& owners, const Chain& chain, const Membrane& membrane, Region own,
+    EditContext& edit, const ContourOwners& owners, const Chain& chain, const Membrane& membrane, Region own,
     MembraneReach reach, double thickness, SectionAreas* areas, const MembraneAcross* across = nullptr);
 
 }  // namespace anatomesh

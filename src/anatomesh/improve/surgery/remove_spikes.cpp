@@ -52,8 +52,8 @@ std::vector<SurfaceFacet> surface_facets(const EditMesh& mesh, int threads) {
 
 // Free vertices between two regions with facets that lean against each other, and all where more regions
 // meet, in rising order.
-std::vector<std::uint32_t> suspects(const Workbench& bench, int threads) {
-    const EditMesh& mesh = bench.mesh;
+std::vector<std::uint32_t> suspects(const EditContext& edit, int threads) {
+    const EditMesh& mesh = edit.mesh;
     std::vector<Vec3> sum(mesh.point_count());
     std::vector<double> lengths(mesh.point_count(), 0);
     std::vector<std::array<Region, 2>> between(mesh.point_count());
@@ -71,7 +71,7 @@ std::vector<std::uint32_t> suspects(const Workbench& bench, int threads) {
     }
     std::vector<std::uint32_t> found;
     for (std::uint32_t v = 0; v < sum.size(); ++v) {
-        const bool is_sharp = !bench.fixed(v) && length(sum[v]) < flat_enough * lengths[v];
+        const bool is_sharp = !edit.fixed(v) && length(sum[v]) < flat_enough * lengths[v];
         if (lengths[v] > 0 && (is_sharp || is_junction[v])) found.push_back(v);
     }
     return found;
@@ -79,17 +79,17 @@ std::vector<std::uint32_t> suspects(const Workbench& bench, int threads) {
 
 // Those of the vertices that are not near the field's surface. Where a mesh has one structure alone it is
 // this surface that would move: the others, nearly all, need no look at their cells.
-std::vector<std::uint32_t> far_ones(const Workbench& bench, const std::vector<std::uint32_t>& vertices,
+std::vector<std::uint32_t> far_ones(const EditContext& edit, const std::vector<std::uint32_t>& vertices,
                                     double spike_mm, int threads) {
-    const auto& members = bench.table->members;
+    const auto& members = edit.table->members;
     if (members.size() != 2 || members[1].size() != 1) return vertices;
     return parallel_collect<std::uint32_t>(
         vertices.size(), 256, threads,
         [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& far) {
-            InterfaceProbe probe = bench.probe;
+            InterfaceProbe probe = edit.probe;
             probe.focus(members[1]);
             for (std::size_t n = first; n < last; ++n) {
-                if (probe.distance(bench.mesh.point(vertices[n]), spike_mm) > spike_mm)
+                if (probe.distance(edit.mesh.point(vertices[n]), spike_mm) > spike_mm)
                     far.push_back(vertices[n]);
             }
         });
@@ -110,14 +110,14 @@ bool is_circle(const Rim& rim) {
 
 class SpikeRemoval {
   public:
-    SpikeRemoval(Workbench& bench, double spike_mm, double least_sine)
-        : bench_(bench), apex_mm_(spike_mm), least_sine_(least_sine) {}
+    SpikeRemoval(EditContext& edit, double spike_mm, double least_sine)
+        : edit_(edit), apex_mm_(spike_mm), least_sine_(least_sine) {}
 
     // Lowers the cells of each region at the vertex that stand out there, and those at the new vertices.
     void lower(std::uint32_t vertex) {
-        bench_.mesh.star(vertex, bench_.star);
+        edit_.mesh.star(vertex, edit_.star);
         std::vector<Region> regions;
-        for (const std::uint32_t c : bench_.star) regions.push_back(bench_.mesh.region(c));
+        for (const std::uint32_t c : edit_.star) regions.push_back(edit_.mesh.region(c));
         std::sort(regions.begin(), regions.end());
         regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
         for (const Region receding : regions) {
@@ -134,30 +134,30 @@ class SpikeRemoval {
         if (!look_at(apex, receding)) return std::nullopt;
         ++stats.found;
         std::optional<Vec3> to;
-        for (const double most : {bench_.options.max_radius_edge, bench_.options.last_radius_edge}) {
+        for (const double most : {edit_.options.max_radius_edge, edit_.options.last_radius_edge}) {
             if (!to) to = place_for(apex, most);
         }
         if (!to) return std::nullopt;
-        const auto next = static_cast<std::uint32_t>(bench_.mesh.point_count());
+        const auto next = static_cast<std::uint32_t>(edit_.mesh.point_count());
         make_cells(apex, next);
         if (!keeps_regions_whole(apex)) return std::nullopt;
-        const std::uint32_t v = bench_.add_point(*to);
-        if (!bench_.commit(receding_, bench_.cells, bench_.regions)) return std::nullopt;
+        const std::uint32_t v = edit_.add_point(*to);
+        if (!edit_.commit(receding_, edit_.cells, edit_.regions)) return std::nullopt;
         ++stats.removed;
         return v;
     }
 
     // Fills what is known of the apex, and turns the probe to the surfaces that would move.
     bool look_at(std::uint32_t apex, Region receding) {
-        bench_.mesh.star(apex, bench_.star);
+        edit_.mesh.star(apex, edit_.star);
         if (!find_rim(apex, receding) || !is_circle(rim_)) return false;
-        const Vec3 p = bench_.mesh.point(apex);
+        const Vec3 p = edit_.mesh.point(apex);
         base_ = {};
         for (const std::uint32_t c : receding_)
             base_ = base_ + (1 / static_cast<double>(receding_.size())) * opposite(c, apex);
-        const std::vector<std::uint32_t>& told = bench_.probe.members(p + inwards * (base_ - p));
+        const std::vector<std::uint32_t>& told = edit_.probe.members(p + inwards * (base_ - p));
         const auto taking = std::find_if(beyond_.begin(), beyond_.end(),
-                                         [&](Region r) { return bench_.table->members[r] == told; });
+                                         [&](Region r) { return edit_.table->members[r] == told; });
         if (taking == beyond_.end()) return false;
         region_ = *taking;
         return surfaces_are_far(p, receding);
@@ -168,17 +168,17 @@ class SpikeRemoval {
         receding_.clear();
         rim_.clear();
         beyond_.clear();
-        for (const std::uint32_t c : bench_.star) {
-            if (bench_.mesh.region(c) != receding) continue;
+        for (const std::uint32_t c : edit_.star) {
+            if (edit_.mesh.region(c) != receding) continue;
             receding_.push_back(c);
-            const Cell& cell = bench_.mesh.cell(c);
+            const Cell& cell = edit_.mesh.cell(c);
             for (int i = 0; i < 4; ++i) {
                 if (cell[i] == apex) continue;
-                const std::uint32_t n = bench_.mesh.neighbor(c, i);
+                const std::uint32_t n = edit_.mesh.neighbor(c, i);
                 if (n == no_cell) return false;
-                if (bench_.mesh.region(n) == receding) continue;
+                if (edit_.mesh.region(n) == receding) continue;
                 rim_.push_back(others_of_facet(cell, i, apex));
-                beyond_.push_back(bench_.mesh.region(n));
+                beyond_.push_back(edit_.mesh.region(n));
             }
         }
         return true;
@@ -187,35 +187,35 @@ class SpikeRemoval {
     // Whether all surfaces between the two regions are, and none that also goes elsewhere from the apex
     // would have to stay there.
     bool surfaces_are_far(Vec3 p, Region receding) {
-        const std::vector<std::uint32_t>&here = bench_.table->members[receding],
-              &there = bench_.table->members[region_];
+        const std::vector<std::uint32_t>&here = edit_.table->members[receding],
+              &there = edit_.table->members[region_];
         std::vector<std::uint32_t> moving;
         std::set_symmetric_difference(here.begin(), here.end(), there.begin(), there.end(),
                                       std::back_inserter(moving));
         for (const std::uint32_t s : moving) {
             const bool leaves = std::binary_search(here.begin(), here.end(), s);
-            const auto stays = [&](Region beyond) { return bench_.table->contains(beyond, s) == leaves; };
+            const auto stays = [&](Region beyond) { return edit_.table->contains(beyond, s) == leaves; };
             if (std::any_of(beyond_.begin(), beyond_.end(), stays)) return false;
-            bench_.probe.focus({&s, 1});
-            if (bench_.probe.distance(p) <= apex_mm_) return false;
+            edit_.probe.focus({&s, 1});
+            if (edit_.probe.distance(p) <= apex_mm_) return false;
         }
-        bench_.probe.focus(moving);
+        edit_.probe.focus(moving);
         return true;
     }
 
     // On the ways to the middles of the base of the cells that recede, and of the rim.
     std::optional<Vec3> place_for(std::uint32_t apex, double most_ratio) {
-        const Vec3 from = bench_.mesh.point(apex);
-        const double most_distance = gain * bench_.probe.distance(from), most_far = farthest(from);
+        const Vec3 from = edit_.mesh.point(apex);
+        const double most_distance = gain * edit_.probe.distance(from), most_far = farthest(from);
         Vec3 rim{};
         for (const auto& edge : rim_)
-            rim = rim + (1 / static_cast<double>(rim_.size())) * bench_.mesh.point(edge[0]);
+            rim = rim + (1 / static_cast<double>(rim_.size())) * edit_.mesh.point(edge[0]);
         double best = HUGE_VAL;
         std::optional<Vec3> to;
         for (const Vec3 foot : {base_, rim}) {
             for (const double share : shares) {
                 const Vec3 q = from + share * (foot - from);
-                const double distance = bench_.probe.distance(q);
+                const double distance = edit_.probe.distance(q);
                 if (distance > most_distance) continue;
                 const double far = farthest(q);
                 if (far > most_far || distance + far >= best || !may_be(apex, q, most_ratio)) continue;
@@ -228,43 +228,43 @@ class SpikeRemoval {
 
     Vec3 opposite(std::uint32_t c, std::uint32_t apex) const {
         Vec3 sum{};
-        for (const std::uint32_t v : bench_.mesh.cell(c)) {
-            if (v != apex) sum = sum + (1.0 / 3) * bench_.mesh.point(v);
+        for (const std::uint32_t v : edit_.mesh.cell(c)) {
+            if (v != apex) sum = sum + (1.0 / 3) * edit_.mesh.point(v);
         }
         return sum;
     }
 
     // Of the vertex at q and the middles of its facets from the field's surface.
     double farthest(Vec3 q) {
-        double distance = bench_.probe.distance(q);
+        double distance = edit_.probe.distance(q);
         for (const auto& [a, b] : rim_)
-            distance =
-                std::max(distance, bench_.facet_distance(q, bench_.mesh.point(a), bench_.mesh.point(b)));
+            distance = std::max(distance, edit_.facet_distance(q, edit_.mesh.point(a), edit_.mesh.point(b)));
         return distance;
     }
 
-    bool is_good(const std::array<Vec3, 4>& p, Region region, const Bar& bar, double most_ratio) const {
+    bool is_good(const std::array<Vec3, 4>& p, Region region, const QualityThreshold& threshold,
+                 double most_ratio) const {
         if (orient3d(p[0], p[1], p[2], p[3]) <= 0) return false;
         const CellMeasures m = measure_cell(p[0], p[1], p[2], p[3]);
-        if (region == 0) return m.least_sine() >= bench_.needed_outside_sine(bar);
+        if (region == 0) return m.least_sine() >= edit_.needed_outside_sine(threshold);
         return m.least_sine() >= least_sine_ && m.squared_ratio <= most_ratio * most_ratio;
     }
 
     // With the new vertex at q.
     bool may_be(std::uint32_t apex, Vec3 q, double most_ratio) const {
-        const Bar bar = bench_.bar_of(receding_);
-        const Vec3 p = bench_.mesh.point(apex);
+        const QualityThreshold threshold = edit_.threshold_of(receding_);
+        const Vec3 p = edit_.mesh.point(apex);
         for (const auto& [a, b] : rim_) {
-            if (!is_good({q, p, bench_.mesh.point(a), bench_.mesh.point(b)}, region_, bar, most_ratio))
+            if (!is_good({q, p, edit_.mesh.point(a), edit_.mesh.point(b)}, region_, threshold, most_ratio))
                 return false;
         }
         return std::all_of(receding_.begin(), receding_.end(), [&](std::uint32_t c) {
             std::array<Vec3, 4> corners;
             for (std::size_t i = 0; i < 4; ++i) {
-                const std::uint32_t v = bench_.mesh.cell(c)[i];
-                corners[i] = v == apex ? q : bench_.mesh.point(v);
+                const std::uint32_t v = edit_.mesh.cell(c)[i];
+                corners[i] = v == apex ? q : edit_.mesh.point(v);
             }
-            return is_good(corners, bench_.mesh.region(c), bar, most_ratio);
+            return is_good(corners, edit_.mesh.region(c), threshold, most_ratio);
         });
     }
 
@@ -284,13 +284,13 @@ class SpikeRemoval {
         const auto has_it = [&](const Cell& cell) {
             return std::find(cell.begin(), cell.end(), v) != cell.end();
         };
-        bench_.mesh.star(v, bench_.star);
-        for (const std::uint32_t c : bench_.star) {
+        edit_.mesh.star(v, edit_.star);
+        for (const std::uint32_t c : edit_.star) {
             if (std::find(receding_.begin(), receding_.end(), c) == receding_.end())
-                around_.push_back({bench_.mesh.cell(c), bench_.mesh.region(c) == region_});
+                around_.push_back({edit_.mesh.cell(c), edit_.mesh.region(c) == region_});
         }
-        for (std::size_t n = 0; n < bench_.cells.size(); ++n) {
-            if (has_it(bench_.cells[n])) around_.push_back({bench_.cells[n], bench_.regions[n] == region_});
+        for (std::size_t n = 0; n < edit_.cells.size(); ++n) {
+            if (has_it(edit_.cells[n])) around_.push_back({edit_.cells[n], edit_.regions[n] == region_});
         }
         return is_connected(true) && is_connected(false);
     }
@@ -320,20 +320,20 @@ class SpikeRemoval {
     }
 
     void make_cells(std::uint32_t apex, std::uint32_t v) {
-        bench_.cells.clear();
-        bench_.regions.clear();
+        edit_.cells.clear();
+        edit_.regions.clear();
         for (const std::uint32_t c : receding_) {
-            bench_.cells.push_back(bench_.mesh.cell(c));
-            std::replace(bench_.cells.back().begin(), bench_.cells.back().end(), apex, v);
-            bench_.regions.push_back(bench_.mesh.region(c));
+            edit_.cells.push_back(edit_.mesh.cell(c));
+            std::replace(edit_.cells.back().begin(), edit_.cells.back().end(), apex, v);
+            edit_.regions.push_back(edit_.mesh.region(c));
         }
         for (const auto& [a, b] : rim_) {
-            bench_.cells.push_back({v, apex, a, b});
-            bench_.regions.push_back(region_);
+            edit_.cells.push_back({v, apex, a, b});
+            edit_.regions.push_back(region_);
         }
     }
 
-    Workbench& bench_;
+    EditContext& edit_;
     double apex_mm_, least_sine_;
     std::vector<std::uint32_t> receding_;        // cells at the apex in a region that the field is not in
     Vec3 base_;                                  // the middle of their facets opposite the apex
@@ -345,10 +345,10 @@ class SpikeRemoval {
 
 }  // namespace
 
-SpikeStats remove_spikes(Workbench& bench, double spike_mm, double least_sine, int threads) {
-    if (!bench.table) return {};
-    SpikeRemoval lowering(bench, spike_mm, least_sine);
-    for (const std::uint32_t v : far_ones(bench, suspects(bench, threads), spike_mm, threads))
+SpikeStats remove_spikes(EditContext& edit, double spike_mm, double least_sine, int threads) {
+    if (!edit.table) return {};
+    SpikeRemoval lowering(edit, spike_mm, least_sine);
+    for (const std::uint32_t v : far_ones(edit, suspects(edit, threads), spike_mm, threads))
         lowering.lower(v);
     return lowering.stats;
 }

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 
 namespace anatomesh {
 
@@ -22,9 +22,9 @@ struct SpikeStats {
 // the two regions; others at the apex stay as they are, and so does the apex on them. Where several regions
 // lie beyond the facets it is done only if the one that grows stays bounded by a disc at each vertex
 // concerned. Done where the new vertex is nearer to the field's surface by a quarter and no facet further
-// from it, and where cells inside have at least `least_sine` and no ratio above the workbench's bound, or,
+// from it, and where cells inside have at least `least_sine` and no ratio above the edit context's bound, or,
 // where that fails, its last one. Guarantees: no vertex moves; all cells positive (checked exactly).
 // Complexity: O(cells), and the stars of the spikes.
-SpikeStats remove_spikes(Workbench& bench, double spike_mm, double least_sine, int threads);
+SpikeStats remove_spikes(EditContext& edit, double spike_mm, double least_sine, int threads);
 
 }  // namespace anatomesh

@@ -23,9 +23,9 @@ struct Removed {
 Removed removed(const LabelledCase& c, double spike_mm, int threads = 1) {
     std::vector<std::uint8_t> fixed = c.fixed;
     EditMesh mesh(c.mesh, cell_neighbors(c.mesh.cells, c.mesh.points.size()));
-    Workbench bench(mesh, fixed, {}, c.field, c.structures, {});
-    bench.table = &c.regions;
-    const SpikeStats stats = remove_spikes(bench, spike_mm, ten_degrees, threads);
+    EditContext edit(mesh, fixed, {}, c.field, c.structures, {});
+    edit.table = &c.regions;
+    const SpikeStats stats = remove_spikes(edit, spike_mm, ten_degrees, threads);
     std::vector<std::uint32_t> neighbors;
     TetMesh taken = std::move(mesh).take(neighbors);
     EXPECT_EQ(neighbors, cell_neighbors(taken.cells, taken.points.size()));

@@ -94,19 +94,19 @@ class SurfaceSides {
 
 class HandleRemoval {
   public:
-    HandleRemoval(Workbench& bench, const DrawnSlices& drawn, double reach_mm, double least_sine,
+    HandleRemoval(EditContext& edit, const DrawnSlices& drawn, double reach_mm, double least_sine,
                   const ImproveCells& improve, const RunContext& context)
-        : bench_(bench),
+        : edit_(edit),
           drawn_(drawn),
           reach_mm_(reach_mm),
-          shapes_(bench, drawn, least_sine),
+          shapes_(edit, drawn, least_sine),
           improve_(improve),
           context_(context) {
-        if (!drawn.planes.empty()) areas_.emplace(bench, drawn);
+        if (!drawn.planes.empty()) areas_.emplace(edit, drawn);
     }
 
     HandleRemovalStats run() {
-        for (const std::vector<std::uint32_t>& members : bench_.table->members) {
+        for (const std::vector<std::uint32_t>& members : edit_.table->members) {
             if (!members.empty()) structures_ = std::max(structures_, members.back() + 1);
         }
         for (structure_ = 0; structure_ < structures_; ++structure_) close_all();
@@ -119,7 +119,7 @@ class HandleRemoval {
     using Parts = std::array<std::size_t, 2>;
 
     bool has(std::uint32_t c, std::uint32_t structure) const {
-        return bench_.table->contains(bench_.mesh.region(c), structure);
+        return edit_.table->contains(edit_.mesh.region(c), structure);
     }
     bool is_enough() const { return context_.cancelled() || improved_ >= most_closed_in_vain; }
 
@@ -129,9 +129,9 @@ class HandleRemoval {
         for (bool first = true;; first = false) {
             const std::vector<Triangle> surface = surface_of_structure();
             if (surface.empty() || surface_topology(surface).genus <= 0) return;
-            std::vector<Vec3> points(bench_.mesh.point_count());
+            std::vector<Vec3> points(edit_.mesh.point_count());
             for (const Triangle& t : surface) {
-                for (const std::uint32_t v : t) points[v] = bench_.mesh.point(v);
+                for (const std::uint32_t v : t) points[v] = edit_.mesh.point(v);
             }
             const std::vector<SmallHandles> parts = spurious_handles(
                 points, surface, structure_, {drawn_.routable.contours, drawn_.routable.vertices}, reach_mm_);
@@ -151,11 +151,11 @@ class HandleRemoval {
 
     std::vector<Triangle> surface_of_structure() const {
         std::vector<Triangle> surface;
-        for (const std::uint32_t c : bench_.mesh.alive_cells()) {
+        for (const std::uint32_t c : edit_.mesh.alive_cells()) {
             if (!has(c, structure_)) continue;
-            const Cell& cell = bench_.mesh.cell(c);
+            const Cell& cell = edit_.mesh.cell(c);
             for (int i = 0; i < 4; ++i) {
-                const std::uint32_t other = bench_.mesh.neighbor(c, i);
+                const std::uint32_t other = edit_.mesh.neighbor(c, i);
                 if (other != no_cell && has(other, structure_)) continue;
                 const auto& f = facet_vertices[i];
                 surface.push_back({cell[f[0]], cell[f[1]], cell[f[2]]});
@@ -166,7 +166,7 @@ class HandleRemoval {
 
     // One handle among the vertices, by the cheapest membrane that does it.
     bool close(const std::vector<std::uint32_t>& vertices, const SurfaceSides& sides) {
-        const auto is_subsegment = [&](std::uint32_t a, std::uint32_t b) { return bench_.fixed_edge(a, b); };
+        const auto is_subsegment = [&](std::uint32_t a, std::uint32_t b) { return edit_.fixed_edge(a, b); };
         const RimSides rim_sides = [&](std::uint32_t before, std::uint32_t v, std::uint32_t next) {
             return sides.taken_at(before, v, next, is_subsegment);
         };
@@ -176,7 +176,7 @@ class HandleRemoval {
         std::vector<std::pair<Membrane, Region>> membranes;
         for (const bool side : {false, true}) {
             for (Membrane& membrane :
-                 find_membranes_across(bench_, structure_, side, vertices, rim_sides, closes_a_handle)) {
+                 find_membranes_across(edit_, structure_, side, vertices, rim_sides, closes_a_handle)) {
                 if (const std::optional<Region> own = region_of(membrane))
                     membranes.push_back({std::move(membrane), *own});
             }
@@ -190,24 +190,24 @@ class HandleRemoval {
     // Of the cells at the membrane's first facet, if it is one.
     std::optional<Region> region_of(const Membrane& membrane) {
         const auto& [a, b, c] = membrane.facets.front();
-        bench_.mesh.star(a, bench_.star);
+        edit_.mesh.star(a, edit_.star);
         std::optional<Region> found;
-        for (const std::uint32_t cell : bench_.star) {
-            const Cell& v = bench_.mesh.cell(cell);
+        for (const std::uint32_t cell : edit_.star) {
+            const Cell& v = edit_.mesh.cell(cell);
             if (std::find(v.begin(), v.end(), b) == v.end() || std::find(v.begin(), v.end(), c) == v.end())
                 continue;
-            if (found && *found != bench_.mesh.region(cell)) return std::nullopt;
-            found = bench_.mesh.region(cell);
+            if (found && *found != edit_.mesh.region(cell)) return std::nullopt;
+            found = edit_.mesh.region(cell);
         }
         return found;
     }
 
     Parts parts_of(std::uint32_t structure) const {
-        DisjointSets sets(bench_.mesh.cell_count());
-        const std::vector<std::uint32_t> all = bench_.mesh.alive_cells();
+        DisjointSets sets(edit_.mesh.cell_count());
+        const std::vector<std::uint32_t> all = edit_.mesh.alive_cells();
         for (const std::uint32_t c : all) {
             for (int i = 0; i < 4; ++i) {
-                const std::uint32_t other = bench_.mesh.neighbor(c, i);
+                const std::uint32_t other = edit_.mesh.neighbor(c, i);
                 if (other < c && has(other, structure) == has(c, structure)) sets.join(c, other);
             }
         }
@@ -219,9 +219,9 @@ class HandleRemoval {
     // Of the structures of regions at the membrane: no other one changes.
     void note_parts_at(const Membrane& membrane) {
         for (const std::uint32_t v : membrane.vertices()) {
-            bench_.mesh.star(v, bench_.star);
-            for (const std::uint32_t c : bench_.star) {
-                for (const std::uint32_t s : bench_.table->members[bench_.mesh.region(c)]) {
+            edit_.mesh.star(v, edit_.star);
+            for (const std::uint32_t c : edit_.star) {
+                for (const std::uint32_t s : edit_.table->members[edit_.mesh.region(c)]) {
                     if (!parts_before_.contains(s)) parts_before_[s] = parts_of(s);
                 }
             }
@@ -252,11 +252,11 @@ class HandleRemoval {
     enum class Outcome { done, unsound, bad };
 
     Outcome attempt(const Membrane& membrane, Region own, const Way& way) {
-        const DihedralStats stats = bench_.stats;
-        bench_.mesh.begin_attempt();
+        const DihedralStats stats = edit_.stats;
+        edit_.mesh.begin_attempt();
         const Outcome outcome = change(membrane, own, way);
-        bench_.mesh.end_attempt(outcome == Outcome::done);
-        if (outcome != Outcome::done) bench_.stats = stats;
+        edit_.mesh.end_attempt(outcome == Outcome::done);
+        if (outcome != Outcome::done) edit_.stats = stats;
         return outcome;
     }
 
@@ -264,7 +264,7 @@ class HandleRemoval {
         const Chain chain{{vertex_of_contour(membrane)}, structure_};
         const MembraneAcross across{way.side, {}, {}};
         std::optional<RelabelledNeighborhood> made =
-            relabel_membrane_neighborhood(bench_, *drawn_.owners, chain, membrane, own, way.reach,
+            relabel_membrane_neighborhood(edit_, *drawn_.owners, chain, membrane, own, way.reach,
                                           way.thickness, areas_ ? &*areas_ : nullptr, &across);
         const auto is_whole = [&](std::uint32_t s) { return parts_of(s) == parts_before_.at(s); };
         if (!made || std::find(made->parted.begin(), made->parted.end(), structure_) == made->parted.end() ||
@@ -290,10 +290,10 @@ class HandleRemoval {
         return found == membrane.path.end() ? membrane.path.front() : *found;
     }
 
-    Workbench& bench_;
+    EditContext& edit_;
     const DrawnSlices& drawn_;
     double reach_mm_;
-    ShapesKept shapes_;
+    QualityBudget shapes_;
     const ImproveCells& improve_;
     const RunContext& context_;
     std::optional<SectionAreas> areas_;
@@ -305,11 +305,11 @@ class HandleRemoval {
 
 }  // namespace
 
-HandleRemovalStats remove_spurious_handles(Workbench& bench, const DrawnSlices& drawn, double reach_mm,
+HandleRemovalStats remove_spurious_handles(EditContext& edit, const DrawnSlices& drawn, double reach_mm,
                                            double least_sine, const ImproveCells& improve,
                                            const RunContext& context) {
     if (!drawn.table || !drawn.owners) return {};
-    return HandleRemoval(bench, drawn, reach_mm, least_sine, improve, context).run();
+    return HandleRemoval(edit, drawn, reach_mm, least_sine, improve, context).run();
 }
 
 }  // namespace anatomesh

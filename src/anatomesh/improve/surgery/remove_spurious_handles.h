@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/improve/core/cell_judge.h"
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
+#include "anatomesh/improve/core/quality_gate.h"
 #include "anatomesh/improve/surgery/spurious_handles.h"
 
 namespace anatomesh {
@@ -25,13 +25,13 @@ struct HandleRemovalStats {
 // structure or a region, is not one disc at each vertex concerned, if that of the structure has not one
 // handle less in the same number of shells and others are not as they were, if a contour vertex or subsegment
 // leaves the surface of its structure, if cuts by slices get worse, if an interface there is farther than the
-// workbench's `spike_mm` from the field's, if a changed cell inside is worse than cell_judge.h allows, or if
-// more cells than before, and than 0.3 % of those inside, are above the workbench's first bound.
+// edit context's `spike_mm` from the field's, if a changed cell inside is worse than quality_gate.h allows,
+// or if more cells than before, and than 0.3 % of those inside, are above the edit context's first bound.
 // `drawn.routable`: of all contours. Guarantees: all cells positive (checked exactly); no vertex moves but
 // by `improve`. Same result every time. Complexity: as small_handles() and O(cells) for each handle removed,
 // and the shapes of the cells of 60 membranes tried in vain at most. Errors: none; a cancelled run stops.
 // Requires: reach_mm > 0; surfaces of structures that are closed manifolds.
-HandleRemovalStats remove_spurious_handles(Workbench& bench, const DrawnSlices& drawn, double reach_mm,
+HandleRemovalStats remove_spurious_handles(EditContext& edit, const DrawnSlices& drawn, double reach_mm,
                                            double least_sine, const ImproveCells& improve,
                                            const RunContext& context);
 

@@ -101,14 +101,14 @@ struct Grid {
         DihedralOptions options;
         options.spike_mm = 10;
         options.max_radius_edge = options.last_radius_edge = 100;
-        Workbench bench(edited, fixed, edges, field, 2, options);
-        bench.table = &table;
+        EditContext edit(edited, fixed, edges, field, 2, options);
+        edit.table = &table;
         DrawnSlices drawn{&table, slice_of, &owners};
         if (told) {
             drawn.routable.contours = contours;
             drawn.routable.vertices = contour_vertices;
         }
-        stats = remove_spurious_handles(bench, drawn, reach_mm, least_sine, improve, {});
+        stats = remove_spurious_handles(edit, drawn, reach_mm, least_sine, improve, {});
         mesh = std::move(edited).take(neighbors);
         fixtures::expect_sound_mesh(mesh, before);
         expect_contours();

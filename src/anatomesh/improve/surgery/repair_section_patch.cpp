@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/improve/core/cell_judge.h"
-#include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/core/quality_gate.h"
 #include "anatomesh/improve/core/surface_count.h"
+#include "anatomesh/improve/core/surface_incidence.h"
 #include "anatomesh/improve/sections/cross_section_errors.h"
 #include "anatomesh/improve/sections/section_areas.h"
 #include "anatomesh/improve/surgery/relabel_membrane_neighborhood.h"
@@ -38,20 +38,20 @@ constexpr std::array repaired_reaches{MembraneReach::wide, MembraneReach::joined
 
 class SectionPatchRepair {
   public:
-    SectionPatchRepair(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+    SectionPatchRepair(EditContext& edit, const DrawnSlices& drawn, double least_sine,
                        const ImproveCells& improve, const RunContext& context)
-        : bench_(bench),
+        : edit_(edit),
           context_(context),
           drawn_(drawn),
-          areas_(bench, drawn),
-          components_(bench, *drawn.owners, most_of_component),
-          sides_(bench),
+          areas_(edit, drawn),
+          components_(edit, *drawn.owners, most_of_component),
+          incidence_(edit),
           least_sine_(least_sine),
           improve_(improve) {}
 
     PatchRepairStats run(const std::vector<std::uint32_t>* look) {
         if (!look) {
-            errors_.emplace(bench_, areas_, bench_.mesh.alive_cells(), context_.threads);
+            errors_.emplace(edit_, areas_, edit_.mesh.alive_cells(), context_.threads);
         } else if (!find_errors_from(*look)) {
             return {};
         }
@@ -63,7 +63,7 @@ class SectionPatchRepair {
         if (cuts.size() > most_cuts) return {};
         std::stable_sort(cuts.begin(), cuts.end(),
                          [&](std::size_t a, std::size_t b) { return sums[a] > sums[b]; });
-        shapes_.emplace(bench_, drawn_, least_sine_);
+        shapes_.emplace(edit_, drawn_, least_sine_);
         for (const std::size_t cut : cuts) repair_section(cut);
         return std::move(stats_);
     }
@@ -81,9 +81,9 @@ class SectionPatchRepair {
 
     // Of these cells and those round them at first, then, if a cut is not fine, of all; false if all are.
     bool find_errors_from(std::vector<std::uint32_t> cells) {
-        std::erase_if(cells, [&](std::uint32_t c) { return !bench_.mesh.alive(c); });
+        std::erase_if(cells, [&](std::uint32_t c) { return !edit_.mesh.alive(c); });
         cells = areas_.cells_round(cells);
-        errors_.emplace(bench_, areas_, cells, context_.threads);
+        errors_.emplace(edit_, areas_, cells, context_.threads);
         const std::span<const double> sums = errors_->sums();
         if (std::all_of(sums.begin(), sums.end(), [](double sum) { return sum <= much_of_cut; }))
             return false;
@@ -104,7 +104,7 @@ class SectionPatchRepair {
     bool repair_one(std::size_t cut, bool may_part) {
         const auto structure = static_cast<std::uint32_t>(cut / drawn_.planes.size()),
                    plane = static_cast<std::uint32_t>(cut % drawn_.planes.size());
-        for (const SectionPatch& patch : find_patches(bench_, areas_, structure, plane, context_.threads)) {
+        for (const SectionPatch& patch : find_patches(edit_, areas_, structure, plane, context_.threads)) {
             if (patch.wrong < worth_a_patch || is_enough()) break;
             ++stats_.patches_found;
             if (!repair_patch(patch, cut, may_part)) continue;
@@ -116,7 +116,7 @@ class SectionPatchRepair {
 
     // Whether the patch is of the structure; it goes to the other side.
     bool is_inside(const SectionPatch& patch) const {
-        return bench_.table->contains(patch.own, patch.structure);
+        return edit_.table->contains(patch.own, patch.structure);
     }
 
     // Where the structure is not parted a handle went, or a tunnel. What came off and no contour has goes
@@ -142,16 +142,16 @@ class SectionPatchRepair {
     }
 
     bool relabel_component(const std::vector<std::uint32_t>& component, const SectionPatch& patch) {
-        const double most = bench_.options.spike_mm;
-        bench_.look_between(patch.own, patch.to);
+        const double most = edit_.options.spike_mm;
+        edit_.look_between(patch.own, patch.to);
         for (const std::uint32_t c : component) {
-            if (bench_.mesh.region(c) != patch.own) return false;
-            for (const std::uint32_t v : bench_.mesh.cell(c)) {
-                if (bench_.probe.distance(bench_.mesh.point(v), most) > most) return false;
+            if (edit_.mesh.region(c) != patch.own) return false;
+            for (const std::uint32_t v : edit_.mesh.cell(c)) {
+                if (edit_.probe.distance(edit_.mesh.point(v), most) > most) return false;
             }
         }
-        SurfaceCount count(bench_, *drawn_.owners, component, patch.to);
-        for (const std::uint32_t c : component) bench_.mesh.set_region(c, patch.to);
+        SurfaceCount count(edit_, *drawn_.owners, component, patch.to);
+        for (const std::uint32_t c : component) edit_.mesh.set_region(c, patch.to);
         return count.figures().excess == 0 && count.newly_lost() == 0;
     }
 
@@ -180,33 +180,33 @@ class SectionPatchRepair {
     }
 
     Outcome attempt(const SectionPatch& patch, std::size_t cut, const Way& way, bool may_part) {
-        const DihedralStats stats = bench_.stats;
-        bench_.mesh.begin_attempt();
+        const DihedralStats stats = edit_.stats;
+        edit_.mesh.begin_attempt();
         const Outcome outcome = change(patch, cut, way, may_part);
-        bench_.mesh.end_attempt(outcome == Outcome::done);
-        if (outcome != Outcome::done) bench_.stats = stats;
+        edit_.mesh.end_attempt(outcome == Outcome::done);
+        if (outcome != Outcome::done) edit_.stats = stats;
         return outcome;
     }
 
     Outcome change(const SectionPatch& patch, std::size_t cut, const Way& way, bool may_part) {
         std::uint64_t spurious = 0;
-        const auto first_new = static_cast<std::uint32_t>(bench_.mesh.point_count());
-        const Membrane membrane = membrane_of_patch(bench_, areas_, patch, way.near);
+        const auto first_new = static_cast<std::uint32_t>(edit_.mesh.point_count());
+        const Membrane membrane = membrane_of_patch(edit_, areas_, patch, way.near);
         const std::optional<std::uint32_t> end = vertex_on_surface(membrane, patch.structure);
         if (!end) return Outcome::unsound;
         const Chain chain{{*end}, patch.structure};
         const MembraneAcross across{MembraneSides::both, areas_.plane(patch.plane).normal, patch.to};
         std::optional<RelabelledNeighborhood> made = relabel_membrane_neighborhood(
-            bench_, *drawn_.owners, chain, membrane, patch.own, way.reach, way.thickness, nullptr, &across);
+            edit_, *drawn_.owners, chain, membrane, patch.own, way.reach, way.thickness, nullptr, &across);
         if (!made) return Outcome::unsound;
         std::vector<std::uint32_t> changed = std::move(made->changed);
         if (!made->parted.empty() && !may_be_parted(patch, may_part, first_new, changed, spurious))
             return Outcome::unsound;
         if (made->joins && (!may_part || !joins_parts(patch, first_new))) return Outcome::unsound;
         // Those round the edges that pass through the patch too.
-        for (auto v = first_new; v < bench_.mesh.point_count(); ++v) {
-            bench_.mesh.star(v, bench_.star);
-            changed.insert(changed.end(), bench_.star.begin(), bench_.star.end());
+        for (auto v = first_new; v < edit_.mesh.point_count(); ++v) {
+            edit_.mesh.star(v, edit_.star);
+            changed.insert(changed.end(), edit_.star.begin(), edit_.star.end());
         }
         sort_distinct(changed);
         const std::vector<std::uint32_t> improved = improve_(changed);
@@ -227,7 +227,7 @@ class SectionPatchRepair {
     bool lessens(const SectionPatch& patch, std::size_t cut) {
         const double gained = enough_less * patch.wrong;
         const std::span<const double> before = errors_->sums(),
-                                      after = errors_->sums_after(bench_.mesh.changed_cells());
+                                      after = errors_->sums_after(edit_.mesh.changed_cells());
         for (std::size_t other = 0; other < after.size(); ++other) {
             const double most = other == cut
                                     ? before[cut] - gained
@@ -241,13 +241,13 @@ class SectionPatchRepair {
     double farthest_round(const SectionPatch& patch) {
         std::vector<std::uint32_t> vertices, cells;
         for (const SectionAreas::Section& section : patch.sections) {
-            const Cell& cell = bench_.mesh.cell(section.cell);
+            const Cell& cell = edit_.mesh.cell(section.cell);
             vertices.insert(vertices.end(), cell.begin(), cell.end());
         }
         sort_distinct(vertices);
         for (const std::uint32_t v : vertices) {
-            bench_.mesh.star(v, bench_.star);
-            cells.insert(cells.end(), bench_.star.begin(), bench_.star.end());
+            edit_.mesh.star(v, edit_.star);
+            cells.insert(cells.end(), edit_.star.begin(), edit_.star.end());
         }
         sort_distinct(cells);
         return shapes_->farthest_of(cells);
@@ -257,23 +257,23 @@ class SectionPatchRepair {
     std::optional<std::uint32_t> vertex_on_surface(const Membrane& membrane, std::uint32_t structure) {
         std::optional<std::uint32_t> found;
         for (const std::uint32_t v : membrane.vertices()) {
-            if (!sides_.on_surface(v, structure)) continue;
+            if (!incidence_.on_surface(v, structure)) continue;
             if (drawn_.owners->has(v, structure)) return v;
             if (!found) found = v;
         }
         return found;
     }
 
-    Workbench& bench_;
+    EditContext& edit_;
     const RunContext& context_;
     const DrawnSlices& drawn_;
     SectionAreas areas_;
     StructureComponents components_;
-    SidesAt sides_;
+    SurfaceIncidence incidence_;
     double least_sine_;
     const ImproveCells& improve_;
     std::optional<CrossSectionErrors> errors_;
-    std::optional<ShapesKept> shapes_;
+    std::optional<QualityBudget> shapes_;
     double farthest_mm_ = 0;                      // from the field's, that surfaces of this patch may be
     std::size_t improved_ = 0, tried_ = 0;        // ways, the first in vain
     std::size_t worked_on_ = 0, before_cut_ = 0;  // cells; those before this cut
@@ -282,11 +282,11 @@ class SectionPatchRepair {
 
 }  // namespace
 
-PatchRepairStats repair_section_patch(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+PatchRepairStats repair_section_patch(EditContext& edit, const DrawnSlices& drawn, double least_sine,
                                       const ImproveCells& improve, const RunContext& context,
                                       const std::vector<std::uint32_t>* look) {
     if (!drawn.table || !drawn.owners || drawn.planes.empty()) return {};
-    return SectionPatchRepair(bench, drawn, least_sine, improve, context).run(look);
+    return SectionPatchRepair(edit, drawn, least_sine, improve, context).run(look);
 }
 
 }  // namespace anatomesh

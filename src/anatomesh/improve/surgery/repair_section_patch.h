@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "anatomesh/base/run_context.h"
-#include "anatomesh/improve/core/cell_judge.h"
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
+#include "anatomesh/improve/core/quality_gate.h"
 
 namespace anatomesh {
 
@@ -27,15 +27,15 @@ struct PatchRepairStats {
 // as the slice has it, each with a vertex of a contour of its; and two less, for such a cut, where parts of
 // it, or of what is not it, that were apart are joined -, if a contour vertex or subsegment leaves the
 // surface of its structure, if the cut does not lose half of what is wrong in the patch, or another one gets
-// worse by as much, or comes near to 0.1 %, if an interface there is farther than the workbench's `spike_mm`
-// from the field's, if a changed cell inside is worse than cell_judge.h allows, or if more cells than before,
-// and than 0.3 % of those inside, are above the workbench's first bound. The worst cuts come first.
-// Guarantees: all cells positive (checked exactly); no vertex moves but by `improve`. Same result every time.
-// Complexity: O(cells) for each cut concerned and each patch repaired, and the shapes of the cells of a
-// hundred patches tried in vain at most, and, where planes cross, of 5,000 cells for one cut and 20,000 in
-// all. Errors: none; a cancelled run stops. `look`: nothing is wrong but in cells that share a vertex with
-// one of these, in any order, such that are gone allowed; null: in any.
-PatchRepairStats repair_section_patch(Workbench& bench, const DrawnSlices& drawn, double least_sine,
+// worse by as much, or comes near to 0.1 %, if an interface there is farther than the edit context's
+// `spike_mm` from the field's, if a changed cell inside is worse than quality_gate.h allows, or if more cells
+// than before, and than 0.3 % of those inside, are above the edit context's first bound. The worst cuts come
+// first. Guarantees: all cells positive (checked exactly); no vertex moves but by `improve`. Same result
+// every time. Complexity: O(cells) for each cut concerned and each patch repaired, and the shapes of the
+// cells of a hundred patches tried in vain at most, and, where planes cross, of 5,000 cells for one cut and
+// 20,000 in all. Errors: none; a cancelled run stops. `look`: nothing is wrong but in cells that share a
+// vertex with one of these, in any order, such that are gone allowed; null: in any.
+PatchRepairStats repair_section_patch(EditContext& edit, const DrawnSlices& drawn, double least_sine,
                                       const ImproveCells& improve, const RunContext& context,
                                       const std::vector<std::uint32_t>* look = nullptr);
 

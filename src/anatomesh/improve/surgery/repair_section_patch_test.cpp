@@ -86,16 +86,16 @@ struct Block {
         DihedralOptions options;
         options.spike_mm = 10;
         options.max_radius_edge = options.last_radius_edge = 100;
-        Workbench bench(edited, fixed, contour, field, 1, options);
-        bench.table = &table;
+        EditContext edit(edited, fixed, contour, field, 1, options);
+        edit.table = &table;
         const DrawnSlices drawn{&table, slice_of, &owners, planes, {}, weights, 1e-9};
-        SectionAreas areas(bench, drawn);
+        SectionAreas areas(edit, drawn);
         const auto wrong = [&] {
             areas.sum_cuts(edited.alive_cells());
             return areas.sums()[0];
         };
         std::array<double, 2> shares{wrong(), 0};
-        stats = repair_section_patch(bench, drawn, least_sine, improve, {});
+        stats = repair_section_patch(edit, drawn, least_sine, improve, {});
         shares[1] = wrong();
         mesh = std::move(edited).take(neighbors);
         return shares;
@@ -333,17 +333,17 @@ TEST(RepairSectionPatch, surfaces_stay_manifolds_and_no_cut_gets_worse_whatever_
         DihedralOptions options;
         options.spike_mm = 10;
         options.max_radius_edge = options.last_radius_edge = 100;
-        Workbench bench(edited, made.fixed, {}, made.field, made.structures, options);
-        bench.table = &made.regions;
+        EditContext edit(edited, made.fixed, {}, made.field, made.structures, options);
+        edit.table = &made.regions;
         const DrawnSlices drawn{&made.regions, slice_of, &owners, planes, {}, weights, 1e-9};
-        SectionAreas areas(bench, drawn);
+        SectionAreas areas(edit, drawn);
         const auto sums = [&] {
             areas.sum_cuts(edited.alive_cells());
             return std::vector<double>(areas.sums().begin(), areas.sums().end());
         };
         const std::vector<double> wrong = sums();
         const PatchRepairStats stats = repair_section_patch(
-            bench, drawn, any_shape, [](auto) { return std::vector<std::uint32_t>{}; }, {});
+            edit, drawn, any_shape, [](auto) { return std::vector<std::uint32_t>{}; }, {});
         const std::vector<double> after = sums();
         repaired += stats.patches_repaired;
         for (std::size_t cut = 0; cut < wrong.size(); ++cut)

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/improve/core/cell_before.h"
-#include "anatomesh/improve/core/parts_at.h"
-#include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/core/cell_snapshot.h"
+#include "anatomesh/improve/core/star_components.h"
+#include "anatomesh/improve/core/surface_incidence.h"
 
 namespace anatomesh {
 
@@ -22,8 +22,8 @@ constexpr std::size_t price_of_contours = 4, price_of_others = 3;
 
 class PinchResolution {
   public:
-    PinchResolution(Workbench& bench, const PinchedSides& joined)
-        : bench_(bench), joined_(joined), sides_(bench) {}
+    PinchResolution(EditContext& edit, const PinchedSides& joined)
+        : edit_(edit), joined_(joined), incidence_(edit) {}
 
     std::optional<std::vector<std::uint32_t>> run(std::vector<std::uint32_t> relabelled) {
         for (const std::uint32_t c : relabelled) go(c);
@@ -35,31 +35,31 @@ class PinchResolution {
             relabelled = cells_gone();
         }
         for (const std::uint32_t c : relabelled)
-            bench_.mesh.set_region(c, find_before(gone_, bench_.mesh, c)->region);
+            edit_.mesh.set_region(c, find_snapshot(gone_, edit_.mesh, c)->region);
         return relabelled;
     }
 
   private:
-    bool is_own(std::uint32_t c) const { return bench_.mesh.region(c) == joined_.own; }
-    bool is_across(std::uint32_t c) const { return bench_.mesh.region(c) == joined_.to; }
+    bool is_own(std::uint32_t c) const { return edit_.mesh.region(c) == joined_.own; }
+    bool is_across(std::uint32_t c) const { return edit_.mesh.region(c) == joined_.to; }
     bool has_gone(std::uint32_t c) const {
-        return is_across(c) && find_before(gone_, bench_.mesh, c) != nullptr;
+        return is_across(c) && find_snapshot(gone_, edit_.mesh, c) != nullptr;
     }
 
     void go(std::uint32_t c) {
-        gone_.push_back(CellBefore::of(bench_.mesh, c));
-        bench_.mesh.set_region(c, joined_.to);
+        gone_.push_back(CellSnapshot::of(edit_.mesh, c));
+        edit_.mesh.set_region(c, joined_.to);
     }
 
     // All of them, at vertices of the membrane, new ones, and those near which more went.
     std::vector<std::uint32_t> cells_gone() {
         std::vector<std::uint32_t> look(joined_.membrane.begin(), joined_.membrane.end()), found;
-        for (auto v = joined_.first_new; v < bench_.mesh.point_count(); ++v) look.push_back(v);
+        for (auto v = joined_.first_new; v < edit_.mesh.point_count(); ++v) look.push_back(v);
         look.insert(look.end(), near_.begin(), near_.end());
         sort_distinct(look);
         for (const std::uint32_t v : look) {
-            bench_.mesh.star(v, bench_.star);
-            std::copy_if(bench_.star.begin(), bench_.star.end(), std::back_inserter(found),
+            edit_.mesh.star(v, edit_.star);
+            std::copy_if(edit_.star.begin(), edit_.star.end(), std::back_inserter(found),
                          [&](std::uint32_t c) { return is_across(c); });
         }
         sort_distinct(found);
@@ -70,22 +70,22 @@ class PinchResolution {
     bool join_at_edges(const std::vector<std::uint32_t>& relabelled) {
         std::vector<std::array<std::uint32_t, 2>> edges;
         for (const std::uint32_t c : relabelled) {
-            const Cell& cell = bench_.mesh.cell(c);
+            const Cell& cell = edit_.mesh.cell(c);
             for (const auto& [i, j] : cell_edges)
                 edges.push_back({std::min(cell[i], cell[j]), std::max(cell[i], cell[j])});
         }
         sort_distinct(edges);
         return std::all_of(edges.begin(), edges.end(), [&](const auto& edge) {
-            if (!sides_.find_ring(edge[0], edge[1])) return true;
+            if (!incidence_.find_ring(edge[0], edge[1])) return true;
             const std::vector<std::uint32_t> between = fewest_between();
             return between.empty() || relabel_near({edge[0], edge[1]}, between);
         });
     }
 
-    // Of the bench's ring, cells that may go, from what goes on to others of the other side; none, if it is
+    // Of the context's ring, cells that may go, from what goes on to others of the other side; none, if it is
     // in one part.
     std::vector<std::uint32_t> fewest_between() const {
-        const std::vector<std::uint32_t>& ring = bench_.ring.cells;
+        const std::vector<std::uint32_t>& ring = edit_.ring.cells;
         const auto first =
             std::find_if(ring.begin(), ring.end(), [&](std::uint32_t c) { return is_across(c); });
         if (first == ring.end() ||
@@ -113,32 +113,33 @@ class PinchResolution {
     bool join_at_vertices(const std::vector<std::uint32_t>& relabelled) {
         std::vector<std::uint32_t> vertices;
         for (const std::uint32_t c : relabelled)
-            vertices.insert(vertices.end(), bench_.mesh.cell(c).begin(), bench_.mesh.cell(c).end());
+            vertices.insert(vertices.end(), edit_.mesh.cell(c).begin(), edit_.mesh.cell(c).end());
         sort_distinct(vertices);
         return std::all_of(vertices.begin(), vertices.end(), [&](std::uint32_t v) { return join_at(v); });
     }
 
     bool join_at(std::uint32_t v) {
-        const auto parts = parts_at(bench_, v, [&](std::uint32_t c) { return is_across(c); });
+        const auto parts = star_components(edit_, v, [&](std::uint32_t c) { return is_across(c); });
         const auto first = std::find_if(parts.begin(), parts.end(), [&](const auto& part) {
             return std::any_of(part.begin(), part.end(), [&](std::uint32_t c) { return has_gone(c); });
         });
         if (first == parts.end()) return true;
         if (parts.size() > 1 && !relabel_near({v}, way_between(v, *first))) return false;
         for (const Region region : regions_at(v)) {
-            const auto is_of = [&](std::uint32_t c) { return bench_.mesh.region(c) == region; };
+            const auto is_of = [&](std::uint32_t c) { return edit_.mesh.region(c) == region; };
             if (region != joined_.to && !leave_one_part(v, is_of)) return false;
         }
-        const bool side = bench_.table->contains(joined_.own, joined_.structure);
-        return leave_one_part(v, [&](std::uint32_t c) { return sides_.has(c, joined_.structure) == side; }) &&
+        const bool side = edit_.table->contains(joined_.own, joined_.structure);
+        return leave_one_part(
+                   v, [&](std::uint32_t c) { return incidence_.has(c, joined_.structure) == side; }) &&
                leave_one_part(v, [&](std::uint32_t c) { return !is_across(c); });
     }
 
     // Of the cells at the vertex that a way parts.
     template <class Is>
     bool leave_one_part(std::uint32_t v, const Is& is) {
-        const std::vector<std::vector<std::uint32_t>> parts = parts_at(bench_, v, is);
-        const auto stays = worthiest_at(bench_, v, parts);
+        const std::vector<std::vector<std::uint32_t>> parts = star_components(edit_, v, is);
+        const auto stays = worthiest_at(edit_, v, parts);
         for (auto part = parts.begin(); part != parts.end(); ++part) {
             if (part != stays && !relabel_near({v}, *part)) return false;
         }
@@ -148,39 +149,39 @@ class PinchResolution {
     // What of the cells is near their vertex, or their edge. False where a cell would not be positive.
     bool relabel_near(std::initializer_list<std::uint32_t> vertices,
                       const std::vector<std::uint32_t>& cells) {
-        std::vector<CellBefore> were;
+        std::vector<CellSnapshot> were;
         std::vector<std::uint32_t> ends, star;
         for (const std::uint32_t c : cells) {
-            were.push_back(CellBefore::of(bench_.mesh, c));
+            were.push_back(CellSnapshot::of(edit_.mesh, c));
             ends.insert(ends.end(), were.back().cell.begin(), were.back().cell.end());
         }
         sort_distinct(ends);
         for (const std::uint32_t v : vertices) std::erase(ends, v);
         for (const std::uint32_t v : vertices) {
             for (const std::uint32_t x : ends) {
-                if (sides_.find_ring(v, x) && !bench_.fixed_edge(v, x) && !cut(v, x)) return false;
+                if (incidence_.find_ring(v, x) && !edit_.fixed_edge(v, x) && !cut(v, x)) return false;
             }
         }
         near_.insert(near_.end(), vertices.begin(), vertices.end());
         for (const std::uint32_t v : vertices) {
-            bench_.mesh.star(v, star);
+            edit_.mesh.star(v, star);
             for (const std::uint32_t c : star) {
-                if (!is_across(c) && find_before(were, bench_.mesh, c)) go(c);
+                if (!is_across(c) && find_snapshot(were, edit_.mesh, c)) go(c);
             }
         }
         return true;
     }
 
-    // The edge whose ring the bench has.
+    // The edge whose ring the context has.
     bool cut(std::uint32_t a, std::uint32_t b) {
-        const Vec3 from = bench_.mesh.point(a);
-        return bench_.split_ring(from + joined_.thickness * (bench_.mesh.point(b) - from)) != no_cell;
+        const Vec3 from = edit_.mesh.point(a);
+        return edit_.split_ring(from + joined_.thickness * (edit_.mesh.point(b) - from)) != no_cell;
     }
 
     std::vector<Region> regions_at(std::uint32_t v) {
         std::vector<Region> regions;
-        bench_.mesh.star(v, bench_.star);
-        for (const std::uint32_t c : bench_.star) regions.push_back(bench_.mesh.region(c));
+        edit_.mesh.star(v, edit_.star);
+        for (const std::uint32_t c : edit_.star) regions.push_back(edit_.mesh.region(c));
         sort_distinct(regions);
         return regions;
     }
@@ -193,15 +194,15 @@ class PinchResolution {
             std::uint32_t before = no_cell;
         };
         std::map<std::uint32_t, Step> steps;
-        bench_.mesh.star(v, bench_.star);
-        for (const std::uint32_t c : bench_.star) steps[c];
+        edit_.mesh.star(v, edit_.star);
+        for (const std::uint32_t c : edit_.star) steps[c];
         for (const std::uint32_t c : from) steps[c].cost = 0;
         for (bool again = true; again;) {
             again = false;
             for (const auto& [c, step] : steps) {
                 if (step.cost == never || (step.cost > 0 && is_across(c))) continue;
                 for (int i = 0; i < 4; ++i) {
-                    const auto next = steps.find(bench_.mesh.neighbor(c, i));
+                    const auto next = steps.find(edit_.mesh.neighbor(c, i));
                     if (next == steps.end()) continue;
                     const std::size_t price = is_across(next->first) ? 1 : price_at(v, next->first);
                     if (price == 0 || step.cost + price >= next->second.cost) continue;
@@ -225,21 +226,21 @@ class PinchResolution {
     // 0: it must not go.
     std::size_t price_at(std::uint32_t v, std::uint32_t c) const {
         if (!is_own(c) && !joined_.others_may_go) return 0;
-        return (is_own(c) ? 1 : price_of_others) + price_of_contours * worth_at(bench_, v, {c})[0];
+        return (is_own(c) ? 1 : price_of_others) + price_of_contours * worth_at(edit_, v, {c})[0];
     }
 
-    Workbench& bench_;
+    EditContext& edit_;
     const PinchedSides& joined_;
-    SidesAt sides_;
-    std::vector<CellBefore> gone_;     // whatever they are cut into
+    SurfaceIncidence incidence_;
+    std::vector<CellSnapshot> gone_;   // whatever they are cut into
     std::vector<std::uint32_t> near_;  // vertices
 };
 
 }  // namespace
 
-std::optional<std::vector<std::uint32_t>> resolve_pinches(Workbench& bench, const PinchedSides& sides,
+std::optional<std::vector<std::uint32_t>> resolve_pinches(EditContext& edit, const PinchedSides& sides,
                                                           std::vector<std::uint32_t> relabelled) {
-    return PinchResolution(bench, sides).run(std::move(relabelled));
+    return PinchResolution(edit, sides).run(std::move(relabelled));
 }
 
 }  // namespace anatomesh

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 
 namespace anatomesh {
 
@@ -30,7 +30,7 @@ struct PinchedSides {
 // rising; nothing where a cell would not be positive: what was done to the mesh is the caller's to take
 // back then. Whether all is a manifold is not checked. Same result every time. Complexity: O(cells there,
 // squared). Errors: none.
-std::optional<std::vector<std::uint32_t>> resolve_pinches(Workbench& bench, const PinchedSides& sides,
+std::optional<std::vector<std::uint32_t>> resolve_pinches(EditContext& edit, const PinchedSides& sides,
                                                           std::vector<std::uint32_t> relabelled);
 
 }  // namespace anatomesh

@@ -66,12 +66,11 @@ struct Pitted {
         sort_distinct(membrane);
         const std::size_t alone = relabelled.size();
         EditMesh edited(std::move(mesh), neighbors);
-        Workbench bench(edited, fixed, {}, field, 1, {});
-        bench.table = &table;
+        EditContext edit(edited, fixed, {}, field, 1, {});
+        edit.table = &table;
         if (joined) {
             auto all = resolve_pinches(
-                bench,
-                {0, 1, 0, false, thickness, membrane, static_cast<std::uint32_t>(edited.point_count())},
+                edit, {0, 1, 0, false, thickness, membrane, static_cast<std::uint32_t>(edited.point_count())},
                 relabelled);
             EXPECT_TRUE(all);
             relabelled = std::move(*all);

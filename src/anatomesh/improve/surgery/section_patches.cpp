@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/improve/core/cell_before.h"
-#include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/core/cell_snapshot.h"
+#include "anatomesh/improve/core/surface_incidence.h"
 
 namespace anatomesh {
 
@@ -37,7 +37,7 @@ std::vector<Ends> corners_of(const EditMesh& mesh, const SectionAreas& areas, co
 
 class PatchFinder {
   public:
-    PatchFinder(Workbench& bench, const SectionAreas& areas) : bench_(bench), areas_(areas) {}
+    PatchFinder(EditContext& edit, const SectionAreas& areas) : edit_(edit), areas_(areas) {}
 
     std::vector<SectionPatch> run(std::vector<Section> left, std::uint32_t structure, std::uint32_t plane) {
         std::vector<SectionPatch> patches;
@@ -56,7 +56,7 @@ class PatchFinder {
                     next = left.erase(next);
                 }
             }
-            if (!to || bench_.table->contains(*to, structure) == bench_.table->contains(patch.own, structure))
+            if (!to || edit_.table->contains(*to, structure) == edit_.table->contains(patch.own, structure))
                 continue;
             patch.to = *to;
             for (const Section& section : patch.sections) patch.wrong += section.share;
@@ -70,8 +70,8 @@ class PatchFinder {
   private:
     // That of all that is drawn there, if the mesh has one.
     std::optional<Region> region_drawn_at(Vec3 p) {
-        const std::vector<std::uint32_t>& drawn = bench_.probe.members(p);
-        const auto& members = bench_.table->members;
+        const std::vector<std::uint32_t>& drawn = edit_.probe.members(p);
+        const auto& members = edit_.table->members;
         const auto found = std::find(members.begin(), members.end(), drawn);
         if (found == members.end()) return std::nullopt;
         return static_cast<Region>(found - members.begin());
@@ -79,44 +79,44 @@ class PatchFinder {
 
     // The one that must not be there: of a facet that has the structure on one side, that side's.
     Region region_of(const Section& section, std::uint32_t structure) const {
-        const Region here = bench_.mesh.region(section.cell);
+        const Region here = edit_.mesh.region(section.cell);
         if (section.facet == 4) return here;
-        const Region there = bench_.mesh.region(bench_.mesh.neighbor(section.cell, section.facet));
-        return bench_.table->contains(there, structure) ? there : here;
+        const Region there = edit_.mesh.region(edit_.mesh.neighbor(section.cell, section.facet));
+        return edit_.table->contains(there, structure) ? there : here;
     }
 
     bool share_an_edge(const Section& one, const Section& other, std::uint32_t plane) const {
-        const std::vector<Ends> corners = corners_of(bench_.mesh, areas_, one, plane);
-        const std::vector<Ends> more = corners_of(bench_.mesh, areas_, other, plane);
+        const std::vector<Ends> corners = corners_of(edit_.mesh, areas_, one, plane);
+        const std::vector<Ends> more = corners_of(edit_.mesh, areas_, other, plane);
         return std::count_if(corners.begin(), corners.end(), [&](const Ends& corner) {
                    return std::find(more.begin(), more.end(), corner) != more.end();
                }) >= 2;
     }
 
-    Workbench& bench_;
+    EditContext& edit_;
     const SectionAreas& areas_;
 };
 
 class MembraneCutter {
   public:
-    MembraneCutter(Workbench& bench, const SectionAreas& areas, std::uint32_t plane)
-        : bench_(bench), areas_(areas), sides_(bench), plane_(plane) {}
+    MembraneCutter(EditContext& edit, const SectionAreas& areas, std::uint32_t plane)
+        : edit_(edit), areas_(areas), incidence_(edit), plane_(plane) {}
 
     Membrane run(const SectionPatch& patch, double near) {
-        std::vector<CellBefore> passed;
+        std::vector<CellSnapshot> passed;
         std::vector<std::uint32_t> corners;
         std::vector<Ends> edges;
         Membrane membrane;
         for (const Section& section : patch.sections) {
-            const Cell cell = bench_.mesh.cell(section.cell);
+            const Cell cell = edit_.mesh.cell(section.cell);
             if (section.facet < 4) {
                 const auto& f = facet_vertices[section.facet];
                 membrane.facets.push_back({cell[f[0]], cell[f[1]], cell[f[2]]});
                 std::sort(membrane.facets.back().begin(), membrane.facets.back().end());
                 continue;
             }
-            passed.push_back(CellBefore::of(bench_.mesh, section.cell));
-            for (const Ends& corner : corners_of(bench_.mesh, areas_, section, plane_))
+            passed.push_back(CellSnapshot::of(edit_.mesh, section.cell));
+            for (const Ends& corner : corners_of(edit_.mesh, areas_, section, plane_))
                 (corner[0] == corner[1]) ? corners.push_back(corner[0]) : edges.push_back(corner);
         }
         sort_distinct(edges);
@@ -128,10 +128,10 @@ class MembraneCutter {
             });
         });
         for (const auto& [a, b] : edges) {
-            const Vec3 p = bench_.mesh.point(a), q = bench_.mesh.point(b);
+            const Vec3 p = edit_.mesh.point(a), q = edit_.mesh.point(b);
             const double at_p = height_of(p), at_q = height_of(q);
-            if (!sides_.find_ring(a, b)) return {};
-            const std::uint32_t v = bench_.split_ring(p + at_p / (at_p - at_q) * (q - p));
+            if (!incidence_.find_ring(a, b)) return {};
+            const std::uint32_t v = edit_.split_ring(p + at_p / (at_p - at_q) * (q - p));
             if (v == no_cell) return {};
             corners.push_back(v);
         }
@@ -143,7 +143,7 @@ class MembraneCutter {
     // The ends of edges that the plane is nearest to.
     void add_near(std::vector<std::uint32_t>& corners, const std::vector<Ends>& edges, double near) const {
         for (const auto& [a, b] : edges) {
-            const double at_a = height_of(bench_.mesh.point(a)), at_b = height_of(bench_.mesh.point(b));
+            const double at_a = height_of(edit_.mesh.point(a)), at_b = height_of(edit_.mesh.point(b));
             const double share = at_a / (at_a - at_b);
             if (share < near) corners.push_back(a);
             if (1 - share < near) corners.push_back(b);
@@ -152,11 +152,11 @@ class MembraneCutter {
 
     // Those between corners, with cells over and under them, in cells that the plane passed through.
     void add_facets(Membrane& membrane, std::vector<std::uint32_t> corners,
-                    const std::vector<CellBefore>& passed) {
+                    const std::vector<CellSnapshot>& passed) {
         std::vector<std::uint32_t> cells;
         for (const std::uint32_t v : corners) {
-            bench_.mesh.star(v, bench_.star);
-            cells.insert(cells.end(), bench_.star.begin(), bench_.star.end());
+            edit_.mesh.star(v, edit_.star);
+            cells.insert(cells.end(), edit_.star.begin(), edit_.star.end());
         }
         sort_distinct(cells);
         sort_distinct(corners);
@@ -164,13 +164,13 @@ class MembraneCutter {
             return std::binary_search(corners.begin(), corners.end(), v);
         };
         for (const std::uint32_t c : cells) {
-            const Cell& cell = bench_.mesh.cell(c);
-            if (!find_before(passed, bench_.mesh, c)) continue;
+            const Cell& cell = edit_.mesh.cell(c);
+            if (!find_snapshot(passed, edit_.mesh, c)) continue;
             for (int i = 0; i < 4; ++i) {
                 const auto& f = facet_vertices[i];
                 std::array facet{cell[f[0]], cell[f[1]], cell[f[2]]};
                 if (!std::all_of(facet.begin(), facet.end(), is_corner)) continue;
-                const std::uint32_t other = bench_.mesh.neighbor(c, i);
+                const std::uint32_t other = edit_.mesh.neighbor(c, i);
                 if (other == no_cell || over(cell[i]) == over(apex_across(other, facet))) continue;
                 std::sort(facet.begin(), facet.end());
                 membrane.facets.push_back(facet);
@@ -182,33 +182,33 @@ class MembraneCutter {
     }
 
     double height_of(Vec3 p) const { return areas_.plane(plane_).signed_distance(p); }
-    bool over(std::uint32_t v) const { return height_of(bench_.mesh.point(v)) > 0; }
+    bool over(std::uint32_t v) const { return height_of(edit_.mesh.point(v)) > 0; }
 
     std::uint32_t apex_across(std::uint32_t c, const std::array<std::uint32_t, 3>& facet) const {
-        const Cell& cell = bench_.mesh.cell(c);
+        const Cell& cell = edit_.mesh.cell(c);
         return *std::find_if(cell.begin(), cell.end(), [&](std::uint32_t v) {
             return std::find(facet.begin(), facet.end(), v) == facet.end();
         });
     }
 
-    Workbench& bench_;
+    EditContext& edit_;
     const SectionAreas& areas_;
-    SidesAt sides_;
+    SurfaceIncidence incidence_;
     std::uint32_t plane_;
 };
 
 }  // namespace
 
-std::vector<SectionPatch> find_patches(Workbench& bench, const SectionAreas& areas, std::uint32_t structure,
+std::vector<SectionPatch> find_patches(EditContext& edit, const SectionAreas& areas, std::uint32_t structure,
                                        std::uint32_t plane, int threads) {
-    std::vector<Section> wrong = areas.wrong_sections_of(structure, plane, bench.mesh.alive_cells(), threads);
+    std::vector<Section> wrong = areas.wrong_sections_of(structure, plane, edit.mesh.alive_cells(), threads);
     if (wrong.size() > most_sections) return {};
-    return PatchFinder(bench, areas).run(std::move(wrong), structure, plane);
+    return PatchFinder(edit, areas).run(std::move(wrong), structure, plane);
 }
 
-Membrane membrane_of_patch(Workbench& bench, const SectionAreas& areas, const SectionPatch& patch,
+Membrane membrane_of_patch(EditContext& edit, const SectionAreas& areas, const SectionPatch& patch,
                            double near) {
-    return MembraneCutter(bench, areas, patch.plane).run(patch, near);
+    return MembraneCutter(edit, areas, patch.plane).run(patch, near);
 }
 
 }  // namespace anatomesh

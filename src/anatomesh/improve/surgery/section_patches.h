@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 #include "anatomesh/improve/sections/section_areas.h"
 #include "anatomesh/improve/surgery/spanning_membranes.h"
 
@@ -20,14 +20,14 @@ struct SectionPatch {
 
 // Of a cut those that a region of the mesh is drawn for, from which most is wrong first; none where there are
 // over 200 sections. The same for any `threads`. Complexity: O(cells), and the sections squared.
-std::vector<SectionPatch> find_patches(Workbench& bench, const SectionAreas& areas, std::uint32_t structure,
+std::vector<SectionPatch> find_patches(EditContext& edit, const SectionAreas& areas, std::uint32_t structure,
                                        std::uint32_t plane, int threads = 1);
 
 // Cuts the edges that pass through the patch, so that it is a membrane of facets (without a path). Where the
 // plane is nearer to a vertex than `near` of such an edge, that is a corner of the membrane. No facets where
 // an edge can't be cut: what was done to the mesh then, as before, is the caller's to take back. `near`: [0,
 // 0.5).
-Membrane membrane_of_patch(Workbench& bench, const SectionAreas& areas, const SectionPatch& patch,
+Membrane membrane_of_patch(EditContext& edit, const SectionAreas& areas, const SectionPatch& patch,
                            double near);
 
 }  // namespace anatomesh

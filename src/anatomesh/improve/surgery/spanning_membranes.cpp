@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "anatomesh/base/sort_distinct.h"
-#include "anatomesh/improve/core/sides_at.h"
+#include "anatomesh/improve/core/surface_incidence.h"
 
 namespace anatomesh {
 
@@ -29,7 +29,7 @@ struct Dearer {
 // All chains of subsegments beside their surfaces that begin and end on them.
 class ChainSearch {
   public:
-    ChainSearch(Workbench& bench, const ContourOwners& owners) : owners_(owners), sides_(bench) {}
+    ChainSearch(EditContext& edit, const ContourOwners& owners) : owners_(owners), incidence_(edit) {}
 
     // `subsegments`: those that may be.
     std::vector<Chain> run(std::span<const std::array<std::uint32_t, 3>> subsegments) {
@@ -40,7 +40,7 @@ class ChainSearch {
         }
         sort_distinct(ends);
         for (const auto& [v, other, structure] : ends) {
-            if (sides_.beside_surface(v, other, structure) && sides_.on_surface(v, structure))
+            if (incidence_.beside_surface(v, other, structure) && incidence_.on_surface(v, structure))
                 follow(v, {other, structure});
         }
         return std::move(chains_);
@@ -49,13 +49,13 @@ class ChainSearch {
   private:
     void follow(std::uint32_t first, ContourOwners::Subsegment subsegment) {
         Chain chain{{first, subsegment.other}, subsegment.structure};
-        while (!sides_.on_surface(chain.vertices.back(), subsegment.structure)) {
+        while (!incidence_.on_surface(chain.vertices.back(), subsegment.structure)) {
             const std::uint32_t at = chain.vertices.back(), from = chain.vertices[chain.vertices.size() - 2];
             const auto subsegments = owners_.subsegments_at(at);
             const auto next = std::find_if(
                 subsegments.begin(), subsegments.end(), [&](const ContourOwners::Subsegment& other) {
                     return other.structure == subsegment.structure && other.other != from &&
-                           sides_.beside_surface(at, other.other, subsegment.structure);
+                           incidence_.beside_surface(at, other.other, subsegment.structure);
                 });
             if (next == subsegments.end() || chain.vertices.size() > most_subsegments) return;
             chain.vertices.push_back(next->other);
@@ -65,7 +65,7 @@ class ChainSearch {
     }
 
     const ContourOwners& owners_;
-    SidesAt sides_;
+    SurfaceIncidence incidence_;
     std::vector<Chain> chains_;
 };
 
@@ -73,8 +73,8 @@ class ChainSearch {
 // surface.
 class MembraneSearch {
   public:
-    MembraneSearch(Workbench& bench, const Chain& chain, bool side)
-        : bench_(bench), chain_(chain), side_(side), sides_(bench) {}
+    MembraneSearch(EditContext& edit, const Chain& chain, bool side)
+        : edit_(edit), chain_(chain), side_(side), incidence_(edit) {}
 
     std::vector<Membrane> run() {
         waiting_.push({{}, chain_.vertices, 0, 0});
@@ -121,16 +121,16 @@ class MembraneSearch {
 
     // Each facet on this side at an edge of the surface from the vertex on, alone.
     void begin_at(std::uint32_t u) {
-        bench_.mesh.star(u, bench_.star);
-        const std::vector<std::uint32_t> star = bench_.star;
+        edit_.mesh.star(u, edit_.star);
+        const std::vector<std::uint32_t> star = edit_.star;
         for (const std::uint32_t c : star) {
-            if (sides_.has(c, chain_.structure) != side_) continue;
+            if (incidence_.has(c, chain_.structure) != side_) continue;
             for (int i = 0; i < 4; ++i) {
-                const std::uint32_t beyond = bench_.mesh.neighbor(c, i);
-                if (bench_.mesh.cell(c)[i] == u || beyond == no_cell || beyond < c ||
-                    sides_.has(beyond, chain_.structure) != side_)
+                const std::uint32_t beyond = edit_.mesh.neighbor(c, i);
+                if (edit_.mesh.cell(c)[i] == u || beyond == no_cell || beyond < c ||
+                    incidence_.has(beyond, chain_.structure) != side_)
                     continue;
-                const auto [v, w] = others_of_facet(bench_.mesh.cell(c), i, u);
+                const auto [v, w] = others_of_facet(edit_.mesh.cell(c), i, u);
                 if (!is_among(v) || !is_among(w)) continue;
                 std::array facet{u, v, w};
                 std::sort(facet.begin(), facet.end());
@@ -175,8 +175,8 @@ class MembraneSearch {
     const EdgeRing& ring_of(std::uint32_t a, std::uint32_t b) {
         const auto [place, is_new] = rings_.try_emplace(std::minmax(a, b));
         EdgeRing& edge = place->second;
-        if (is_new && sides_.find_ring(a, b)) {
-            edge = {true, sides_.ring_is_mixed(chain_.structure), bench_.ring.ring};
+        if (is_new && incidence_.find_ring(a, b)) {
+            edge = {true, incidence_.ring_is_mixed(chain_.structure), edit_.ring.ring};
         }
         return edge;
     }
@@ -220,14 +220,14 @@ class MembraneSearch {
         return std::find(edge.vertices.begin(), edge.vertices.end(), w) != edge.vertices.end();
     }
 
-    bool may_be_within(std::uint32_t v) { return chain_.has(v) || !bench_.mesh.vertex_on_interface(v); }
+    bool may_be_within(std::uint32_t v) { return chain_.has(v) || !edit_.mesh.vertex_on_interface(v); }
 
     double price(const std::array<std::uint32_t, 3>& facet) {
         const auto [place, is_new] = prices_.try_emplace(facet);
         if (!is_new) return place->second;
-        const Vec3 a = bench_.mesh.point(facet[0]), b = bench_.mesh.point(facet[1]),
-                   c = bench_.mesh.point(facet[2]);
-        const std::vector<std::uint32_t>& there = bench_.probe.members((1.0 / 3) * (a + b + c));
+        const Vec3 a = edit_.mesh.point(facet[0]), b = edit_.mesh.point(facet[1]),
+                   c = edit_.mesh.point(facet[2]);
+        const std::vector<std::uint32_t>& there = edit_.probe.members((1.0 / 3) * (a + b + c));
         const bool wrong = std::binary_search(there.begin(), there.end(), chain_.structure) == side_;
         return place->second = 0.5 * length(cross(b - a, c - a)) * (wrong ? wrong_side : 1);
     }
@@ -237,15 +237,15 @@ class MembraneSearch {
         for (std::size_t n = 1; n < membrane.path.size(); ++n) {
             const std::uint32_t a = membrane.path[n - 1], b = membrane.path[n];
             if (!on_surface(a, b))
-                sum += edge_price * squared_length(bench_.mesh.point(b) - bench_.mesh.point(a));
+                sum += edge_price * squared_length(edit_.mesh.point(b) - edit_.mesh.point(a));
         }
         return sum;
     }
 
-    Workbench& bench_;
+    EditContext& edit_;
     const Chain& chain_;
     bool side_;  // of the structure on which the chain lies
-    SidesAt sides_;
+    SurfaceIncidence incidence_;
     std::span<const std::uint32_t> among_;  // if any: vertices, rising
     const RimSides* rim_sides_ = nullptr;
     std::map<std::array<std::uint32_t, 3>, std::array<bool, 2>> rim_sides_at_;
@@ -257,21 +257,21 @@ class MembraneSearch {
 
 }  // namespace
 
-std::vector<Chain> find_chains(Workbench& bench, const ContourOwners& owners,
+std::vector<Chain> find_chains(EditContext& edit, const ContourOwners& owners,
                                std::span<const std::array<std::uint32_t, 3>> subsegments) {
-    return ChainSearch(bench, owners).run(subsegments);
+    return ChainSearch(edit, owners).run(subsegments);
 }
 
-std::vector<Membrane> find_membranes(Workbench& bench, const Chain& chain, bool side) {
-    return MembraneSearch(bench, chain, side).run();
+std::vector<Membrane> find_membranes(EditContext& edit, const Chain& chain, bool side) {
+    return MembraneSearch(edit, chain, side).run();
 }
 
-std::vector<Membrane> find_membranes_across(Workbench& bench, std::uint32_t structure, bool side,
+std::vector<Membrane> find_membranes_across(EditContext& edit, std::uint32_t structure, bool side,
                                             std::span<const std::uint32_t> vertices,
                                             const RimSides& rim_sides,
                                             const std::function<bool(const Membrane&)>& wanted) {
     const Chain none{{}, structure};
-    return MembraneSearch(bench, none, side).run_among(vertices, rim_sides, wanted);
+    return MembraneSearch(edit, none, side).run_among(vertices, rim_sides, wanted);
 }
 
 }  // namespace anatomesh

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 
 namespace anatomesh {
 
@@ -55,14 +55,14 @@ struct Membrane {
 
 // All chains of these subsegments (two vertices and a structure) that begin and end on their structures'
 // surface, of 50 subsegments at most. Complexity: O(subsegments x stars).
-std::vector<Chain> find_chains(Workbench& bench, const ContourOwners& owners,
+std::vector<Chain> find_chains(EditContext& edit, const ContourOwners& owners,
                                std::span<const std::array<std::uint32_t, 3>> subsegments);
 
 // Up to 16 membranes of a chain, grown facet by facet, the cheapest first, until the rest of the rim lies on
 // the surface: by area, more where the field has the side that the chain is on. None has more than 8 facets
 // beside one for each subsegment, none meets itself or touches a surface within its rim. `side`: of the
 // structure, on which the chain lies. Same result every time. Complexity: O(4,000 membranes) at most.
-std::vector<Membrane> find_membranes(Workbench& bench, const Chain& chain, bool side);
+std::vector<Membrane> find_membranes(EditContext& edit, const Chain& chain, bool side);
 
 // Of a rim that runs over a surface from one vertex to the next and on to a third: on which of its two sides
 // there is something that must stay there.
@@ -71,7 +71,7 @@ using RimSides = std::function<std::array<bool, 2>(std::uint32_t, std::uint32_t,
 // The same among some vertices (rising) alone and without a chain: up to 6 membranes on one side of a
 // structure, all of the rim of which lies on its surface, with a side on which nothing must stay, and which
 // are `wanted`.
-std::vector<Membrane> find_membranes_across(Workbench& bench, std::uint32_t structure, bool side,
+std::vector<Membrane> find_membranes_across(EditContext& edit, std::uint32_t structure, bool side,
                                             std::span<const std::uint32_t> vertices,
                                             const RimSides& rim_sides,
                                             const std::function<bool(const Membrane&)>& wanted);

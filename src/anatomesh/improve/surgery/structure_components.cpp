@@ -33,19 +33,18 @@ bool StructureComponents::has_drawn_vertex(const Cell& cell) const {
 }
 
 void StructureComponents::find_nodes() {
-    changed_ = bench_.mesh.changed_cells();
+    changed_ = edit_.mesh.changed_cells();
     before_.clear();
     now_.clear();
-    for (const auto& [cell, region] : bench_.mesh.states_before(changed_))
+    for (const auto& [cell, region] : edit_.mesh.states_before(changed_))
         before_.push_back(node_of(cell, region));
-    for (const std::uint32_t c : changed_)
-        now_.push_back(node_of(bench_.mesh.cell(c), bench_.mesh.region(c)));
+    for (const std::uint32_t c : changed_) now_.push_back(node_of(edit_.mesh.cell(c), edit_.mesh.region(c)));
 }
 
 // One of each cell that is as it was: its facets are, so that what it shares them with stays too, or is one
 // of the changed cells.
 void StructureComponents::start_groups() {
-    marks_.resize(bench_.mesh.cell_count());
+    marks_.resize(edit_.mesh.cell_count());
     ++search_;
     groups_.clear();
     std::vector<std::uint32_t> rim;
@@ -63,7 +62,7 @@ void StructureComponents::reach(std::uint32_t c, std::uint32_t group) {
     marks_[c] = {search_, group};
     of.cells.push_back(c);
     of.front.push_back(c);
-    of.has_drawn = of.has_drawn || has_drawn_vertex(bench_.mesh.cell(c));
+    of.has_drawn = of.has_drawn || has_drawn_vertex(edit_.mesh.cell(c));
 }
 
 // Until all but one are whole, and of that it is known whether it has a vertex of a contour.
@@ -84,8 +83,8 @@ void StructureComponents::grow_groups() {
 void StructureComponents::step(std::uint32_t group) {
     const std::uint32_t from = groups_[group].front[groups_[group].next++];
     for (int i = 0; i < 4; ++i) {
-        const std::uint32_t c = bench_.mesh.neighbor(from, i);
-        if (c == no_cell || !node_of(bench_.mesh.cell(c), bench_.mesh.region(c)).is_in) continue;
+        const std::uint32_t c = edit_.mesh.neighbor(from, i);
+        if (c == no_cell || !node_of(edit_.mesh.cell(c), edit_.mesh.region(c)).is_in) continue;
         if (marks_[c].search != search_) {
             reach(c, group_sets_.root(group));
         } else if (marks_[c].group != none) {
@@ -123,7 +122,7 @@ DisjointSets StructureComponents::connected_by_groups() {
 void StructureComponents::connect_now(DisjointSets& sets) const {
     for (std::uint32_t n = 0; n < changed_.size(); ++n) {
         for (int i = 0; i < 4 && now_[n].is_in; ++i) {
-            const std::uint32_t c = bench_.mesh.neighbor(changed_[n], i);
+            const std::uint32_t c = edit_.mesh.neighbor(changed_[n], i);
             const auto at = std::lower_bound(changed_.begin(), changed_.end(), c);
             if (at == changed_.end() || *at != c) continue;
             const auto other = static_cast<std::uint32_t>(at - changed_.begin());

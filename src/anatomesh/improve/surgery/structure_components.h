@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "anatomesh/base/disjoint_sets.h"
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 
 namespace anatomesh {
 
@@ -25,8 +25,8 @@ struct ComponentChange {
 class StructureComponents {
   public:
     // Small: of at most `most_of_component` cells. Requires: both outlive this.
-    StructureComponents(Workbench& bench, const ContourOwners& owners, std::size_t most_of_component)
-        : bench_(bench), owners_(owners), most_of_crumb_(most_of_component) {}
+    StructureComponents(EditContext& edit, const ContourOwners& owners, std::size_t most_of_component)
+        : edit_(edit), owners_(owners), most_of_crumb_(most_of_component) {}
 
     // Of the attempt that is going on, and the cells of a structure, or all others. New are vertices from
     // `first_new` on, added since the attempt began. Complexity: n log n in the changed cells, and linear in
@@ -59,7 +59,7 @@ class StructureComponents {
     };
 
     Node node_of(const Cell& cell, Region region) const {
-        return {cell, cell[0] != no_cell && bench_.table->contains(region, structure_) == inside_};
+        return {cell, cell[0] != no_cell && edit_.table->contains(region, structure_) == inside_};
     }
     bool has_drawn_vertex(const Cell& cell) const;
     void find_nodes();
@@ -74,7 +74,7 @@ class StructureComponents {
     void connect_before(DisjointSets& sets) const;
     Components count(DisjointSets& sets, const std::vector<Node>& nodes, std::uint32_t first_new) const;
 
-    Workbench& bench_;
+    EditContext& edit_;
     const ContourOwners& owners_;
     std::size_t most_of_crumb_;
     // Of the attempt that is looked at, or was last.

@@ -19,12 +19,12 @@ struct Counted {
 };
 
 // By looking at all cells.
-Counted count(Workbench& bench, const ContourOwners& owners, std::uint32_t structure, bool inside,
+Counted count(EditContext& edit, const ContourOwners& owners, std::uint32_t structure, bool inside,
               std::uint32_t first_new) {
-    const EditMesh& mesh = bench.mesh;
+    const EditMesh& mesh = edit.mesh;
     std::vector<std::uint8_t> left(mesh.cell_count(), 0);
     for (const std::uint32_t c : mesh.alive_cells())
-        left[c] = bench.table->contains(mesh.region(c), structure) == inside;
+        left[c] = edit.table->contains(mesh.region(c), structure) == inside;
     Counted found;
     for (std::uint32_t seed = 0; seed < left.size(); ++seed) {
         if (!left[seed]) continue;
@@ -70,17 +70,15 @@ TEST(StructureComponents, their_change_by_an_attempt_is_that_of_all_cells) {
     for (unsigned seed = 0; seed < 40; ++seed) {
         Parts parts(seed, 2 + seed % 4, seed % 3 == 0 ? 200 : 20);
         EditMesh edited = parts.editable();
-        Workbench bench(edited, parts.fixed, {}, parts.field, 1, {});
-        bench.table = &parts.table;
-        StructureComponents components(bench, parts.owners, most_of_component);
+        EditContext edit(edited, parts.fixed, {}, parts.field, 1, {});
+        edit.table = &parts.table;
+        StructureComponents components(edit, parts.owners, most_of_component);
         for (int attempt = 0; attempt < 20; ++attempt) {
             const auto first_new = static_cast<std::uint32_t>(edited.point_count());
-            const auto counted = [&](bool inside) {
-                return count(bench, parts.owners, 0, inside, first_new);
-            };
+            const auto counted = [&](bool inside) { return count(edit, parts.owners, 0, inside, first_new); };
             const std::array before{counted(false), counted(true)};
             edited.begin_attempt();
-            for (auto edits = parts.random() % 12; edits > 0; --edits) parts.change(bench);
+            for (auto edits = parts.random() % 12; edits > 0; --edits) parts.change(edit);
             for (const bool inside : {false, true}) {
                 const Counted after = counted(inside), &was = before[inside];
                 const ComponentChange change = components.change(0, inside, first_new);
@@ -105,9 +103,9 @@ TEST(StructureComponents, a_slab_parts_what_is_on_its_sides) {
     SectionedBricks bricks(1);
     for (Region& region : bricks.mesh.regions) region = 1;
     EditMesh edited = bricks.editable();
-    Workbench bench(edited, bricks.fixed, {}, bricks.field, 1, {});
-    bench.table = &bricks.table;
-    StructureComponents components(bench, bricks.owners, most_of_component);
+    EditContext edit(edited, bricks.fixed, {}, bricks.field, 1, {});
+    edit.table = &bricks.table;
+    StructureComponents components(edit, bricks.owners, most_of_component);
     const auto first_new = static_cast<std::uint32_t>(edited.point_count());
     edited.begin_attempt();
     EXPECT_EQ(components.change(0, true, first_new), ComponentChange{});

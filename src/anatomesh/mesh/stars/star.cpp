@@ -150,34 +150,34 @@ void StarAnalyzer::add_cut(Body body) {
     cut_body_.push_back(body);
 }
 
-// Numbers the pieces of one cut in piece_ and returns how many there are.
-int StarAnalyzer::count_pieces(std::uint32_t cut) {
+// Numbers the components of one cut in component_ and returns how many there are.
+int StarAnalyzer::count_components(std::uint32_t cut) {
     constexpr std::uint32_t none = 0xFFFFFFFFu;
-    piece_.assign(star_.size(), none);
-    int pieces = 0;
+    component_.assign(star_.size(), none);
+    int components = 0;
     for (std::uint32_t seed = 0; seed < star_.size(); ++seed) {
-        if (piece_[seed] != none) continue;
+        if (component_[seed] != none) continue;
         stack_.assign(1, seed);
-        piece_[seed] = static_cast<std::uint32_t>(pieces);
+        component_[seed] = static_cast<std::uint32_t>(components);
         const std::uint64_t side = cuts_[cut] >> kind_[seed] & 1;
         while (!stack_.empty()) {
             const std::uint32_t n = stack_.back();
             stack_.pop_back();
             for (const std::uint32_t m : adjacent_[n]) {
-                if (piece_[m] != none || (cuts_[cut] >> kind_[m] & 1) != side) continue;
-                piece_[m] = static_cast<std::uint32_t>(pieces);
+                if (component_[m] != none || (cuts_[cut] >> kind_[m] & 1) != side) continue;
+                component_[m] = static_cast<std::uint32_t>(components);
                 stack_.push_back(m);
             }
         }
-        ++pieces;
+        ++components;
     }
-    return pieces;
+    return components;
 }
 
 int StarAnalyzer::defect(std::uint32_t vertex) {
     load(vertex);
     int sum = 0;
-    for (std::uint32_t cut = 0; cut < cuts_.size(); ++cut) sum += count_pieces(cut) - 2;
+    for (std::uint32_t cut = 0; cut < cuts_.size(); ++cut) sum += count_components(cut) - 2;
     for (const std::uint32_t structure : owners_.at(vertex)) {
         bool in = false, out = false;
         for (const Region kind : kinds_) (table_.contains(kind, structure) ? in : out) = true;
@@ -214,18 +214,18 @@ void StarAnalyzer::lost_subsegments(std::uint32_t vertex,
     }
 }
 
-void StarAnalyzer::excess_pieces(std::uint32_t vertex, std::vector<StarPiece>& pieces) {
-    pieces.clear();
+void StarAnalyzer::excess_components(std::uint32_t vertex, std::vector<StarComponent>& components) {
+    components.clear();
     load(vertex);
     for (std::uint32_t cut = 0; cut < cuts_.size(); ++cut) {
-        const int count = count_pieces(cut);
+        const int count = count_components(cut);
         if (count <= 2) continue;
-        std::vector<StarPiece> found(count);
+        std::vector<StarComponent> found(count);
         for (std::uint32_t n = 0; n < star_.size(); ++n) {
-            StarPiece& piece = found[piece_[n]];
-            piece.body = cut_body_[cut];
-            piece.inside = cuts_[cut] >> kind_[n] & 1;
-            piece.cells.push_back(star_[n]);
+            StarComponent& component = found[component_[n]];
+            component.body = cut_body_[cut];
+            component.inside = cuts_[cut] >> kind_[n] & 1;
+            component.cells.push_back(star_[n]);
         }
         for (const bool inside : {false, true}) {
             std::size_t largest = found.size(), on_side = 0;
@@ -237,8 +237,8 @@ void StarAnalyzer::excess_pieces(std::uint32_t vertex, std::vector<StarPiece>& p
             }
             if (on_side < 2) continue;
             found[largest].largest = true;
-            for (const StarPiece& piece : found) {
-                if (piece.inside == inside) pieces.push_back(piece);
+            for (const StarComponent& component : found) {
+                if (component.inside == inside) components.push_back(component);
             }
         }
     }

@@ -1,4 +1,4 @@
-// Star analysis: into how many pieces the structures at a vertex cut the cells round it.
+// Star analysis: into how many components the structures at a vertex cut the cells round it.
 #pragma once
 
 #include <array>
@@ -70,17 +70,18 @@ struct Body {
     }
 };
 
-// One piece of a star: facet-connected cells on one side of one body (or of several that cut the star alike).
-struct StarPiece {
+// One component of a star: facet-connected cells on one side of one body (or of several that cut the star
+// alike).
+struct StarComponent {
     Body body;             // one body that makes this cut
-    bool inside = false;   // whether the piece lies in it
+    bool inside = false;   // whether the component lies in it
     bool largest = false;  // of its side
     std::vector<std::uint32_t> cells;
 };
 
 // Looks at stars of a mesh whose regions change under it. Keeps scratch space: not thread-safe.
-// A vertex is *sound* when every body cuts its star into at most one piece inside and one outside (then the
-// body's surface passes through it as one disc or not at all: no non-manifold edge or vertex there) and
+// A vertex is *sound* when every body cuts its star into at most one component inside and one outside (then
+// the body's surface passes through it as one disc or not at all: no non-manifold edge or vertex there) and
 // every structure with a contour vertex there has it on its surface. Subsegments off the surface are
 // defects too, but do not make a vertex unsound.
 class StarAnalyzer {
@@ -89,8 +90,8 @@ class StarAnalyzer {
                  const VertexStars& stars, const std::vector<Region>& regions, const RegionTable& table,
                  const ContourOwners& owners);
 
-    // 0 for a sound vertex, else the number of pieces too many, plus `lost_weight` for each structure with a
-    // contour vertex here that is not on its surface.
+    // 0 for a sound vertex, else the number of components too many, plus `lost_weight` for each structure
+    // with a contour vertex here that is not on its surface.
     int defect(std::uint32_t vertex);
 
     // The subsegments at the vertex that are edges of the mesh but not of their structure's surface,
@@ -98,8 +99,8 @@ class StarAnalyzer {
     int lost_subsegment_count(std::uint32_t vertex);
     void lost_subsegments(std::uint32_t vertex, std::vector<ContourOwners::Subsegment>& subsegments);
 
-    // Pieces of those sides that have more than one. Empty for a vertex without excess pieces.
-    void excess_pieces(std::uint32_t vertex, std::vector<StarPiece>& pieces);
+    // Components of those sides that have more than one. Empty for a vertex without excess components.
+    void excess_components(std::uint32_t vertex, std::vector<StarComponent>& components);
 
     // Structures with a contour vertex here that do not have it on their surface.
     void lost_structures(std::uint32_t vertex, std::vector<std::uint32_t>& structures);
@@ -111,7 +112,7 @@ class StarAnalyzer {
     bool subsegment_lost(std::uint32_t vertex, ContourOwners::Subsegment subsegment) const;
     void find_cuts();
     void add_cut(Body body);
-    int count_pieces(std::uint32_t cut);
+    int count_components(std::uint32_t cut);
 
     const std::vector<Cell>& cells_;
     const std::vector<CellNeighbors>& neighbors_;
@@ -123,12 +124,12 @@ class StarAnalyzer {
     std::span<const std::uint32_t> star_;
     std::vector<std::uint32_t> local_;  // by cell: position in the star
     std::vector<std::array<std::uint32_t, 3>>
-        adjacent_;                              // by position: positions across facets at the vertex
-    std::vector<Region> kinds_;                 // distinct regions of the star
-    std::vector<std::uint8_t> kind_;            // by position
-    std::vector<std::uint64_t> cuts_;           // distinct partitions: bit n = kinds_[n] is inside
-    std::vector<Body> cut_body_;                // one body that makes each
-    std::vector<std::uint32_t> piece_, stack_;  // by position; scratch
+        adjacent_;                                  // by position: positions across facets at the vertex
+    std::vector<Region> kinds_;                     // distinct regions of the star
+    std::vector<std::uint8_t> kind_;                // by position
+    std::vector<std::uint64_t> cuts_;               // distinct partitions: bit n = kinds_[n] is inside
+    std::vector<Body> cut_body_;                    // one body that makes each
+    std::vector<std::uint32_t> component_, stack_;  // by position; scratch
 };
 
 }  // namespace anatomesh

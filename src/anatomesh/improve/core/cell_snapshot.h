@@ -1,4 +1,4 @@
-// CellBefore: where a cell was, whatever it has been cut into since.
+// CellSnapshot: where a cell was, whatever it has been cut into since.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 
 namespace anatomesh {
 
-struct CellBefore {
+struct CellSnapshot {
     Cell cell;
     Region region;
     std::array<Vec3, 4> corners;
     Box3 box;
 
-    static CellBefore of(const EditMesh& mesh, std::uint32_t c) {
-        CellBefore is{mesh.cell(c), mesh.region(c), {}, {}};
+    static CellSnapshot of(const EditMesh& mesh, std::uint32_t c) {
+        CellSnapshot is{mesh.cell(c), mesh.region(c), {}, {}};
         for (std::size_t i = 0; i < 4; ++i) {
             is.corners[i] = mesh.point(is.cell[i]);
             is.box.extend(is.corners[i]);
@@ -36,12 +36,12 @@ struct CellBefore {
 };
 
 // The first of some in which a cell lies, by its middle; null: none.
-inline const CellBefore* find_before(const std::vector<CellBefore>& cells, const EditMesh& mesh,
-                                     std::uint32_t c) {
+inline const CellSnapshot* find_snapshot(const std::vector<CellSnapshot>& cells, const EditMesh& mesh,
+                                         std::uint32_t c) {
     Vec3 middle{};
     for (const std::uint32_t v : mesh.cell(c)) middle = middle + 0.25 * mesh.point(v);
     const auto at =
-        std::find_if(cells.begin(), cells.end(), [&](const CellBefore& was) { return was.holds(middle); });
+        std::find_if(cells.begin(), cells.end(), [&](const CellSnapshot& was) { return was.holds(middle); });
     return at == cells.end() ? nullptr : &*at;
 }
 

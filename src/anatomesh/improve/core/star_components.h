@@ -1,4 +1,4 @@
-// parts_at, worth_at: cells at a vertex, in parts that facets join.
+// star_components, worth_at: cells at a vertex, in parts that facets join.
 #pragma once
 
 #include <algorithm>
@@ -7,15 +7,16 @@
 #include <utility>
 #include <vector>
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 
 namespace anatomesh {
 
-// Of the cells at the vertex those that `is` says yes to. Uses the bench's star. O(cells there, squared).
+// Of the cells at the vertex those that `is` says yes to. Uses the context's star. O(cells there, squared).
 template <class Is>
-std::vector<std::vector<std::uint32_t>> parts_at(Workbench& bench, std::uint32_t vertex, const Is& is) {
-    bench.mesh.star(vertex, bench.star);
-    std::vector<std::uint32_t> left = bench.star;
+std::vector<std::vector<std::uint32_t>> star_components(EditContext& edit, std::uint32_t vertex,
+                                                        const Is& is) {
+    edit.mesh.star(vertex, edit.star);
+    std::vector<std::uint32_t> left = edit.star;
     std::erase_if(left, [&](std::uint32_t c) { return !is(c); });
     std::vector<std::vector<std::uint32_t>> parts;
     while (!left.empty()) {
@@ -23,7 +24,7 @@ std::vector<std::vector<std::uint32_t>> parts_at(Workbench& bench, std::uint32_t
         left.pop_back();
         for (std::size_t n = 0; n < part.size(); ++n) {
             for (int i = 0; i < 4; ++i) {
-                const auto next = std::find(left.begin(), left.end(), bench.mesh.neighbor(part[n], i));
+                const auto next = std::find(left.begin(), left.end(), edit.mesh.neighbor(part[n], i));
                 if (next == left.end()) continue;
                 part.push_back(*next);
                 left.erase(next);
@@ -35,22 +36,22 @@ std::vector<std::vector<std::uint32_t>> parts_at(Workbench& bench, std::uint32_t
 }
 
 // Of a part of the cells at a vertex: contours there, then its size.
-inline std::array<std::size_t, 2> worth_at(const Workbench& bench, std::uint32_t vertex,
+inline std::array<std::size_t, 2> worth_at(const EditContext& edit, std::uint32_t vertex,
                                            const std::vector<std::uint32_t>& cells) {
     std::size_t fixed = 0;
     for (const std::uint32_t c : cells) {
-        const Cell& cell = bench.mesh.cell(c);
+        const Cell& cell = edit.mesh.cell(c);
         fixed += static_cast<std::size_t>(std::count_if(
-            cell.begin(), cell.end(), [&](std::uint32_t x) { return bench.fixed_edge(vertex, x); }));
+            cell.begin(), cell.end(), [&](std::uint32_t x) { return edit.fixed_edge(vertex, x); }));
     }
     return {fixed, cells.size()};
 }
 
 // Of several parts that of the greatest worth.
-inline auto worthiest_at(const Workbench& bench, std::uint32_t vertex,
+inline auto worthiest_at(const EditContext& edit, std::uint32_t vertex,
                          const std::vector<std::vector<std::uint32_t>>& parts) {
     return std::max_element(parts.begin(), parts.end(), [&](const auto& x, const auto& y) {
-        return worth_at(bench, vertex, x) < worth_at(bench, vertex, y);
+        return worth_at(edit, vertex, x) < worth_at(edit, vertex, y);
     });
 }
 

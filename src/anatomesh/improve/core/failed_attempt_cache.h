@@ -1,4 +1,5 @@
-// VainTries: what was tried on a mesh in vain, and need not be tried again as long as nothing changed there.
+// FailedAttemptCache: what was tried on a mesh in vain, and need not be tried again as long as nothing
+// changed there.
 #pragma once
 
 #include <array>
@@ -14,7 +15,7 @@ namespace anatomesh {
 // A try is what names it: an operation, and what it is about. It is about the cells at some vertices, and is
 // worth another one once one of these has changed. Requires of a try that it looks at these cells alone.
 // Complexity: O(1) a question, and O(cells) a change.
-class VainTries {
+class FailedAttemptCache {
   public:
     using Name = std::array<std::uint32_t, 4>;
 

@@ -1,4 +1,4 @@
-// chosen_of: the numbers of a list that meet a condition.
+// parallel_filter: the numbers of a list that meet a condition.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@ namespace anatomesh {
 // Those of `all` for which choose(number) holds, in their order. Requires: choose may be called by several
 // threads at the same time. Complexity: linear.
 template <class Choose>
-std::vector<std::uint32_t> chosen_of(const std::vector<std::uint32_t>& all, int threads,
-                                     const Choose& choose) {
+std::vector<std::uint32_t> parallel_filter(const std::vector<std::uint32_t>& all, int threads,
+                                           const Choose& choose) {
     return parallel_collect<std::uint32_t>(
         all.size(), 4096, threads,
         [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& chosen) {

@@ -1,4 +1,4 @@
-// Workbench: the mesh under improvement, what must not change, and the rules by which a change is accepted.
+// EditContext: the mesh under improvement, what must not change, and the rules by which a change is accepted.
 #pragma once
 
 #include <array>
@@ -15,27 +15,27 @@
 namespace anatomesh {
 
 // What the cells of a cavity are now; their successors must be better.
-struct Bar {
+struct QualityThreshold {
     double sine = 1;           // the worst inside
     double outside_sine = 1;   // the worst outside
     double squared_ratio = 0;  // the largest inside
 };
 
-// A change that an operation on a bench of scouts would make: cells exchanged, or a vertex moved.
+// A change that an operation on a speculative context would make: cells exchanged, or a vertex moved.
 struct Proposal {
     CellExchange cells;
     std::uint32_t vertex = no_cell;  // if any
     Vec3 to;                         // its new place
     std::uint32_t lone = no_cell;    // if any: a cell one edge of which must not be an edge of an interface;
-    int lone_edge = 0;               // what nearsighted scouts leave to be looked at
+    int lone_edge = 0;               // what a local-only context leaves to be looked at
     std::uint64_t DihedralStats::*counter = nullptr;
 };
 
-// The operations (operations.h) propose cavities; the workbench knows whether they gain and puts them in.
-class Workbench {
+// The operations (operations.h) propose cavities; the edit context knows whether they gain and puts them in.
+class EditContext {
   public:
-    Workbench(EditMesh& mesh, std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
-              const StructureField& field, std::uint32_t structures, const DihedralOptions& options);
+    EditContext(EditMesh& mesh, std::vector<std::uint8_t>& fixed, std::span<const VertexPair> fixed_edges,
+                const StructureField& field, std::uint32_t structures, const DihedralOptions& options);
 
     EditMesh& mesh;
     InterfaceProbe probe;
@@ -43,15 +43,16 @@ class Workbench {
     DihedralStats stats;
     const RegionTable* table = nullptr;   // of the mesh's regions
     const DrawnSlices* slices = nullptr;  // if any: no operation makes their cuts less like what is drawn
-    // A copy of a bench that scouts leaves the mesh as it is: removals and moves say true where they may
-    // succeed, false only where they would fail. Each thread may have one.
-    bool scouts = false;
-    // Scouts that look at no cells but those with a vertex of the cell, or the vertex, in question: what
-    // fails on such a bench does so as long as these cells stay.
-    bool nearsighted = false;
-    Proposal proposal;             // of scouts: the last change that would have been made
+    // A copy of a context that is speculative leaves the mesh as it is: removals and moves say true where
+    // they may succeed, false only where they would fail. Each thread may have one.
+    bool speculative = false;
+    // Speculative, and it looks at no cells but those with a vertex of the cell, or the vertex, in question:
+    // what fails on such a context does so as long as these cells stay.
+    bool local_only = false;
+    Proposal proposal;             // if speculative: the last change that would have been made
     bool moves_junctions = false;  // vertices where three or more regions meet may move
-    // If any: the shapes of cells at its crowded vertices count as little as those of cells outside.
+    // If any: the shapes of cells at its constraint-limited vertices count as little as those of cells
+    // outside.
     const DrawnSlices* spared = nullptr;
     bool lowers_ratios = false;  // operations are judged by the largest ratio, not by the least sine
     // The least sine of new cells; of those judged by ratio also the least there was, if that is not below
@@ -91,26 +92,29 @@ class Workbench {
 
     // Whether a cell of this region, and with these vertices among its own, is to be well shaped.
     bool counts(Region region, std::span<const std::uint32_t> vertices) const {
-        return region != 0 && !(spared && spared->are_crowded(vertices));
+        return region != 0 && !(spared && spared->are_constraint_limited(vertices));
     }
 
-    Bar bar_of(std::span<const std::uint32_t> cells) const;
+    QualityThreshold threshold_of(std::span<const std::uint32_t> cells) const;
     // What a new cell must reach.
-    double needed_sine(const Bar& bar) const {
-        if (lowers_ratios) return std::max(std::min(bar.sine, least_needed_sine), least_lowered_sine);
-        return std::max(bar.sine + min_gain * (0.02 + bar.sine), least_needed_sine);
+    double needed_sine(const QualityThreshold& threshold) const {
+        if (lowers_ratios) return std::max(std::min(threshold.sine, least_needed_sine), least_lowered_sine);
+        return std::max(threshold.sine + min_gain * (0.02 + threshold.sine), least_needed_sine);
     }
-    double needed_outside_sine(const Bar& bar) const { return std::min(bar.outside_sine, flat_outside); }
-    double allowed_squared_ratio(const Bar& bar) const {
-        return allowed_squared_ratio(bar, options.max_radius_edge);
+    double needed_outside_sine(const QualityThreshold& threshold) const {
+        return std::min(threshold.outside_sine, flat_outside);
     }
-    double allowed_squared_ratio(const Bar& bar, double most) const {
-        if (!lowers_ratios) return std::max(bar.squared_ratio, most * most);
-        return std::max(std::min(lower_ratio * bar.squared_ratio, most_lowered_ratio * most_lowered_ratio),
-                        most * most);
+    double allowed_squared_ratio(const QualityThreshold& threshold) const {
+        return allowed_squared_ratio(threshold, options.max_radius_edge);
+    }
+    double allowed_squared_ratio(const QualityThreshold& threshold, double most) const {
+        if (!lowers_ratios) return std::max(threshold.squared_ratio, most * most);
+        return std::max(
+            std::min(lower_ratio * threshold.squared_ratio, most_lowered_ratio * most_lowered_ratio),
+            most * most);
     }
     // The sine of a new cell, negative if it may not be; cells outside that may be count as perfect.
-    double value(const Cell& c, Region region, const Bar& bar) const;
+    double value(const Cell& c, Region region, const QualityThreshold& threshold) const;
 
     // Replaces cells by others of the same outer facets if all are positive, exactly, and all kept edges
     // stay.
@@ -123,7 +127,7 @@ class Workbench {
 
     // Moves a vertex, `star` the cells at it, if all of these stay positive, exactly.
     bool commit_move(std::uint32_t v, Vec3 to);
-    // Makes the change that scouts proposed, if it may be; what they looked at is as it was.
+    // Makes the change that a speculative context proposed, if it may be; what it looked at is as it was.
     bool carry_out(const Proposal& change);
     void count(std::uint64_t DihedralStats::*counter) {
         ++(stats.*counter);
@@ -165,10 +169,10 @@ class Workbench {
 // The other two corners of a cell's facet at a vertex, in the facet's order.
 std::array<std::uint32_t, 2> others_of_facet(const Cell& cell, int facet, std::uint32_t vertex);
 
-// The facets of the only surface at a vertex, seen from the region of the first cell of `bench.star`, which
-// is the vertex's star: of each the two others, in its order; the bench looks between the two regions. False
-// where three or more regions meet, or the mesh ends.
-bool surface_facets_at(Workbench& bench, std::uint32_t vertex,
+// The facets of the only surface at a vertex, seen from the region of the first cell of `context.star`, which
+// is the vertex's star: of each the two others, in its order; the context looks between the two regions.
+// False where three or more regions meet, or the mesh ends.
+bool surface_facets_at(EditContext& edit, std::uint32_t vertex,
                        std::vector<std::array<std::uint32_t, 2>>& facets);
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 
 #include <algorithm>
 #include <iterator>
@@ -8,56 +8,56 @@
 
 namespace anatomesh {
 
-Workbench::Workbench(EditMesh& mesh_in, std::vector<std::uint8_t>& fixed,
-                     std::span<const VertexPair> fixed_edges, const StructureField& field,
-                     std::uint32_t structures, const DihedralOptions& options_in)
+EditContext::EditContext(EditMesh& mesh_in, std::vector<std::uint8_t>& fixed,
+                         std::span<const VertexPair> fixed_edges, const StructureField& field,
+                         std::uint32_t structures, const DihedralOptions& options_in)
     : mesh(mesh_in),
       probe(field, structures),
       options(options_in),
       fixed_(fixed),
       fixed_edges_(fixed_edges) {}
 
-bool Workbench::fixed_edge(std::uint32_t a, std::uint32_t b) const {
+bool EditContext::fixed_edge(std::uint32_t a, std::uint32_t b) const {
     if (!fixed(a) || !fixed(b)) return false;
     const VertexPair edge{std::min(a, b), std::max(a, b)};
     return std::binary_search(fixed_edges_.begin(), fixed_edges_.end(), edge) ||
            std::binary_search(split_edges_.begin(), split_edges_.end(), edge);
 }
 
-void Workbench::fix_on_edge(std::uint32_t v, std::uint32_t a, std::uint32_t b) {
+void EditContext::fix_on_edge(std::uint32_t v, std::uint32_t a, std::uint32_t b) {
     fix(v);
     if (slices && slice_of(a) != no_slice && slice_of(a) == slice_of(b))
         points_of_slices_.push_back({v, slice_of(a)});  // points come in order
     for (const std::uint32_t end : {a, b}) fix_edge(v, end);
 }
 
-void Workbench::fix_edge(std::uint32_t a, std::uint32_t b) {
+void EditContext::fix_edge(std::uint32_t a, std::uint32_t b) {
     const VertexPair edge{std::min(a, b), std::max(a, b)};
     split_edges_.insert(std::upper_bound(split_edges_.begin(), split_edges_.end(), edge), edge);
 }
 
-void Workbench::unfix_edge(std::uint32_t a, std::uint32_t b) {
+void EditContext::unfix_edge(std::uint32_t a, std::uint32_t b) {
     const VertexPair edge{std::min(a, b), std::max(a, b)};
     const auto at = std::lower_bound(split_edges_.begin(), split_edges_.end(), edge);
     if (at != split_edges_.end() && *at == edge) split_edges_.erase(at);
 }
 
-void Workbench::keep_edge(std::uint32_t a, std::uint32_t b) {
+void EditContext::keep_edge(std::uint32_t a, std::uint32_t b) {
     const VertexPair edge{std::min(a, b), std::max(a, b)};
     const auto at = std::lower_bound(kept_edges_.begin(), kept_edges_.end(), edge);
     if (at == kept_edges_.end() || *at != edge) kept_edges_.insert(at, edge);
 }
 
-void Workbench::release_edge(std::uint32_t a, std::uint32_t b) {
+void EditContext::release_edge(std::uint32_t a, std::uint32_t b) {
     std::erase(kept_edges_, VertexPair{std::min(a, b), std::max(a, b)});
 }
 
-bool Workbench::keeps_edge(std::uint32_t a, std::uint32_t b) const {
+bool EditContext::keeps_edge(std::uint32_t a, std::uint32_t b) const {
     return std::binary_search(kept_edges_.begin(), kept_edges_.end(),
                               VertexPair{std::min(a, b), std::max(a, b)});
 }
 
-bool Workbench::loses_kept_edge(std::span<const std::uint32_t> removed, std::span<const Cell> added) const {
+bool EditContext::loses_kept_edge(std::span<const std::uint32_t> removed, std::span<const Cell> added) const {
     if (kept_edges_.empty()) return false;
     for (const std::uint32_t n : removed) {
         const Cell& c = mesh.cell(n);
@@ -76,13 +76,13 @@ bool Workbench::loses_kept_edge(std::span<const std::uint32_t> removed, std::spa
     return false;
 }
 
-std::uint32_t Workbench::slice_of(std::uint32_t v) const {
+std::uint32_t EditContext::slice_of(std::uint32_t v) const {
     if (v < slices->slice_of.size()) return slices->slice_of[v];
     const auto found = std::lower_bound(points_of_slices_.begin(), points_of_slices_.end(), VertexPair{v, 0});
     return found != points_of_slices_.end() && (*found)[0] == v ? (*found)[1] : no_slice;
 }
 
-bool Workbench::spoils_cut(std::uint32_t a, std::uint32_t b, std::uint32_t c, Region above, Region below) {
+bool EditContext::spoils_cut(std::uint32_t a, std::uint32_t b, std::uint32_t c, Region above, Region below) {
     if (!slices) return false;
     const std::uint32_t slice = slice_of(a);
     if (slice == no_slice || slice_of(b) != slice || slice_of(c) != slice) return false;
@@ -92,45 +92,45 @@ bool Workbench::spoils_cut(std::uint32_t a, std::uint32_t b, std::uint32_t c, Re
     return both != probe.members((1.0 / 3.0) * (mesh.point(a) + mesh.point(b) + mesh.point(c)));
 }
 
-double Workbench::sine(const Cell& c) const {
+double EditContext::sine(const Cell& c) const {
     return least_sine(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3]));
 }
 
-Bar Workbench::bar_of(std::span<const std::uint32_t> cells_in) const {
-    Bar bar;
+QualityThreshold EditContext::threshold_of(std::span<const std::uint32_t> cells_in) const {
+    QualityThreshold threshold;
     for (const std::uint32_t n : cells_in) {
         const Cell& c = mesh.cell(n);
         if (!counts(mesh.region(n), c)) {
-            bar.outside_sine = std::min(bar.outside_sine, sine(c));
+            threshold.outside_sine = std::min(threshold.outside_sine, sine(c));
             continue;
         }
         const CellMeasures m =
             measure_cell(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3]));
-        bar.sine = std::min(bar.sine, m.least_sine());
-        bar.squared_ratio = std::max(bar.squared_ratio, m.squared_ratio);
+        threshold.sine = std::min(threshold.sine, m.least_sine());
+        threshold.squared_ratio = std::max(threshold.squared_ratio, m.squared_ratio);
     }
-    return bar;
+    return threshold;
 }
 
-double Workbench::value(const Cell& c, Region region, const Bar& bar) const {
+double EditContext::value(const Cell& c, Region region, const QualityThreshold& threshold) const {
     if (!counts(region, c)) {
         const double outside = sine(c);
-        return outside > 0 && outside >= needed_outside_sine(bar) ? 1 : -1;
+        return outside > 0 && outside >= needed_outside_sine(threshold) ? 1 : -1;
     }
     const CellMeasures m =
         measure_cell(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3]));
     const double inside = m.least_sine();
-    return inside > 0 && m.squared_ratio <= allowed_squared_ratio(bar) ? inside : -1;
+    return inside > 0 && m.squared_ratio <= allowed_squared_ratio(threshold) ? inside : -1;
 }
 
-bool Workbench::commit(std::span<const std::uint32_t> removed, std::span<const Cell> added,
-                       std::span<const Region> new_regions) {
+bool EditContext::commit(std::span<const std::uint32_t> removed, std::span<const Cell> added,
+                         std::span<const Region> new_regions) {
     for (const Cell& c : added) {
         if (orient3d(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3])) <= 0)
             return false;
     }
     if (loses_kept_edge(removed, added)) return false;
-    if (scouts) {
+    if (speculative) {
         proposal.cells.removed.assign(removed.begin(), removed.end());
         proposal.cells.added.assign(added.begin(), added.end());
         proposal.cells.regions.assign(new_regions.begin(), new_regions.end());
@@ -140,7 +140,7 @@ bool Workbench::commit(std::span<const std::uint32_t> removed, std::span<const C
     return true;
 }
 
-std::uint32_t Workbench::split_ring(Vec3 at) {
+std::uint32_t EditContext::split_ring(Vec3 at) {
     const std::uint32_t a = ring.a, b = ring.b;
     const bool was_fixed = fixed_edge(a, b);
     const std::uint32_t v = add_point(at);
@@ -158,8 +158,8 @@ std::uint32_t Workbench::split_ring(Vec3 at) {
     return v;
 }
 
-bool Workbench::commit_move(std::uint32_t v, Vec3 to) {
-    if (scouts) {
+bool EditContext::commit_move(std::uint32_t v, Vec3 to) {
+    if (speculative) {
         proposal.vertex = v;
         proposal.to = to;
         return true;
@@ -174,7 +174,7 @@ bool Workbench::commit_move(std::uint32_t v, Vec3 to) {
     return true;
 }
 
-bool Workbench::carry_out(const Proposal& change) {
+bool EditContext::carry_out(const Proposal& change) {
     if (change.lone != no_cell && mesh.edge_on_interface(change.lone, change.lone_edge)) return false;
     if (change.vertex == no_cell) {
         mesh.replace(change.cells.removed, change.cells.added, change.cells.regions, changed);
@@ -186,18 +186,18 @@ bool Workbench::carry_out(const Proposal& change) {
     return true;
 }
 
-bool Workbench::positive(std::span<const std::uint32_t> cells_in) const {
+bool EditContext::positive(std::span<const std::uint32_t> cells_in) const {
     return std::all_of(cells_in.begin(), cells_in.end(), [&](std::uint32_t n) {
         const Cell& c = mesh.cell(n);
         return orient3d(mesh.point(c[0]), mesh.point(c[1]), mesh.point(c[2]), mesh.point(c[3])) > 0;
     });
 }
 
-void Workbench::look_between(Region here, Region there) {
+void EditContext::look_between(Region here, Region there) {
     if (table) probe.focus_between(table->members[here], table->members[there]);
 }
 
-bool Workbench::near_interface(std::uint32_t a, std::uint32_t b, std::uint32_t c, double before) {
+bool EditContext::near_interface(std::uint32_t a, std::uint32_t b, std::uint32_t c, double before) {
     return facet_distance(mesh.point(a), mesh.point(b), mesh.point(c)) <=
            std::max(before, options.max_deviation_mm);
 }
@@ -209,27 +209,27 @@ std::array<std::uint32_t, 2> others_of_facet(const Cell& cell, int facet, std::u
     return {f[1], f[2]};
 }
 
-bool surface_facets_at(Workbench& bench, std::uint32_t vertex,
+bool surface_facets_at(EditContext& edit, std::uint32_t vertex,
                        std::vector<std::array<std::uint32_t, 2>>& facets) {
-    const Region side = bench.mesh.region(bench.star[0]);
+    const Region side = edit.mesh.region(edit.star[0]);
     Region other = side;
-    for (const std::uint32_t c : bench.star) {
-        const Region region = bench.mesh.region(c);
+    for (const std::uint32_t c : edit.star) {
+        const Region region = edit.mesh.region(c);
         if (region != side) {
             if (other == side) other = region;
             if (region != other) return false;
             continue;
         }
-        const Cell& cell = bench.mesh.cell(c);
+        const Cell& cell = edit.mesh.cell(c);
         for (int i = 0; i < 4; ++i) {
             if (cell[i] == vertex) continue;
-            const std::uint32_t n = bench.mesh.neighbor(c, i);
+            const std::uint32_t n = edit.mesh.neighbor(c, i);
             if (n == no_cell) return false;
-            if (bench.mesh.region(n) == side) continue;
+            if (edit.mesh.region(n) == side) continue;
             facets.push_back(others_of_facet(cell, i, vertex));
         }
     }
-    bench.look_between(side, other);
+    edit.look_between(side, other);
     return true;
 }
 

@@ -1,4 +1,4 @@
-// SidesAt: what the mesh has at edges and vertices, seen from one structure.
+// SurfaceIncidence: what the mesh has at edges and vertices, seen from one structure.
 #pragma once
 
 #include <cstdint>
@@ -6,30 +6,30 @@
 #include <span>
 #include <vector>
 
-#include "anatomesh/improve/core/workbench.h"
+#include "anatomesh/improve/core/edit_context.h"
 
 namespace anatomesh {
 
-// Uses the bench's ring and star. An edge or a vertex is on a structure's surface where cells of both sides
+// Uses the context's ring and star. An edge or a vertex is on a structure's surface where cells of both sides
 // are round it.
-class SidesAt {
+class SurfaceIncidence {
   public:
-    explicit SidesAt(Workbench& bench) : bench_(bench) {}
+    explicit SurfaceIncidence(EditContext& edit) : edit_(edit) {}
 
     bool has(std::uint32_t c, std::uint32_t structure) const {
-        return bench_.table->contains(bench_.mesh.region(c), structure);
+        return edit_.table->contains(edit_.mesh.region(c), structure);
     }
-    // Finds the cells round an edge, for the bench's ring; false where it is none, or on the hull.
+    // Finds the cells round an edge, for the context's ring; false where it is none, or on the hull.
     bool find_ring(std::uint32_t a, std::uint32_t b);
-    // Of the cells of the bench's ring.
-    bool ring_is_mixed(std::uint32_t structure) const { return is_mixed(bench_.ring.cells, structure); }
+    // Of the cells of the context's ring.
+    bool ring_is_mixed(std::uint32_t structure) const { return is_mixed(edit_.ring.cells, structure); }
 
     bool on_surface(std::uint32_t a, std::uint32_t b, std::uint32_t structure) {
         return find_ring(a, b) && ring_is_mixed(structure);
     }
     bool on_surface(std::uint32_t v, std::uint32_t structure) {
-        bench_.mesh.star(v, bench_.star);
-        return is_mixed(bench_.star, structure);
+        edit_.mesh.star(v, edit_.star);
+        return is_mixed(edit_.star, structure);
     }
     // An edge with cells of one side alone.
     bool beside_surface(std::uint32_t a, std::uint32_t b, std::uint32_t structure) {
@@ -50,7 +50,7 @@ class SidesAt {
                                   std::uint32_t structure);
     bool is_mixed(const std::vector<std::uint32_t>& cells, std::uint32_t structure) const;
 
-    Workbench& bench_;
+    EditContext& edit_;
 };
 
 }  // namespace anatomesh

@@ -1,0 +1,73 @@
+// QualityGate: whether cells that a change at the end made are good enough to stay.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "anatomesh/improve/core/edit_context.h"
+
+namespace anatomesh {
+
+// Of cells at vertices that contours limit: within what the certificate allows there (100, 0.05 degrees).
+inline constexpr double most_limited_ratio = 50, least_limited_sine = 0.01;
+
+// Improves the shapes of these cells; returns the cells that it made or reshaped, some of which may be gone.
+using ImproveCells = std::function<std::vector<std::uint32_t>(std::vector<std::uint32_t>)>;
+
+class QualityGate {
+  public:
+    // `least_sine`: of cells inside, where contours do not limit them. Requires: both outlive this.
+    QualityGate(EditContext& edit, const DrawnSlices& drawn, double least_sine)
+        : edit_(edit), drawn_(drawn), least_sine_(least_sine) {}
+
+    // Whether a cell inside has no angle whose sine is below the least and no ratio above the edit context's
+    // last bound; where contours limit it, the bounds above. Others are.
+    bool is_good(std::uint32_t c) const;
+    // Whether what of the cell lies on interfaces lies within the edit context's `spike_mm` of the field's.
+    bool is_near(std::uint32_t c) { return is_near(c, edit_.options.spike_mm); }
+    // The same of another length, mm.
+    bool is_near(std::uint32_t c, double most_mm);
+    // How far from the field's what of these cells lies on interfaces, where that is above `spike_mm`; else
+    // that. mm
+    double farthest_of(std::span<const std::uint32_t> cells);
+    double spike_mm() const { return edit_.options.spike_mm; }
+    // Of the cells those inside above the edit context's first bound that contours do not limit.
+    std::vector<std::uint32_t> those_above_bound(std::vector<std::uint32_t> cells) const;
+
+  private:
+    // Whether one of the distances is such: of the centres and free corners of a cell's facets on interfaces
+    // from the field's, mm. One above the reach may be any above it.
+    template <class Is>
+    bool any_distance(std::uint32_t c, double reach_mm, const Is& is);
+
+    EditContext& edit_;
+    const DrawnSlices& drawn_;
+    double least_sine_;
+};
+
+// Whether what changes made of the cells may stay, by all shapes there are.
+class QualityBudget {
+  public:
+    // As QualityGate. O(cells)
+    QualityBudget(EditContext& edit, const DrawnSlices& drawn, double least_sine);
+
+    // Whether the cells that a change made or reshaped are good and near (QualityGate), and no more cells
+    // above the edit context's first bound than before, or than 0.3 % of those inside at first.
+    bool allow(std::span<const std::uint32_t> changed) { return allow(changed, gate_.spike_mm()); }
+    // Near is what lies within that of the field's, mm.
+    bool allow(std::span<const std::uint32_t> changed, double most_mm);
+    double farthest_of(std::span<const std::uint32_t> cells) { return gate_.farthest_of(cells); }
+    // The change that was allowed last stays.
+    void keep() { above_bound_ = std::move(above_after_); }
+
+  private:
+    QualityGate gate_;
+    std::size_t most_above_ = 0;
+    std::vector<std::uint32_t> above_bound_, above_after_;  // cells; rising
+};
+
+}  // namespace anatomesh
