@@ -24,8 +24,8 @@ ComponentChange StructureComponents::change(std::uint32_t structure, bool inside
     connect_now(sets_now);
     const Components before = count(sets_before, before_, first_new);
     Components now = count(sets_now, now_, first_new);
-    std::sort(now.crumbs.begin(), now.crumbs.end());
-    return {now.all - before.all, now.bare - before.bare, std::move(now.crumbs)};
+    std::sort(now.spurious.begin(), now.spurious.end());
+    return {now.all - before.all, now.bare - before.bare, std::move(now.spurious)};
 }
 
 bool StructureComponents::has_drawn_vertex(const Cell& cell) const {
@@ -164,8 +164,8 @@ StructureComponents::Components StructureComponents::count(DisjointSets& sets, c
     for (std::uint32_t g = 0; g < groups_.size(); ++g) {
         Component& of = components[sets.root(node_count + g)];
         of.has_drawn = of.has_drawn || groups_[g].has_drawn;
-        // One more than a crumb has is enough.
-        const std::size_t taken = std::min(groups_[g].cells.size(), most_of_crumb_ + 1);
+        // One more than a spurious component has is enough.
+        const std::size_t taken = std::min(groups_[g].cells.size(), most_of_component_ + 1);
         of.cells.insert(of.cells.end(), groups_[g].cells.begin(),
                         groups_[g].cells.begin() + static_cast<std::ptrdiff_t>(taken));
     }
@@ -184,9 +184,9 @@ StructureComponents::Components StructureComponents::count(DisjointSets& sets, c
         found.all += component.is_any;
         if (!component.is_any || component.has_drawn) continue;
         ++found.bare;
-        if (!component.has_new || component.cells.size() > most_of_crumb_) continue;
+        if (!component.has_new || component.cells.size() > most_of_component_) continue;
         std::sort(component.cells.begin(), component.cells.end());
-        found.crumbs.push_back(std::move(component.cells));
+        found.spurious.push_back(std::move(component.cells));
     }
     return found;
 }

@@ -15,7 +15,7 @@ namespace anatomesh {
 struct ComponentChange {
     std::ptrdiff_t all = 0, bare = 0;  // components after the attempt, less those before it
     // Cells of the small bare components after it that have a new vertex; both rising.
-    std::vector<std::vector<std::uint32_t>> crumbs;
+    std::vector<std::vector<std::uint32_t>> spurious;
     friend bool operator==(const ComponentChange&, const ComponentChange&) = default;
 };
 
@@ -26,7 +26,7 @@ class StructureComponents {
   public:
     // Small: of at most `most_of_component` cells. Requires: both outlive this.
     StructureComponents(EditContext& edit, const ContourOwners& owners, std::size_t most_of_component)
-        : edit_(edit), owners_(owners), most_of_crumb_(most_of_component) {}
+        : edit_(edit), owners_(owners), most_of_component_(most_of_component) {}
 
     // Of the attempt that is going on, and the cells of a structure, or all others. New are vertices from
     // `first_new` on, added since the attempt began. Complexity: n log n in the changed cells, and linear in
@@ -55,7 +55,7 @@ class StructureComponents {
     };
     struct Components {
         std::ptrdiff_t all = 0, bare = 0;
-        std::vector<std::vector<std::uint32_t>> crumbs;
+        std::vector<std::vector<std::uint32_t>> spurious;
     };
 
     Node node_of(const Cell& cell, Region region) const {
@@ -76,7 +76,7 @@ class StructureComponents {
 
     EditContext& edit_;
     const ContourOwners& owners_;
-    std::size_t most_of_crumb_;
+    std::size_t most_of_component_;
     // Of the attempt that is looked at, or was last.
     std::uint32_t structure_ = 0;
     bool inside_ = false;

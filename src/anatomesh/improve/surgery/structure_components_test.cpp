@@ -15,7 +15,7 @@ constexpr std::size_t most_of_component = 6;
 
 struct Counted {
     std::ptrdiff_t all = 0, bare = 0;
-    std::vector<std::vector<std::uint32_t>> crumbs;
+    std::vector<std::vector<std::uint32_t>> spurious;
 };
 
 // By looking at all cells.
@@ -46,9 +46,9 @@ Counted count(EditContext& edit, const ContourOwners& owners, std::uint32_t stru
         ++found.all;
         found.bare += !drawn;
         std::sort(cells.begin(), cells.end());
-        if (!drawn && fresh && cells.size() <= most_of_component) found.crumbs.push_back(std::move(cells));
+        if (!drawn && fresh && cells.size() <= most_of_component) found.spurious.push_back(std::move(cells));
     }
-    std::sort(found.crumbs.begin(), found.crumbs.end());
+    std::sort(found.spurious.begin(), found.spurious.end());
     return found;
 }
 
@@ -66,7 +66,7 @@ struct Parts : SectionedBricks {
 
 // Many small parts, few large ones, and some of both; whatever changes, is kept or taken back.
 TEST(StructureComponents, their_change_by_an_attempt_is_that_of_all_cells) {
-    std::size_t parted = 0, joined = 0, crumbs = 0;
+    std::size_t parted = 0, joined = 0, spurious = 0;
     for (unsigned seed = 0; seed < 40; ++seed) {
         Parts parts(seed, 2 + seed % 4, seed % 3 == 0 ? 200 : 20);
         EditMesh edited = parts.editable();
@@ -84,17 +84,17 @@ TEST(StructureComponents, their_change_by_an_attempt_is_that_of_all_cells) {
                 const ComponentChange change = components.change(0, inside, first_new);
                 ASSERT_EQ(change.all, after.all - was.all);
                 ASSERT_EQ(change.bare, after.bare - was.bare);
-                ASSERT_EQ(change.crumbs, after.crumbs);
+                ASSERT_EQ(change.spurious, after.spurious);
                 parted += change.all > 0;
                 joined += change.all < 0;
-                crumbs += change.crumbs.size();
+                spurious += change.spurious.size();
             }
             edited.end_attempt(parts.random() % 3 == 0);
         }
     }
     EXPECT_GT(parted, 50u);
     EXPECT_GT(joined, 50u);
-    EXPECT_GT(crumbs, 50u);
+    EXPECT_GT(spurious, 50u);
 }
 
 // A layer of bricks leaves the structure, and parts it in two; what went is a component of the others, bare
