@@ -9,8 +9,8 @@
 #include "anatomesh/mesh/check/box_tree.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
-#include "anatomesh/slices/coverage/slices_tell.h"
-#include "anatomesh/slices/coverage/unsaid.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
+#include "anatomesh/slices/coverage/unknown_coverage.h"
 
 namespace anatomesh {
 
@@ -157,12 +157,12 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
     const double tolerance = on_plane_mm(contours);
     const bool parallel = all_parallel(contours, same_plane_mm);
     RunContext context;
-    const Unsaid unsaid = Unsaid::of(contours, context);
+    const UnknownCoverage unknown = UnknownCoverage::of(contours, context);
     const std::vector<Box2> frames = parallel ? std::vector<Box2>() : frames_of_slices(contours);
     std::vector<std::uint8_t> drawn_here(points.size(), 0);
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         TrianglesAtPlanes surface(points, surfaces[s]);
-        const std::vector<bool> tell = slices_tell(contours, s);
+        const std::vector<bool> covers = slice_coverage(contours, s);
         for (std::uint32_t k = 0; k < contours.slices.size(); ++k) {
             const Slice& slice = contours.slices[k];
             const double off_plane = farthest_off_plane(contours, slice) + tolerance;
@@ -191,7 +191,7 @@ std::vector<SliceCut> slice_cuts(std::span<const Vec3> points,
                 measured.drawn += signed_area(ring);
                 for (std::size_t n = 0; n < ring.size(); ++n) cut.add(ring[n], ring[(n + 1) % ring.size()]);
             }
-            if (drawn || (tell[k] && (parallel || slice.contour_count > 0) && !unsaid.contains(k, s))) {
+            if (drawn || (covers[k] && (parallel || slice.contour_count > 0) && !unknown.contains(k, s))) {
                 // Twice what counts as on the plane, for rounding.
                 surface.for_each_near(slice.plane, 2 * off_plane, [&](const Triangle& t) { cut.add(t); });
                 measured.difference = even_odd_area(cut.rest(), extent);

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "anatomesh/mesh/shape/quality.h"
-#include "anatomesh/slices/coverage/slices_tell.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 
 namespace anatomesh {
 
@@ -68,7 +68,7 @@ std::vector<double> slice_volumes(const ContourSet& set) {
     std::vector<const std::vector<double>*> thickness;
     const std::vector<bool> all(set.slices.size(), true);
     for (std::uint32_t i = 0; i < set.structures.size(); ++i) {
-        std::vector<bool> counts = slices_tell(set, i);
+        std::vector<bool> counts = slice_coverage(set, i);
         if (std::count(counts.begin(), counts.end(), true) < 2) counts = all;
         const auto [found, is_new] = thickness_of.try_emplace(std::move(counts));
         if (is_new) found->second = slice_thickness(set, found->first);

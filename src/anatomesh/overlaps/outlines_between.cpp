@@ -19,8 +19,8 @@
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
-#include "anatomesh/slices/coverage/slices_tell.h"
-#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/slices/coverage/covering_slices.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 
 namespace anatomesh {
 
@@ -39,25 +39,25 @@ ContourSet not_exclusive(ContourSet set) {
 }
 
 // Slices between the structure's own that say nothing of it.
-std::vector<std::uint32_t> silent_slices(const ContourSet& set, std::uint32_t structure,
-                                         const std::vector<bool>& tell) {
-    std::vector<std::uint32_t> drawn, silent;
+std::vector<std::uint32_t> find_unknown_slices(const ContourSet& set, std::uint32_t structure,
+                                               const std::vector<bool>& covers) {
+    std::vector<std::uint32_t> drawn, unknown_slices;
     for (const Contour& contour : set.contours) {
         if (contour.structure == structure) drawn.push_back(contour.slice);
     }
-    if (drawn.empty()) return silent;
+    if (drawn.empty()) return unknown_slices;
     const auto [first, last] = std::minmax_element(drawn.begin(), drawn.end());
     for (std::uint32_t k = *first; k < *last; ++k) {
-        if (!tell[k]) silent.push_back(k);
+        if (!covers[k]) unknown_slices.push_back(k);
     }
-    return silent;
+    return unknown_slices;
 }
 
-bool has_silent_slices(const ContourSet& set) {
+bool has_unknown_slices(const ContourSet& set) {
     if (!set.drawn || !set.exclusive || !is_parallel(set)) return false;
     const ContourSet plain = not_exclusive(set);
     for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
-        if (!silent_slices(plain, s, slices_tell(plain, s)).empty()) return true;
+        if (!find_unknown_slices(plain, s, slice_coverage(plain, s)).empty()) return true;
     }
     return false;
 }
@@ -81,7 +81,7 @@ bool cuts_what_is_drawn(const OverlappingContours& all, std::size_t level) {
     }
     for (std::uint32_t s = 0; s < plain.structures.size(); ++s) {
         const auto own = rank(plain.structures[s].number);
-        for (const std::uint32_t k : silent_slices(plain, s, slices_tell(plain, s))) {
+        for (const std::uint32_t k : find_unknown_slices(plain, s, slice_coverage(plain, s))) {
             const std::vector<std::int32_t>& others = drawn[all.slices[level][k]];
             if (std::any_of(others.begin(), others.end(),
                             [&](std::int32_t other) { return own < rank(other); }))
@@ -92,9 +92,9 @@ bool cuts_what_is_drawn(const OverlappingContours& all, std::size_t level) {
 }
 
 bool lacks_outlines(const ContourSet& kept) {
-    if (!kept.overlapping) return has_silent_slices(kept);
+    if (!kept.overlapping) return has_unknown_slices(kept);
     for (std::size_t n = 0; n < kept.overlapping->levels.size(); ++n) {
-        if (has_silent_slices(kept.overlapping->levels[n]) || cuts_what_is_drawn(*kept.overlapping, n))
+        if (has_unknown_slices(kept.overlapping->levels[n]) || cuts_what_is_drawn(*kept.overlapping, n))
             return true;
     }
     return false;
@@ -144,18 +144,18 @@ class Outlines {
     Outlines(const ContourSet& set, const FieldOptions& options, RunContext& context)
         : set_(set), options_(options), context_(context) {}
 
-    // Those of a structure on slices that are silent about it, on all slices of the set.
-    Result<ContourSet> of(std::uint32_t structure, const std::vector<std::uint32_t>& silent) const {
+    // Those of a structure on slices that say nothing about it, on all slices of the set.
+    Result<ContourSet> of(std::uint32_t structure, const std::vector<std::uint32_t>& unknown_slices) const {
         std::vector<std::uint32_t> own;
         for (std::uint32_t k = 0; k < set_.slices.size(); ++k) {
-            if (!std::binary_search(silent.begin(), silent.end(), k)) own.push_back(k);
+            if (!std::binary_search(unknown_slices.begin(), unknown_slices.end(), k)) own.push_back(k);
         }
         const ContourSet alone = chosen_slices(choose_structures(set_, {&structure, 1}), own);
         RunContext apart;  // the set's own field will say what is to be said
         apart.threads = context_.threads;
         apart.cancel = context_.cancel;
         ANATOMESH_TRY(const auto field, make_structure_field(alone, options_, apart));
-        const std::vector<std::uint32_t> within = within_parts(alone, silent);
+        const std::vector<std::uint32_t> within = within_parts(alone, unknown_slices);
         const double step = lattice_step(alone);
         ContourSet outlines = choose_structures(set_, {&structure, 1});
         outlines.contours.clear();
@@ -294,10 +294,10 @@ Result<ContourSet> outlines_between(const ContourSet& set, const FieldOptions& o
     ContourSet all = set;
     std::vector<ContourSet> outlines(set.structures.size());
     for (std::uint32_t s = 0; s < set.structures.size(); ++s) {
-        const std::vector<std::uint32_t> silent = silent_slices(set, s, slices_tell(set, s));
-        if (silent.empty()) continue;
-        ANATOMESH_TRY(outlines[s], Outlines(set, options, context).of(s, silent));
-        for (const std::uint32_t k : silent) {
+        const std::vector<std::uint32_t> unknown_slices = find_unknown_slices(set, s, slice_coverage(set, s));
+        if (unknown_slices.empty()) continue;
+        ANATOMESH_TRY(outlines[s], Outlines(set, options, context).of(s, unknown_slices));
+        for (const std::uint32_t k : unknown_slices) {
             if (outlines[s].slices[k].contour_count > 0)
                 all.slices[k].interpolated.push_back(set.structures[s].number);
         }

@@ -9,7 +9,7 @@
 
 namespace anatomesh {
 
-// A structure that is drawn on slices of its own (telling_slices.h) gets on those between them, which say
+// A structure that is drawn on slices of its own (covering_slices.h) gets on those between them, which say
 // nothing of it, the outline that its field alone has there: what its own slices tell. Its vertices lie about
 // as far from each other as those that were drawn, or a 48th of a contour. Where the structure is in pieces
 // no outline joins them, nor where its slices are further apart than `max_gap_spacings` (structure_field.h),

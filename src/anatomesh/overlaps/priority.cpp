@@ -13,7 +13,7 @@
 #include "anatomesh/contour/overlay/arrangement.h"
 #include "anatomesh/contour/overlay/boundary_loops.h"
 #include "anatomesh/geom/polygon.h"
-#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/slices/coverage/covering_slices.h"
 
 namespace anatomesh {
 
@@ -347,8 +347,8 @@ std::vector<std::uint32_t> slices_of(const ContourSet& set, const std::vector<st
         left_out.insert(left_out.end(), own.begin(), own.end());
     }
     sort_distinct(left_out);
-    std::vector<std::uint32_t> telling = telling_slices(drawn, heights, left_out);
-    return telling.size() == drawn.back() - drawn.front() + 1u ? all : telling;
+    std::vector<std::uint32_t> covering = covering_slices(drawn, heights, left_out);
+    return covering.size() == drawn.back() - drawn.front() + 1u ? all : covering;
 }
 
 // One slice: what it draws of a structure, and of another one what `beside` draws, moved onto its plane.

@@ -38,10 +38,11 @@ struct PriorityResult {
 // slices alone count, those that draw both, where it is on all of the other one's between its own first and
 // last (a lesion drawn more finely than its organ; where no slice draws both, which it lies in is told by the
 // organ's next slices) and no structures of one level have anything in common, unless these have slices of
-// their own together (telling_slices.h: neighbours drawn on the same ones). Where slices are not parallel all
-// must lie one in another: what lies side by side is led between them otherwise than what is alone. Errors:
-// geometry E-PRI-001 contours that cross too often, and those of clean_contours. A structure of which nothing
-// is left is left out and warned about (W-PRI-001). Complexity: O((n + k) log n) a slice, k crossings.
+// their own together (covering_slices.h: neighbours drawn on the same ones). Where slices are not parallel
+// all must lie one in another: what lies side by side is led between them otherwise than what is alone.
+// Errors: geometry E-PRI-001 contours that cross too often, and those of clean_contours. A structure of which
+// nothing is left is left out and warned about (W-PRI-001). Complexity: O((n + k) log n) a slice, k
+// crossings.
 Result<PriorityResult> give_overlaps(const ContourSet& set, const std::vector<std::uint32_t>& order,
                                      RunContext& context);
 

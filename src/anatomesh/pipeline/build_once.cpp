@@ -140,7 +140,7 @@ class Builder {
         const ModelReport& report = model.ok() ? model.value().report : model_.report;
         if (model.ok()) {
             facts.torn = tore_a_structure();
-            facts.spurious_joints = untold_places(tears_);
+            facts.spurious_joints = spurious_places(tears_);
             facts.deviates =
                 conforming_ && planes_.dense && report.field_distance.max_mm > most_astray * size_mm();
         }
@@ -190,7 +190,7 @@ class Builder {
         report().slice_spacing_mm = field_->slice_spacing();
         planes_ = how_planes_lie(contours_, *field_, options_.spare_dense_above);
         spared_ = planes_.crammed && runs_before_ == 0 && !size_given_;
-        slices_ = slices_that_tell(contours_, field_->flat_ends());
+        slices_ = weigh_slices(contours_, field_->flat_ends());
         if (planes_.meet_cuts) contradicted_ = contradicted_places(contours_, slices_.weights, context_);
         conforming_ = may_conform_ && planes_.may_conform;
         return end_stage("field", 0.05);
@@ -474,7 +474,7 @@ class Builder {
         stars = find_stars();
         fix_ill_shaped(fixed);
         // About an axis too: what was mended at last would be undone.
-        const SlicesThatTell slices = slices_to_keep(true);
+        const SliceWeights slices = slices_to_keep(true);
         const SmoothStats again = smooth_all(*stars, fixed, slices.sides, smooth_mean);
         smoothed.vertices_moved += again.vertices_moved;
         smoothed.surface_vertices_moved += again.surface_vertices_moved;
@@ -534,7 +534,7 @@ class Builder {
     // Not where planes that cross lie so close that shapes are spared; about an axis only where asked: there
     // all planes are wrong by a little at each cell of the pole, and mending them took three times as long as
     // all the rest (but the worst at last, see improve_angles()).
-    SlicesThatTell slices_to_keep(bool about_axis) const {
+    SliceWeights slices_to_keep(bool about_axis) const {
         if ((spared_ || (sample_->has_pole && !about_axis)) && !is_parallel(contours_)) return {};
         return slices_;
     }
@@ -590,7 +590,7 @@ class Builder {
         if (!spared_ || !beside.empty()) constraint_limited = constraint_limited_vertices_of(subsegments);
         // About an axis those that are wrong by more than they may be, at last.
         const bool worst_alone = sample_->has_pole && !spared_ && !is_parallel(contours_);
-        const SlicesThatTell slices = worst_alone ? slices_ : slices_to_keep(false);
+        const SliceWeights slices = worst_alone ? slices_ : slices_to_keep(false);
         const std::vector<std::uint32_t> contour_vertices = vertices_of_contours();
         std::vector<Plane> planes;
         for (const Slice& slice : contours_.slices) planes.push_back(slice.plane);
@@ -787,7 +787,7 @@ class Builder {
     std::vector<std::uint32_t> neighbors_;     // of the cells of model_, from the cut on
     // Where subsegments were split after sampling, by the cut too.
     std::vector<std::uint32_t> segment_vertices_;
-    SlicesThatTell slices_;
+    SliceWeights slices_;
     std::vector<ContradictedPlace> contradicted_;  // where planes_.meet_cuts
     Model model_;
     ModelTears tears_;

@@ -34,7 +34,7 @@
 #include "anatomesh/reconcile/resolve/facing_stretch.h"
 #include "anatomesh/reconcile/resolve/line_votes.h"
 #include "anatomesh/reconcile/resolve/settle_pieces.h"
-#include "anatomesh/slices/coverage/silences.h"
+#include "anatomesh/slices/coverage/undrawn_structures.h"
 #include "anatomesh/slices/lines/arc.h"
 #include "anatomesh/slices/lines/line_ends.h"
 
@@ -72,7 +72,7 @@ class Reconciler {
         measure_extents();
         if (context_.cancelled()) return cancelled_error();
         if (pairs_.empty()) {
-            warn_of_reconciling(set_, options_, stats_, silences_, strays_, context_);
+            warn_of_reconciling(set_, options_, stats_, undrawn_, strays_, context_);
             return finish();
         }
         if (options_.align) {
@@ -92,7 +92,7 @@ class Reconciler {
         }
         if (context_.cancelled()) return cancelled_error();
         note_difference_after();
-        warn_of_reconciling(set_, options_, stats_, silences_, strays_, context_);
+        warn_of_reconciling(set_, options_, stats_, undrawn_, strays_, context_);
         return finish();
     }
 
@@ -105,7 +105,7 @@ class Reconciler {
         pairs_ = crossing_pairs(patches_, margin_);
         // Of what a slice leaves undrawn it says nothing, however the others come to lie.
         comparisons_ = compare_planes(set_, patches_, pairs_, margin_, context_);
-        silences_ = find_silences(set_, comparisons_, margin_);
+        undrawn_ = find_undrawn_structures(set_, comparisons_, margin_);
         strays_ = find_stray_slices(set_, patches_, comparisons_, context_);
     }
 
@@ -120,11 +120,11 @@ class Reconciler {
         patches_ = plane_patches(set_);
         pairs_ = crossing_pairs(patches_, margin_);
         comparisons_ = compare_planes(set_, patches_, pairs_, margin_, context_);
-        leave_out_silent(comparisons_);
+        leave_out_undrawn(comparisons_);
     }
-    void leave_out_silent(std::vector<LineComparison>& comparisons) const {
+    void leave_out_undrawn(std::vector<LineComparison>& comparisons) const {
         std::erase_if(comparisons, [&](const LineComparison& c) {
-            return is_silent(silences_, c.a, c.structure) || is_silent(silences_, c.b, c.structure);
+            return is_undrawn(undrawn_, c.a, c.structure) || is_undrawn(undrawn_, c.b, c.structure);
         });
     }
 
@@ -229,7 +229,7 @@ class Reconciler {
         const auto compare_set = [&](const ContourSet& set) {
             std::vector<LineComparison> comparisons =
                 compare_planes(set, plane_patches(set), pairs_, margin_, context_);
-            leave_out_silent(comparisons);
+            leave_out_undrawn(comparisons);
             return comparisons;
         };
         const SettlePiecesOptions options{clearance_mm_, options_.max_disagreement_mm,
@@ -771,7 +771,7 @@ class Reconciler {
     std::vector<PlanePatch> patches_;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
     std::vector<LineComparison> comparisons_;
-    std::vector<Silence> silences_;
+    std::vector<UndrawnStructure> undrawn_;
     std::vector<StraySlice> strays_;
     ContourGraph graph_;
     std::vector<MovementNode> nodes_;

@@ -9,8 +9,8 @@
 #include "anatomesh/measure/slice_cuts.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
-#include "anatomesh/slices/coverage/slices_tell.h"
-#include "anatomesh/slices/coverage/unsaid.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
+#include "anatomesh/slices/coverage/unknown_coverage.h"
 
 namespace anatomesh {
 
@@ -76,7 +76,7 @@ PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::u
 namespace {
 
 // Those of a stack may lean a little against each other: their heights are those where something is drawn.
-void place_planes(const ContourSet& contours, bool parallel, SlicesThatTell& slices) {
+void place_planes(const ContourSet& contours, bool parallel, SliceWeights& slices) {
     const Box3 box = contours.box();
     const Vec3 middle = 0.5 * (box.low + box.high);
     slices.on_plane_mm = on_plane_mm(contours);
@@ -123,14 +123,14 @@ bool ends_flat(const ContourSet& contours, std::uint32_t slice, const std::vecto
 
 }  // namespace
 
-SlicesThatTell slices_that_tell(const ContourSet& contours, const std::vector<Plane>& ends) {
-    SlicesThatTell slices;
+SliceWeights weigh_slices(const ContourSet& contours, const std::vector<Plane>& ends) {
+    SliceWeights slices;
     const bool parallel = is_parallel(contours);
     place_planes(contours, parallel, slices);
     const std::vector<double> areas = drawn_areas(contours);
     const std::size_t count = slices.planes.size(), structures = contours.structures.size();
     RunContext context;
-    const Unsaid unsaid = Unsaid::of(contours, context);
+    const UnknownCoverage unknown = UnknownCoverage::of(contours, context);
     slices.weights.assign(structures * count, 0);
     for (std::uint32_t s = 0; s < structures; ++s) {
         const auto first = areas.begin() + static_cast<std::ptrdiff_t>(s * count);
@@ -139,10 +139,10 @@ SlicesThatTell slices_that_tell(const ContourSet& contours, const std::vector<Pl
         if (drawn == 0) continue;
         const double mean = std::accumulate(first, first + static_cast<std::ptrdiff_t>(count), 0.0) /
                             static_cast<double>(drawn);
-        const std::vector<bool> tell = slices_tell(contours, s);
+        const std::vector<bool> covers = slice_coverage(contours, s);
         for (std::uint32_t k = 0; k < count; ++k) {
             const bool tells =
-                tell[k] && (parallel || contours.slices[k].contour_count > 0) && !unsaid.contains(k, s);
+                covers[k] && (parallel || contours.slices[k].contour_count > 0) && !unknown.contains(k, s);
             const double area = areas[s * count + k];
             slices.weights[s * count + k] = area > 0 ? 1 / area : tells ? 1 / mean : 0;
         }

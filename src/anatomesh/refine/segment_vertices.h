@@ -34,7 +34,7 @@ PlanesOfStack planes_of_stack(const ContourSet& contours, std::span<const std::u
                               const std::vector<Subsegment>& subsegments, std::size_t vertex_count);
 
 // What slices say of structures, for the facets of surfaces that meet their planes.
-struct SlicesThatTell {
+struct SliceWeights {
     std::vector<Plane> planes;    // by slice
     std::vector<Box2> extents;    // of their contours, in the planes; empty where these are parallel
     std::vector<double> weights;  // at structure * planes + slice: 1 / area drawn, or, if none is, in the
@@ -43,7 +43,7 @@ struct SlicesThatTell {
     PlaneSides sides;             // of them; of a stack, those in which none ends flat
     double on_plane_mm = 0;       // vertices this near to a plane lie in it
 };
-// Complexity: O(points + structures x slices), and that of Unsaid::of().
-SlicesThatTell slices_that_tell(const ContourSet& contours, const std::vector<Plane>& ends);
+// Complexity: O(points + structures x slices), and that of UnknownCoverage::of().
+SliceWeights weigh_slices(const ContourSet& contours, const std::vector<Plane>& ends);
 
 }  // namespace anatomesh

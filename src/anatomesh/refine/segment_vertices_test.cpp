@@ -46,7 +46,7 @@ TEST(SegmentEnds, are_the_vertices_of_neighbouring_points_of_a_contour) {
     }
 }
 
-TEST(SlicesThatTell, planes_that_lean_a_little_keep_their_order_and_their_flat_ends) {
+TEST(SliceWeights, planes_that_lean_a_little_keep_their_order_and_their_flat_ends) {
     std::mt19937 random(11);
     for (const double far : {0.0, 300.0, 3e4}) {
         for (const double lean : {0.0, 1e-6, 1e-4, 1e-3}) {
@@ -58,7 +58,7 @@ TEST(SlicesThatTell, planes_that_lean_a_little_keep_their_order_and_their_flat_e
             RunContext context;
             const auto field = make_structure_field(set, options, context);
             ASSERT_TRUE(field.ok());
-            const SlicesThatTell slices = slices_that_tell(set, field.value()->flat_ends());
+            const SliceWeights slices = weigh_slices(set, field.value()->flat_ends());
             ASSERT_EQ(slices.planes.size(), count);
             const Vec3 axis = slices.planes.front().normal;
             for (std::size_t k = 0; k < count; ++k) {
@@ -73,7 +73,7 @@ TEST(SlicesThatTell, planes_that_lean_a_little_keep_their_order_and_their_flat_e
 }
 
 // Discs in planes about an axis: each says something within its contours' box, and is in the list as it is.
-TEST(SlicesThatTell, planes_that_cross_have_extents_and_no_stack) {
+TEST(SliceWeights, planes_that_cross_have_extents_and_no_stack) {
     SetBuilder discs;
     constexpr int count = 5;
     for (int k = 0; k < count; ++k) {
@@ -83,7 +83,7 @@ TEST(SlicesThatTell, planes_that_cross_have_extents_and_no_stack) {
         discs.ring(0, circle({0.5, 0}, 5 + k, 24));
     }
     const ContourSet set = std::move(discs.set);
-    const SlicesThatTell slices = slices_that_tell(set, {});
+    const SliceWeights slices = weigh_slices(set, {});
     ASSERT_EQ(slices.planes.size(), set.slices.size());
     ASSERT_EQ(slices.extents.size(), set.slices.size());
     EXPECT_TRUE(slices.sides.stack.heights.empty());

@@ -7,7 +7,7 @@
 #include "anatomesh/geom/polygon.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
-#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/slices/coverage/covering_slices.h"
 
 namespace anatomesh {
 

@@ -1,4 +1,4 @@
-// Quadratic tetrahedra in files: the order of their nodes per format, and telling corners from mid-nodes.
+// Quadratic tetrahedra in files: the order of their nodes per format, and covering corners from mid-nodes.
 #pragma once
 
 #include <array>

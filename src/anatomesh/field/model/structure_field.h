@@ -31,7 +31,7 @@ struct FieldOptions {
     double max_gap_spacings = 2;
     // Parallel slices: each says something of every structure, also of one that is drawn on single slices;
     // else one drawn on every n-th slice is told of by its own alone.
-    bool every_slice_tells = false;
+    bool every_slice_covers = false;
     // Thickness given to a set that is one slice alone, where no spacing can be found. mm; 0: refused. [0,
     // 1000]
     double single_slice_mm = 0;

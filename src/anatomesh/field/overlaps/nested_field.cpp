@@ -261,7 +261,7 @@ class NestedField final : public StructureField {
 };
 
 // Slices between those of a level that it has not.
-void warn_of_silent_slices(const ContourSet& set, RunContext& context) {
+void warn_of_unknown_slices(const ContourSet& set, RunContext& context) {
     for (std::size_t n = 0; n < set.overlapping->levels.size() && set.drawn; ++n) {
         const std::vector<std::uint32_t>& own = set.overlapping->slices[n];
         const ContourSet& level = set.overlapping->levels[n];
@@ -286,7 +286,7 @@ Result<std::shared_ptr<const StructureField>> make_nested_field(const ContourSet
                                                                 const FieldOptions& options,
                                                                 RunContext& context) {
     Fields levels;
-    warn_of_silent_slices(set, context);
+    warn_of_unknown_slices(set, context);
     for (const ContourSet& level : set.overlapping->levels) {
         if (level.contours.empty()) {
             levels.push_back(nullptr);

@@ -14,7 +14,7 @@ namespace anatomesh {
 // (constructive solid geometry: Ricci, Comput. J. 16, 1973). A wall between two outlines is what is between
 // their surfaces, however thin it is and however far they move from slice to slice. Guarantees: on every
 // slice the region is that of the set's own contours, but for structures of which it says nothing
-// (telling_slices.h: slices that draw others alone); at most one structure is negative at a point. Requires:
+// (covering_slices.h: slices that draw others alone); at most one structure is negative at a point. Requires:
 // set.overlapping. Errors: those of make_structure_field(). Complexity of a query: that of the fields of the
 // levels, for all structures near.
 Result<std::shared_ptr<const StructureField>> make_nested_field(const ContourSet& set,

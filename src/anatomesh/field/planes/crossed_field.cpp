@@ -16,7 +16,7 @@
 #include "anatomesh/field/warnings/thin_structures.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/slices/arrangement/stack_and_crossing.h"
-#include "anatomesh/slices/coverage/unsaid.h"
+#include "anatomesh/slices/coverage/unknown_coverage.h"
 
 namespace anatomesh {
 
@@ -34,7 +34,7 @@ constexpr double most_traced = 1e6;         // lattice points of all traces toge
 class CrossedField final : public FieldQueries<CrossedField> {
   public:
     CrossedField(std::shared_ptr<const StructureField> stack, const ContourSet& set,
-                 const StackAndCrossing& slices, const Unsaid& unsaid, int threads)
+                 const StackAndCrossing& slices, const UnknownCoverage& unknown, int threads)
         : stack_(std::move(stack)), reach_(reach_spacings * stack_->slice_spacing()) {
         clamp_ = stack_->clamp();
         const auto count = static_cast<std::uint32_t>(set.structures.size());
@@ -43,9 +43,9 @@ class CrossedField final : public FieldQueries<CrossedField> {
             if (patches[s].box.empty()) continue;
             layers_.push_back({patches[s], {}});
             for (std::uint32_t n = 0; n < count; ++n) {
-                if (unsaid.contains(s, n)) layers_.back().unsaid.push_back(n);
+                if (unknown.contains(s, n)) layers_.back().unknown.push_back(n);
             }
-            layers_tell_all_ &= layers_.back().unsaid.empty();
+            layers_cover_all_ &= layers_.back().unknown.empty();
         }
         box_ = stack_->box();
         for (std::uint32_t s = 0; s < count; ++s) boxes_.push_back(stack_->box_of(s));
@@ -98,7 +98,7 @@ class CrossedField final : public FieldQueries<CrossedField> {
   private:
     struct Layer {
         PlanePatch patch;
-        std::vector<std::uint32_t> unsaid;  // structures of which it says nothing
+        std::vector<std::uint32_t> unknown;  // structures of which it says nothing
     };
     struct CrossingPlane {
         PlanePatch patch;
@@ -127,7 +127,7 @@ class CrossedField final : public FieldQueries<CrossedField> {
     double nearest_layer(std::uint32_t structure, Vec3 p) const {
         double nearest = HUGE_VAL;
         for (const Layer& layer : layers_) {
-            if (std::find(layer.unsaid.begin(), layer.unsaid.end(), structure) == layer.unsaid.end())
+            if (std::find(layer.unknown.begin(), layer.unknown.end(), structure) == layer.unknown.end())
                 nearest = std::min(nearest, distance_from(layer.patch, p));
         }
         return nearest;
@@ -154,12 +154,12 @@ class CrossedField final : public FieldQueries<CrossedField> {
         sight.nearest = HUGE_VAL;
         for (const Layer& layer : layers_)
             sight.nearest = std::min(sight.nearest, distance_from(layer.patch, p));
-        return sight.nearest > 0 || !layers_tell_all_;
+        return sight.nearest > 0 || !layers_cover_all_;
     }
 
     double value_at(std::uint32_t structure, Vec3 p, const Sight& sight) const {
         const double stack = no_further_than_drawn(structure, stack_->value(structure, p), sight);
-        const double nearest = layers_tell_all_ ? sight.nearest : nearest_layer(structure, p);
+        const double nearest = layers_cover_all_ ? sight.nearest : nearest_layer(structure, p);
         if (nearest == 0) return stack;
         double all = 1 / nearest, sum = 0;
         for (const auto& [plane, weight, at, distance, on_plane] : sight.planes) {
@@ -230,7 +230,7 @@ class CrossedField final : public FieldQueries<CrossedField> {
     std::shared_ptr<const StructureField> stack_;
     double reach_;
     std::vector<Layer> layers_;
-    bool layers_tell_all_ = true;
+    bool layers_cover_all_ = true;
     std::vector<CrossingPlane> planes_;
     Box3 box_;
     std::vector<Box3> boxes_;  // by structure
@@ -277,7 +277,7 @@ Result<std::shared_ptr<const StructureField>> make_crossed_field(const ContourSe
     const double spacing = stack->slice_spacing();
     warn_about_thin_structures(set, spacing, context);
     std::shared_ptr<const StructureField> field = std::make_shared<CrossedField>(
-        std::move(stack), set, slices, Unsaid::of(set, context), context.threads);
+        std::move(stack), set, slices, UnknownCoverage::of(set, context), context.threads);
     // What lies between two slices of the stack they tell.
     warn_about_sparse_planes(set, *field, 0.5 * spacing, context);
     return field;

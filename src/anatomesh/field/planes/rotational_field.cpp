@@ -14,7 +14,7 @@
 #include "anatomesh/field/warnings/missing_slices.h"
 #include "anatomesh/slices/arrangement/plane_patches.h"
 #include "anatomesh/slices/arrangement/rotation_axis.h"
-#include "anatomesh/slices/coverage/unsaid.h"
+#include "anatomesh/slices/coverage/unknown_coverage.h"
 
 namespace anatomesh {
 
@@ -196,7 +196,7 @@ Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSw
     RunContext apart;  // its warnings are those of the field near the axis, or of straight coordinates
     apart.threads = context.threads;
     apart.cancel = context.cancel;
-    if (!Unsaid::of(set, apart).empty()) {
+    if (!UnknownCoverage::of(set, apart).empty()) {
         warn_about_missing_slices(set, context);
         return parts.near;
     }
@@ -205,7 +205,7 @@ Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSw
     FieldOptions straight = options;
     straight.clamp_mm = parts.near->clamp();
     straight.max_gap_spacings = any_gap;
-    straight.every_slice_tells = true;
+    straight.every_slice_covers = true;
     ANATOMESH_TRY(parts.away, make_parallel_field(straightened, straight, apart));
     parts.near_spacing = near_vertices * mean_vertex_spacing(set);
     return std::shared_ptr<const StructureField>(

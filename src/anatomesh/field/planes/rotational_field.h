@@ -9,9 +9,9 @@ namespace anatomesh {
 // The field of parallel slices (parallel_field.h) in the sweep's straight coordinates; near the axis, where
 // slices are nearer to each other than vertices along the contours are in the mean, or cross, that of planes
 // in any position (general_field.h), which takes the mean of them. From one to the other their values are
-// blended, over as far again. The latter alone where a slice says nothing of a structure (unsaid.h). Requires:
-// sweep of `set`; at least one contour. Errors: those of both. Complexity of a query: that of the field that
-// counts there, of both where they are blended.
+// blended, over as far again. The latter alone where a slice says nothing of a structure
+// (unknown_coverage.h). Requires: sweep of `set`; at least one contour. Errors: those of both. Complexity of
+// a query: that of the field that counts there, of both where they are blended.
 Result<std::shared_ptr<const StructureField>> make_rotational_field(RotationalSweep sweep,
                                                                     const ContourSet& set,
                                                                     const FieldOptions& options,

@@ -9,7 +9,7 @@
 
 #include "anatomesh/contour/model/repeated_planes.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
-#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/slices/coverage/covering_slices.h"
 
 namespace anatomesh {
 
@@ -157,9 +157,9 @@ class Gaps {
 
 namespace {
 
-std::vector<std::uint32_t> telling_of(const std::vector<SliceInterval>& intervals,
-                                      const std::vector<std::uint32_t>& drawn, bool every_slice,
-                                      const std::vector<double>& left_out) {
+std::vector<std::uint32_t> covering_of(const std::vector<SliceInterval>& intervals,
+                                       const std::vector<std::uint32_t>& drawn, bool every_slice,
+                                       const std::vector<double>& left_out) {
     if (every_slice) {
         std::vector<std::uint32_t> all(drawn.back() - drawn.front() + 1);
         std::iota(all.begin(), all.end(), drawn.front());
@@ -167,7 +167,7 @@ std::vector<std::uint32_t> telling_of(const std::vector<SliceInterval>& interval
     }
     std::vector<double> heights;
     for (const SliceInterval& interval : intervals) heights.push_back(middle(interval));
-    return telling_slices(drawn, heights, left_out);
+    return covering_slices(drawn, heights, left_out);
 }
 
 // Of those that heights, rising, part a gap into, as a share of it.
@@ -206,12 +206,12 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                                  const FieldOptions& options, const GapEvidence& evidence) {
     assert(!drawn.empty() && spacing > 0);
     StructureLevels result;
-    const std::vector<std::uint32_t> telling = telling_of(intervals, drawn, every_slice, evidence.left_out);
+    const std::vector<std::uint32_t> covering = covering_of(intervals, drawn, every_slice, evidence.left_out);
     for (std::uint32_t i = drawn.front(); i <= drawn.back(); ++i) {
-        if (!std::binary_search(telling.begin(), telling.end(), i))
-            result.untold.push_back(intervals[i].slice);
+        if (!std::binary_search(covering.begin(), covering.end(), i))
+            result.unknown.push_back(intervals[i].slice);
     }
-    const bool own_spacing = telling.size() < drawn.back() - drawn.front() + 1u;
+    const bool own_spacing = covering.size() < drawn.back() - drawn.front() + 1u;
     // A structure on slices of its own knows these alone.
     const auto gap_between = [&](const SliceInterval& below, const SliceInterval& above) {
         return above.low - below.high;
@@ -219,13 +219,13 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
     // What nobody drew parts no gap: those between the others count.
     std::vector<std::uint32_t> known;
     std::vector<std::size_t> place;  // in these, of each that tells, or of the next one below it
-    for (const std::uint32_t i : telling) {
-        const bool is_end = i == telling.front() || i == telling.back();
+    for (const std::uint32_t i : covering) {
+        const bool is_end = i == covering.front() || i == covering.back();
         if (is_end || !std::binary_search(evidence.interpolated.begin(), evidence.interpolated.end(), i))
             known.push_back(i);
         place.push_back(known.size() - 1);
     }
-    const bool own_gaps = own_spacing || known.size() < telling.size();
+    const bool own_gaps = own_spacing || known.size() < covering.size();
     std::vector<double> around;
     if (own_gaps) {
         for (std::size_t i = 1; i < known.size(); ++i)
@@ -234,7 +234,7 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
         for (std::size_t i = 1; i < intervals.size(); ++i)
             around.push_back(gap_between(intervals[i - 1], intervals[i]));
     }
-    const Gaps gaps(around, own_gaps ? 0 : telling.front(), known.size() - 1, spacing);
+    const Gaps gaps(around, own_gaps ? 0 : covering.front(), known.size() - 1, spacing);
     const double widest = options.max_gap_spacings * joined_more;  // that is joined, in spacings
     // Where its own slices were left out, of usual gaps, it goes on.
     const auto is_open = [&](std::size_t gap) {
@@ -294,14 +294,14 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
         result.flat.push_back(extent);
     };
     std::size_t next_drawn = 0;
-    for (std::size_t i = 0; i < telling.size(); ++i) {
-        const SliceInterval& interval = intervals[telling[i]];
-        const bool is_drawn = next_drawn < drawn.size() && drawn[next_drawn] == telling[i];
+    for (std::size_t i = 0; i < covering.size(); ++i) {
+        const SliceInterval& interval = intervals[covering[i]];
+        const bool is_drawn = next_drawn < drawn.size() && drawn[next_drawn] == covering[i];
         if (i > 0 && place[i] != place[i - 1]) {
             const std::size_t g = place[i - 1];
             const double gap = gaps[g];
             const std::pair<double, double> ends{intervals[known[g]].high, interval.low};
-            if (is_open(g) && known[g] == telling[i - 1]) {
+            if (is_open(g) && known[g] == covering[i - 1]) {
                 result.open_gaps.push_back(ends);
                 // The two empty levels in the gap do not pass one another.
                 const double below = ends.first + std::min(spacing_at(g, -1), 0.5 * gap);
@@ -315,16 +315,16 @@ StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                 result.gaps_by_groups.push_back(ends);
             }
         }
-        if (i == 0) result.levels.push_back(end_level(telling[0], -1, spacing_at(0, 1)));
+        if (i == 0) result.levels.push_back(end_level(covering[0], -1, spacing_at(0, 1)));
         result.levels.push_back({interval.low, interval.high, is_drawn ? interval.slice : Level::no_slice});
         if (is_drawn) {
-            part.push_back(telling[i]);
+            part.push_back(covering[i]);
             ++next_drawn;
         } else {
             result.not_drawn.push_back(interval.slice);
         }
     }
-    close_part(end_level(telling.back(), 1, spacing_at(known.size() - 1, -1)));
+    close_part(end_level(covering.back(), 1, spacing_at(known.size() - 1, -1)));
     result.flat.back().until = std::numeric_limits<double>::infinity();
     return result;
 }

@@ -37,7 +37,7 @@ struct StructureLevels {
     // Along the normal, for warnings; gaps_by_groups: joined only since slices count in groups.
     std::vector<std::pair<double, double>> open_gaps, bridged_gaps, gaps_by_groups;
     std::vector<std::uint32_t> not_drawn;  // slices between its first and last on which it is empty
-    std::vector<std::uint32_t> untold;     // those between them that say nothing about it
+    std::vector<std::uint32_t> unknown;    // those between them that say nothing about it
 };
 
 // From the first slice of a part of a structure to its last, and how far the empty levels are from these.
@@ -61,7 +61,7 @@ struct GapEvidence {
 
 // Levels of a structure drawn on the slices intervals[drawn[..]] (rising, at least one).
 // `every_slice`: each slice of the set says something about it (label maps). Otherwise those between its own
-// that telling_slices() names. `spacing`: of the set, for a structure whose own spacing cannot be told.
+// that covering_slices() names. `spacing`: of the set, for a structure whose own spacing cannot be told.
 // A gap that slices left out part into usual ones is bridged.
 StructureLevels structure_levels(const std::vector<SliceInterval>& intervals,
                                  const std::vector<std::uint32_t>& drawn, bool every_slice, double spacing,

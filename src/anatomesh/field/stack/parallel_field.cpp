@@ -21,7 +21,7 @@
 #include "anatomesh/field/stack/slice_motion.h"
 #include "anatomesh/field/stack/track.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
-#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/slices/coverage/covering_slices.h"
 
 namespace anatomesh {
 
@@ -202,11 +202,11 @@ void warn_about_levels(const ContourSet& set, std::uint32_t structure, const Str
                        std::to_string(levels.not_drawn.size()) + " slices without it"},
                       "taken as empty there; slices that nobody drew on are left out by --without"});
     }
-    if (set.drawn && !levels.untold.empty()) {
+    if (set.drawn && !levels.unknown.empty()) {
         context.warn({"W-FLD-012",
                       "drawn on slices of its own: others between these draw other structures and not it",
-                      {set.source, set.slices[levels.untold.front()].name, name, "",
-                       std::to_string(levels.untold.size()) + " slices without it"},
+                      {set.source, set.slices[levels.unknown.front()].name, name, "",
+                       std::to_string(levels.unknown.size()) + " slices without it"},
                       "taken to say nothing about it: it goes on through them"});
     }
     if (levels.flat_island) {
@@ -226,7 +226,7 @@ void ParallelField::build_tracks(const ContourSet& set, const std::vector<SliceI
             if (map_of_[s][intervals[i].slice] != empty_level) drawn.push_back(i);
         }
         const bool is_union = s == set.structures.size();
-        const bool every_slice = set.exclusive || options.every_slice_tells;
+        const bool every_slice = set.exclusive || options.every_slice_covers;
         const Plane& frame = set.slices.front().plane;
         GapEvidence evidence{heights_left_out(set, s, frame.origin, frame.normal), {}, parts, is_union};
         for (const std::uint32_t i : drawn) {

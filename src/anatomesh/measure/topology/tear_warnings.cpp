@@ -87,13 +87,13 @@ std::string text_of(Vec3 place) {
     return text(place.x) + " " + text(place.y) + " " + text(place.z);
 }
 
-Told told_of(std::span<const UntoldJoint> joints) {
+Told told_of(std::span<const SpuriousJoint> joints) {
     Told told;
-    for (const UntoldJoint& joint : joints) told.count += joint.joints;
+    for (const SpuriousJoint& joint : joints) told.count += joint.joints;
     if (joints.empty()) return told;
-    const UntoldJoint& worst =
+    const SpuriousJoint& worst =
         *std::max_element(joints.begin(), joints.end(),
-                          [](const UntoldJoint& x, const UntoldJoint& y) { return x.joints < y.joints; });
+                          [](const SpuriousJoint& x, const SpuriousJoint& y) { return x.joints < y.joints; });
     told.slice = worst.slice;
     told.where = "one of them beside this slice near " + text_of(worst.place) + " mm";
     told.hint = "a plane through the place, or ";
@@ -126,8 +126,9 @@ std::uint32_t nearest_slice(const ContourSet& contours, std::uint32_t structure,
     return slice;
 }
 
-std::vector<UntoldJoint> small_ones(const TornModel& model, std::span<const std::vector<Triangle>> surfaces) {
-    std::vector<UntoldJoint> joints;
+std::vector<SpuriousJoint> small_ones(const TornModel& model,
+                                      std::span<const std::vector<Triangle>> surfaces) {
+    std::vector<SpuriousJoint> joints;
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         if (surfaces[s].empty() || model.structures[model.structure_of[s]].genus <= 0) continue;
         for (const SmallHandles& part :
@@ -166,17 +167,17 @@ ModelTears find_tears(const TornModel& model, int threads) {
         std::any_of(surfaces.begin(), surfaces.end(), [](const auto& surface) { return !surface.empty(); });
     if (asked && !is_parallel(contours) && !Sweep::of(contours)) {
         const ContourEdges edges = edges_of_contours(model);
-        tears.between_planes =
-            untold_joints(model.mesh.points, surfaces, edges.found, edges.missed, contours, model.vertex_of);
+        tears.between_planes = spurious_joints(model.mesh.points, surfaces, edges.found, edges.missed,
+                                               contours, model.vertex_of);
         tears.small = small_ones(model, surfaces);
     }
     return tears;
 }
 
-std::size_t untold_places(const ModelTears& tears) {
+std::size_t spurious_places(const ModelTears& tears) {
     std::map<std::uint32_t, std::array<std::size_t, 2>> by_structure;
-    for (const UntoldJoint& joint : tears.between_planes) by_structure[joint.structure][0] += joint.joints;
-    for (const UntoldJoint& joint : tears.small) by_structure[joint.structure][1] += joint.joints;
+    for (const SpuriousJoint& joint : tears.between_planes) by_structure[joint.structure][0] += joint.joints;
+    for (const SpuriousJoint& joint : tears.small) by_structure[joint.structure][1] += joint.joints;
     std::size_t count = 0;
     for (const auto& [structure, seen] : by_structure) count += std::max(seen[0], seen[1]);
     return count;

@@ -8,8 +8,8 @@
 #include "anatomesh/base/run_context.h"
 #include "anatomesh/contour/model/contour_set.h"
 #include "anatomesh/measure/report.h"
+#include "anatomesh/measure/topology/spurious_joints.h"
 #include "anatomesh/measure/topology/surface_tears.h"
-#include "anatomesh/measure/topology/untold_joints.h"
 #include "anatomesh/mesh/model/tet_mesh.h"
 
 namespace anatomesh {
@@ -27,18 +27,18 @@ struct TornModel {
 
 struct ModelTears {
     std::vector<SurfaceTear> of_slices;
-    std::vector<UntoldJoint> between_planes;  // where planes cross
-    std::vector<UntoldJoint> small;           // there, handles of about an edge length
+    std::vector<SpuriousJoint> between_planes;  // where planes cross
+    std::vector<SpuriousJoint> small;           // there, handles of about an edge length
 };
 
 // The tears of surface_tears() that are sure to be none of the field's own: of structures twice as thick in
 // the mean as the edge length those alone that go on from end to end, and where parts branch or vanish no
-// joints. Of planes that are no sweep also untold_joints(), and those small_handles() within one and a half
+// joints. Of planes that are no sweep also spurious_joints(), and those small_handles() within one and a half
 // edge lengths that no whole contour is drawn beside. Requires: surfaces that are closed manifolds.
 ModelTears find_tears(const TornModel& model, int threads);
 
 // Where planes cross, how many of them; of what each of two ways sees what sees more, by structure.
-std::size_t untold_places(const ModelTears& tears);
+std::size_t spurious_places(const ModelTears& tears);
 
 // W-PIP-004, once for each structure. `tears`: as find_tears() gives them.
 void warn_of_tears(const ModelTears& tears, const ContourSet& contours, double size_mm, RunContext& context);

@@ -20,11 +20,11 @@ constexpr double outlier_mm = 2,
 class Warner {
   public:
     Warner(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
-           std::span<const Silence> silences, std::span<const StraySlice> strays, RunContext& context)
+           std::span<const UndrawnStructure> undrawn, std::span<const StraySlice> strays, RunContext& context)
         : set_(set),
           options_(options),
           stats_(stats),
-          silences_(silences),
+          undrawn_(undrawn),
           strays_(strays),
           context_(context) {}
 
@@ -40,7 +40,7 @@ class Warner {
         warn_of_walls();
         warn_of_rest();
         warn_of_outliers();
-        warn_of_silences();
+        warn_of_undrawn();
         warn_of_strays();
     }
 
@@ -77,10 +77,11 @@ class Warner {
         }
     }
 
-    void warn_of_silences() {
-        std::vector<Silence> named(silences_.begin(), silences_.end());
-        std::stable_sort(named.begin(), named.end(),
-                         [](const Silence& p, const Silence& q) { return p.shown_mm > q.shown_mm; });
+    void warn_of_undrawn() {
+        std::vector<UndrawnStructure> named(undrawn_.begin(), undrawn_.end());
+        std::stable_sort(
+            named.begin(), named.end(),
+            [](const UndrawnStructure& p, const UndrawnStructure& q) { return p.shown_mm > q.shown_mm; });
         for (std::size_t n = 0; n < std::min(named.size(), most_named_pairs); ++n) {
             const Structure& structure = set_.structures[named[n].structure];
             Place place = place_of_slice(set_, named[n].slice, named[n].shown_mm);
@@ -299,7 +300,7 @@ class Warner {
     const ContourSet& set_;
     const ReconcileOptions& options_;
     const ReconcileStats& stats_;
-    std::span<const Silence> silences_;
+    std::span<const UndrawnStructure> undrawn_;
     std::span<const StraySlice> strays_;
     RunContext& context_;
 };
@@ -307,9 +308,9 @@ class Warner {
 }  // namespace
 
 void warn_of_reconciling(const ContourSet& set, const ReconcileOptions& options, const ReconcileStats& stats,
-                         std::span<const Silence> silences, std::span<const StraySlice> strays,
+                         std::span<const UndrawnStructure> undrawn, std::span<const StraySlice> strays,
                          RunContext& context) {
-    Warner(set, options, stats, silences, strays, context).warn();
+    Warner(set, options, stats, undrawn, strays, context).warn();
 }
 
 Place place_of_slice(const ContourSet& set, std::uint32_t slice, double value_mm) {

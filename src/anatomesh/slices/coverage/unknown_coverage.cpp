@@ -1,4 +1,4 @@
-#include "anatomesh/slices/coverage/unsaid.h"
+#include "anatomesh/slices/coverage/unknown_coverage.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/stack_and_crossing.h"
 #include "anatomesh/slices/arrangement/sweep.h"
-#include "anatomesh/slices/coverage/silences.h"
-#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/slices/coverage/covering_slices.h"
+#include "anatomesh/slices/coverage/undrawn_structures.h"
 
 namespace anatomesh {
 
@@ -61,7 +61,7 @@ Stack in_order(const ContourSet& set, std::uint32_t structure, const std::vector
 }
 
 // The slices that a structure skips which is drawn on slices of its own.
-void add_skipped(const Stack& stack, std::uint32_t structure, std::vector<std::vector<bool>>& unsaid) {
+void add_skipped(const Stack& stack, std::uint32_t structure, std::vector<std::vector<bool>>& unknown) {
     const std::vector<SliceInOrder>& ordered = stack.slices;
     std::vector<std::uint32_t> drawn;
     std::vector<double> heights;
@@ -69,15 +69,15 @@ void add_skipped(const Stack& stack, std::uint32_t structure, std::vector<std::v
     for (std::uint32_t n = 0; n < ordered.size(); ++n) {
         if (ordered[n].draws) drawn.push_back(n);
     }
-    const std::vector<std::uint32_t> telling = telling_slices(drawn, heights, stack.left_out);
+    const std::vector<std::uint32_t> covering = covering_slices(drawn, heights, stack.left_out);
     for (std::uint32_t n = drawn.front(); n < drawn.back(); ++n) {
-        if (!std::binary_search(telling.begin(), telling.end(), n))
-            unsaid[ordered[n].slice][structure] = true;
+        if (!std::binary_search(covering.begin(), covering.end(), n))
+            unknown[ordered[n].slice][structure] = true;
     }
 }
 
 // Structures drawn on every other slice of planes that nearly lie on each other.
-void add_interleaved(const ContourSet& set, std::vector<std::vector<bool>>& unsaid) {
+void add_interleaved(const ContourSet& set, std::vector<std::vector<bool>>& unknown) {
     for (std::uint32_t structure = 0; structure < set.structures.size(); ++structure) {
         std::vector<bool> draws(set.slices.size(), false);
         for (const Contour& contour : set.contours) {
@@ -94,31 +94,32 @@ void add_interleaved(const ContourSet& set, std::vector<std::vector<bool>>& unsa
                 seen[s] = draws[s];
                 stack.push_back(s);
             }
-            add_skipped(in_order(set, structure, stack, draws), structure, unsaid);
+            add_skipped(in_order(set, structure, stack, draws), structure, unknown);
         }
     }
 }
 
 }  // namespace
 
-Unsaid Unsaid::of(const ContourSet& set, RunContext& context) {
-    Unsaid made;
+UnknownCoverage UnknownCoverage::of(const ContourSet& set, RunContext& context) {
+    UnknownCoverage made;
     if (set.structures.size() < 2 || is_parallel(set) || Sweep::of(set)) return made;
-    std::vector<std::vector<bool>> unsaid(set.slices.size(), std::vector<bool>(set.structures.size(), false));
-    for (const Silence& silence : find_silences(set, context))
-        unsaid[silence.slice][silence.structure] = true;
-    add_interleaved(set, unsaid);
+    std::vector<std::vector<bool>> unknown(set.slices.size(),
+                                           std::vector<bool>(set.structures.size(), false));
+    for (const UndrawnStructure& missing : find_undrawn_structures(set, context))
+        unknown[missing.slice][missing.structure] = true;
+    add_interleaved(set, unknown);
     if (const auto slices = stack_and_crossing(set)) {
         for (const std::uint32_t s : slices->crossing) {
-            unsaid[s].assign(set.structures.size(), true);
+            unknown[s].assign(set.structures.size(), true);
             for (const Contour& contour : set.contours_of(set.slices[s]))
-                unsaid[s][contour.structure] = false;
+                unknown[s][contour.structure] = false;
         }
     }
     const auto any = [](const std::vector<bool>& of_slice) {
         return std::find(of_slice.begin(), of_slice.end(), true) != of_slice.end();
     };
-    if (std::any_of(unsaid.begin(), unsaid.end(), any)) made.unsaid_ = std::move(unsaid);
+    if (std::any_of(unknown.begin(), unknown.end(), any)) made.unknown_ = std::move(unknown);
     return made;
 }
 

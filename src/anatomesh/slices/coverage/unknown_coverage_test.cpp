@@ -1,5 +1,5 @@
 // Laws of what slices say of structures that are not drawn on them.
-#include "anatomesh/slices/coverage/unsaid.h"
+#include "anatomesh/slices/coverage/unknown_coverage.h"
 
 #include <gtest/gtest.h>
 
@@ -40,39 +40,39 @@ ContourSet two_stacks(double degrees, double offset, bool both) {
     return set;
 }
 
-TEST(Unsaid, a_structure_on_planes_of_its_own_is_not_told_by_those_between) {
+TEST(UnknownCoverage, a_structure_on_planes_of_its_own_is_not_told_by_those_between) {
     int tried = 0;
     for (const double degrees : {0.2, 1.0, 2.5, 4.0, 10.0, 15.0}) {
         for (const double offset : {0.3, 1.0}) {
             SCOPED_TRACE(std::to_string(degrees) + " degrees, " + std::to_string(offset) + " mm");
             const ContourSet set = two_stacks(degrees, offset, false);
             RunContext context;
-            const Unsaid unsaid = Unsaid::of(set, context);
+            const UnknownCoverage unknown = UnknownCoverage::of(set, context);
             // A sweep goes by its own rule for that (levels.h).
             if (Sweep::of(set)) {
-                EXPECT_TRUE(unsaid.empty());
+                EXPECT_TRUE(unknown.empty());
                 continue;
             }
             ++tried;
             // Slices come in turn; the first of the second structure and the last of the first lie at an end.
             for (std::uint32_t s = 1; s + 1 < set.slices.size(); ++s) {
                 const std::uint32_t other = s % 2 == 0 ? 1 : 0;
-                EXPECT_TRUE(unsaid.contains(s, other)) << s;
-                EXPECT_FALSE(unsaid.contains(s, 1 - other)) << s;
+                EXPECT_TRUE(unknown.contains(s, other)) << s;
+                EXPECT_FALSE(unknown.contains(s, 1 - other)) << s;
             }
         }
     }
     EXPECT_GE(tried, 2);
 }
 
-TEST(Unsaid, planes_that_all_draw_a_structure_leave_nothing_unsaid) {
+TEST(UnknownCoverage, planes_that_all_draw_a_structure_leave_nothing_unsaid) {
     RunContext context;
     for (const double degrees : {0.2, 2.5})
-        EXPECT_TRUE(Unsaid::of(two_stacks(degrees, 0.3, true), context).empty());
+        EXPECT_TRUE(UnknownCoverage::of(two_stacks(degrees, 0.3, true), context).empty());
 }
 
 // Of a structure that is missing on single slices of its stack these say that it is not there.
-TEST(Unsaid, a_slice_that_is_left_out_of_many_says_outside) {
+TEST(UnknownCoverage, a_slice_that_is_left_out_of_many_says_outside) {
     ContourSet set = two_stacks(0.2, 0.3, true);
     std::vector<Contour> kept;
     for (const Contour& contour : set.contours) {
@@ -85,8 +85,8 @@ TEST(Unsaid, a_slice_that_is_left_out_of_many_says_outside) {
         if (slice.contour_count++ == 0) slice.first_contour = n;
     }
     RunContext context;
-    const Unsaid unsaid = Unsaid::of(set, context);
-    EXPECT_TRUE(unsaid.empty() || !unsaid.contains(10, 1));
+    const UnknownCoverage unknown = UnknownCoverage::of(set, context);
+    EXPECT_TRUE(unknown.empty() || !unknown.contains(10, 1));
 }
 
 }  // namespace

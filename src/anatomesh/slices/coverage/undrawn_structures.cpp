@@ -1,4 +1,4 @@
-#include "anatomesh/slices/coverage/silences.h"
+#include "anatomesh/slices/coverage/undrawn_structures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -70,7 +70,7 @@ struct Shown {
     std::uint32_t by = 0, slices = 0;
     double length_mm = 0, depth_mm = 0;  // the most on any line
     int side = 0;                        // where it is beyond an end of the structure: that of the structure
-    bool is_silent = false;
+    bool is_undrawn = false;
 };
 
 // Whether slice `far` lies beyond slice `near`, seen from a structure on the given side of both.
@@ -91,8 +91,9 @@ bool lies_beyond(const ContourSet& set, std::uint32_t far, std::uint32_t near, i
 
 }  // namespace
 
-std::vector<Silence> find_silences(const ContourSet& set, std::span<const LineComparison> comparisons,
-                                   double spacing) {
+std::vector<UndrawnStructure> find_undrawn_structures(const ContourSet& set,
+                                                      std::span<const LineComparison> comparisons,
+                                                      double spacing) {
     const std::vector<std::vector<bool>> drawn = drawn_on(set);
     std::map<std::pair<std::uint32_t, std::uint32_t>, Shown> shown;  // by slice and structure
     for (const LineComparison& c : comparisons) {
@@ -110,24 +111,24 @@ std::vector<Silence> find_silences(const ContourSet& set, std::span<const LineCo
         const auto [slice, structure] = key;
         const bool few = 2 * most.slices <= drawn_across(set, drawn, slice, structure);
         most.side = side_of_structure(set, drawn, slice, structure);
-        most.is_silent = most.side == 0 || (!few && most.depth_mm > spacing);
+        most.is_undrawn = most.side == 0 || (!few && most.depth_mm > spacing);
     }
     // Where the structure goes on through one slice, those beyond do not end it.
-    std::vector<Silence> silences;
+    std::vector<UndrawnStructure> undrawn;
     for (const auto& [key, most] : shown) {
         const auto [slice, structure] = key;
         const bool is_led_beyond = std::any_of(
             shown.begin(), shown.end(), [&, slice = slice, structure = structure](const auto& near) {
-                return near.second.is_silent && near.second.side != 0 && near.first.second == structure &&
+                return near.second.is_undrawn && near.second.side != 0 && near.first.second == structure &&
                        near.first.first != slice &&
                        lies_beyond(set, slice, near.first.first, near.second.side);
             });
-        if (most.is_silent || is_led_beyond) silences.push_back({slice, structure, most.by, most.length_mm});
+        if (most.is_undrawn || is_led_beyond) undrawn.push_back({slice, structure, most.by, most.length_mm});
     }
-    return silences;
+    return undrawn;
 }
 
-std::vector<Silence> find_silences(const ContourSet& set, RunContext& context) {
+std::vector<UndrawnStructure> find_undrawn_structures(const ContourSet& set, RunContext& context) {
     const std::vector<std::vector<bool>> drawn = drawn_on(set);
     std::vector<bool> anywhere(set.structures.size(), false);
     for (const Contour& contour : set.contours) anywhere[contour.structure] = true;
@@ -142,15 +143,15 @@ std::vector<Silence> find_silences(const ContourSet& set, RunContext& context) {
     auto pairs = crossing_pairs(patches, spacing);
     std::erase_if(pairs,
                   [&](const auto& pair) { return !leaves_out(pair.first) && !leaves_out(pair.second); });
-    return find_silences(set, compare_planes(set, patches, pairs, spacing, context), spacing);
+    return find_undrawn_structures(set, compare_planes(set, patches, pairs, spacing, context), spacing);
 }
 
-bool is_silent(std::span<const Silence> silences, std::uint32_t slice, std::uint32_t structure) {
-    const auto at = std::lower_bound(silences.begin(), silences.end(), std::pair(slice, structure),
-                                     [](const Silence& silence, const auto& key) {
-                                         return std::pair(silence.slice, silence.structure) < key;
+bool is_undrawn(std::span<const UndrawnStructure> undrawn, std::uint32_t slice, std::uint32_t structure) {
+    const auto at = std::lower_bound(undrawn.begin(), undrawn.end(), std::pair(slice, structure),
+                                     [](const UndrawnStructure& missing, const auto& key) {
+                                         return std::pair(missing.slice, missing.structure) < key;
                                      });
-    return at != silences.end() && at->slice == slice && at->structure == structure;
+    return at != undrawn.end() && at->slice == slice && at->structure == structure;
 }
 
 }  // namespace anatomesh

@@ -1,5 +1,5 @@
 // Solids of unit cubes cut by three stacks of planes 8 mm apart.
-#include "anatomesh/measure/topology/untold_joints.h"
+#include "anatomesh/measure/topology/spurious_joints.h"
 
 #include <gtest/gtest.h>
 
@@ -39,14 +39,14 @@ struct Cut {
         std::sort(edges.begin(), edges.end());
     }
 
-    std::vector<UntoldJoint> joints() const {
-        return untold_joints(points, surfaces, edges, missed, contours, vertex_of);
+    std::vector<SpuriousJoint> joints() const {
+        return spurious_joints(points, surfaces, edges, missed, contours, vertex_of);
     }
     std::uint32_t count() const {
-        const std::vector<UntoldJoint> found = joints();
+        const std::vector<SpuriousJoint> found = joints();
         return std::accumulate(
             found.begin(), found.end(), 0u,
-            [](std::uint32_t sum, const UntoldJoint& joint) { return sum + joint.joints; });
+            [](std::uint32_t sum, const SpuriousJoint& joint) { return sum + joint.joints; });
     }
 
   private:
@@ -100,11 +100,11 @@ CubeSolid plate() {
     return solid;
 }
 
-TEST(UntoldJoints, a_bridge_between_the_slices_of_three_stacks) {
+TEST(SpuriousJoints, a_bridge_between_the_slices_of_three_stacks) {
     for (const int bridges : {0, 1, 2}) {
         CubeSolid solid = two_blocks();
         for (int n = 0; n < bridges; ++n) solid.add({6 + 8 * n, 9, 6}, {8 + 8 * n, 10, 8});
-        const std::vector<UntoldJoint> found = Cut(solid).joints();
+        const std::vector<SpuriousJoint> found = Cut(solid).joints();
         ASSERT_EQ(found.size(), static_cast<std::size_t>(bridges));
         for (std::size_t n = 0; n < found.size(); ++n) {
             EXPECT_EQ(found[n].joints, 1u);
@@ -116,12 +116,12 @@ TEST(UntoldJoints, a_bridge_between_the_slices_of_three_stacks) {
     CubeSolid solid = two_blocks();
     solid.add({5, 9, 6}, {7, 10, 8});
     solid.add({9, 9, 6}, {11, 10, 8});
-    const std::vector<UntoldJoint> found = Cut(solid).joints();  // two in one cell
+    const std::vector<SpuriousJoint> found = Cut(solid).joints();  // two in one cell
     ASSERT_EQ(found.size(), 1u);
     EXPECT_EQ(found[0].joints, 2u);
 }
 
-TEST(UntoldJoints, a_hole_through_a_plate) {
+TEST(SpuriousJoints, a_hole_through_a_plate) {
     for (const int holes : {0, 1, 2}) {
         CubeSolid solid = plate();
         for (int n = 0; n < holes; ++n) solid.remove({6 + 8 * n, 5, 6}, {8 + 8 * n, 7, 8});
@@ -129,7 +129,7 @@ TEST(UntoldJoints, a_hole_through_a_plate) {
     }
 }
 
-TEST(UntoldJoints, a_handle_between_the_slices) {
+TEST(SpuriousJoints, a_handle_between_the_slices) {
     CubeSolid solid = two_blocks();
     solid.add({6, 6, 24}, {7, 7, 25});
     solid.add({9, 6, 24}, {10, 7, 25});
@@ -138,7 +138,7 @@ TEST(UntoldJoints, a_handle_between_the_slices) {
     EXPECT_EQ(Cut(solid).count(), 1u);
 }
 
-TEST(UntoldJoints, what_a_slice_shows_is_none) {
+TEST(SpuriousJoints, what_a_slice_shows_is_none) {
     CubeSolid bridged = two_blocks();
     bridged.add({11, 9, 6}, {14, 10, 8});
     EXPECT_EQ(Cut(bridged).count(), 0u);
@@ -148,7 +148,7 @@ TEST(UntoldJoints, what_a_slice_shows_is_none) {
 }
 
 // From one block to another one far off, along a way that misses two of the stacks.
-TEST(UntoldJoints, a_rod_or_a_channel_is_none) {
+TEST(SpuriousJoints, a_rod_or_a_channel_is_none) {
     for (const bool channel : {false, true}) {
         CubeSolid solid;
         solid.add({0, 0, 0}, {24, 9, 24});
@@ -159,7 +159,7 @@ TEST(UntoldJoints, a_rod_or_a_channel_is_none) {
     }
 }
 
-TEST(UntoldJoints, bumps_dents_rims_and_what_no_contour_is_on_are_none) {
+TEST(SpuriousJoints, bumps_dents_rims_and_what_no_contour_is_on_are_none) {
     CubeSolid solid = two_blocks();
     solid.add({6, 6, 24}, {8, 8, 26});
     solid.remove({14, 6, 22}, {16, 8, 24});
@@ -169,7 +169,7 @@ TEST(UntoldJoints, bumps_dents_rims_and_what_no_contour_is_on_are_none) {
 }
 
 // Patches of one sheet run together.
-TEST(UntoldJoints, edges_that_are_missing_make_none) {
+TEST(SpuriousJoints, edges_that_are_missing_make_none) {
     for (std::uint32_t step = 2; step < 12; ++step) {
         for (const bool bridged : {false, true}) {
             CubeSolid solid = two_blocks();
@@ -187,7 +187,7 @@ TEST(UntoldJoints, edges_that_are_missing_make_none) {
 }
 
 // A segment far from it.
-TEST(UntoldJoints, an_edge_that_is_missing_elsewhere_hides_none) {
+TEST(SpuriousJoints, an_edge_that_is_missing_elsewhere_hides_none) {
     CubeSolid solid = two_blocks();
     solid.add({6, 9, 6}, {8, 10, 8});
     Cut cut(solid);
@@ -200,7 +200,7 @@ TEST(UntoldJoints, an_edge_that_is_missing_elsewhere_hides_none) {
     EXPECT_EQ(cut.count(), 1u);
 }
 
-TEST(UntoldJoints, of_structures_that_are_not_asked_for_there_are_none) {
+TEST(SpuriousJoints, of_structures_that_are_not_asked_for_there_are_none) {
     CubeSolid solid = two_blocks();
     solid.add({6, 9, 6}, {8, 10, 8});
     Cut cut(solid);

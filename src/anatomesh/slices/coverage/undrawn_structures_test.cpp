@@ -1,5 +1,5 @@
 // Laws of what slices leave undrawn: two boxes, one in the other, in stacks of several directions.
-#include "anatomesh/slices/coverage/silences.h"
+#include "anatomesh/slices/coverage/undrawn_structures.h"
 
 #include <gtest/gtest.h>
 
@@ -47,53 +47,53 @@ std::vector<std::pair<int, double>> stack(int axis) {
     return planes;
 }
 
-std::vector<std::pair<std::uint32_t, std::uint32_t>> silences_of(const ContourSet& set) {
+std::vector<std::pair<std::uint32_t, std::uint32_t>> undrawn_of(const ContourSet& set) {
     RunContext context;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> silences;
-    for (const Silence& silence : find_silences(set, context))
-        silences.emplace_back(silence.slice, silence.structure);
-    return silences;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> undrawn;
+    for (const UndrawnStructure& missing : find_undrawn_structures(set, context))
+        undrawn.emplace_back(missing.slice, missing.structure);
+    return undrawn;
 }
 
-TEST(Silences, slices_of_one_direction_or_that_draw_all_leave_nothing_unsaid) {
-    EXPECT_TRUE(silences_of(boxes_on(stack(2), 8, [](auto) { return false; })).empty());
-    EXPECT_TRUE(silences_of(boxes_on(stack(2), 8, [](auto s) { return s % 2 == 0; })).empty());
+TEST(UndrawnStructures, slices_of_one_direction_or_that_draw_all_leave_nothing_unsaid) {
+    EXPECT_TRUE(undrawn_of(boxes_on(stack(2), 8, [](auto) { return false; })).empty());
+    EXPECT_TRUE(undrawn_of(boxes_on(stack(2), 8, [](auto s) { return s % 2 == 0; })).empty());
     std::vector<std::pair<int, double>> planes = stack(2);
     for (const int axis : {0, 1}) {
         const auto more = stack(axis);
         planes.insert(planes.end(), more.begin(), more.end());
     }
-    EXPECT_TRUE(silences_of(boxes_on(planes, 8, [](auto) { return false; })).empty());
+    EXPECT_TRUE(undrawn_of(boxes_on(planes, 8, [](auto) { return false; })).empty());
 }
 
-TEST(Silences, a_plane_across_that_never_draws_a_structure_says_nothing_of_it) {
+TEST(UndrawnStructures, a_plane_across_that_never_draws_a_structure_says_nothing_of_it) {
     std::vector<std::pair<int, double>> planes = stack(2);
     planes.push_back({0, 1});
     planes.push_back({1, 15});  // beside it: "outside"
     const ContourSet set = boxes_on(planes, 8, [](auto s) { return s >= 9; });
-    EXPECT_EQ(silences_of(set), (std::vector<std::pair<std::uint32_t, std::uint32_t>>{{9, 1}}));
+    EXPECT_EQ(undrawn_of(set), (std::vector<std::pair<std::uint32_t, std::uint32_t>>{{9, 1}}));
 }
 
 // The first slice beyond a structure's end says that it is not there, also where a plane across draws the end
-// a little further; one that misses it in the midst, or far below its end, leaves it unsaid.
-TEST(Silences, beyond_the_end_of_its_own_direction_a_slice_says_outside) {
+// a little further; one that misses it in the midst, or far below its end, leaves it unknown.
+TEST(UndrawnStructures, beyond_the_end_of_its_own_direction_a_slice_says_outside) {
     for (const double top : {9.0, 11.0, 17.0}) {
         std::vector<std::pair<int, double>> planes = stack(2);
         planes.push_back({0, 1});
         const ContourSet set = boxes_on(planes, top, [&](auto s) { return s == 6 || s == 7; });
-        const auto silences = silences_of(set);  // slices 6 and 7 at 8.3 and 12.3
+        const auto undrawn = undrawn_of(set);  // slices 6 and 7 at 8.3 and 12.3
         const bool is_end = top < 8.3 + 4;
-        EXPECT_EQ(silences.size(), is_end ? 0u : 2u) << top;
+        EXPECT_EQ(undrawn.size(), is_end ? 0u : 2u) << top;
     }
     std::vector<std::pair<int, double>> planes = stack(2);
     planes.push_back({0, 1});
-    EXPECT_EQ(silences_of(boxes_on(planes, 8, [](auto s) { return s == 4; })),
+    EXPECT_EQ(undrawn_of(boxes_on(planes, 8, [](auto s) { return s == 4; })),
               (std::vector<std::pair<std::uint32_t, std::uint32_t>>{{4, 1}}));
 }
 
 // One slice that is drawn too far does not outvote the slices that it crosses; all of them together do, and
 // go as far as they are drawn: the outermost slice does not cut off what goes on through those before it.
-TEST(Silences, beyond_an_end_one_slice_among_many_does_not_prolong_a_structure) {
+TEST(UndrawnStructures, beyond_an_end_one_slice_among_many_does_not_prolong_a_structure) {
     std::vector<std::pair<int, double>> planes = stack(2);
     const auto across = stack(0);
     planes.insert(planes.end(), across.begin(), across.end());
@@ -107,12 +107,12 @@ TEST(Silences, beyond_an_end_one_slice_among_many_does_not_prolong_a_structure) 
         }
         // At 8.3, 12.3 and 16.3.
         const std::vector<std::pair<std::uint32_t, std::uint32_t>> outvoted{{6, 1}, {7, 1}, {8, 1}};
-        EXPECT_EQ(silences_of(set), all ? outvoted : decltype(outvoted){});
+        EXPECT_EQ(undrawn_of(set), all ? outvoted : decltype(outvoted){});
     }
 }
 
 // Nothing moves, and the slice and the structure are named.
-TEST(Silences, reconciling_leaves_them_alone_and_warns) {
+TEST(UndrawnStructures, reconciling_leaves_them_alone_and_warns) {
     std::vector<std::pair<int, double>> planes = stack(2);
     planes.push_back({0, 1});
     const ContourSet set = boxes_on(planes, 8, [](auto s) { return s == 9; });

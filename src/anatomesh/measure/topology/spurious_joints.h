@@ -1,4 +1,4 @@
-// untold_joints: where a surface joins what the contours on it leave apart.
+// spurious_joints: where a surface joins what the contours on it leave apart.
 #pragma once
 
 #include <array>
@@ -13,12 +13,12 @@
 namespace anatomesh {
 
 // A patch of a structure's surface, between contours, with holes torn through a wall or bridges over a gap.
-struct UntoldJoint {
+struct SpuriousJoint {
     std::uint32_t structure = 0;
     std::uint32_t slice = 0;  // of a contour at its rim
     std::uint32_t joints = 0;
     Vec3 place;  // the middle of that of its rims on a sheet, or of all, that is the shortest
-    friend bool operator==(const UntoldJoint&, const UntoldJoint&) = default;
+    friend bool operator==(const SpuriousJoint&, const SpuriousJoint&) = default;
 };
 
 // Where planes cross, the contours on a surface are a net, and a patch is what a mesh of it holds: a disc, or
@@ -36,10 +36,11 @@ struct UntoldJoint {
 // the same patch on either side part nothing; in a patch with contour vertices within handles are not
 // counted, for these may tell of them. By structure, then by the lowest triangle. Complexity: O(t log t) for
 // t triangles, and for every structure that is asked for linear in the points and contours.
-std::vector<UntoldJoint> untold_joints(std::span<const Vec3> points,
-                                       std::span<const std::vector<Triangle>> surfaces,
-                                       std::span<const std::array<std::uint32_t, 2>> edges,
-                                       std::span<const std::array<std::uint32_t, 2>> missed,
-                                       const ContourSet& contours, std::span<const std::uint32_t> vertex_of);
+std::vector<SpuriousJoint> spurious_joints(std::span<const Vec3> points,
+                                           std::span<const std::vector<Triangle>> surfaces,
+                                           std::span<const std::array<std::uint32_t, 2>> edges,
+                                           std::span<const std::array<std::uint32_t, 2>> missed,
+                                           const ContourSet& contours,
+                                           std::span<const std::uint32_t> vertex_of);
 
 }  // namespace anatomesh

@@ -1,4 +1,4 @@
-#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/slices/coverage/covering_slices.h"
 
 #include <algorithm>
 #include <cassert>
@@ -66,20 +66,20 @@ bool is_as_wide(double low, double high, double spacing, const std::vector<doubl
 
 }  // namespace
 
-std::vector<std::uint32_t> telling_slices(const std::vector<std::uint32_t>& drawn,
-                                          const std::vector<double>& heights,
-                                          const std::vector<double>& left_out) {
+std::vector<std::uint32_t> covering_slices(const std::vector<std::uint32_t>& drawn,
+                                           const std::vector<double>& heights,
+                                           const std::vector<double>& left_out) {
     assert(!drawn.empty());
     if (has_most_gaps_with_others(drawn) || is_even(drawn, heights)) return drawn;
     const std::optional<double> spacing = !heights.empty() ? own_spacing(drawn, heights) : std::nullopt;
-    std::vector<std::uint32_t> telling{drawn.front()};
+    std::vector<std::uint32_t> covering{drawn.front()};
     for (std::size_t i = 1; i < drawn.size(); ++i) {
         const bool is_usual =
             spacing && is_as_wide(heights[drawn[i - 1]], heights[drawn[i]], *spacing, left_out);
-        for (std::uint32_t n = drawn[i - 1] + 1; n < drawn[i] && !is_usual; ++n) telling.push_back(n);
-        telling.push_back(drawn[i]);
+        for (std::uint32_t n = drawn[i - 1] + 1; n < drawn[i] && !is_usual; ++n) covering.push_back(n);
+        covering.push_back(drawn[i]);
     }
-    return telling;
+    return covering;
 }
 
 std::vector<double> heights_left_out(const ContourSet& set, std::uint32_t structure, Vec3 middle, Vec3 way) {

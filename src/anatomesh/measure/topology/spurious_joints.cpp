@@ -1,4 +1,4 @@
-#include "anatomesh/measure/topology/untold_joints.h"
+#include "anatomesh/measure/topology/spurious_joints.h"
 
 #include <algorithm>
 #include <cassert>
@@ -206,7 +206,7 @@ class PatchedSurface {
 
 // Of one structure; `contour_of` every point of the contours.
 void find_joints(std::uint32_t structure, const PatchedSurface& surface, const ContourSet& contours,
-                 const std::vector<std::uint32_t>& contour_of, std::vector<UntoldJoint>& joints) {
+                 const std::vector<std::uint32_t>& contour_of, std::vector<SpuriousJoint>& joints) {
     // All points of a whole contour, and no others.
     const auto is_contour = [&](const Rim& rim) {
         return rim.lowest_point != no_cell && contour_of[rim.lowest_point] == contour_of[rim.highest_point] &&
@@ -224,7 +224,7 @@ void find_joints(std::uint32_t structure, const PatchedSurface& surface, const C
             if (rim.is_on_sheet() && !is_contour(rim)) sheets.push_back(&rim);
         }
         if (handles == 0 && sheets.size() < 2) continue;
-        UntoldJoint joint{structure, 0, static_cast<std::uint32_t>(handles), {}};
+        SpuriousJoint joint{structure, 0, static_cast<std::uint32_t>(handles), {}};
         if (sheets.size() > 1) joint.joints += static_cast<std::uint32_t>(sheets.size()) - 1;
         const std::vector<const Rim*>& choice = sheets.empty() ? all : sheets;
         joint.place = (*std::min_element(choice.begin(), choice.end(), shorter))->middle;
@@ -237,13 +237,14 @@ void find_joints(std::uint32_t structure, const PatchedSurface& surface, const C
 
 }  // namespace
 
-std::vector<UntoldJoint> untold_joints(std::span<const Vec3> points,
-                                       std::span<const std::vector<Triangle>> surfaces,
-                                       std::span<const std::array<std::uint32_t, 2>> edges,
-                                       std::span<const std::array<std::uint32_t, 2>> missed,
-                                       const ContourSet& contours, std::span<const std::uint32_t> vertex_of) {
+std::vector<SpuriousJoint> spurious_joints(std::span<const Vec3> points,
+                                           std::span<const std::vector<Triangle>> surfaces,
+                                           std::span<const std::array<std::uint32_t, 2>> edges,
+                                           std::span<const std::array<std::uint32_t, 2>> missed,
+                                           const ContourSet& contours,
+                                           std::span<const std::uint32_t> vertex_of) {
     assert(surfaces.size() == contours.structures.size() && vertex_of.size() == contours.points.size());
-    std::vector<UntoldJoint> joints;
+    std::vector<SpuriousJoint> joints;
     std::vector<std::uint32_t> point_at(points.size(), no_cell), contour_of(contours.points.size(), 0);
     for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
         if (surfaces[s].empty()) continue;

@@ -1,4 +1,4 @@
-#include "anatomesh/slices/coverage/slices_tell.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "anatomesh/field/model/structure_field.h"
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/sweep.h"
-#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/slices/coverage/covering_slices.h"
 
 namespace anatomesh {
 namespace {
@@ -16,57 +16,57 @@ namespace {
 using namespace fixtures;
 using Places = std::vector<std::uint32_t>;
 
-Places telling(const std::vector<double>& heights, const std::vector<double>& drawn_at) {
+Places covering(const std::vector<double>& heights, const std::vector<double>& drawn_at) {
     Places drawn;
     for (std::uint32_t n = 0; n < heights.size(); ++n) {
         if (std::find(drawn_at.begin(), drawn_at.end(), heights[n]) != drawn_at.end()) drawn.push_back(n);
     }
-    return telling_slices(drawn, heights);
+    return covering_slices(drawn, heights);
 }
 
-TEST(TellingSlices, RS18_one_that_is_skipped_in_an_even_stack_tells) {
-    EXPECT_EQ(telling({0, 3, 6, 9, 12, 15}, {0, 3, 9, 12, 15}), (Places{0, 1, 2, 3, 4, 5}));
+TEST(CoveringSlices, RS18_one_that_is_skipped_in_an_even_stack_tells) {
+    EXPECT_EQ(covering({0, 3, 6, 9, 12, 15}, {0, 3, 9, 12, 15}), (Places{0, 1, 2, 3, 4, 5}));
 }
 
-TEST(TellingSlices, RS19_those_between_slices_of_its_own_do_not) {
-    EXPECT_EQ(telling({0, 3, 6, 9, 12, 15, 18}, {0, 6, 12, 18}), (Places{0, 2, 4, 6}));
+TEST(CoveringSlices, RS19_those_between_slices_of_its_own_do_not) {
+    EXPECT_EQ(covering({0, 3, 6, 9, 12, 15, 18}, {0, 6, 12, 18}), (Places{0, 2, 4, 6}));
 }
 
 // A lesion is drawn on finer slices inside an organ that is drawn every 3 mm.
-TEST(TellingSlices, those_in_a_gap_that_is_as_wide_as_its_others_do_not) {
+TEST(CoveringSlices, those_in_a_gap_that_is_as_wide_as_its_others_do_not) {
     const std::vector<double> heights{0, 3, 6, 8, 9, 10, 12, 14, 15, 18, 21};
-    EXPECT_EQ(telling(heights, {0, 3, 6, 9, 12, 15, 18, 21}), (Places{0, 1, 2, 4, 6, 8, 9, 10}));
+    EXPECT_EQ(covering(heights, {0, 3, 6, 9, 12, 15, 18, 21}), (Places{0, 1, 2, 4, 6, 8, 9, 10}));
     // Not drawn at 9 either: there it is empty.
-    EXPECT_EQ(telling(heights, {0, 3, 6, 12, 15, 18, 21}), (Places{0, 1, 2, 3, 4, 5, 6, 8, 9, 10}));
+    EXPECT_EQ(covering(heights, {0, 3, 6, 12, 15, 18, 21}), (Places{0, 1, 2, 3, 4, 5, 6, 8, 9, 10}));
 }
 
 // Not drawn at 9, since that slice was left out: what lies beside it tells nothing.
-TEST(TellingSlices, those_between_four_that_are_evenly_spaced_do_not) {
+TEST(CoveringSlices, those_between_four_that_are_evenly_spaced_do_not) {
     // 0, 5, 10 and 15 mm, of which the last two gaps hold others.
     const std::vector<double> heights{0, 5, 6, 8, 10, 12, 15};
-    EXPECT_EQ(telling_slices({0, 1, 4, 6}, heights), (std::vector<std::uint32_t>{0, 1, 4, 6}));
+    EXPECT_EQ(covering_slices({0, 1, 4, 6}, heights), (std::vector<std::uint32_t>{0, 1, 4, 6}));
     // Three show no spacing, nor do four of which one gap is wider.
-    EXPECT_EQ(telling_slices({0, 1, 4}, {0, 5, 6, 8, 10}), (std::vector<std::uint32_t>{0, 1, 2, 3, 4}));
-    EXPECT_EQ(telling_slices({0, 1, 4, 5}, {0, 5, 6, 8, 11, 16}),
+    EXPECT_EQ(covering_slices({0, 1, 4}, {0, 5, 6, 8, 10}), (std::vector<std::uint32_t>{0, 1, 2, 3, 4}));
+    EXPECT_EQ(covering_slices({0, 1, 4, 5}, {0, 5, 6, 8, 11, 16}),
               (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5}));
 }
 
-TEST(TellingSlices, what_was_left_out_is_no_slice_without_it) {
+TEST(CoveringSlices, what_was_left_out_is_no_slice_without_it) {
     const std::vector<double> heights{0, 3, 6, 8, 10, 12, 14, 15, 18, 21};
     const Places drawn{0, 1, 2, 5, 7, 8, 9};
-    EXPECT_EQ(telling_slices(drawn, heights), (Places{0, 1, 2, 3, 4, 5, 7, 8, 9}));
-    EXPECT_EQ(telling_slices(drawn, heights, {9}), (Places{0, 1, 2, 5, 7, 8, 9}));
-    EXPECT_EQ(telling_slices(drawn, heights, {-3, 9, 24}), (Places{0, 1, 2, 5, 7, 8, 9}));
-    EXPECT_EQ(telling_slices(drawn, heights, {8}), (Places{0, 1, 2, 3, 4, 5, 7, 8, 9}));
+    EXPECT_EQ(covering_slices(drawn, heights), (Places{0, 1, 2, 3, 4, 5, 7, 8, 9}));
+    EXPECT_EQ(covering_slices(drawn, heights, {9}), (Places{0, 1, 2, 5, 7, 8, 9}));
+    EXPECT_EQ(covering_slices(drawn, heights, {-3, 9, 24}), (Places{0, 1, 2, 5, 7, 8, 9}));
+    EXPECT_EQ(covering_slices(drawn, heights, {8}), (Places{0, 1, 2, 3, 4, 5, 7, 8, 9}));
 }
 
-TEST(TellingSlices, uneven_gaps_show_no_spacing) {
-    EXPECT_EQ(telling({0, 2, 3, 7, 9, 10.5, 12, 18}, {0, 2, 3, 7, 9, 12, 18}),
+TEST(CoveringSlices, uneven_gaps_show_no_spacing) {
+    EXPECT_EQ(covering({0, 2, 3, 7, 9, 10.5, 12, 18}, {0, 2, 3, 7, 9, 12, 18}),
               (Places{0, 1, 2, 3, 4, 5, 6, 7}));
 }
 
 // An organ on every third millimetre, and a lesion inside on every second.
-TEST(TellingSlices, an_organ_is_whole_where_a_lesion_in_it_has_slices_of_its_own) {
+TEST(CoveringSlices, an_organ_is_whole_where_a_lesion_in_it_has_slices_of_its_own) {
     for (const double lean : {0.0, 0.004}) {
         SetBuilder builder;
         std::vector<std::pair<double, bool>> slices;
@@ -91,7 +91,7 @@ TEST(TellingSlices, an_organ_is_whole_where_a_lesion_in_it_has_slices_of_its_own
         };
         EXPECT_EQ(told("W-FLD-003"), 0);
         EXPECT_EQ(told("W-FLD-012"), 2);  // the lesion goes on through the organ's slice at 0, too
-        const std::vector<bool> tell = slices_tell(builder.set, 0);
+        const std::vector<bool> tell = slice_coverage(builder.set, 0);
         for (std::uint32_t s = 0; s < tell.size(); ++s) {
             const auto drawn = builder.set.contours_of(builder.set.slices[s]);
             EXPECT_EQ(tell[s], drawn.front().structure == 0) << s;
@@ -101,7 +101,7 @@ TEST(TellingSlices, an_organ_is_whole_where_a_lesion_in_it_has_slices_of_its_own
 
 // An organ every 3 mm, a lesion in it on each of some, and one of the organ's slices left out: parallel
 // slices, some that lean more and more, and some that lean as by hand and cross.
-TEST(TellingSlices, an_organ_is_whole_where_a_slice_of_its_own_is_left_out) {
+TEST(CoveringSlices, an_organ_is_whole_where_a_slice_of_its_own_is_left_out) {
     enum class Lean { none, more_and_more, by_hand };
     for (const Lean lean : {Lean::none, Lean::more_and_more, Lean::by_hand}) {
         SCOPED_TRACE(static_cast<int>(lean));

@@ -1,11 +1,11 @@
-#include "anatomesh/slices/coverage/slices_tell.h"
+#include "anatomesh/slices/coverage/slice_coverage.h"
 
 #include <algorithm>
 #include <numeric>
 
 #include "anatomesh/slices/arrangement/parallel_slices.h"
 #include "anatomesh/slices/arrangement/sweep.h"
-#include "anatomesh/slices/coverage/telling_slices.h"
+#include "anatomesh/slices/coverage/covering_slices.h"
 
 namespace anatomesh {
 
@@ -37,7 +37,7 @@ InOrder in_order(const ContourSet& set) {
 
 }  // namespace
 
-std::vector<bool> slices_tell(const ContourSet& set, std::uint32_t structure) {
+std::vector<bool> slice_coverage(const ContourSet& set, std::uint32_t structure) {
     std::vector<bool> tell(set.slices.size(), true);
     if (set.overlapping) {
         const OverlappingContours& all = *set.overlapping;
@@ -45,7 +45,7 @@ std::vector<bool> slices_tell(const ContourSet& set, std::uint32_t structure) {
             const ContourSet& level = all.levels[n];
             for (std::uint32_t s = 0; s < level.structures.size(); ++s) {
                 if (level.structures[s].number != set.structures[structure].number) continue;
-                const std::vector<bool> by_level = slices_tell(level, s);
+                const std::vector<bool> by_level = slice_coverage(level, s);
                 tell.assign(tell.size(), false);
                 for (std::size_t k = 0; k < by_level.size(); ++k) tell[all.slices[n][k]] = by_level[k];
                 return tell;
@@ -61,11 +61,11 @@ std::vector<bool> slices_tell(const ContourSet& set, std::uint32_t structure) {
             drawn.push_back(n);
     }
     if (drawn.empty()) return tell;
-    const std::vector<std::uint32_t> telling =
-        telling_slices(drawn, order.heights, heights_left_out(set, structure, order.middle, order.way));
-    if (telling.size() == drawn.back() - drawn.front() + 1u) return tell;
+    const std::vector<std::uint32_t> covering =
+        covering_slices(drawn, order.heights, heights_left_out(set, structure, order.middle, order.way));
+    if (covering.size() == drawn.back() - drawn.front() + 1u) return tell;
     tell.assign(tell.size(), false);
-    for (const std::uint32_t n : telling) tell[order.slices[n]] = true;
+    for (const std::uint32_t n : covering) tell[order.slices[n]] = true;
     return tell;
 }
 
